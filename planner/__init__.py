@@ -1,0 +1,1 @@
+"""What to do: dependency graph, safe order, grasps, motions, plans, runs and the command line."""

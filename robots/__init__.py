@@ -1,0 +1,1 @@
+"""What can act: arms, grippers, cameras, bodies and the PyBullet world they share."""
