@@ -1,0 +1,40 @@
+"""Array types of the package, and the read-only copies its frozen types hand out."""
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+FloatArray = NDArray[np.float64]
+IntArray = NDArray[np.int64]
+BoolArray = NDArray[np.bool_]
+
+
+def frozen(array: ArrayLike) -> FloatArray:
+    """Copy an array into one nobody can write to.
+
+    Args:
+        array: Numbers of any shape.
+
+    Returns:
+        A C-contiguous float64 copy of the same shape, with writing switched off; an array that is
+        already so is returned as it is, since nobody can change it under us.
+    """
+    given = np.asarray(array, dtype=np.float64)
+    if not given.flags.writeable and given.flags.c_contiguous and given.base is None:
+        return given
+    copy = np.array(given, dtype=np.float64, order="C")
+    copy.setflags(write=False)
+    return copy
+
+
+def frozen_int(array: ArrayLike) -> IntArray:
+    """Copy an array of integers into one nobody can write to.
+
+    Args:
+        array: Integers of any shape.
+
+    Returns:
+        A C-contiguous int64 copy of the same shape, with writing switched off.
+    """
+    copy = np.array(array, dtype=np.int64, order="C")
+    copy.setflags(write=False)
+    return copy
