@@ -1,0 +1,119 @@
+"""What a closed-loop run leaves behind, step by step: the data the run report is drawn from."""
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from typing import Any
+
+from topple.topology.arrays import FloatArray
+from topple.topology.scene import Scene
+
+Document = Mapping[str, Any]
+"""A JSON document of the contract (`topple.relations`, `topple.order`), as its `to_json()` gives it."""
+
+
+@dataclass(frozen=True, eq=False)
+class StepRecord:
+    """One action of the arm: what was seen before it, what it did, what was seen after it.
+
+    Attributes:
+        object: Name of the object that was handled; empty for an action on none (a second look).
+        action: What was done, in a word or two ("take off and put down", "lift clear").
+        success: The action did what it was meant to.
+        attempts: Tries it took, 1 where the first one worked.
+        disturbed: What else moved: name -> (distance [m], turn [rad]), objects not handled only.
+        relations_as_predicted: The relations seen afterwards are those the plan predicted.
+        seconds: Wall-clock time of the step, planning and looking included.
+        reason: Why this object and why now, and what was tried where it went wrong; plain sentences.
+        robot_seconds: Simulated time the arm moved, None where not measured.
+        picture_before: PNG bytes of the camera's view before the action, or None.
+        picture_after: PNG bytes of the camera's view after it, or None.
+        scene: What was seen before the action (clouds may be thinned already), or None.
+        relations: `topple.relations` document of that scene, or None.
+        order: `topple.order` document the step was chosen from, or None.
+        predicted: `topple.relations` document the plan predicts after the action, or None.
+        observed: `topple.relations` document of what was seen after the action, or None.
+        tool_path: (k, 3) positions of the tool centre point during the action [m, the scene's frame], or None.
+        forces: Largest contact force on an object not handled: name -> N.
+    """
+
+    object: str
+    action: str
+    success: bool
+    attempts: int = 1
+    disturbed: Mapping[str, tuple[float, float]] = field(default_factory=dict[str, tuple[float, float]])
+    relations_as_predicted: bool = True
+    seconds: float = 0.0
+    reason: str = ""
+    robot_seconds: float | None = None
+    picture_before: bytes | None = None
+    picture_after: bytes | None = None
+    scene: Scene | None = None
+    relations: Document | None = None
+    order: Document | None = None
+    predicted: Document | None = None
+    observed: Document | None = None
+    tool_path: FloatArray | None = None
+    forces: Mapping[str, float] = field(default_factory=dict[str, float])
+
+    def to_json(self) -> dict[str, Any]:
+        """The step as it stands in a `topple.run` document: no pictures, no clouds."""
+        return {
+            "object": self.object,
+            "action": self.action,
+            "success": self.success,
+            "attempts": self.attempts,
+            "disturbed": {
+                name: [float(moved), float(turned)] for name, (moved, turned) in self.disturbed.items()
+            },
+            "relations_as_predicted": self.relations_as_predicted,
+            "seconds": round(self.seconds, 3),
+            "robot_seconds": None if self.robot_seconds is None else round(self.robot_seconds, 3),
+            "reason": self.reason,
+            "forces": {name: float(force) for name, force in self.forces.items()},
+        }
+
+
+@dataclass(frozen=True, eq=False)
+class RunRecord:
+    """A whole run: the goal, every step, and whether the goal holds at the end with nothing disturbed.
+
+    Attributes:
+        goal: The goal in words ("free plate").
+        robot: Name of the arm.
+        seed: Seed of every random choice of the run.
+        success: The goal's relations hold at the end and there is no violation.
+        violations: What went wrong, one sentence each; empty in a clean run.
+        steps: The actions in the order they were done; empty where the goal already held.
+        seconds: Wall-clock time of the whole run.
+        scene: What was seen at the end, or None.
+        relations: `topple.relations` document of that, or None.
+        order: `topple.order` document of what would be left to take, or None.
+        notes: What a reader should know besides: where the base stands, what was assumed.
+    """
+
+    goal: str
+    robot: str
+    seed: int
+    success: bool
+    violations: tuple[str, ...] = ()
+    steps: tuple[StepRecord, ...] = ()
+    seconds: float = 0.0
+    scene: Scene | None = None
+    relations: Document | None = None
+    order: Document | None = None
+    notes: tuple[str, ...] = ()
+
+    def to_json(self) -> dict[str, Any]:
+        """The `topple.run` document, ready for `json.dumps`."""
+        return {
+            "format": "topple.run",
+            "format_version": 1,
+            "success": self.success,
+            "goal": self.goal,
+            "robot": self.robot,
+            "seed": self.seed,
+            "seconds": round(self.seconds, 3),
+            "steps": [step.to_json() for step in self.steps],
+            "violations": list(self.violations),
+            "notes": list(self.notes),
+        }
