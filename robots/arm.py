@@ -1,0 +1,317 @@
+"""An arm: joints and limits, where its links are for many states at once, which states reach a pose."""
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field
+from functools import cached_property
+from pathlib import Path
+
+import numpy as np
+
+from topple.robots.gripper import ParallelJaw, SuctionCup, Tool, ToolState
+from topple.robots.inverse import distinct, solve
+from topple.robots.kinematics import Chain
+from topple.robots.urdf import Joint, Model, read_urdf
+from topple.topology.arrays import FloatArray, frozen
+from topple.topology.errors import InvalidInput
+
+
+@dataclass(frozen=True, eq=False)
+class Arm:
+    """A serial arm with a hand, made by `Arm.from_urdf` or `topple.robots.catalog.robot`.
+
+    Attributes:
+        name: Name for reports.
+        urdf: The file to load into PyBullet.
+        joints: Names of the driven joints, base first; a state q has one value for each.
+        lower: (n,) lower joint limits in [rad] or [m].
+        upper: (n,) upper joint limits.
+        velocity: (n,) velocity limits in [rad/s] or [m/s].
+        acceleration: (n,) acceleration limits in [rad/s2] or [m/s2].
+        home: (n,) a state to rest in.
+        links: Names of all links, base first.
+        hulls: Per link the (V, 3) vertices of its convex collision hull in the link frame; (0, 3) without
+            geometry.
+        tools: The tools by name: "fingers", "suction".
+        model: The tree as read from the file.
+        chain: The driven joints as a chain.
+    """
+
+    name: str
+    urdf: Path
+    joints: tuple[str, ...]
+    lower: FloatArray
+    upper: FloatArray
+    velocity: FloatArray
+    acceleration: FloatArray
+    home: FloatArray
+    links: tuple[str, ...]
+    hulls: tuple[FloatArray, ...]
+    tools: Mapping[str, Tool]
+    model: Model
+    chain: Chain
+    _offsets: dict[ToolState, FloatArray] = field(default_factory=dict[ToolState, FloatArray], repr=False)
+
+    @classmethod
+    def from_urdf(
+        cls,
+        path: str | Path,
+        tool_frame: str,
+        gripper: ParallelJaw | SuctionCup | Mapping[str, Tool] | None = None,
+        *,
+        name: str | None = None,
+        limits: tuple[Sequence[float], Sequence[float]] | None = None,
+        velocity: Sequence[float] | None = None,
+        acceleration: Sequence[float] | float = 10.0,
+        home: Sequence[float] | None = None,
+    ) -> "Arm":
+        """Read an arm.
+
+        Args:
+            path: The URDF.
+            tool_frame: Link that carries the tool; the movable joints between it and the root are the arm's.
+                With a jaw or cup given, its frame is the tool frame: z out of the hand, y the closing
+                direction.
+            gripper: The jaw, the cup, or the tools by name where their frames are offset from links.
+            name: Name for reports; the file's otherwise.
+            limits: Lower and upper joint limits that replace the file's, in [rad] or [m].
+            velocity: Velocity limits that replace the file's.
+            acceleration: Acceleration limits, which URDF cannot state, in [rad/s2].
+            home: A state to rest in; the middle of the limits otherwise.
+
+        Returns:
+            The arm.
+
+        Raises:
+            InvalidInput: If meshes are missing, joints have no limits or no velocity, or moving joints remain
+                that neither the arm nor the gripper drives; the message names them.
+        """
+        model = read_urdf(path)
+        joints, before = _driven(model, tool_frame)
+        tools = _as_tools(gripper, tool_frame)
+        _refuse_undriven(model, joints, tools)
+        n = len(joints)
+        lower = np.array([j.lower for j in joints] if limits is None else limits[0], dtype=float)
+        upper = np.array([j.upper for j in joints] if limits is None else limits[1], dtype=float)
+        if limits is None:
+            unlimited = [joint.name for joint in joints if not joint.limited]
+            if unlimited:
+                raise InvalidInput(f"{model.path.name}: joints without limits: {', '.join(unlimited)}")
+        speeds = np.array([j.velocity for j in joints] if velocity is None else velocity, dtype=float)
+        slow = [joint.name for joint, speed in zip(joints, speeds, strict=True) if not speed > 0]
+        if slow:
+            raise InvalidInput(f"{model.path.name}: joints without a velocity limit: {', '.join(slow)}")
+        return cls(
+            name or model.name,
+            model.path,
+            tuple(joint.name for joint in joints),
+            frozen(lower),
+            frozen(upper),
+            frozen(speeds),
+            frozen(np.broadcast_to(np.asarray(acceleration, dtype=float), (n,))),
+            frozen((lower + upper) / 2 if home is None else home),
+            tuple(model.links),
+            tuple(_hull_vertices(link.vertices) for link in model.links.values()),
+            tools,
+            model,
+            Chain.of(joints, before, lower, upper),
+        )
+
+    @property
+    def jaw(self) -> ParallelJaw | None:
+        """The parallel jaw, if the hand has one."""
+        return next((t.gripper for t in self.tools.values() if isinstance(t.gripper, ParallelJaw)), None)
+
+    @property
+    def cup(self) -> SuctionCup | None:
+        """The suction cup, if the hand has one."""
+        return next((t.gripper for t in self.tools.values() if isinstance(t.gripper, SuctionCup)), None)
+
+    @property
+    def open_hand(self) -> ToolState:
+        """Fingers fully open, cup drawn in."""
+        return ToolState(self.jaw.max_opening if self.jaw else 0.0)
+
+    @cached_property
+    def frame_of_link(self) -> tuple[int, ...]:
+        """Per link the index of the chain frame it moves with: 0 for the base, k behind joint k."""
+        driven = {joint: k + 1 for k, joint in enumerate(self.joints)}
+        frames: dict[str, int] = {self.links[0]: 0}
+        for link in self.links[1:]:
+            joint = self.model.joints[link]
+            frames[link] = driven.get(joint.name, frames[joint.parent])
+        return tuple(frames[link] for link in self.links)
+
+    def offsets(self, state: ToolState) -> FloatArray:
+        """Poses of all links in the chain frames they move with.
+
+        Args:
+            state: How the hand stands.
+
+        Returns:
+            (L, 4, 4) read-only.
+        """
+        if state not in self._offsets:
+            values: dict[str, float] = {}
+            if self.jaw is not None:
+                values |= self.jaw.values(state.opening)
+            if self.cup is not None:
+                values |= self.cup.values(state.cup_extension)
+            self._offsets[state] = frozen(self._offsets_at(values))
+        return self._offsets[state]
+
+    def _offsets_at(self, values: Mapping[str, float]) -> FloatArray:
+        index = {link: i for i, link in enumerate(self.links)}
+        offsets = np.tile(np.eye(4), (len(self.links), 1, 1))
+        for i, link in enumerate(self.links[1:], start=1):
+            joint = self.model.joints[link]
+            if joint.name not in self.joints:
+                offsets[i] = offsets[index[joint.parent]] @ _pose_of_joint(joint, _value(joint, values))
+        return offsets
+
+    def forward(self, q: FloatArray, state: ToolState | None = None) -> FloatArray:
+        """Where the links are.
+
+        Args:
+            q: (m, n) or (n,) joint values in [rad] or [m].
+            state: How the hand stands; fully open if not given.
+
+        Returns:
+            (m, L, 4, 4) poses of the links in the base.
+        """
+        frames = self.chain.frames(np.atleast_2d(q))
+        return np.matmul(frames[:, list(self.frame_of_link)], self.offsets(state or self.open_hand))
+
+    def tool(self, name: str) -> Tool:
+        """The tool called `name`.
+
+        Raises:
+            InvalidInput: If the arm has no such tool; the message lists what it has.
+        """
+        if name not in self.tools:
+            raise InvalidInput(f"{self.name} has no tool {name!r}; it has {', '.join(self.tools) or 'none'}")
+        return self.tools[name]
+
+    def tool_to_flange(self, tool: str) -> FloatArray:
+        """The (4, 4) pose of a tool in the last chain frame."""
+        link = self.tool(tool).link
+        return self.offsets(self.open_hand)[self.links.index(link)] @ self.tools[tool].pose_tool_to_link
+
+    def tool_pose(self, q: FloatArray, tool: str = "fingers") -> FloatArray:
+        """Where a tool is.
+
+        Args:
+            q: (m, n) or (n,) joint values.
+            tool: Name of the tool.
+
+        Returns:
+            (m, 4, 4) pose_tool_to_base.
+        """
+        return np.matmul(self.chain.frames(np.atleast_2d(q))[:, -1], self.tool_to_flange(tool))
+
+    def inverse(
+        self,
+        pose_tool_to_base: FloatArray,
+        tool: str = "fingers",
+        *,
+        seeds: int = 64,
+        rng: np.random.Generator | None = None,
+        near: FloatArray | None = None,
+    ) -> list[FloatArray]:
+        """States that bring a tool to a pose.
+
+        Args:
+            pose_tool_to_base: (4, 4) or (k, 4, 4) targets.
+            tool: Name of the tool.
+            seeds: Random starts for each target, the home state among them.
+            rng: Where the starts are drawn from; a fixed seed if not given.
+            near: (n,) a state to begin with; solutions come ordered by the largest joint change from it (from
+                the home state otherwise).
+
+        Returns:
+            For each target the (s, n) distinct solutions within the joint limits; (0, n) where none was
+            found.
+        """
+        targets: FloatArray = np.asarray(pose_tool_to_base, dtype=float).reshape(-1, 4, 4)
+        rng = rng or np.random.default_rng(0)
+        start = self.home if near is None else near
+        starts = rng.uniform(self.lower, self.upper, (len(targets), seeds, len(self.joints)))
+        starts[:, :1] = start
+        flange: FloatArray = np.matmul(targets, np.linalg.inv(self.tool_to_flange(tool)))
+        solutions, owner = solve(self.chain, flange, starts)
+        result: list[FloatArray] = []
+        for k in range(len(targets)):
+            found = solutions[owner == k]
+            result.append(distinct(found[np.argsort(np.abs(found - start).max(axis=1), kind="stable")]))
+        return result
+
+
+def _driven(model: Model, tool_frame: str) -> tuple[tuple[Joint, ...], tuple[FloatArray, ...]]:
+    joints: list[Joint] = []
+    before: list[FloatArray] = []
+    fixed = np.eye(4)
+    for joint in model.path_to(tool_frame):
+        fixed = fixed @ joint.pose_child_to_parent
+        if joint.kind != "fixed":
+            joints.append(joint)
+            before.append(fixed)
+            fixed = np.eye(4)
+    if not joints:
+        raise InvalidInput(f"{model.path.name}: no joint moves {tool_frame!r}")
+    return tuple(joints), tuple(before)
+
+
+def _as_tools(
+    gripper: ParallelJaw | SuctionCup | Mapping[str, Tool] | None, tool_frame: str
+) -> dict[str, Tool]:
+    if gripper is None:
+        return {}
+    if isinstance(gripper, Mapping):
+        return dict(gripper)
+    if isinstance(gripper, ParallelJaw):
+        ready = ToolState(gripper.max_opening)
+        return {"fingers": Tool("fingers", tool_frame, np.eye(4), gripper, gripper.links, ready)}
+    ready = ToolState(cup_extension=gripper.stroke)
+    return {"suction": Tool("suction", tool_frame, np.eye(4), gripper, (gripper.link,), ready)}
+
+
+def _refuse_undriven(model: Model, joints: tuple[Joint, ...], tools: Mapping[str, Tool]) -> None:
+    driven = {joint.name for joint in joints}
+    for tool in tools.values():
+        named = tool.gripper.joints if isinstance(tool.gripper, ParallelJaw) else [tool.gripper.joint or ""]
+        driven |= {model.joint(name).name for name in named if name}
+    left = [
+        joint.name
+        for joint in model.joints.values()
+        if joint.kind != "fixed"
+        and joint.name not in driven
+        and not (joint.mimic and joint.mimic.joint in driven)
+    ]
+    if left:
+        raise InvalidInput(
+            f"{model.path.name}: nothing drives the joints {', '.join(left)}; name them in the gripper"
+        )
+
+
+def _value(joint: Joint, values: Mapping[str, float]) -> float:
+    if joint.name in values:
+        return values[joint.name]
+    if joint.mimic is not None and joint.mimic.joint in values:
+        return joint.mimic.multiplier * values[joint.mimic.joint] + joint.mimic.offset
+    return 0.0
+
+
+def _pose_of_joint(joint: Joint, value: float) -> FloatArray:
+    if joint.kind == "fixed":
+        return joint.pose_child_to_parent
+    chain = Chain.of(
+        (joint,), (joint.pose_child_to_parent,), np.array([joint.lower]), np.array([joint.upper])
+    )
+    return chain.frames(np.array([[value]]))[0, 1]
+
+
+def _hull_vertices(points: FloatArray) -> FloatArray:
+    from scipy.spatial import ConvexHull
+
+    if len(points) < 5:
+        return frozen(points)
+    return frozen(points[ConvexHull(points).vertices])

@@ -1,0 +1,124 @@
+"""The arms topple knows by name, and how to get one from a URDF file."""
+
+from collections.abc import Callable
+from functools import cache
+from pathlib import Path
+
+import numpy as np
+
+from topple.robots.arm import Arm
+from topple.robots.gripper import ParallelJaw, SuctionCup, Tool, ToolState
+from topple.robots.suction_hand import CUP_JOINT, CUP_LINK, PANDA_CUP, panda_with_cup
+from topple.topology.arrays import FloatArray
+from topple.topology.errors import InvalidInput
+
+# Franka Emika Panda data sheet: joint limits, velocities, accelerations
+PANDA_LOWER = (-2.8973, -1.7628, -2.8973, -3.0718, -2.8973, -0.0175, -2.8973)  # [rad]
+PANDA_UPPER = (2.8973, 1.7628, 2.8973, -0.0698, 2.8973, 3.7525, 2.8973)  # [rad]
+PANDA_VELOCITY = (2.175, 2.175, 2.175, 2.175, 2.61, 2.61, 2.61)  # [rad/s]
+PANDA_ACCELERATION = (15.0, 7.5, 10.0, 12.5, 15.0, 20.0, 20.0)  # [rad/s2]
+PANDA_HOME = (0.0, -0.785, 0.0, -2.356, 0.0, 1.571, 0.785)  # [rad] the maker's ready pose
+PANDA_PADS_IN_HAND = 0.1034  # [m] hand origin to the middle between the finger pads
+
+
+def robot(name: str | Path) -> Arm:
+    """An arm by name or from a URDF file.
+
+    Args:
+        name: One of `names()`, or the path of a URDF.
+
+    Returns:
+        The arm; the same object for the same name.
+
+    Raises:
+        InvalidInput: If the name is unknown (the message lists the known ones) or the file cannot be used.
+    """
+    if str(name) in _MAKERS:
+        return _by_name(str(name))
+    if str(name).endswith((".urdf", ".xml")):
+        return _from_file(Path(name))
+    raise InvalidInput(
+        f"unknown robot {str(name)!r}: expected {', '.join(_MAKERS)} or the path of a .urdf file"
+    )
+
+
+def names() -> tuple[str, ...]:
+    """The names `robot` knows."""
+    return tuple(_MAKERS)
+
+
+@cache
+def _by_name(name: str) -> Arm:
+    return _MAKERS[name]()
+
+
+def data_path() -> Path:
+    """The folder of pybullet_data, which carries the arms' meshes."""
+    import pybullet_data
+
+    return Path(pybullet_data.getDataPath())
+
+
+def _translation(z: float) -> FloatArray:
+    pose = np.eye(4)
+    pose[2, 3] = z
+    return pose
+
+
+def _panda_jaw() -> ParallelJaw:
+    return ParallelJaw(
+        joints=("panda_finger_joint1", "panda_finger_joint2"),
+        links=("panda_leftfinger", "panda_rightfinger"),
+        openings=np.array([0.0, 0.08]),
+        joint_values=np.array([[0.0, 0.0], [0.04, 0.04]]),
+        force=70.0,  # [N] continuous, from the data sheet of the hand
+        pad_size=(0.02, 0.018),
+        friction=1.0,  # rubber pads
+    )
+
+
+def _panda_fingers() -> Tool:
+    jaw = _panda_jaw()
+    pose = _translation(PANDA_PADS_IN_HAND)
+    return Tool("fingers", "panda_hand", pose, jaw, jaw.links, ToolState(jaw.max_opening))
+
+
+def _panda() -> Arm:
+    return _panda_arm("panda", data_path() / "franka_panda" / "panda.urdf", {"fingers": _panda_fingers()})
+
+
+def _panda_suction() -> Arm:
+    design = PANDA_CUP
+    cup = SuctionCup(
+        CUP_LINK, CUP_JOINT, stroke=design.stroke, radius=design.radius, max_force=design.holding_force
+    )
+    # the fingers stand open beside the extended cup, out of the way of what it takes
+    ready = ToolState(0.08, design.stroke)
+    lip = Tool("suction", "panda_hand", _translation(design.extended_lip), cup, (CUP_LINK,), ready)
+    tools = {"fingers": _panda_fingers(), "suction": lip}
+    return _panda_arm("panda-suction", panda_with_cup(data_path(), design), tools)
+
+
+def _panda_arm(name: str, urdf: Path, tools: dict[str, Tool]) -> Arm:
+    return Arm.from_urdf(
+        urdf,
+        "panda_hand",
+        tools,
+        name=name,
+        limits=(PANDA_LOWER, PANDA_UPPER),
+        velocity=PANDA_VELOCITY,
+        acceleration=PANDA_ACCELERATION,
+        home=PANDA_HOME,
+    )
+
+
+def _from_file(path: Path) -> Arm:
+    from topple.robots.urdf import read_urdf
+
+    model = read_urdf(path)
+    leaves = [link for link in model.links if all(joint.parent != link for joint in model.joints.values())]
+    longest = max(leaves, key=lambda link: sum(j.kind != "fixed" for j in model.path_to(link)))
+    return Arm.from_urdf(path, longest)
+
+
+_MAKERS: dict[str, Callable[[], Arm]] = {"panda": _panda, "panda-suction": _panda_suction}

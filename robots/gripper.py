@@ -1,0 +1,118 @@
+"""What a hand holds with: a parallel jaw by friction, a suction cup by vacuum; how its joints stand."""
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+
+import numpy as np
+
+from topple.topology.arrays import FloatArray
+
+
+@dataclass(frozen=True)
+class ToolState:
+    """How the hand stands.
+
+    Attributes:
+        opening: Distance between the finger pads in [m].
+        cup_extension: How far the suction cup is pushed out of the palm in [m].
+    """
+
+    opening: float = 0.0
+    cup_extension: float = 0.0
+
+
+@dataclass(frozen=True, eq=False)
+class ParallelJaw:
+    """Two fingers that close on an object and hold it by friction.
+
+    Attributes:
+        joints: Joints that move the fingers, as named in the URDF.
+        links: Links of the fingers: they may touch what is held.
+        openings: (k,) increasing pad distances in [m]; the last one is fully open.
+        joint_values: (k, len(joints)) joint values at those openings.
+        force: Largest closing force it holds continuously in [N].
+        pad_size: Pad extent along the tool's x and z axes in [m].
+        friction: Friction coefficient of the pads against common goods.
+        speed: Closing speed in [m/s], both pads together.
+    """
+
+    joints: tuple[str, ...]
+    links: tuple[str, ...]
+    openings: FloatArray
+    joint_values: FloatArray
+    force: float
+    pad_size: tuple[float, float]
+    friction: float
+    speed: float = 0.1
+
+    @property
+    def max_opening(self) -> float:
+        """Largest distance between the pads in [m]."""
+        return float(self.openings[-1])
+
+    def values(self, opening: float) -> dict[str, float]:
+        """Joint values at a pad distance in [m]; beyond the ends of the stroke it stays at the end."""
+        columns = self.joint_values.T
+        return {
+            name: float(np.interp(opening, self.openings, column))
+            for name, column in zip(self.joints, columns, strict=True)
+        }
+
+    def opening(self, values: Mapping[str, float]) -> float:
+        """The pad distance in [m] at measured joint values: the mean of what each joint says."""
+        found: list[float] = []
+        for name, column in zip(self.joints, self.joint_values.T, strict=True):
+            order = np.argsort(column)
+            found.append(float(np.interp(values[name], column[order], self.openings[order])))
+        return float(np.mean(found))
+
+
+@dataclass(frozen=True)
+class SuctionCup:
+    """A vacuum cup: holds where its whole lip seals, and below its force limit.
+
+    Attributes:
+        link: Link of the cup: it may touch what is held.
+        joint: Prismatic joint that pushes the cup out of the palm, or None if the cup stands fixed.
+        stroke: Travel of that joint in [m].
+        radius: Lip radius in [m].
+        max_force: Pull at which it lets go in [N]: vacuum times lip area.
+        lip_depth: How much unevenness under the lip the rubber bridges in [m].
+        speed: Speed of the stroke in [m/s].
+    """
+
+    link: str
+    joint: str | None
+    stroke: float
+    radius: float
+    max_force: float
+    lip_depth: float = 0.002
+    speed: float = 0.2
+
+    def values(self, extension: float) -> dict[str, float]:
+        """Joint values at an extension in [m], clipped to the stroke."""
+        return {} if self.joint is None else {self.joint: float(np.clip(extension, 0.0, self.stroke))}
+
+
+@dataclass(frozen=True, eq=False)
+class Tool:
+    """A frame to grasp with, and what it takes.
+
+    The frame's origin lies between the pads' centres (suction: at the centre of the extended lip); z is the
+    approach direction out of the hand, y the closing direction.
+
+    Attributes:
+        name: fingers or suction.
+        link: Link that carries the frame.
+        pose_tool_to_link: (4, 4).
+        gripper: The jaw or the cup.
+        links: Links that may touch what the tool holds or is about to hold.
+        ready: State of the hand in which the tool approaches an object.
+    """
+
+    name: str
+    link: str
+    pose_tool_to_link: FloatArray
+    gripper: ParallelJaw | SuctionCup
+    links: tuple[str, ...]
+    ready: ToolState
