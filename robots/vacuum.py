@@ -1,0 +1,115 @@
+"""A suction cup that holds as a real one does: where its lip seals, and no more than its vacuum pulls."""
+
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+import pybullet
+
+from topple.robots.gripper import SuctionCup
+from topple.robots.poses import inverse, pose_from, position_and_quaternion
+from topple.robots.world import World
+from topple.topology.arrays import FloatArray
+
+RAYS = 16  # around the lip: 6 mm apart on a 30 mm cup, narrower than what a bellows bridges
+CLEAR = 2.5e-3  # [m] the rays pass the cup's own body, which PyBullet pads by some 2 mm in ray tests
+REACH = 0.01  # [m] how far before and behind the lip the rays look
+TILT = np.radians(15)  # a bellows cup aligns itself with a surface tilted up to about this
+RELEASE = (
+    3  # steps in a row over the limit until the lip peels off: the rubber gives way, a contact spike does not
+)
+
+
+@dataclass
+class Vacuum:
+    """A cup that has taken an object.
+
+    The hold is a constraint whose forces are read after every step: pull, shear and moment beyond what the vacuum
+    gives break it. A cup of lip radius r and force F resists a moment of about F r before its edge peels.
+
+    Attributes:
+        world: The world both are in.
+        name: The object it holds.
+        constraint: PyBullet's number of the constraint; None once it has let go.
+        max_force: Limit of pull and shear in [N].
+        max_moment: Limit of the moment in [N m].
+        peak: Largest force met so far in [N].
+    """
+
+    world: World
+    name: str
+    constraint: int | None
+    max_force: float
+    max_moment: float
+    peak: float = 0.0
+    _over: int = 0
+
+    @property
+    def sealed(self) -> bool:
+        """Whether it still holds."""
+        return self.constraint is not None
+
+    @classmethod
+    def on(
+        cls, world: World, robot: int, link: int, pose_lip_to_world: FloatArray, cup: SuctionCup, name: str
+    ) -> "Vacuum | None":
+        """Switches the vacuum on; None where the lip does not seal on `name`.
+
+        Args:
+            world: The world the robot stands in.
+            robot: PyBullet's number of the robot.
+            link: Index of the cup's link.
+            pose_lip_to_world: (4, 4) where the lip is, z out of the hand.
+            cup: Radius, force and lip depth.
+            name: The object to take.
+        """
+        state: Any = pybullet.getLinkState(
+            robot, link, computeForwardKinematics=1, physicsClientId=world.client
+        )
+        if not _seals(world, pose_lip_to_world, cup, world.ids[name]):
+            return None
+        pose_object = pose_from(
+            *pybullet.getBasePositionAndOrientation(world.ids[name], physicsClientId=world.client)
+        )
+        position, quaternion = position_and_quaternion(inverse(pose_from(state[0], state[1])) @ pose_object)
+        constraint = pybullet.createConstraint(
+            robot, link, world.ids[name], -1, pybullet.JOINT_FIXED, [0, 0, 0], position, [0, 0, 0], quaternion,
+            physicsClientId=world.client,
+        )  # fmt: skip
+        pybullet.changeConstraint(constraint, maxForce=cup.max_force, physicsClientId=world.client)
+        return cls(world, name, constraint, cup.max_force, cup.max_force * cup.radius)
+
+    def check(self) -> None:
+        """Reads the forces of the last step and lets go where they were too much for too long."""
+        if self.constraint is None:
+            return
+        state = np.array(pybullet.getConstraintState(self.constraint, physicsClientId=self.world.client))
+        force, moment = float(np.linalg.norm(state[:3])), float(np.linalg.norm(state[3:6]))
+        self.peak = max(self.peak, force)
+        self._over = self._over + 1 if force >= self.max_force or moment >= self.max_moment else 0
+        if self._over >= RELEASE:
+            self.off()
+
+    def off(self) -> None:
+        """Lets go."""
+        if self.constraint is not None:
+            pybullet.removeConstraint(self.constraint, physicsClientId=self.world.client)
+            self.constraint = None
+
+
+def _seals(world: World, pose_lip_to_world: FloatArray, cup: SuctionCup, body: int) -> bool:
+    """Whether rays just outside the lip all meet `body` in a plane that the lip can follow."""
+    angle = np.linspace(0.0, 2 * np.pi, RAYS, endpoint=False)
+    ring = (cup.radius + CLEAR) * np.column_stack([np.cos(angle), np.sin(angle)])
+    ends = [np.column_stack([ring, np.full(RAYS, z)]) for z in (-REACH, REACH)]
+    start, end = (points @ pose_lip_to_world[:3, :3].T + pose_lip_to_world[:3, 3] for points in ends)
+    hits: Any = pybullet.rayTestBatch(start.tolist(), end.tolist(), physicsClientId=world.client)
+    if any(hit[0] != body for hit in hits):
+        return False
+    height = np.array([hit[2] * 2 * REACH - REACH for hit in hits])
+    plane = np.column_stack([ring, np.ones(RAYS)])
+    slope, *_ = np.linalg.lstsq(plane, height, rcond=None)
+    uneven = np.abs(plane @ slope - height).max()
+    return bool(
+        uneven <= cup.lip_depth and abs(slope[2]) <= cup.lip_depth and np.hypot(*slope[:2]) <= np.tan(TILT)
+    )
