@@ -1,0 +1,244 @@
+"""Validation of what comes in: numbers are refused where they enter, in the user's words."""
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from topple.topology.arrays import FloatArray, frozen
+from topple.topology.errors import InvalidInput
+
+_LARGEST_EXTENT = 20.0  # [m] no object on a table, nor the table, is longer; millimetres always are
+_RIGID = 1e-3  # rotations stored as float32 or printed to four digits are off by less
+
+
+def numeric(values: ArrayLike, what: str) -> FloatArray:
+    """Read real numbers.
+
+    Args:
+        values: Numbers of any shape.
+        what: What they are, for the message.
+
+    Returns:
+        The values as float64.
+
+    Raises:
+        InvalidInput: If they are not real numbers, or their rows differ in length.
+    """
+    try:
+        array = np.asarray(values)
+    except ValueError as error:  # ragged nested lists
+        raise InvalidInput(f"{what} is ragged: its rows differ in length; give a plain array") from error
+    if array.dtype.kind not in "fiub":
+        raise InvalidInput(f"{what} holds {_kind(array)}, expected real numbers")
+    return array.astype(np.float64, copy=False)
+
+
+def _kind(array: np.ndarray) -> str:
+    names = {"O": "Python objects", "U": "text", "S": "text", "c": "complex numbers", "V": "records"}
+    return names.get(array.dtype.kind, f"values of type {array.dtype}")
+
+
+def as_points(points: ArrayLike, what: str) -> FloatArray:
+    """Check one object's cloud.
+
+    Args:
+        points: Points (N, 3) in [m].
+        what: What they are, for the message, e.g. "cloud 'mug'".
+
+    Returns:
+        A read-only copy (N, 3), N >= 1.
+
+    Raises:
+        InvalidInput: If the cloud is empty, not (N, 3), not finite, or so large that it is not in metres.
+    """
+    array = numeric(points, what)
+    if array.size == 0:
+        raise InvalidInput(
+            f"{what} is empty: expected points (N, 3) in metres; leave the object out or give points"
+        )
+    if array.ndim != 2 or array.shape[1] != 3:
+        raise InvalidInput(f"{what} has shape {array.shape}: expected points (N, 3), one x y z per row")
+    broken = int((~np.isfinite(array)).any(axis=1).sum())
+    if broken:
+        raise InvalidInput(
+            f"{what} has NaN or infinity in {broken} of {len(array)} points: "
+            "drop them, points[numpy.isfinite(points).all(axis=1)]"
+        )
+    extent = float(np.ptp(array, axis=0).max())
+    if extent > _LARGEST_EXTENT:
+        raise InvalidInput(
+            f"{what} extends over {extent:.4g} m, more than {_LARGEST_EXTENT:g} m: it looks like millimetres "
+            "or another unit; topple takes metres, so scale it (millimetres: points / 1000)"
+        )
+    return frozen(array)
+
+
+def as_direction(direction: ArrayLike, what: str) -> FloatArray:
+    """Check a direction and give it unit length.
+
+    Args:
+        direction: Three numbers, not all zero.
+        what: What it is, for the message.
+
+    Returns:
+        The unit vector (3,), read-only.
+
+    Raises:
+        InvalidInput: If it is not three finite numbers, or zero.
+    """
+    vector = numeric(direction, what)
+    if vector.shape != (3,):
+        raise InvalidInput(f"{what} has shape {vector.shape}: expected three numbers, such as 0 0 1")
+    length = float(np.linalg.norm(vector))
+    if not np.isfinite(vector).all() or not np.isfinite(length):
+        raise InvalidInput(f"{what} is {_listed(vector)}: expected finite numbers, such as 0 0 1")
+    if length < 1e-9:
+        raise InvalidInput(
+            f"{what} is {_listed(vector)}, which points nowhere: expected a direction, such as 0 0 1"
+        )
+    return frozen(vector / length)
+
+
+def as_plane(plane: ArrayLike, what: str = "table_plane") -> FloatArray:
+    """Check a plane and give its normal unit length.
+
+    Args:
+        plane: (n, d), four numbers: n.x + d is the height of x above the plane, in [m] for a unit n.
+        what: What it is, for the message.
+
+    Returns:
+        The plane (4,) with a unit normal, read-only.
+
+    Raises:
+        InvalidInput: If it is not four finite numbers, or its normal is zero.
+    """
+    values = numeric(plane, what)
+    if values.shape != (4,):
+        raise InvalidInput(
+            f"{what} has shape {values.shape}: expected four numbers (n, d), n.x + d = height in metres"
+        )
+    length = float(np.linalg.norm(values[:3]))
+    if not np.isfinite(values).all() or length < 1e-9:
+        raise InvalidInput(
+            f"{what} is {_listed(values)}: expected a finite, non-zero normal and its offset (n, d)"
+        )
+    return frozen(values / length)
+
+
+def as_viewpoints(viewpoints: ArrayLike, what: str = "viewpoints") -> FloatArray:
+    """Check camera centres.
+
+    Args:
+        viewpoints: Camera centres (k, 3) in [m], in the frame of the clouds; one centre may be (3,).
+        what: What they are, for the message.
+
+    Returns:
+        A read-only copy (k, 3); k may be 0.
+
+    Raises:
+        InvalidInput: If they are not (k, 3) finite numbers.
+    """
+    array = numeric(viewpoints, what)
+    if array.size == 0:
+        return frozen(np.empty((0, 3)))
+    if array.ndim == 1:
+        array = array[None]
+    if array.ndim != 2 or array.shape[1] != 3:
+        raise InvalidInput(f"{what} has shape {array.shape}: expected camera centres (k, 3)")
+    if not np.isfinite(array).all():
+        raise InvalidInput(f"{what} holds NaN or infinity: expected finite camera centres (k, 3) in metres")
+    return frozen(array)
+
+
+def as_pose(pose: ArrayLike, what: str) -> FloatArray:
+    """Check a rigid transform.
+
+    Args:
+        pose: Homogeneous transform (4, 4), translation in [m].
+        what: What it is, for the message.
+
+    Returns:
+        A read-only copy (4, 4).
+
+    Raises:
+        InvalidInput: If it is not (4, 4) and finite, or it scales, shears or mirrors.
+    """
+    matrix = numeric(pose, what)
+    if matrix.shape != (4, 4):
+        raise InvalidInput(f"{what} has shape {matrix.shape}: expected a 4x4 transform")
+    if not np.isfinite(matrix).all():
+        raise InvalidInput(f"{what} holds NaN or infinity: expected a finite 4x4 transform")
+    if np.abs(matrix[3] - [0.0, 0.0, 0.0, 1.0]).max() > _RIGID:
+        raise InvalidInput(
+            f"{what} ends in the row {_listed(matrix[3])}: expected 0 0 0 1; it may be transposed"
+        )
+    rotation = matrix[:3, :3]
+    if np.abs(rotation @ rotation.T - np.eye(3)).max() > _RIGID:
+        raise InvalidInput(
+            f"{what} is not rigid: its rotation scales or shears; expected orthonormal columns"
+        )
+    if np.linalg.det(rotation) < 0:
+        raise InvalidInput(
+            f"{what} is mirrored: its rotation has determinant -1; expected a right-handed frame"
+        )
+    return frozen(matrix)
+
+
+def as_intrinsics(matrix: ArrayLike, width: int, what: str = "K") -> FloatArray:
+    """Check a camera's intrinsic matrix.
+
+    Args:
+        matrix: [[fx, skew, cx], [0, fy, cy], [0, 0, 1]] in pixels.
+        width: Width of the image it belongs to, in pixels.
+        what: What it is, for the message.
+
+    Returns:
+        A read-only copy (3, 3).
+
+    Raises:
+        InvalidInput: If it is not a pinhole camera's matrix in pixels.
+    """
+    wanted = "expected [[fx, 0, cx], [0, fy, cy], [0, 0, 1]] in pixels"
+    intrinsics = numeric(matrix, what)
+    if intrinsics.shape != (3, 3):
+        raise InvalidInput(f"{what} has shape {intrinsics.shape}: {wanted}")
+    if not np.isfinite(intrinsics).all():
+        raise InvalidInput(f"{what} is no intrinsic matrix: it holds NaN or infinity; {wanted}")
+    if np.abs(intrinsics[2] - [0.0, 0.0, 1.0]).max() > 1e-6 or abs(intrinsics[1, 0]) > 1e-6:
+        raise InvalidInput(f"{what} is no intrinsic matrix: its lower triangle is not 0, 0 0 1; {wanted}")
+    focal = float(min(intrinsics[0, 0], intrinsics[1, 1]))
+    if focal <= 0:
+        raise InvalidInput(
+            f"{what} is no intrinsic matrix: its focal length is {focal:g}; {wanted}, fx and fy > 0"
+        )
+    if focal < width / 20:  # a field of view beyond 168 degrees: metres or an identity, not pixels
+        raise InvalidInput(
+            f"{what} is no intrinsic matrix of an image {width} pixels wide: "
+            f"its focal length is {focal:g} pixels; {wanted}"
+        )
+    return frozen(intrinsics)
+
+
+def as_name(name: object, what: str = "object") -> str:
+    """Check an object's name.
+
+    Args:
+        name: The name.
+        what: What it names, for the message.
+
+    Returns:
+        The name itself.
+
+    Raises:
+        InvalidInput: If it is not text, is blank, or would not fit on one line.
+    """
+    if not isinstance(name, str):
+        raise InvalidInput(f"{what} name {name!r} is not text")
+    if not name.strip() or not name.isprintable():
+        raise InvalidInput(
+            f"{what} name {name!r} is blank or has unprintable characters: give it a plain name"
+        )
+    return name
+
+
+def _listed(values: FloatArray) -> str:
+    return "[" + " ".join(f"{value:g}" for value in values) + "]"

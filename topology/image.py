@@ -1,0 +1,164 @@
+"""DepthImage: one look of a depth camera, with a mask that says which pixel is which object."""
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from types import MappingProxyType
+
+import numpy as np
+from numpy.typing import NDArray
+
+from topple.topology.arrays import FloatArray, IntArray, frozen, frozen_int
+from topple.topology.checks import as_intrinsics, as_name, as_pose, numeric
+from topple.topology.errors import InvalidInput
+
+_FARTHEST = 20.0  # [m] beyond the reach of any depth camera; a depth in millimetres is far above
+
+
+@dataclass(frozen=True, eq=False)
+class DepthImage:
+    """A depth image with instance labels.
+
+    Attributes:
+        depth: Distance along the optical axis (H, W) in [m]; 0 where there is none.
+        K: Intrinsic matrix (3, 3) in pixels.
+        label: Instance labels (H, W); 0 is background.
+        pose_camera_to_world: Camera pose (4, 4); camera axes x right, y down, z forward.
+        names: Name of each label; a label without one is named by its number.
+        rgb: Colours (H, W, 3), or None.
+
+    Raises:
+        InvalidInput: If the parts do not fit together or are not what they should be.
+    """
+
+    depth: FloatArray
+    K: FloatArray
+    label: IntArray
+    pose_camera_to_world: FloatArray = field(default_factory=lambda: np.eye(4))
+    names: Mapping[int, str] = field(default_factory=dict[int, str])
+    rgb: NDArray[np.uint8] | None = None
+
+    def __post_init__(self) -> None:
+        """Check every part and make it read-only."""
+        depth = _as_depth(self.depth)
+        label = _as_label(self.label)
+        if label.shape != depth.shape:
+            raise InvalidInput(
+                f"the mask is {label.shape} and the depth {depth.shape}: "
+                "expected one label per depth pixel, (H, W) both"
+            )
+        names = {int(number): as_name(name) for number, name in self.names.items()}
+        if len(set(names.values())) < len(names):
+            raise InvalidInput(
+                f"two labels share a name: {sorted(names.values())}; expected one name per label"
+            )
+        object.__setattr__(self, "depth", depth)
+        object.__setattr__(self, "K", as_intrinsics(self.K, depth.shape[1]))
+        object.__setattr__(self, "label", label)
+        object.__setattr__(
+            self, "pose_camera_to_world", as_pose(self.pose_camera_to_world, "pose_camera_to_world")
+        )
+        object.__setattr__(self, "names", MappingProxyType(names))
+        object.__setattr__(self, "rgb", _as_rgb(self.rgb, depth.shape))
+
+    def __reduce__(self) -> tuple[object, ...]:
+        """Pickle by parts, so that an image can go to another process."""
+        parts = (self.depth, self.K, self.label, self.pose_camera_to_world, dict(self.names), self.rgb)
+        return (DepthImage, parts)
+
+    @property
+    def viewpoint(self) -> FloatArray:
+        """Centre of the camera (3,) in world coordinates, in [m]."""
+        return self.pose_camera_to_world[:3, 3]
+
+    def points(self) -> FloatArray:
+        """Lift every pixel into the world.
+
+        Returns:
+            Points (H, W, 3) in world coordinates in [m], NaN where there is no depth.
+        """
+        rows, columns = np.indices(self.depth.shape)
+        points = self._lifted(rows.ravel(), columns.ravel()).reshape(*self.depth.shape, 3)
+        points[self.depth <= 0] = np.nan
+        return points
+
+    def clouds(self) -> dict[str, FloatArray]:
+        """Lift the labelled pixels that have depth.
+
+        Returns:
+            Points (N, 3) in world coordinates in [m] per object, by ascending label; an object
+            without a single pixel of depth is absent.
+        """
+        rows, columns = np.nonzero((self.label > 0) & (self.depth > 0))
+        labels = self.label[rows, columns]
+        by_label = np.argsort(labels, kind="stable")
+        points = self._lifted(rows[by_label], columns[by_label])
+        present, starts = np.unique(labels[by_label], return_index=True)
+        pieces = np.split(points, starts[1:]) if len(present) else []
+        return {self.name_of(int(number)): piece for number, piece in zip(present, pieces, strict=True)}
+
+    def pixels(self) -> dict[str, int]:
+        """Count the pixels of each object, with depth or without.
+
+        Returns:
+            Number of mask pixels per object, by ascending label.
+        """
+        present, counts = np.unique(self.label[self.label > 0], return_counts=True)
+        return {self.name_of(int(number)): int(count) for number, count in zip(present, counts, strict=True)}
+
+    def name_of(self, number: int) -> str:
+        """Name of a label: the one given, or the number itself."""
+        return self.names.get(number, str(number))
+
+    def _lifted(self, rows: NDArray[np.intp], columns: NDArray[np.intp]) -> FloatArray:
+        depth = self.depth[rows, columns]
+        y = (rows - self.K[1, 2]) * depth / self.K[1, 1]
+        x = ((columns - self.K[0, 2]) * depth - self.K[0, 1] * y) / self.K[0, 0]
+        in_camera = np.stack([x, y, depth], axis=1)
+        return in_camera @ self.pose_camera_to_world[:3, :3].T + self.viewpoint
+
+
+def _as_depth(depth: FloatArray) -> FloatArray:
+    array = numeric(depth, "depth")
+    if array.ndim != 2 or array.size == 0:
+        raise InvalidInput(f"depth has shape {array.shape}: expected an image (H, W) in metres")
+    array = np.where(np.isfinite(array), array, 0.0)  # depth cameras write "no return" as NaN, infinity or 0
+    if array.min() < 0:
+        raise InvalidInput(
+            f"depth is negative in {int((array < 0).sum())} pixels: expected metres, 0 where there is none"
+        )
+    if array.max() > _FARTHEST:
+        raise InvalidInput(
+            f"depth reaches {array.max():.4g}, more than {_FARTHEST:g} m: it looks like millimetres; "
+            "topple takes metres, so divide by 1000"
+        )
+    return frozen(array)
+
+
+def _as_label(label: IntArray) -> IntArray:
+    array = np.asarray(label)
+    if array.ndim != 2:
+        raise InvalidInput(
+            f"the mask has shape {array.shape}: expected one label per pixel (H, W), 0 = background"
+        )
+    if array.dtype.kind == "f" and np.isfinite(array).all() and (array == np.round(array)).all():
+        array = array.astype(np.int64)
+    if array.dtype.kind not in "iub":
+        raise InvalidInput(f"the mask holds {array.dtype} values: expected whole numbers, 0 = background")
+    if array.size and array.min() < 0:
+        raise InvalidInput(
+            f"the mask holds the label {array.min()}: expected 0 = background and objects from 1 on"
+        )
+    return frozen_int(array)
+
+
+def _as_rgb(rgb: NDArray[np.uint8] | None, shape: tuple[int, ...]) -> NDArray[np.uint8] | None:
+    if rgb is None:
+        return None
+    array = np.asarray(rgb)
+    if array.shape != (*shape, 3) or array.dtype != np.uint8:
+        raise InvalidInput(
+            f"rgb has shape {array.shape} of {array.dtype}: expected ({shape[0]}, {shape[1]}, 3) of uint8"
+        )
+    colours = array.copy()
+    colours.setflags(write=False)
+    return colours

@@ -1,0 +1,5 @@
+"""Every input format becomes a Scene: `load_scene` tells them apart by what is in the file."""
+
+from topple.topology.io.load import load_scene
+
+__all__ = ["load_scene"]

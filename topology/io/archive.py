@@ -1,0 +1,125 @@
+"""Arrays of an `.npz` or `.npy` file, never a pickle."""
+
+import zipfile
+import zlib
+from collections import Counter
+from collections.abc import Mapping
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from topple.topology.errors import InvalidInput
+
+Array = NDArray[Any]
+
+MASK_KEYS = ("label", "segmap", "seg")
+
+_ZIP = b"PK"
+_NPY = b"\x93NUMPY"
+_KNOWN = {
+    b"ply": "a PLY file: put it into a folder, one file per object",
+    b"glTF": "a GLB file: put it into a folder, one file per object",
+    b"# .PCD": "a PCD file: put it into a folder, one file per object",
+    b"\x89PNG": "a PNG picture",
+    b"\xff\xd8\xff": "a JPEG picture",
+    b"%PDF": "a PDF",
+    b"\x89HDF": "an HDF5 file",
+    b"\x1f\x8b": "a gzip file: unpack it first",
+    b"\x80": "a Python pickle, which is never loaded: save plain arrays with numpy.savez",
+}
+
+
+def read_arrays(path: Path) -> dict[str, Array]:
+    """Read the named arrays of a file, whatever its name ends in.
+
+    Args:
+        path: An `.npz`, or an `.npy` that holds one record with named fields.
+
+    Returns:
+        The arrays by name.
+
+    Raises:
+        InvalidInput: If the file is neither, is broken, holds a pickle, or names an array twice.
+        OSError: If the file cannot be read.
+    """
+    with path.open("rb") as file:
+        start = file.read(16)
+    if start.startswith(_ZIP):
+        return _read_npz(path)
+    if start.startswith(_NPY):
+        return _read_npy(path)
+    if not start:
+        raise InvalidInput("the file is empty: expected an .npz of clouds or an RGB-D frame")
+    what = next((text for magic, text in _KNOWN.items() if start.startswith(magic)), "neither .npz nor .npy")
+    raise InvalidInput(f"the file is {what}; expected an .npz of clouds, an RGB-D .npz or .npy, or a folder")
+
+
+def is_rgbd(arrays: Mapping[str, Array]) -> bool:
+    """Tell an RGB-D frame from clouds: it has an image of depth, or two of depth, K and a mask.
+
+    Args:
+        arrays: The file's arrays.
+
+    Returns:
+        True for an RGB-D frame, complete or not.
+    """
+    if "depth" in arrays and not (arrays["depth"].ndim == 2 and arrays["depth"].shape[1] == 3):
+        return True
+    return sum(("depth" in arrays, "K" in arrays, any(key in arrays for key in MASK_KEYS))) >= 2
+
+
+def _read_npz(path: Path) -> dict[str, Array]:
+    try:
+        with zipfile.ZipFile(path) as archive:
+            names = [name.removesuffix(".npy") for name in archive.namelist() if not name.endswith("/")]
+            foreign = [name for name in archive.namelist() if not name.endswith((".npy", "/"))]
+    except zipfile.BadZipFile as error:
+        raise InvalidInput(f"the file is a broken .npz ({error}): write it again") from error
+    if foreign:
+        raise InvalidInput(f"the file is a zip with {foreign[0]!r} in it, no .npz: expected arrays only")
+    twice = [name for name, count in Counter(names).items() if count > 1]
+    if twice:
+        raise InvalidInput(f"the name {twice[0]!r} occurs twice: expected one array per name")
+    with np.load(path, allow_pickle=False) as archive:
+        return {name: _read_member(archive, name) for name in archive.files}
+
+
+def _read_member(archive: Mapping[str, Array], name: str) -> Array:
+    try:
+        array = archive[name]
+    except ValueError as error:
+        raise InvalidInput(_refusal(error, f"array {name!r}")) from error
+    except (zipfile.BadZipFile, zlib.error, EOFError, OSError, SyntaxError, NotImplementedError) as error:
+        raise InvalidInput(f"array {name!r} is broken ({error}): write the file again") from error
+    if not hasattr(array, "dtype"):  # numpy hands out the raw bytes of a member that is no array
+        raise InvalidInput(
+            f"array {name!r} is no array: its .npy header is missing; write it with numpy.savez"
+        )
+    return array
+
+
+def _read_npy(path: Path) -> dict[str, Array]:
+    try:
+        array = np.load(path, allow_pickle=False)
+    except (ValueError, EOFError, SyntaxError) as error:
+        raise InvalidInput(_refusal(error, "the .npy file")) from error
+    if array.dtype.names is None:
+        raise InvalidInput(
+            f"the .npy file holds one array {array.shape}: expected a record with the fields depth, K and "
+            "label; for clouds, numpy.savez(file, name=points, ...)"
+        )
+    if array.size != 1:
+        raise InvalidInput(f"the .npy file holds {array.size} records: expected one RGB-D frame")
+    record = array.reshape(())
+    return {name: np.asarray(record[name]) for name in array.dtype.names}
+
+
+def _refusal(error: Exception, what: str) -> str:
+    if "pickle" in str(error).lower() or "object array" in str(error).lower():
+        return (
+            f"{what} holds a Python pickle, which is never loaded because it can run any code: "
+            "save plain arrays of numbers, numpy.savez(file, name=points, ...)"
+        )
+    return f"{what} is broken ({error}): write the file again"

@@ -1,0 +1,152 @@
+"""From what a file says to a Scene: fixed objects, the table, and which way is up."""
+
+from dataclasses import dataclass, field
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from topple.topology.arrays import FloatArray
+from topple.topology.checks import as_plane, as_points
+from topple.topology.errors import InvalidInput
+from topple.topology.image import DepthImage
+from topple.topology.plane import table_by_name
+from topple.topology.scene import Mesh, Scene
+
+_TABLE = "table"
+_TABLE_MARGIN = 0.1  # [m] the table reaches this far beyond the objects on it: none hangs over its edge
+_TABLE_SPACING = 0.005  # [m] finer than the distance of two contact points of anything that stands
+_MOST_TABLE_POINTS = 40_000  # a table of 1 m by 1 m at 5 mm
+_ON_PLANE = 0.02  # [m] a seen table strays this far from its plane: depth noise and a board that bends
+_ON_PLANE_SHARE = 0.8  # of a table's points; the rest is what the mask's edges add
+_NARROWEST_TABLE = 0.4  # [m] plates, trays and books lie as flat, and are narrower
+_UNDER_SHARE = 0.8  # of the other objects stand over the table; one or two may be seen past its edge
+
+
+@dataclass
+class Parts:
+    """What a file says, not yet checked as a whole.
+
+    Attributes:
+        clouds: Points (N, 3) in [m] per object.
+        fixed: Names the file calls fixed.
+        up: Direction (3,) or None.
+        viewpoints: Camera centres (k, 3) or None.
+        table_plane: (n, d), n.x + d is the height above the table in [m], or None.
+        robot_base: Pose (4, 4) base to world, or None.
+        images: Depth images the clouds came from.
+        meshes: Meshes in world coordinates.
+        notes: Sentences on what was assumed.
+    """
+
+    clouds: dict[str, ArrayLike]
+    fixed: list[str] = field(default_factory=list[str])
+    up: ArrayLike | None = None
+    viewpoints: ArrayLike | None = None
+    table_plane: ArrayLike | None = None
+    robot_base: ArrayLike | None = None
+    images: tuple[DepthImage, ...] = ()
+    meshes: dict[str, Mesh] = field(default_factory=dict[str, Mesh])
+    notes: list[str] = field(default_factory=list[str])
+
+
+def assemble(parts: Parts, fixed: list[str], up: ArrayLike | None) -> Scene:
+    """Make the scene, filling in what the file leaves open.
+
+    Args:
+        parts: What the file says.
+        fixed: Names that never move, beside those in the file.
+        up: Direction (3,) that goes before the file's, or None.
+
+    Returns:
+        The scene; what was filled in stands in its assumptions.
+
+    Raises:
+        InvalidInput: If a part is not what it should be; names the object.
+        UnknownObject: If a fixed name is not there.
+    """
+    if not parts.clouds:
+        raise InvalidInput("no objects found: expected at least one named cloud (N, 3) in metres")
+    clouds = {name: _as_cloud(name, points) for name, points in parts.clouds.items()}
+    notes = list(parts.notes)
+    all_fixed = list(dict.fromkeys([*parts.fixed, *fixed]))
+    up = parts.up if up is None else up
+    if parts.table_plane is not None:
+        plane = as_plane(parts.table_plane)
+        all_fixed = _place_table(clouds, all_fixed, plane, notes)
+        if up is None:
+            up = plane[:3]
+            notes.append("up is the normal of table_plane")
+    elif not all_fixed:
+        table = table_by_name(clouds)
+        if table is not None:
+            all_fixed.append(table)
+            notes.append(f"{table!r} is taken as fixed because of its name")
+    scene = Scene(
+        clouds, all_fixed, up, parts.viewpoints, parts.images, parts.meshes, parts.robot_base, notes
+    )
+    return scene.upright()
+
+
+def _as_cloud(name: str, points: ArrayLike) -> FloatArray:
+    cloud = as_points(points, f"cloud {name!r}")
+    if len(cloud) == 1:
+        raise InvalidInput(
+            f"cloud {name!r} has a single point: expected points (N, 3) all over its surface; or leave it out"
+        )
+    return cloud
+
+
+def _place_table(
+    clouds: dict[str, FloatArray], fixed: list[str], plane: FloatArray, notes: list[str]
+) -> list[str]:
+    """Find the object that is the table of `plane`, or lay a flat cloud there; returns who is fixed."""
+    if _TABLE in clouds:
+        if _TABLE not in fixed:
+            notes.append(f"{_TABLE!r} is taken as fixed because of its name")
+        return list(dict.fromkeys([*fixed, _TABLE]))
+    seen = next((name for name in clouds if _is_table(name, clouds, plane)), None)
+    if seen is not None and _TABLE not in fixed:
+        if seen in fixed:
+            return fixed
+        notes.append(f"{seen!r} is taken as the fixed table: it lies in table_plane, under the other objects")
+        return [*fixed, seen]
+    clouds[_TABLE] = _flat_cloud(np.concatenate(list(clouds.values())), plane)
+    notes.append(f"{_TABLE!r} is a flat cloud laid into table_plane under all objects, not a measured one")
+    return list(dict.fromkeys([*fixed, _TABLE]))
+
+
+def _is_table(name: str, clouds: dict[str, FloatArray], plane: FloatArray) -> bool:
+    """Tell whether an object lies in the plane, and is wide enough to be under all the others."""
+    points = clouds[name]
+    if float((np.abs(points @ plane[:3] + plane[3]) <= _ON_PLANE).mean()) < _ON_PLANE_SHARE:
+        return False
+    middles = [cloud.mean(axis=0) for other, cloud in clouds.items() if other != name]
+    if not middles:
+        return False
+    along = np.stack(_axes(plane[:3]), axis=1)  # (3, 2)
+    lower, upper = (points @ along).min(axis=0), (points @ along).max(axis=0)
+    if float((upper - lower).min()) < _NARROWEST_TABLE:
+        return False
+    flat = np.array(middles) @ along
+    return float(((flat >= lower) & (flat <= upper)).all(axis=1).mean()) >= _UNDER_SHARE
+
+
+def _axes(normal: FloatArray) -> tuple[FloatArray, FloatArray]:
+    first = np.cross(normal, np.eye(3)[int(np.abs(normal).argmin())])
+    first /= np.linalg.norm(first)
+    return first, np.cross(normal, first)
+
+
+def _flat_cloud(points: FloatArray, plane: FloatArray) -> FloatArray:
+    """Lay a grid (N, 3) into the plane, below all points and somewhat beyond."""
+    normal, offset = plane[:3], plane[3]
+    first, second = _axes(normal)
+    spans = [(points @ axis).min() - _TABLE_MARGIN for axis in (first, second)]
+    spans += [(points @ axis).max() + _TABLE_MARGIN for axis in (first, second)]
+    area = (spans[2] - spans[0]) * (spans[3] - spans[1])
+    spacing = max(_TABLE_SPACING, float(np.sqrt(area / _MOST_TABLE_POINTS)))
+    steps = [int(np.ceil((spans[axis + 2] - spans[axis]) / spacing)) + 1 for axis in (0, 1)]
+    along, across = np.meshgrid(
+        np.linspace(spans[0], spans[2], steps[0]), np.linspace(spans[1], spans[3], steps[1])
+    )
+    return along.reshape(-1, 1) * first + across.reshape(-1, 1) * second - offset * normal

@@ -1,0 +1,152 @@
+"""A folder with one cloud or mesh file per object, and perhaps a scene.json."""
+
+import json
+from collections.abc import Iterable
+from pathlib import Path
+from typing import Any, cast
+
+from numpy.typing import ArrayLike
+
+from topple.topology.arrays import FloatArray
+from topple.topology.checks import as_name, as_points, as_pose
+from topple.topology.errors import InvalidInput
+from topple.topology.io.assemble import Parts
+from topple.topology.io.geometry import SUFFIXES, read_geometry
+from topple.topology.scene import Mesh
+
+_DESCRIPTION = "scene.json"
+_KEYS = ("up", "fixed", "viewpoints", "table_plane", "robot_base", "poses", "files")
+_SILENT_KEYS = ("format", "format_version", "name", "comment")
+
+
+def parts_from_folder(folder: Path) -> Parts:
+    """Read every object of a folder.
+
+    Each cloud (`.ply`, `.pcd`, `.xyz`) or mesh (`.obj`, `.stl`, `.ply`, `.glb`) is an object named as
+    the file. `scene.json` may give `files` {name: file} to name files otherwise or use one twice, `poses`
+    {name: 4x4 object to world}, and `up`, `fixed`, `viewpoints`, `table_plane`, `robot_base`.
+
+    Args:
+        folder: The folder.
+
+    Returns:
+        What the folder says, in world coordinates.
+
+    Raises:
+        InvalidInput: If it has no clouds, two files for one object, or a broken file.
+        OSError: If a file cannot be read.
+    """
+    described = _read_description(folder / _DESCRIPTION)
+    files = _files_by_object(folder, described)
+    poses = {
+        name: as_pose(cast(ArrayLike, pose), f"pose of {name!r} in {_DESCRIPTION}")
+        for name, pose in _mapping(described, "poses").items()
+    }
+    for name in poses:
+        if name not in files:
+            raise InvalidInput(f"{_DESCRIPTION} has a pose of {name!r}, but the objects are {_listed(files)}")
+    parts = Parts(
+        clouds={},
+        fixed=_fixed(described),
+        up=described.get("up"),
+        viewpoints=described.get("viewpoints"),
+        table_plane=described.get("table_plane"),
+        robot_base=described.get("robot_base"),
+        notes=[
+            f"{_DESCRIPTION}: the key {key!r} is not known and was ignored"
+            for key in described
+            if key not in _KEYS + _SILENT_KEYS
+        ],
+    )
+    for name, file in files.items():
+        _add_object(parts, name, file, poses.get(name))
+    return parts
+
+
+def _add_object(parts: Parts, name: str, file: Path, pose_object_to_world: FloatArray | None) -> None:
+    points, faces, vertices = read_geometry(file, f"cloud {name!r} ({file.name})")
+    if pose_object_to_world is not None:
+        points, vertices = (_moved(pose_object_to_world, each) for each in (points, vertices))
+    parts.clouds[name] = points
+    if faces is not None:
+        parts.meshes[name] = Mesh(as_points(vertices, f"mesh {name!r} ({file.name})"), faces)
+
+
+def _moved(pose: FloatArray, points: FloatArray) -> FloatArray:
+    return points @ pose[:3, :3].T + pose[:3, 3]
+
+
+def _files_by_object(folder: Path, described: dict[str, Any]) -> dict[str, Path]:
+    """Name every file: as `files` says, the others after themselves."""
+    named: dict[str, Path] = {}
+    for name, file in _mapping(described, "files").items():
+        if not isinstance(file, str):
+            raise InvalidInput(f"{_DESCRIPTION} gives {file!r} as the file of {name!r}: expected a file name")
+        place = folder / file
+        if not place.is_file():
+            raise InvalidInput(
+                f"{_DESCRIPTION} gives {file!r} as the file of {name!r}, and it does not exist"
+            )
+        if place.suffix.lower() not in SUFFIXES:
+            raise InvalidInput(
+                f"{_DESCRIPTION} gives {file!r} as the file of {name!r}: expected {', '.join(SUFFIXES)}"
+            )
+        named[as_name(name)] = place
+    taken = {place.resolve() for place in named.values()}
+    for place in sorted(folder.iterdir()):
+        if place.suffix.lower() not in SUFFIXES or place.name.startswith(".") or not place.is_file():
+            continue
+        if place.resolve() in taken:
+            continue
+        if place.stem in named:
+            raise InvalidInput(
+                f"{named[place.stem].name} and {place.name} are both object {place.stem!r}: "
+                f'rename one, or choose in {_DESCRIPTION}: "files": {{name: file}}'
+            )
+        named[as_name(place.stem)] = place
+    if not named:
+        raise InvalidInput(
+            f"the folder has no clouds or meshes: expected {', '.join(SUFFIXES)}, one per object"
+        )
+    return named
+
+
+def _read_description(path: Path) -> dict[str, Any]:
+    if not path.exists():
+        return {}
+    try:
+        described = json.loads(path.read_text(encoding="utf-8"), object_pairs_hook=_without_doubles)
+    except (json.JSONDecodeError, UnicodeDecodeError) as error:
+        raise InvalidInput(f"{_DESCRIPTION} is not JSON: {error}") from error
+    if not isinstance(described, dict):
+        raise InvalidInput(f"{_DESCRIPTION} holds {type(described).__name__}: expected an object {{...}}")
+    return cast(dict[str, Any], described)
+
+
+def _without_doubles(pairs: list[tuple[str, Any]]) -> dict[str, Any]:
+    """Refuse a key given twice, where json would silently keep the last."""
+    known: dict[str, Any] = {}
+    for key, value in pairs:
+        if key in known:
+            raise InvalidInput(f"{_DESCRIPTION} has the key {key!r} twice: expected each name once")
+        known[key] = value
+    return known
+
+
+def _mapping(described: dict[str, Any], key: str) -> dict[str, Any]:
+    value = described.get(key) or {}
+    if not isinstance(value, dict):
+        raise InvalidInput(f"{_DESCRIPTION}: {key} holds {type(value).__name__}, expected {{name: ...}}")
+    return cast(dict[str, Any], value)
+
+
+def _fixed(described: dict[str, Any]) -> list[str]:
+    value = described.get("fixed") or []
+    names = [value] if isinstance(value, str) else value
+    if not isinstance(names, list) or not all(isinstance(name, str) for name in cast(list[Any], names)):
+        raise InvalidInput(f'{_DESCRIPTION}: fixed is {value!r}, expected a list of names, such as ["table"]')
+    return cast(list[str], names)
+
+
+def _listed(names: Iterable[str]) -> str:
+    return ", ".join(sorted(names))

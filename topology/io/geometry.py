@@ -1,0 +1,111 @@
+"""One object's file: a cloud as it is, a mesh sampled over its surface."""
+
+from pathlib import Path
+from typing import Any, cast
+
+import numpy as np
+
+from topple.topology.arrays import FloatArray, IntArray
+from topple.topology.checks import as_points
+from topple.topology.errors import InvalidInput
+from topple.topology.io.pcd import read_pcd
+
+SUFFIXES = (".ply", ".pcd", ".xyz", ".obj", ".stl", ".glb")
+
+_SAMPLE_SPACING = 0.002  # [m] mean distance of a mesh's samples, about what a depth camera sees at 1 m
+_FEWEST_SAMPLES, _MOST_SAMPLES = 2_000, 20_000
+
+Geometry = tuple[FloatArray, IntArray | None, FloatArray]
+
+
+def read_geometry(path: Path, what: str) -> Geometry:
+    """Read one object.
+
+    A mesh is sampled evenly over its surface, always the same way; its vertices are among the samples,
+    so that its extent is exact.
+
+    Args:
+        path: A `.ply`, `.pcd`, `.xyz`, `.obj`, `.stl` or `.glb` file.
+        what: What it is, for the message.
+
+    Returns:
+        The cloud (N, 3) in the file's own frame, the mesh's faces (F, 3) or None for a cloud, and the
+        mesh's vertices (V, 3); for a cloud its points again.
+
+    Raises:
+        InvalidInput: If the file is broken, empty, or not what its name says.
+        OSError: If the file cannot be read.
+    """
+    if path.stat().st_size == 0:
+        raise InvalidInput(f"{what} is an empty file: expected points or a mesh")
+    suffix = path.suffix.lower()
+    if suffix in (".pcd", ".xyz"):
+        points = read_pcd(path, what) if suffix == ".pcd" else _read_xyz(path, what)
+        points = as_points(points, what)
+        return points, None, points
+    vertices, faces = _read_with_trimesh(path, what)
+    vertices = as_points(vertices, what)
+    if len(faces) == 0:
+        return vertices, None, vertices
+    return _sampled(vertices, faces), faces, vertices
+
+
+def _read_xyz(path: Path, what: str) -> FloatArray:
+    """Read x y z from the first three columns, apart by blanks, commas or semicolons; # starts a comment."""
+    try:
+        text = path.read_text(encoding="utf-8")
+    except UnicodeDecodeError as error:
+        raise InvalidInput(f"{what} is no text: expected one point x y z per line") from error
+    rows: list[list[float]] = []
+    for number, line in enumerate(text.splitlines(), start=1):
+        values = line.split("#", 1)[0].replace(",", " ").replace(";", " ").split()
+        if not values:
+            continue
+        try:
+            x, y, z = (float(value) for value in values[:3])
+        except ValueError as error:
+            raise InvalidInput(
+                f"{what} reads {line.strip()[:40]!r} in line {number}: expected x y z"
+            ) from error
+        rows.append([x, y, z])
+    return np.array(rows, dtype=np.float64)
+
+
+def _read_with_trimesh(path: Path, what: str) -> tuple[FloatArray, IntArray]:
+    import trimesh
+
+    try:
+        loaded: Any = trimesh.load(path, process=False)
+        if isinstance(loaded, trimesh.Scene):
+            loaded = cast(Any, loaded).to_geometry()
+        vertices = np.asarray(loaded.vertices, dtype=np.float64)
+        faces = np.asarray(getattr(loaded, "faces", np.empty((0, 3))), dtype=np.int64).reshape(-1, 3)
+    except OSError:
+        raise
+    except Exception as error:  # each of trimesh's readers fails on a broken file in its own way
+        reason = " ".join(str(error).split())[:120] or type(error).__name__
+        raise InvalidInput(f"{what} is no readable {path.suffix[1:].upper()} file: {reason}") from error
+    if faces.size and (faces.min() < 0 or faces.max() >= len(vertices)):
+        raise InvalidInput(
+            f"{what} has a face naming vertex {faces.max()}, but only {len(vertices)} vertices"
+        )
+    return vertices, faces
+
+
+def _sampled(vertices: FloatArray, faces: IntArray) -> FloatArray:
+    first, second, third = (vertices[faces[:, corner]] for corner in range(3))
+    areas = np.linalg.norm(np.cross(second - first, third - first), axis=1) / 2
+    area = float(areas.sum())
+    corners = vertices[np.unique(faces)]
+    if area <= 0.0:
+        return corners
+    count = int(np.clip(area / _SAMPLE_SPACING**2, _FEWEST_SAMPLES, _MOST_SAMPLES))
+    # Systematic draws along the cumulated area: as many on each face as its area asks for, within one.
+    rng = np.random.default_rng(0)
+    chosen = np.searchsorted(np.cumsum(areas), (np.arange(count) + rng.random()) / count * area)
+    chosen = np.minimum(chosen, len(faces) - 1)
+    u, v = rng.random((2, count, 1))
+    flipped = u + v > 1
+    u, v = np.where(flipped, 1 - u, u), np.where(flipped, 1 - v, v)
+    inside = first[chosen] + u * (second - first)[chosen] + v * (third - first)[chosen]
+    return np.concatenate([corners, inside])

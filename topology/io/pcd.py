@@ -1,0 +1,137 @@
+"""The point cloud library's PCD files: ascii, binary and binary_compressed.
+
+Format: https://pointclouds.org/documentation/tutorials/pcd_file_format.html, version 0.7.
+"""
+
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+
+from topple.topology.arrays import FloatArray
+from topple.topology.errors import InvalidInput
+
+_TYPES = {"F4": "<f4", "F8": "<f8", "I1": "<i1", "I2": "<i2", "I4": "<i4", "I8": "<i8"}
+_TYPES |= {"U1": "<u1", "U2": "<u2", "U4": "<u4", "U8": "<u8"}
+
+
+@dataclass(frozen=True)
+class _Header:
+    record: np.dtype[np.void]
+    points: int
+    storage: str
+
+
+def read_pcd(path: Path, what: str) -> FloatArray:
+    """Read the points of a PCD file.
+
+    Args:
+        path: The file.
+        what: What it is, for the message.
+
+    Returns:
+        Points (N, 3), in the units and the frame of the file; NaN where the sensor saw nothing.
+
+    Raises:
+        InvalidInput: If the file is broken or has no x, y, z.
+        OSError: If the file cannot be read.
+    """
+    content = path.read_bytes()
+    try:
+        header, start = _read_header(content)
+        records = _read_records(content[start:], header)
+    except (ValueError, KeyError, IndexError, TypeError) as error:
+        reason = " ".join(str(error).split())[:120]
+        raise InvalidInput(f"{what} is no readable PCD file: {reason}") from error
+    return np.stack([records[axis].astype(np.float64).reshape(len(records)) for axis in "xyz"], axis=1)
+
+
+def _read_header(content: bytes) -> tuple[_Header, int]:
+    entries: dict[str, list[str]] = {}
+    position = 0
+    while "DATA" not in entries:
+        end = content.find(b"\n", position)
+        if end < 0 or end - position > 10_000:
+            raise ValueError("its header has no DATA line")
+        words = content[position:end].decode("ascii", "replace").split("#", 1)[0].split()
+        position = end + 1
+        if words:
+            entries[words[0].upper()] = words[1:]
+    for needed in ("FIELDS", "SIZE", "TYPE"):
+        if needed not in entries:
+            raise ValueError(f"its header has no {needed} line")
+    fields = entries["FIELDS"]
+    counts = [int(count) for count in entries.get("COUNT", ["1"] * len(fields))]
+    kinds = [kind.upper() + size for kind, size in zip(entries["TYPE"], entries["SIZE"], strict=True)]
+    if not {"x", "y", "z"} <= set(fields):
+        raise ValueError(f"its fields are {' '.join(fields)}, expected x y z among them")
+    # Padding fields may all be called "_": only x, y, z need their own names.
+    names = [field if field in "xyz" else f"{field}#{place}" for place, field in enumerate(fields)]
+    layout = [(name, _TYPES[kind], (count,)) for name, kind, count in zip(names, kinds, counts, strict=True)]
+    points = (
+        int(entries["POINTS"][0])
+        if "POINTS" in entries
+        else int(entries["WIDTH"][0]) * int(entries["HEIGHT"][0])
+    )
+    return _Header(np.dtype(layout), points, entries["DATA"][0].lower()), position
+
+
+def _read_records(body: bytes, header: _Header) -> np.ndarray:
+    if header.storage == "ascii":
+        return _read_ascii(body, header)
+    if header.storage == "binary":
+        return np.frombuffer(body, dtype=header.record, count=header.points)
+    if header.storage != "binary_compressed":
+        raise ValueError(f"its DATA is {header.storage!r}, expected ascii, binary or binary_compressed")
+    packed, unpacked = np.frombuffer(body, dtype="<u4", count=2)
+    flat = _decompress(body[8 : 8 + int(packed)], int(unpacked))
+    records = np.empty(header.points, dtype=header.record)
+    position = 0
+    for name in header.record.names or ():  # stored field after field, not point after point
+        column = records[name]
+        values = np.frombuffer(flat, dtype=column.dtype, count=column.size, offset=position)
+        records[name] = values.reshape(column.shape)
+        position += column.nbytes
+    return records
+
+
+def _read_ascii(body: bytes, header: _Header) -> np.ndarray:
+    width = sum(int(np.prod(header.record[place].shape)) for place in range(len(header.record)))
+    values = np.array(body.split(), dtype=np.float64)
+    if values.size != header.points * width:
+        raise ValueError(f"it has {values.size} numbers, expected {header.points} points of {width}")
+    table = values.reshape(header.points, width)
+    records = np.empty(header.points, dtype=header.record)
+    column = 0
+    for name in header.record.names or ():
+        size = int(np.prod(header.record[name].shape))
+        if name in "xyz":
+            records[name] = table[:, column : column + size]
+        column += size
+    return records
+
+
+def _decompress(packed: bytes, size: int) -> bytes:
+    """Undo LZF: runs of literals, and references to what was written up to 8 KiB before."""
+    out = bytearray()
+    position = 0
+    while position < len(packed):
+        control = packed[position]
+        position += 1
+        if control < 32:
+            out += packed[position : position + control + 1]
+            position += control + 1
+            continue
+        length = control >> 5
+        if length == 7:
+            length += packed[position]
+            position += 1
+        start = len(out) - ((control & 31) << 8) - packed[position] - 1
+        position += 1
+        if start < 0:
+            raise ValueError("its compressed data refers to before its beginning")
+        for index in range(start, start + length + 2):  # byte by byte: a reference may overlap itself
+            out.append(out[index])
+    if len(out) != size:
+        raise ValueError(f"its compressed data unpack to {len(out)} bytes, expected {size}")
+    return bytes(out)

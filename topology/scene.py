@@ -1,0 +1,254 @@
+"""Scene: named clouds, what never moves, which way is up, and from where it was seen."""
+
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import dataclass
+from types import MappingProxyType
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from topple.topology.arrays import FloatArray, IntArray, frozen_int
+from topple.topology.checks import as_direction, as_name, as_points, as_pose, as_viewpoints, numeric
+from topple.topology.errors import InvalidInput, UnknownObject
+from topple.topology.image import DepthImage
+from topple.topology.plane import up_from_fixed
+
+_FEWEST_SEEN = 4  # points: fewer pixels than this span no solid, and are as likely a mask's edge as an object
+
+
+@dataclass(frozen=True, eq=False)
+class Mesh:
+    """A triangle mesh in world coordinates.
+
+    Attributes:
+        vertices: Vertices (V, 3) in [m].
+        faces: Triangles (F, 3), indices into the vertices.
+
+    Raises:
+        InvalidInput: If the shapes are wrong, a vertex is not finite, or a face names no vertex.
+    """
+
+    vertices: FloatArray
+    faces: IntArray
+
+    def __post_init__(self) -> None:
+        """Check both arrays and make them read-only."""
+        vertices = as_points(self.vertices, "mesh vertices")
+        faces = np.asarray(self.faces)
+        if faces.ndim != 2 or faces.shape[1] != 3 or faces.dtype.kind not in "iu":
+            raise InvalidInput(
+                f"mesh faces have shape {faces.shape} of {faces.dtype}: expected (F, 3) integers"
+            )
+        if faces.size and (faces.min() < 0 or faces.max() >= len(vertices)):
+            raise InvalidInput(
+                f"mesh faces name vertex {faces.max()} where there are {len(vertices)} vertices"
+            )
+        object.__setattr__(self, "vertices", vertices)
+        object.__setattr__(self, "faces", frozen_int(faces))
+
+
+@dataclass(frozen=True, eq=False, init=False)
+class Scene:
+    """Objects as point clouds in one frame; a Scene that exists has been checked.
+
+    Attributes:
+        clouds: Points (N, 3) in [m] per object, read-only, in the order given.
+        fixed: Names of the objects that never move: table, shelf.
+        up: Unit vector (3,) against gravity, or None where nobody knows.
+        viewpoints: Camera centres (k, 3) in [m], k >= 0, in the frame of the clouds.
+        images: Depth images the clouds came from, if any.
+        meshes: Triangle meshes in world coordinates of the objects that have one.
+        robot_base: Pose (4, 4) of the robot's base in the world, or None.
+        assumptions: Plain sentences on what was assumed and not given.
+    """
+
+    clouds: Mapping[str, FloatArray]
+    fixed: frozenset[str]
+    up: FloatArray | None
+    viewpoints: FloatArray
+    images: tuple[DepthImage, ...]
+    meshes: Mapping[str, Mesh]
+    robot_base: FloatArray | None
+    assumptions: tuple[str, ...]
+
+    def __init__(
+        self,
+        clouds: Mapping[str, ArrayLike],
+        fixed: Iterable[str] = (),
+        up: ArrayLike | None = None,
+        viewpoints: ArrayLike | None = None,
+        images: Sequence[DepthImage] = (),
+        meshes: Mapping[str, Mesh] | None = None,
+        robot_base: ArrayLike | None = None,
+        assumptions: Iterable[str] = (),
+    ) -> None:
+        """Check everything and keep read-only copies.
+
+        Args:
+            clouds: Points (N, 3) in [m] per object; at least one object, no cloud empty.
+            fixed: Names of the objects that never move.
+            up: Direction (3,) against gravity, of any length.
+            viewpoints: Camera centres (k, 3) in [m], in the frame of the clouds.
+            images: Depth images the clouds came from.
+            meshes: Meshes in world coordinates, for objects that have a cloud.
+            robot_base: Rigid pose (4, 4) base to world.
+            assumptions: Sentences on what was assumed.
+
+        Raises:
+            InvalidInput: If anything is not what it should be; names the object.
+            UnknownObject: If `fixed` or `meshes` name an object without a cloud.
+        """
+        if not clouds:
+            raise InvalidInput("the scene has no objects: expected at least one named cloud (N, 3) in metres")
+        checked = {as_name(name): as_points(points, f"cloud {name!r}") for name, points in clouds.items()}
+        fixed = [fixed] if isinstance(fixed, str) else list(fixed)
+        for name in fixed:
+            if name not in checked:
+                raise UnknownObject(name, checked, role="fixed object")
+        for name in meshes or {}:
+            if name not in checked:
+                raise UnknownObject(name, checked, role="object with a mesh")
+        notes = [assumptions] if isinstance(assumptions, str) else list(assumptions)
+        if up is not None:
+            given = numeric(up, "up")
+            up = as_direction(given, "up")
+            if abs(float(np.linalg.norm(given)) - 1) > 1e-3:
+                notes.append(f"up was given with length {np.linalg.norm(given):.4g} and scaled to 1")
+        put = object.__setattr__
+        put(self, "clouds", MappingProxyType(checked))
+        put(self, "fixed", frozenset(fixed))
+        put(self, "up", up)
+        put(self, "viewpoints", as_viewpoints([] if viewpoints is None else viewpoints))
+        put(self, "images", tuple(images))
+        put(self, "meshes", MappingProxyType(dict(meshes or {})))
+        put(self, "robot_base", None if robot_base is None else as_pose(robot_base, "robot_base"))
+        put(self, "assumptions", tuple(dict.fromkeys(notes)))
+
+    def __reduce__(self) -> tuple[object, ...]:
+        """Pickle by parts, so that a scene can go to another process."""
+        clouds, fixed = dict(self.clouds), self._fixed_in_order()
+        parts = (clouds, fixed, self.up, self.viewpoints, self.images, dict(self.meshes), self.robot_base)
+        return (Scene, (*parts, self.assumptions))
+
+    def __repr__(self) -> str:
+        """Say what is in the scene, not the points."""
+        sizes = ", ".join(f"{name}: {len(points)}" for name, points in self.clouds.items())
+        return f"Scene({{{sizes}}} points, fixed={self._fixed_in_order()}, up={self.up})"
+
+    @classmethod
+    def from_images(
+        cls, images: Sequence[DepthImage], fixed: Iterable[str] = (), up: ArrayLike | None = None
+    ) -> "Scene":
+        """Merge what one or several depth cameras see into one scene.
+
+        Args:
+            images: Depth images of the same moment; labels of one name are one object.
+            fixed: Names of the objects that never move.
+            up: Direction (3,) against gravity; None takes it from the plane of a fixed object.
+
+        Returns:
+            The scene in world coordinates. An object of which hardly a point was seen is left out,
+            which its assumptions say.
+
+        Raises:
+            InvalidInput: If no image shows an object, or an image is not what it should be.
+            UnknownObject: If `fixed` names an object no image shows.
+        """
+        views: dict[str, list[FloatArray]] = {}
+        for image in images:
+            for name, points in image.clouds().items():
+                views.setdefault(name, []).append(points)
+        clouds = {name: np.concatenate(pieces) for name, pieces in views.items()}
+        notes = [
+            f"{name!r} is left out: only {len(points)} of its points were seen"
+            for name, points in clouds.items()
+            if len(points) < _FEWEST_SEEN
+        ]
+        clouds = {name: points for name, points in clouds.items() if len(points) >= _FEWEST_SEEN}
+        viewpoints = [image.viewpoint for image in images]
+        scene = cls(clouds, fixed, up, viewpoints, images, assumptions=notes)
+        return scene if up is not None else scene.upright()
+
+    @property
+    def names(self) -> tuple[str, ...]:
+        """Names of all objects, in the order given."""
+        return tuple(self.clouds)
+
+    @property
+    def movable(self) -> tuple[str, ...]:
+        """Names of the objects that can be taken, in the order given."""
+        return tuple(name for name in self.clouds if name not in self.fixed)
+
+    def upright(self) -> "Scene":
+        """Find the upward direction from the plane of a fixed object, where none is known.
+
+        Returns:
+            The scene with `up` and the sentence that says where it is from; the same scene where up is
+            known already or no fixed object is flat.
+        """
+        if self.up is not None:
+            return self
+        found = up_from_fixed(self.clouds, self._fixed_in_order(), self.viewpoints)
+        if found is None:
+            return self
+        up, note = found
+        return self._changed(up=up, assumptions=(*self.assumptions, note))
+
+    def with_cloud(self, name: str, points: ArrayLike) -> "Scene":
+        """Give an object a new cloud, or add one.
+
+        Args:
+            name: The object; one already there keeps its place, and loses its mesh.
+            points: Its points (N, 3) in [m].
+
+        Returns:
+            A new scene; the clouds that did not change are shared.
+
+        Raises:
+            InvalidInput: If the cloud is not what it should be.
+        """
+        meshes = {other: mesh for other, mesh in self.meshes.items() if other != name}
+        return self._changed(clouds={**self.clouds, name: points}, meshes=meshes)
+
+    def without(self, name: str) -> "Scene":
+        """Take an object out of the scene.
+
+        Args:
+            name: The object.
+
+        Returns:
+            A new scene; its images still show the object.
+
+        Raises:
+            UnknownObject: If there is no such object.
+            InvalidInput: If it was the only one.
+        """
+        if name not in self.clouds:
+            raise UnknownObject(name, self.clouds)
+        return self._changed(
+            clouds={other: points for other, points in self.clouds.items() if other != name},
+            fixed=[other for other in self._fixed_in_order() if other != name],
+            meshes={other: mesh for other, mesh in self.meshes.items() if other != name},
+        )
+
+    def _changed(
+        self,
+        clouds: Mapping[str, ArrayLike] | None = None,
+        fixed: Iterable[str] | None = None,
+        meshes: Mapping[str, Mesh] | None = None,
+        up: ArrayLike | None = None,
+        assumptions: Iterable[str] | None = None,
+    ) -> "Scene":
+        return Scene(
+            self.clouds if clouds is None else clouds,
+            self._fixed_in_order() if fixed is None else fixed,
+            self.up if up is None else up,
+            self.viewpoints,
+            self.images,
+            self.meshes if meshes is None else meshes,
+            self.robot_base,
+            self.assumptions if assumptions is None else assumptions,
+        )
+
+    def _fixed_in_order(self) -> list[str]:
+        return [name for name in self.clouds if name in self.fixed]
