@@ -1,4 +1,4 @@
-"""An arm in the PyBullet world: position controllers with torque limits, a jaw that holds by friction, a cup by vacuum."""
+"""An arm in the PyBullet world: torque-limited joints, a jaw that holds by friction, a cup that holds by vacuum."""
 
 from collections.abc import Callable, Collection
 from dataclasses import dataclass, field
@@ -21,7 +21,7 @@ class Control:
     """How the joints are driven.
 
     Attributes:
-        position_gain: Share of the position error that a step removes; 0.3 follows within a milliradian and stays soft.
+        position_gain: Share of the position error that a step removes; 0.3 follows within a milliradian.
         velocity_gain: Share of the velocity error that a step removes.
         settled: Joint error in [rad] below which the end of a trajectory counts as reached.
         patience: Seconds to wait for that.
@@ -147,8 +147,8 @@ class SimulatedArm:
         for k, name in enumerate(self.jaw.joints[1:], start=1):
             axis = pybullet.getJointInfo(self.id, self._index[first], physicsClientId=self.world.client)[13]
             gear = pybullet.createConstraint(
-                self.id, self._index[first], self.id, self._index[name], pybullet.JOINT_GEAR, axis, [0, 0, 0], [0, 0, 0],
-                physicsClientId=self.world.client,
+                self.id, self._index[first], self.id, self._index[name], pybullet.JOINT_GEAR, axis,
+                [0, 0, 0], [0, 0, 0], physicsClientId=self.world.client,
             )  # fmt: skip
             ratio = -float(span[0] / span[k])
             pybullet.changeConstraint(
@@ -319,7 +319,8 @@ class SimulatedArm:
         pybullet.setJointMotorControlArray(
             self.id, self._arm_joints, pybullet.POSITION_CONTROL, targetPositions=q.tolist(),
             targetVelocities=v.tolist(), forces=self._arm_forces,
-            positionGains=[self.control.position_gain] * count, velocityGains=[self.control.velocity_gain] * count,
+            positionGains=[self.control.position_gain] * count,
+            velocityGains=[self.control.velocity_gain] * count,
             physicsClientId=client,
         )  # fmt: skip
         if self.jaw:

@@ -24,8 +24,8 @@ RELEASE = (
 class Vacuum:
     """A cup that has taken an object.
 
-    The hold is a constraint whose forces are read after every step: pull, shear and moment beyond what the vacuum
-    gives break it. A cup of lip radius r and force F resists a moment of about F r before its edge peels.
+    The hold is a constraint whose forces are read after every step: pull, shear and moment beyond what the
+    vacuum gives break it. A lip of radius r under a force F resists a moment of about F r before its edge peels.
 
     Attributes:
         world: The world both are in.
@@ -73,7 +73,8 @@ class Vacuum:
         )
         position, quaternion = position_and_quaternion(inverse(pose_from(state[0], state[1])) @ pose_object)
         constraint = pybullet.createConstraint(
-            robot, link, world.ids[name], -1, pybullet.JOINT_FIXED, [0, 0, 0], position, [0, 0, 0], quaternion,
+            robot, link, world.ids[name], -1, pybullet.JOINT_FIXED, [0, 0, 0],
+            position, [0, 0, 0], quaternion,
             physicsClientId=world.client,
         )  # fmt: skip
         pybullet.changeConstraint(constraint, maxForce=cup.max_force, physicsClientId=world.client)
