@@ -17,8 +17,8 @@ class Limits:
     Attributes:
         distance: Displacement in [m]; 1 cm is more than depth noise and less than what topples a neighbour.
         angle: Turn in [rad].
-        hit: Contact force of the robot in [N] on something it does not handle: a brush below the weight of a can
-            moves nothing.
+        hit: Contact force of the robot in [N] on something it does not handle: a brush below the
+            weight of a can moves nothing.
         fall: Drop in [m] from which a displaced object counts as fallen.
     """
 

@@ -1,4 +1,4 @@
-"""An arm in the PyBullet world: torque-limited joints, a jaw that holds by friction, a cup that holds by vacuum."""
+"""An arm in the PyBullet world: torque-limited joints, a jaw that holds by friction, a cup with a vacuum."""
 
 from collections.abc import Callable, Collection
 from dataclasses import dataclass, field

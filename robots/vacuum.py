@@ -25,7 +25,7 @@ class Vacuum:
     """A cup that has taken an object.
 
     The hold is a constraint whose forces are read after every step: pull, shear and moment beyond what the
-    vacuum gives break it. A lip of radius r under a force F resists a moment of about F r before its edge peels.
+    vacuum gives break it. A lip of radius r under a force F resists a moment of about F r before it peels.
 
     Attributes:
         world: The world both are in.
