@@ -132,7 +132,9 @@ def _is_table(name: str, clouds: dict[str, FloatArray], plane: FloatArray) -> bo
 
 
 def _axes(normal: FloatArray) -> tuple[FloatArray, FloatArray]:
-    first = np.cross(normal, np.eye(3)[int(np.abs(normal).argmin())])
+    """Span the plane with two unit vectors (3,) each."""
+    first = np.eye(3)[int(np.abs(normal).argmin())]
+    first = first - (first @ normal) * normal
     first /= np.linalg.norm(first)
     return first, np.cross(normal, first)
 

@@ -11,8 +11,10 @@ import numpy as np
 from topple.topology.arrays import FloatArray
 from topple.topology.errors import InvalidInput
 
-_TYPES = {"F4": "<f4", "F8": "<f8", "I1": "<i1", "I2": "<i2", "I4": "<i4", "I8": "<i8"}
-_TYPES |= {"U1": "<u1", "U2": "<u2", "U4": "<u4", "U8": "<u8"}
+_TYPES = {kind + size: f"<{kind.lower()}{size}" for kind in "IU" for size in "1248"} | {
+    "F4": "<f4",
+    "F8": "<f8",
+}
 
 
 @dataclass(frozen=True)
@@ -96,14 +98,15 @@ def _read_records(body: bytes, header: _Header) -> np.ndarray:
 
 
 def _read_ascii(body: bytes, header: _Header) -> np.ndarray:
-    width = sum(int(np.prod(header.record[place].shape)) for place in range(len(header.record)))
+    names = header.record.names or ()
+    width = sum(int(np.prod(header.record[name].shape)) for name in names)
     values = np.array(body.split(), dtype=np.float64)
     if values.size != header.points * width:
         raise ValueError(f"it has {values.size} numbers, expected {header.points} points of {width}")
     table = values.reshape(header.points, width)
     records = np.empty(header.points, dtype=header.record)
     column = 0
-    for name in header.record.names or ():
+    for name in names:
         size = int(np.prod(header.record[name].shape))
         if name in "xyz":
             records[name] = table[:, column : column + size]

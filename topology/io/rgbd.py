@@ -2,6 +2,8 @@
 
 from collections.abc import Mapping
 
+import numpy as np
+
 from topple.topology.errors import InvalidInput
 from topple.topology.image import DepthImage
 from topple.topology.io.archive import MASK_KEYS, Array
@@ -30,16 +32,14 @@ def parts_from_rgbd(arrays: Mapping[str, Array]) -> Parts:
             f"the RGB-D frame has no {' and no '.join(absent)}, only {sorted(arrays)}: "
             "expected depth (H, W) in metres, K (3, 3) and a mask label (or segmap or seg) (H, W)"
         )
-    pose = (
-        {"pose_camera_to_world": arrays["pose_camera_to_world"]} if "pose_camera_to_world" in arrays else {}
-    )
-    image = DepthImage(arrays["depth"], arrays["K"], arrays[mask], rgb=arrays.get("rgb"), **pose)
+    pose = arrays.get("pose_camera_to_world", np.eye(4))
+    image = DepthImage(arrays["depth"], arrays["K"], arrays[mask], pose, rgb=arrays.get("rgb"))
     clouds = image.clouds()
     for name, pixels in image.pixels().items():
         if name not in clouds:
             raise InvalidInput(
-                f"object {name!r} has {pixels} pixels in {mask} and no depth in any of them: its cloud is empty; "
-                "set them to 0 (background) or give their depth"
+                f"object {name!r} has {pixels} pixels in {mask} and no depth in any of them: "
+                "its cloud is empty; set them to 0 (background) or give their depth"
             )
     if not clouds:
         raise InvalidInput(f"{mask} is 0 everywhere: expected labels from 1 on, one per object")
