@@ -136,7 +136,7 @@ def _axes(normal: FloatArray) -> tuple[FloatArray, FloatArray]:
     first = np.eye(3)[int(np.abs(normal).argmin())]
     first = first - (first @ normal) * normal
     first /= np.linalg.norm(first)
-    return first, np.cross(normal, first)
+    return first, np.asarray(np.cross(normal, first), dtype=np.float64)
 
 
 def _flat_cloud(points: FloatArray, plane: FloatArray) -> FloatArray:
