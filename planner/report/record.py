@@ -32,7 +32,7 @@ class StepRecord:
         order: `topple.order` document the step was chosen from, or None.
         predicted: `topple.relations` document the plan predicts after the action, or None.
         observed: `topple.relations` document of what was seen after the action, or None.
-        tool_path: (k, 3) positions of the tool centre point during the action [m, the scene's frame], or None.
+        tool_path: (k, 3) path of the tool centre point during the action [m, the scene's frame], or None.
         forces: Largest contact force on an object not handled: name -> N.
     """
 

@@ -1,0 +1,33 @@
+"use strict";
+// One step of the run at a time: by the timeline, by the buttons, by the keys.
+
+const data = JSON.parse(document.getElementById("data").textContent);
+const steps = [...document.querySelectorAll("section.step")];
+const marks = [...document.querySelectorAll(".timeline button")];
+window.panels = steps.map(() => null);
+
+function show(index) {
+  const chosen = Math.max(0, Math.min(steps.length - 1, index));
+  steps.forEach((step, i) => { step.hidden = i !== chosen; });
+  marks.forEach((mark, i) => mark.setAttribute("aria-current", i === chosen ? "step" : "false"));
+  for (const image of steps[chosen].querySelectorAll("img[data-picture]")) {
+    image.src ||= "data:image/png;base64," + data.pictures[image.dataset.picture];
+  }
+  const figure = steps[chosen].querySelector(".viewer");
+  if (figure && !window.panels[chosen]) window.panels[chosen] = new Panel(steps[chosen], data.views[figure.dataset.view]);
+  marks[chosen].scrollIntoView({ block: "nearest", inline: "nearest" });
+  window.current = chosen;
+}
+
+marks.forEach((mark, i) => mark.addEventListener("click", () => show(i)));
+for (const button of document.querySelectorAll("[data-turn]")) {
+  button.addEventListener("click", () => show(window.current + Number(button.dataset.turn)));
+}
+document.addEventListener("keydown", (event) => {
+  if (event.target.closest("canvas, input")) return;
+  const turn = { ArrowRight: 1, ArrowLeft: -1, PageDown: 1, PageUp: -1 }[event.key];
+  if (turn) { show(window.current + turn); event.preventDefault(); }
+  else if (event.key === "Home") show(0);
+  else if (event.key === "End") show(steps.length - 1);
+});
+if (steps.length) show(0);

@@ -1,0 +1,316 @@
+"use strict";
+// A 3-D view of clouds, hulls and relation lines on a plain 2-D canvas. Points go through a depth buffer of
+// our own, so the view needs no graphics card, and the buffer says which object is under the pointer.
+
+const cross = (a, b) => [a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]];
+const dot = (a, b) => a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
+const sub = (a, b) => [a[0] - b[0], a[1] - b[1], a[2] - b[2]];
+const add = (a, b, s) => [a[0] + s * b[0], a[1] + s * b[1], a[2] + s * b[2]];
+const unit = (a) => { const n = Math.hypot(...a) || 1; return [a[0] / n, a[1] / n, a[2] / n]; };
+
+// Coordinates come as 16-bit steps from the lower corner of the object's box.
+function unpack(object) {
+  const bytes = Uint8Array.from(atob(object.points), (c) => c.charCodeAt(0));
+  const steps = new DataView(bytes.buffer);
+  const points = new Float32Array(bytes.length / 2);
+  for (let i = 0; i < points.length; i++) points[i] = object.lower[i % 3] + steps.getUint16(2 * i, true) * object.step;
+  return points;
+}
+
+class Viewer {
+  // scene: what `Drawing.to_json` wrote, with `relations`, `places` (order numbers) and `path` added.
+  // onPick(index or -1, pinned) hears what the pointer is over and what was clicked.
+  constructor(canvas, scene, onPick) {
+    this.canvas = canvas;
+    this.scene = scene;
+    this.show = { clouds: true, hulls: true, relations: true, names: true, order: true, path: true };
+    this.lit = new Set();
+    this.clouds = scene.objects.map(unpack);
+    this.colours = scene.objects.map((o) => [1, 3, 5].map((i) => parseInt(o.colour.slice(i, i + 2), 16)));
+    this.frame();
+    this.reset();
+    this.listen(onPick);
+    new ResizeObserver(() => this.redraw()).observe(canvas);
+    matchMedia("(prefers-color-scheme: dark)").addEventListener("change", () => this.redraw());
+  }
+
+  // Axes of the turntable: yaw is counted about `up` from the axis the first view looks along.
+  frame() {
+    this.up = unit(this.scene.up);
+    const look = sub(this.scene.eye, this.scene.centre);
+    this.east = unit(add(look, this.up, -dot(look, this.up)));
+    this.north = cross(this.up, this.east);
+  }
+
+  reset() {
+    const look = sub(this.scene.eye, this.scene.centre);
+    this.target = this.scene.centre.slice();
+    this.distance = Math.hypot(...look);
+    this.yaw = 0;
+    this.pitch = Math.asin(dot(unit(look), this.up));
+    this.redraw();
+  }
+
+  redraw() {
+    if (this.waiting) return;
+    this.waiting = true;
+    requestAnimationFrame(() => { this.waiting = false; this.draw(); });
+  }
+
+  // Camera axes: right, down, forward; and the eye.
+  place() {
+    const level = add(this.east.map((v) => v * Math.cos(this.yaw)), this.north, Math.sin(this.yaw));
+    const back = add(level.map((v) => v * Math.cos(this.pitch)), this.up, Math.sin(this.pitch));
+    this.forward = back.map((v) => -v);
+    this.right = unit(cross(this.forward, this.up));
+    this.down = cross(this.forward, this.right);
+    this.eye = add(this.target, back, this.distance);
+    this.focal = 1.5 * Math.min(this.canvas.width, this.canvas.height);
+  }
+
+  project(p) {
+    const d = sub(p, this.eye), z = dot(d, this.forward);
+    if (z < this.distance * 0.02) return null;
+    const s = this.focal / z;
+    return [this.canvas.width / 2 + s * dot(d, this.right), this.canvas.height / 2 + s * dot(d, this.down), z];
+  }
+
+  draw() {
+    const scale = Math.min(devicePixelRatio || 1, 1.5);
+    const width = Math.round(this.canvas.clientWidth * scale), height = Math.round(this.canvas.clientHeight * scale);
+    if (!width || !height) return;
+    if (this.canvas.width !== width || this.canvas.height !== height) {
+      this.canvas.width = width;
+      this.canvas.height = height;
+      this.depth = new Float32Array(width * height);
+      this.owner = new Int16Array(width * height);
+    }
+    const style = getComputedStyle(this.canvas);
+    this.paper = style.backgroundColor.match(/\d+/g).slice(0, 3).map(Number);
+    this.ink = style.color;
+    this.scale = scale;
+    this.place();
+    const context = this.canvas.getContext("2d");
+    context.clearRect(0, 0, width, height);
+    this.depth.fill(Infinity);
+    this.owner.fill(-1);
+    if (this.show.clouds) this.drawClouds(context, width, height);
+    if (this.show.hulls) this.drawHulls(context);
+    if (this.show.relations) this.drawRelations(context);
+    if (this.show.path && this.scene.path) this.drawPath(context);
+    this.drawLabels(context);
+  }
+
+  dimmed(index) { return this.lit.size > 0 && !this.lit.has(index); }
+
+  drawClouds(context, width, height) {
+    const { depth, owner, eye, right, down, forward, focal } = this;
+    this.scene.objects.forEach((object, index) => {
+      const points = this.clouds[index], size = Math.max(object.spacing * 1.2, 0.0006);
+      for (let i = 0; i < points.length; i += 3) {
+        const x = points[i] - eye[0], y = points[i + 1] - eye[1], z = points[i + 2] - eye[2];
+        const w = x * forward[0] + y * forward[1] + z * forward[2];
+        if (w < this.distance * 0.02) continue;
+        const s = focal / w, half = Math.max(1, Math.min(14, s * size)) / 2;
+        const u = width / 2 + s * (x * right[0] + y * right[1] + z * right[2]);
+        const v = height / 2 + s * (x * down[0] + y * down[1] + z * down[2]);
+        const u0 = Math.max(0, Math.round(u - half)), u1 = Math.min(width, Math.round(u + half));
+        const v0 = Math.max(0, Math.round(v - half)), v1 = Math.min(height, Math.round(v + half));
+        for (let row = v0; row < v1; row++) {
+          for (let k = row * width + u0; k < row * width + u1; k++) {
+            if (w < depth[k]) { depth[k] = w; owner[k] = index; }
+          }
+        }
+      }
+    });
+    this.shade(context, width, height);
+  }
+
+  // Darkens a pixel by how far its neighbours stand in front of it: edges and folds become visible
+  // without any normals.
+  shade(context, width, height) {
+    const { depth, owner, paper } = this;
+    const image = context.createImageData(width, height);
+    const strength = 14 / this.scene.radius, reach = Math.max(1, Math.round(1.5 * this.scale));
+    const steps = [-reach, reach, -reach * width, reach * width];
+    for (let k = 0; k < depth.length; k++) {
+      const index = owner[k];
+      if (index < 0) continue;
+      let fold = 0;
+      for (const step of steps) {
+        const beside = depth[k + step];
+        if (beside < depth[k]) fold += Math.min(depth[k] - beside, 0.03);
+      }
+      const light = Math.max(0.45, 1.08 - fold * strength), colour = this.colours[index];
+      const faint = this.dimmed(index) ? 0.78 : this.scene.objects[index].fixed ? 0.45 : 0;
+      for (let c = 0; c < 3; c++) {
+        const value = Math.min(255, colour[c] * light);
+        image.data[4 * k + c] = value + (paper[c] - value) * faint;
+      }
+      image.data[4 * k + 3] = 255;
+    }
+    context.putImageData(image, 0, 0);
+  }
+
+  line(context, a, b) {
+    const from = this.project(a), to = this.project(b);
+    if (!from || !to) return null;
+    context.beginPath();
+    context.moveTo(from[0], from[1]);
+    context.lineTo(to[0], to[1]);
+    context.stroke();
+    return [from, to];
+  }
+
+  drawHulls(context) {
+    this.scene.objects.forEach((object, index) => {
+      if (object.fixed && !this.lit.has(index)) return; // the box of a table hides more than it says
+      context.strokeStyle = object.colour;
+      context.globalAlpha = this.dimmed(index) ? 0.12 : this.lit.size ? 0.95 : 0.55;
+      context.lineWidth = this.scale * (this.lit.has(index) ? 1.6 : 1);
+      for (const [a, b] of object.edges) this.line(context, object.corners[a], object.corners[b]);
+    });
+    context.globalAlpha = 1;
+  }
+
+  drawRelations(context) {
+    for (const { a, b, colour, dashed, faint } of this.scene.relations) {
+      const off = this.lit.size > 0 && !(this.lit.has(a) && this.lit.has(b) && (a === this.focus || b === this.focus));
+      context.globalAlpha = off ? 0.15 : faint ? 0.5 : 1;
+      context.strokeStyle = context.fillStyle = colour;
+      context.lineWidth = this.scale * (faint ? 1.2 : 2.4);
+      context.setLineDash(dashed ? [6 * this.scale, 5 * this.scale] : []);
+      const ends = this.line(context, this.anchor(a, b), this.anchor(b, a));
+      context.setLineDash([]);
+      if (ends && !faint) this.arrow(context, ...ends);
+    }
+    context.globalAlpha = 1;
+  }
+
+  // A line to a table ends below or beside the other object, not at the middle of the table.
+  anchor(index, other) {
+    const object = this.scene.objects[index], centre = object.centre;
+    if (!object.fixed || this.scene.objects[other].fixed) return centre;
+    const beside = this.scene.objects[other].centre;
+    return add(beside, this.up, dot(sub(centre, beside), this.up));
+  }
+
+  arrow(context, from, to) {
+    const dx = to[0] - from[0], dy = to[1] - from[1], n = Math.hypot(dx, dy), size = 9 * this.scale;
+    if (n < 2 * size) return;
+    const [x, y] = [from[0] + 0.62 * dx, from[1] + 0.62 * dy], [u, v] = [dx / n * size, dy / n * size];
+    context.beginPath();
+    context.moveTo(x, y);
+    context.lineTo(x - u - v * 0.45, y - v + u * 0.45);
+    context.lineTo(x - u + v * 0.45, y - v - u * 0.45);
+    context.fill();
+  }
+
+  drawPath(context) {
+    context.strokeStyle = this.ink;
+    context.lineWidth = 2 * this.scale;
+    context.beginPath();
+    let started = false;
+    for (const point of this.scene.path) {
+      const p = this.project(point);
+      if (!p) continue;
+      if (started) context.lineTo(p[0], p[1]); else context.moveTo(p[0], p[1]);
+      started = true;
+    }
+    context.stroke();
+  }
+
+  // Near objects are labelled first; a label that would cover another is left out unless it is lit.
+  drawLabels(context) {
+    const size = 12 * this.scale, taken = [];
+    context.font = `600 ${size}px system-ui, sans-serif`;
+    context.textBaseline = "middle";
+    const labels = this.scene.objects.map((object, index) => ({ object, index, at: this.project(object.centre) }));
+    labels.sort((a, b) => this.lit.has(b.index) - this.lit.has(a.index) || (a.at ? a.at[2] : 1e9) - (b.at ? b.at[2] : 1e9));
+    for (const { object, index, at } of labels) {
+      if (!at || this.dimmed(index) || (object.fixed && !this.lit.has(index))) continue;
+      const place = this.show.order && this.scene.places ? this.scene.places[index] : 0;
+      const name = object.name.length > 24 ? object.name.slice(0, 23) + "…" : object.name;
+      const text = [place || "", this.show.names ? name : ""].filter(Boolean).join("  ");
+      if (!text) continue;
+      const w = context.measureText(text).width + 10 * this.scale, h = size + 6 * this.scale;
+      const box = [at[0] - w / 2, at[1] - h / 2, w, h];
+      if (taken.some((t) => box[0] < t[0] + t[2] && t[0] < box[0] + w && box[1] < t[1] + t[3] && t[1] < box[1] + h)) continue;
+      taken.push(box);
+      context.fillStyle = `rgba(${this.paper.join(",")},0.85)`;
+      context.fillRect(...box);
+      context.fillStyle = object.colour;
+      context.fillRect(box[0], box[1], 3 * this.scale, h);
+      context.fillStyle = this.ink;
+      context.fillText(text, box[0] + 6 * this.scale, at[1] + 0.5);
+    }
+  }
+
+  // Lights objects up; the first is the one the others are lit for.
+  light(indices) {
+    this.focus = indices.length ? indices[0] : -1;
+    this.lit = new Set(indices);
+    this.redraw();
+  }
+
+  under(event) {
+    const box = this.canvas.getBoundingClientRect();
+    const u = Math.floor((event.clientX - box.left) * this.scale), v = Math.floor((event.clientY - box.top) * this.scale);
+    return this.show.clouds && this.owner ? this.owner[v * this.canvas.width + u] ?? -1 : -1;
+  }
+
+  turn(dx, dy) {
+    this.yaw -= dx * 0.008;
+    this.pitch = Math.max(-1.5, Math.min(1.5, this.pitch + dy * 0.008));
+    this.redraw();
+  }
+
+  shift(dx, dy) {
+    const step = this.distance / this.focal * this.scale;
+    this.target = add(add(this.target, this.right, -dx * step), this.down, -dy * step);
+    this.redraw();
+  }
+
+  zoom(factor) {
+    this.distance = Math.max(this.scene.radius * 0.2, Math.min(this.scene.radius * 30, this.distance * factor));
+    this.redraw();
+  }
+
+  listen(onPick) {
+    const canvas = this.canvas, fingers = new Map();
+    let moved = 0;
+    canvas.addEventListener("pointerdown", (event) => {
+      canvas.setPointerCapture(event.pointerId);
+      fingers.set(event.pointerId, [event.clientX, event.clientY]);
+      moved = 0;
+    });
+    canvas.addEventListener("pointermove", (event) => {
+      const last = fingers.get(event.pointerId);
+      if (!last) { onPick(this.under(event), false); return; }
+      const [dx, dy] = [event.clientX - last[0], event.clientY - last[1]];
+      const apart = () => { const [p, q] = [...fingers.values()]; return Math.hypot(p[0] - q[0], p[1] - q[1]) || 1; };
+      const before = fingers.size === 2 ? apart() : 0;
+      fingers.set(event.pointerId, [event.clientX, event.clientY]);
+      moved += Math.abs(dx) + Math.abs(dy);
+      if (fingers.size === 2) this.zoom(before / apart());
+      else if (event.shiftKey || event.buttons & 6) this.shift(dx, dy);
+      else this.turn(dx, dy);
+    });
+    const lift = (event) => {
+      if (fingers.delete(event.pointerId) && moved < 4 && event.type === "pointerup") onPick(this.under(event), true);
+    };
+    for (const kind of ["pointerup", "pointercancel"]) canvas.addEventListener(kind, lift);
+    canvas.addEventListener("pointerleave", () => onPick(-1, false));
+    canvas.addEventListener("contextmenu", (event) => event.preventDefault());
+    canvas.addEventListener("wheel", (event) => { event.preventDefault(); this.zoom(Math.exp(event.deltaY * 0.0012)); }, { passive: false });
+    canvas.addEventListener("keydown", (event) => {
+      const turns = { ArrowLeft: [-12, 0], ArrowRight: [12, 0], ArrowUp: [0, 12], ArrowDown: [0, -12] };
+      if (turns[event.key]) this.turn(...turns[event.key]);
+      else if (event.key === "+") this.zoom(0.9);
+      else if (event.key === "-") this.zoom(1.1);
+      else return;
+      event.preventDefault();
+      event.stopPropagation();
+    });
+  }
+}

@@ -1,0 +1,231 @@
+"""What is drawn of a scene: thinned clouds, hull outlines, centres, and where to look from."""
+
+import base64
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from topple.planner.report.limits import LIMITS
+from topple.planner.report.palette import Colour, css, object_colours
+from topple.topology.arrays import FloatArray, IntArray
+from topple.topology.hull import Hull
+from topple.topology.scene import Scene
+
+
+@dataclass(frozen=True, eq=False)
+class DrawnObject:
+    """One object as it is drawn.
+
+    Attributes:
+        name: The object's name.
+        colour: Its colour.
+        fixed: It never moves.
+        points: (N, 3) thinned cloud [m].
+        spacing: Typical distance of a point to its nearest neighbour [m]; the size of a drawn dot.
+        centre: (3,) centroid of the whole cloud [m].
+        corners: (V, 3) corners of the drawn hull [m].
+        edges: (E, 2) indices into `corners`.
+    """
+
+    name: str
+    colour: Colour
+    fixed: bool
+    points: FloatArray
+    spacing: float
+    centre: FloatArray
+    corners: FloatArray
+    edges: IntArray
+
+
+@dataclass(frozen=True, eq=False)
+class Drawing:
+    """A scene as it is drawn.
+
+    Attributes:
+        objects: The objects, in the scene's order.
+        centre: (3,) point the view turns about [m].
+        radius: Radius about it that holds everything movable [m].
+        up: (3,) direction drawn upwards.
+        eye: (3,) point to look from at first [m].
+    """
+
+    objects: tuple[DrawnObject, ...]
+    centre: FloatArray
+    radius: float
+    up: FloatArray
+    eye: FloatArray
+
+    @staticmethod
+    def of(scene: Scene, points: int = LIMITS.page_points) -> "Drawing":
+        """Thin a scene's clouds and outline their hulls.
+
+        Args:
+            scene: The scene.
+            points: Points that may be drawn in all.
+
+        Returns:
+            The drawing; the same scene gives the same drawing.
+        """
+        colours = object_colours(scene.names, scene.fixed)
+        shares = _shares(scene, points)
+        objects = tuple(
+            _drawn(name, cloud, colours[name], name in scene.fixed, shares[name])
+            for name, cloud in scene.clouds.items()
+        )
+        lower, upper = _box(objects)
+        centre = (lower + upper) / 2
+        radius = max(float(np.linalg.norm(upper - lower)) / 2, 1e-3)
+        up, eye = _standpoint(scene, centre, radius)
+        return Drawing(objects, centre, radius, up, eye)
+
+    def to_json(self) -> dict[str, Any]:
+        """The drawing as the viewer reads it: points as 16-bit steps of the object's box, in base64."""
+        return {
+            "centre": _rounded(self.centre),
+            "radius": round(self.radius, 5),
+            "up": _rounded(self.up),
+            "eye": _rounded(self.eye),
+            "objects": [_object_json(drawn) for drawn in self.objects],
+        }
+
+
+def thin_path(path: FloatArray) -> list[list[float]]:
+    """At most `LIMITS.path_points` of a (k, 3) path [m], ends kept, as plain numbers."""
+    path = np.asarray(path, dtype=np.float64).reshape(-1, 3)
+    kept = np.unique(np.linspace(0, len(path) - 1, min(len(path), LIMITS.path_points)).astype(np.int64))
+    return [_rounded(point) for point in path[kept]]
+
+
+def _shares(scene: Scene, points: int) -> Mapping[str, int]:
+    """Points each object may keep: equal shares of the budget; what small clouds leave goes to others."""
+    shares: dict[str, int] = {}
+    for names, budget in (
+        ([name for name in scene.names if name in scene.fixed], int(points * LIMITS.fixed_share)),
+        (list(scene.movable), int(points * (1 - LIMITS.fixed_share))),
+    ):
+        left = budget
+        for position, name in enumerate(sorted(names, key=lambda name: len(scene.clouds[name]))):
+            share = max(left // (len(names) - position), LIMITS.least_points)
+            shares[name] = min(share, len(scene.clouds[name]))
+            left -= shares[name]
+    return shares
+
+
+def _drawn(name: str, cloud: FloatArray, colour: Colour, fixed: bool, share: int) -> DrawnObject:
+    if share < len(cloud):  # a random subset has the density of the whole, and needs no search
+        chosen = np.sort(np.random.default_rng(0).choice(len(cloud), share, replace=False))
+        points = cloud[chosen]
+    else:
+        points = np.asarray(cloud)
+    corners, edges = hull_outline(cloud)
+    return DrawnObject(name, colour, fixed, points, _spacing(points), cloud.mean(axis=0), corners, edges)
+
+
+def _spacing(points: FloatArray) -> float:
+    """Typical distance between neighbours in a thinned cloud [m], from at most 400 of its points."""
+    if len(points) < 2:
+        return 0.003
+    from scipy.spatial import KDTree
+
+    asked = points[:: max(1, len(points) // 400)]
+    distance = np.asarray(KDTree(points).query(asked, k=min(4, len(points)))[0])[:, -1]
+    return float(np.clip(np.median(distance), 5e-4, 0.02))
+
+
+def hull_outline(cloud: FloatArray) -> tuple[FloatArray, IntArray]:
+    """Corners and creases of a cloud's hull, few enough to look at.
+
+    Args:
+        cloud: (N, 3) points [m].
+
+    Returns:
+        (V, 3) corners [m] and (E, 2) edges between them; no edge for a single point.
+    """
+    hull = Hull.of(cloud)
+    if len(hull.vertices) > LIMITS.hull_vertices:
+        hull = Hull.of(_farthest(hull.vertices, LIMITS.hull_vertices))
+    if hull.dimension == 1:
+        return hull.vertices, np.array([[0, 1]], dtype=np.int64)
+    return hull.vertices, _creases(hull)
+
+
+def _farthest(points: FloatArray, count: int) -> FloatArray:
+    """Choose points one by one, each the farthest from those chosen before."""
+    chosen = [int(np.linalg.norm(points - points.mean(axis=0), axis=1).argmax())]
+    distance = np.linalg.norm(points - points[chosen[0]], axis=1)
+    while len(chosen) < count:
+        chosen.append(int(distance.argmax()))
+        distance = np.minimum(distance, np.linalg.norm(points - points[chosen[-1]], axis=1))
+    return points[np.array(chosen)]
+
+
+def _creases(hull: Hull) -> IntArray:
+    """Edges between facets that differ in direction, and edges with one facet only."""
+    corners = hull.vertices[hull.faces]
+    normals = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
+    length = np.linalg.norm(normals, axis=1, keepdims=True)
+    normals = normals / np.where(length > 0, length, 1.0)
+    beside: dict[tuple[int, int], list[int]] = {}
+    for index, face in enumerate(hull.faces.tolist()):
+        for a, b in zip(face, (*face[1:], face[0]), strict=True):
+            beside.setdefault((min(a, b), max(a, b)), []).append(index)
+    straight = np.cos(np.radians(LIMITS.crease))
+    creases = [
+        edge
+        for edge, faces in beside.items()
+        if len(faces) != 2 or float(normals[faces[0]] @ normals[faces[1]]) < straight
+    ]
+    return np.array(sorted(creases), dtype=np.int64).reshape(-1, 2)
+
+
+def _box(objects: tuple[DrawnObject, ...]) -> tuple[FloatArray, FloatArray]:
+    """Box of what is movable, since a table may be metres wide; of everything where nothing is movable."""
+    chosen = [drawn for drawn in objects if not drawn.fixed] or list(objects)
+    corners = np.concatenate([drawn.corners for drawn in chosen])
+    return corners.min(axis=0), corners.max(axis=0)
+
+
+def _standpoint(scene: Scene, centre: FloatArray, radius: float) -> tuple[FloatArray, FloatArray]:
+    """Which way is up, and a point to look from: the first camera's side where one is known, from above."""
+    viewpoints = scene.viewpoints
+    seen_from = viewpoints[0] if len(viewpoints) else None
+    if scene.up is not None:
+        up = np.array(scene.up, dtype=np.float64)
+    elif seen_from is not None and float(np.linalg.norm(seen_from)) < 1e-6:
+        up = np.array([0.0, -1.0, 0.0])  # the camera's own frame has y down
+    else:
+        up = np.array([0.0, 0.0, 1.0])
+    side = (
+        centre - np.array([1.0, 2.0, 0.5]) if seen_from is None else np.asarray(seen_from, dtype=np.float64)
+    )
+    level = (side - centre) - up * float((side - centre) @ up)
+    if float(np.linalg.norm(level)) < 1e-6:  # straight above: any side will do
+        level = np.eye(3)[int(np.abs(up).argmin())]
+        level = level - up * float(level @ up)
+    level = level / np.linalg.norm(level)
+    return up, centre + (level * np.cos(np.radians(32.0)) + up * np.sin(np.radians(32.0))) * radius * 3.2
+
+
+def _object_json(drawn: DrawnObject) -> dict[str, Any]:
+    lower = drawn.points.min(axis=0)
+    step = max(float(np.ptp(drawn.points, axis=0).max()) / 65535, 1e-9)
+    packed = np.round((drawn.points - lower) / step).astype("<u2")
+    return {
+        "name": drawn.name,
+        "colour": css(drawn.colour),
+        "fixed": drawn.fixed,
+        "lower": [float(value) for value in lower],
+        "step": step,
+        "points": base64.b64encode(packed.tobytes()).decode("ascii"),
+        "spacing": round(drawn.spacing, 5),
+        "centre": _rounded(drawn.centre),
+        "corners": [_rounded(corner) for corner in drawn.corners],
+        "edges": drawn.edges.tolist(),
+    }
+
+
+def _rounded(point: FloatArray) -> list[float]:
+    """Coordinates to a hundredth of a millimetre."""
+    return [round(float(value), 5) for value in point]

@@ -1,0 +1,87 @@
+"""The frame of a page: assets inlined, data embedded, nothing fetched from anywhere."""
+
+import json
+from collections.abc import Sequence
+from html import escape
+from importlib.resources import files
+from typing import Any
+
+from topple.planner.report.palette import RELATION_COLOURS, css
+
+_POLICY = "default-src 'none'; style-src 'unsafe-inline'; script-src 'unsafe-inline'; img-src data:"
+"""What a page may load: what it carries itself."""
+
+
+def page(title: str, body: str, data: Any, scripts: Sequence[str]) -> str:
+    """Build one self-contained page.
+
+    Args:
+        title: Plain text of the title.
+        body: HTML inside `<body>`.
+        data: What the scripts read, embedded as JSON under the id `data`.
+        scripts: Names of JavaScript assets, in the order they run.
+
+    Returns:
+        The page. Its content security policy forbids every network access.
+    """
+    code = "\n".join(asset(name) for name in scripts)
+    return (
+        '<!doctype html>\n<html lang="en"><head><meta charset="utf-8">'
+        '<meta name="viewport" content="width=device-width, initial-scale=1">'
+        '<meta name="color-scheme" content="light dark">'
+        f'<meta http-equiv="Content-Security-Policy" content="{_POLICY}">'
+        f"<title>{escape(title)}</title><style>\n{asset('page.css')}</style></head>\n<body>\n{body}\n"
+        f'<script type="application/json" id="data">{embedded(data)}</script>\n'
+        f"<script>\n{code}\n</script>\n</body></html>\n"
+    )
+
+
+def asset(name: str) -> str:
+    """Text of a file of the package's `assets` folder."""
+    return files("topple.planner.report").joinpath("assets", name).read_text(encoding="utf-8")
+
+
+def embedded(data: Any) -> str:
+    """JSON that may stand inside a script element: no character in it can end the element."""
+    text = json.dumps(data, separators=(",", ":"), ensure_ascii=True, allow_nan=False)
+    return text.replace("<", "\\u003c").replace(">", "\\u003e").replace("&", "\\u0026")
+
+
+def viewer(number: int, *, ordered: bool, path: bool = False) -> str:
+    """The element of a 3-D view with its switches.
+
+    Args:
+        number: Which view of the page's data it shows.
+        ordered: There is an order whose numbers can be shown.
+        path: There is a tool path.
+
+    Returns:
+        HTML the viewer script fills.
+    """
+    switches = ["clouds", "hulls", "relations", "names"]
+    switches += ["order"] if ordered else []
+    switches += ["path"] if path else []
+    words = {"order": "order numbers", "path": "tool path"}
+    boxes = "".join(
+        f'<label><input type="checkbox" data-show="{show}" checked> {words.get(show, show)}</label>'
+        for show in switches
+    )
+    return (
+        f'<figure class="viewer" data-view="{number}"><div class="switches">{boxes}'
+        '<button type="button" data-reset>reset view</button></div>'
+        '<div class="stage"><canvas tabindex="0" aria-label="3-D view of the scene"></canvas>'
+        '<div class="info" hidden></div></div>'
+        f"<figcaption>{relation_legend()}"
+        '<span class="note">Drag to turn, shift-drag to move, wheel to zoom; click an object to keep it lit. '
+        "Solid lines were observed, dashed ones inferred; grey: contact that one side alone shows."
+        "</span></figcaption></figure>"
+    )
+
+
+def relation_legend() -> str:
+    """What the colours of the relation lines mean."""
+    return "".join(
+        f'<span class="key"><i style="background:{css(colour)}"></i>{escape(str(relation))}</span>'
+        for relation, colour in RELATION_COLOURS.items()
+        if relation != "disjoint"
+    )

@@ -1,0 +1,240 @@
+"""The page of a closed-loop run: a timeline, and for each step what was seen, done and disturbed."""
+
+import base64
+import math
+from collections.abc import Mapping
+from html import escape
+from typing import Any
+
+from topple.planner.report.drawing import Drawing
+from topple.planner.report.html import page, viewer
+from topple.planner.report.limits import LIMITS
+from topple.planner.report.raster import picture
+from topple.planner.report.record import RunRecord, StepRecord
+from topple.planner.report.show import dependency_section
+from topple.planner.report.tables import order_list, relation_changes, relation_table
+from topple.planner.report.view import object_index, view_data
+from topple.planner.report.words import millimetres
+from topple.topology.arrays import FloatArray
+from topple.topology.scene import Scene
+
+__all__ = ["picture", "run_page"]
+
+Document = Mapping[str, Any]
+_NO_RELATIONS: Document = {"relations": ()}
+
+
+def run_page(record: RunRecord) -> str:
+    """Draw a run as one self-contained HTML page.
+
+    Args:
+        record: The run. Whatever a step lacks (pictures, scene, order) is left out of the page.
+
+    Returns:
+        The page; steps are turned by the timeline, the buttons or the arrow keys.
+    """
+    return _RunPage(record).build()
+
+
+class _RunPage:
+    """Collects pictures and views while the steps are written; each picture is embedded once."""
+
+    def __init__(self, record: RunRecord) -> None:
+        self.record = record
+        self.pictures: dict[bytes, int] = {}
+        self.views: list[dict[str, Any]] = []
+        scenes = sum(step.scene is not None for step in record.steps) + (record.scene is not None)
+        self.points = min(LIMITS.page_points, LIMITS.run_points // max(scenes, 1))
+
+    def build(self) -> str:
+        record = self.record
+        sections = [self.step(number, step) for number, step in enumerate(record.steps, start=1)]
+        sections.append(self.end())
+        body = _head(record) + _timeline(record) + f"<main>{''.join(sections)}</main>"
+        pictures = [base64.b64encode(data).decode("ascii") for data in self.pictures]
+        return page(
+            f"topple: {record.goal}",
+            body,
+            {"views": self.views, "pictures": pictures},
+            ["viewer.js", "page.js", "run.js"],
+        )
+
+    def step(self, number: int, step: StepRecord) -> str:
+        title = f"Step {number} of {len(self.record.steps)}: {_deed(step)}"
+        html = f'<section class="step">{_turns(title)}'
+        html += f"<p>{escape(step.reason)}</p>" if step.reason else ""
+        html += _facts(step)
+        html += self.picture_pair(step)
+        html += (
+            '<div class="columns even"><div>'
+            + _disturbed(step)
+            + "</div><div>"
+            + _predictions(step)
+            + "</div></div>"
+        )
+        html += self.seen(step.scene, step.relations, step.order, step.tool_path, "Seen before this step")
+        return html + "</section>"
+
+    def end(self) -> str:
+        record = self.record
+        word = "reached" if record.success else "not reached"
+        html = f'<section class="step">{_turns("End: the goal is " + word)}'
+        if record.violations:
+            items = "".join(f"<li>{escape(text)}</li>" for text in record.violations)
+            html += f'<h2 class="bad">Violations</h2><ul>{items}</ul>'
+        else:
+            html += "<p>No violation: nothing the plan does not handle was disturbed.</p>"
+        if record.notes:
+            html += (
+                "<h2>Notes</h2><ul>" + "".join(f"<li>{escape(note)}</li>" for note in record.notes) + "</ul>"
+            )
+        html += self.seen(record.scene, record.relations, record.order, None, "Seen at the end")
+        return html + "</section>"
+
+    def picture_pair(self, step: StepRecord) -> str:
+        shown = [
+            f'<figure><img data-picture="{self.number(data)}" alt="camera, {when}">'
+            f'<figcaption class="note">{when}</figcaption></figure>'
+            for data, when in ((step.picture_before, "before"), (step.picture_after, "after"))
+            if data
+        ]
+        return f'<div class="pictures">{"".join(shown)}</div>' if shown else ""
+
+    def number(self, data: bytes) -> int:
+        """Number of a picture; the view after a step is often the one before the next."""
+        return self.pictures.setdefault(data, len(self.pictures))
+
+    def seen(
+        self,
+        scene: Scene | None,
+        relations: Document | None,
+        order: Document | None,
+        tool_path: FloatArray | None,
+        title: str,
+    ) -> str:
+        """View, relations, graph and order of one moment."""
+        if scene is None:
+            return ""
+        drawing = Drawing.of(scene, self.points)
+        index = object_index(drawing)
+        self.views.append(view_data(drawing, relations or _NO_RELATIONS, order, tool_path))
+        moved = tool_path is not None and len(tool_path) > 0
+        html = f'<h2>{escape(title)}</h2><div class="columns"><div>'
+        html += viewer(len(self.views) - 1, ordered=order is not None, path=moved)
+        html += dependency_section(scene, drawing, order) if order is not None else ""
+        html += "</div><div>"
+        html += "<h2>Order from here</h2>" + order_list(order, index) if order is not None else ""
+        html += "<h2>Relations</h2>" + relation_table(relations, index) if relations is not None else ""
+        return html + "</div></div>"
+
+
+def _is_much(disturbed: tuple[float, float]) -> bool:
+    """Whether (distance [m], turn [rad]) is more than an object that is not handled may move."""
+    return disturbed[0] > LIMITS.moved or math.degrees(disturbed[1]) > LIMITS.turned
+
+
+def _deed(step: StepRecord) -> str:
+    return f"{step.action} {step.object}" if step.object else step.action
+
+
+def _turns(title: str) -> str:
+    return (
+        f'<div class="turns"><h2>{escape(title)}</h2><button type="button" data-turn="-1">previous</button>'
+        '<button type="button" data-turn="1">next</button></div>'
+    )
+
+
+def _head(record: RunRecord) -> str:
+    verdict = "reached" if record.success else "not reached"
+    kind = "good" if record.success else "bad"
+    count = len(record.violations)
+    facts = [
+        f"{len(record.steps)} step{'' if len(record.steps) == 1 else 's'}",
+        "no violation" if not count else f"{count} violation{'' if count == 1 else 's'}",
+        f"robot {record.robot}",
+        f"seed {record.seed}",
+    ]
+    facts += [f"{record.seconds:.1f} s"] if record.seconds > 0 else []
+    return (
+        f'<header><h1>{escape(record.goal)}: <span class="{kind}">{verdict}</span></h1>'
+        f'<p class="lead">{escape(", ".join(facts))}. Turn the steps with the arrow keys.</p></header>'
+    )
+
+
+def _timeline(record: RunRecord) -> str:
+    marks = [
+        (
+            f"{number}. {step.object or step.action}",
+            step.action,
+            step.success and not any(map(_is_much, step.disturbed.values())),
+        )
+        for number, step in enumerate(record.steps, start=1)
+    ]
+    marks.append(("End", "reached" if record.success else "not reached", record.success))
+    items = "".join(
+        f'<li><button type="button" class="{"ok" if ok else "failed"}"><b>{escape(name)}</b>'
+        f"<span>{escape(deed)}</span></button></li>"
+        for name, deed, ok in marks
+    )
+    return f'<nav aria-label="steps"><ol class="timeline">{items}</ol></nav>'
+
+
+def _facts(step: StepRecord) -> str:
+    facts = [
+        ("result", '<b class="good">done</b>' if step.success else '<b class="bad">failed</b>'),
+        ("attempts", str(step.attempts)),
+        ("took", f"{step.seconds:.1f} s"),
+    ]
+    if step.robot_seconds is not None:
+        facts.append(("the arm moved for", f"{step.robot_seconds:.1f} s (simulated)"))
+    return (
+        '<div class="facts">'
+        + "".join(f"<div><span>{name}</span>{value}</div>" for name, value in facts)
+        + "</div>"
+    )
+
+
+def _disturbed(step: StepRecord) -> str:
+    """What moved and was not meant to, farthest first."""
+    names = sorted({*step.disturbed, *step.forces}, key=lambda name: -step.disturbed.get(name, (0.0, 0.0))[0])
+    if not names:
+        return "<h2>Disturbed</h2><p>Nothing else moved.</p>"
+    rows = ""
+    for name in names:
+        moved, turned = step.disturbed.get(name, (0.0, 0.0))
+        force = f"{step.forces[name]:.1f} N" if name in step.forces else ""
+        kind = ' class="bad"' if _is_much((moved, turned)) else ""
+        rows += (
+            f"<tr{kind}><td>{escape(name)}</td><td class=number>{millimetres(moved)}</td>"
+            f"<td class=number>{math.degrees(turned):.1f}°</td><td class=number>{force}</td></tr>"
+        )
+    return (
+        '<h2>Disturbed</h2><div class="scroll"><table><thead><tr><th>object</th><th class=number>moved</th>'
+        f"<th class=number>turned</th><th class=number>force</th></tr></thead>"
+        f"<tbody>{rows}</tbody></table></div>"
+    )
+
+
+def _predictions(step: StepRecord) -> str:
+    """Where what was seen afterwards differs from what was predicted."""
+    html = "<h2>Predicted against observed relations</h2>"
+    if step.predicted is None or step.observed is None:
+        return html + (
+            "<p>As predicted.</p>" if step.relations_as_predicted else '<p class="bad">Not as predicted.</p>'
+        )
+    changes = relation_changes(step.predicted, step.observed)
+    if not changes:
+        return html + f"<p>All {len(list(step.observed.get('relations', ())))} pairs as predicted.</p>"
+    rows = "".join(
+        f"<tr><td>{escape(a)}</td><td>{escape(b)}</td><td>{escape(expected)}</td><td>{escape(seen)}</td></tr>"
+        for a, b, expected, seen in changes
+    )
+    verdict = "" if step.relations_as_predicted else '<p class="bad">Not as predicted.</p>'
+    return (
+        html
+        + verdict
+        + (
+            '<div class="scroll"><table><thead><tr><th>A</th><th>B</th><th>predicted</th><th>observed</th>'
+            f"</tr></thead><tbody>{rows}</tbody></table></div>"
+        )
+    )

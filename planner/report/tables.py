@@ -1,0 +1,164 @@
+"""Tables of the pages as HTML: relations, the order in words, risks, what bars the way."""
+
+from collections.abc import Mapping, Sequence
+from html import escape
+from typing import Any
+
+from topple.planner.report.palette import css, relation_colour
+from topple.planner.report.view import is_inferred
+from topple.planner.report.words import listed, millimetres, order_in_words, sentences
+from topple.topology.relation import Relation
+
+Document = Mapping[str, Any]
+
+
+def relation_table(relations: Document, index: Mapping[str, int]) -> str:
+    """The 6IM relation of every pair; disjoint pairs stand in a part that opens on demand.
+
+    Args:
+        relations: A `topple.relations` document.
+        index: Object -> its number in the viewer.
+
+    Returns:
+        HTML, every name escaped.
+    """
+    pairs = list(relations.get("relations", ()))
+    meeting = [pair for pair in pairs if pair["relation"] != Relation.DISJOINT]
+    apart = [pair for pair in pairs if pair["relation"] == Relation.DISJOINT]
+    apart.sort(key=lambda pair: float(pair.get("gap") or 0.0))
+    html = (
+        _pair_table(meeting, index)
+        if meeting
+        else '<p class="note">No two objects meet: all are disjoint.</p>'
+    )
+    if apart:
+        html += (
+            f"<details><summary>{len(apart)} disjoint pair{'s' if len(apart) > 1 else ''}</summary>"
+            f"{_pair_table(apart, index)}</details>"
+        )
+    deviation = relations.get("deviation")
+    if deviation is not None:
+        html += (
+            f'<p class="note">Deviation δ = {millimetres(float(deviation))}. Rows read “A relation B”.</p>'
+        )
+    return html
+
+
+def _pair_table(pairs: Sequence[Mapping[str, Any]], index: Mapping[str, int]) -> str:
+    rows = "".join(_pair_row(pair, index) for pair in pairs)
+    return (
+        '<div class="scroll"><table><thead><tr><th>A</th><th>relation</th><th>B</th>'
+        "<th class=number>gap</th><th class=number>confidence</th><th>evidence</th></tr></thead>"
+        f"<tbody>{rows}</tbody></table></div>"
+    )
+
+
+def _pair_row(pair: Mapping[str, Any], index: Mapping[str, int]) -> str:
+    a, b, relation = str(pair["a"]), str(pair["b"]), str(pair["relation"])
+    gap = pair.get("gap")
+    shown = "" if gap is None else ("" if pair.get("gap_exact", True) else "≥ ") + millimetres(float(gap))
+    sure = "" if pair.get("confidence") is None else f"{float(pair['confidence']):.2f}"
+    dot = f'<i class="dot" style="background:{css(relation_colour(relation))}"></i>'
+    evidence = "inferred" if is_inferred(pair) else "observed"
+    kind = pair.get("kind")
+    note = f' <span class="kind">{escape(str(kind))}</span>' if kind else ""
+    matrix = pair.get("matrix")
+    title = f' title="6IM matrix {escape(str(matrix))}"' if matrix is not None else ""
+    return (
+        f'<tr data-ends="{index.get(a, -1)} {index.get(b, -1)}"{title}>'
+        f"<td>{object_name(a, index)}</td><td>{dot}{escape(relation)}{note}</td>"
+        f"<td>{object_name(b, index)}</td><td class=number>{shown}</td><td class=number>{sure}</td>"
+        f"<td>{evidence}</td></tr>"
+    )
+
+
+def object_name(name: str, index: Mapping[str, int]) -> str:
+    """A name that lights its object up in the view."""
+    if name not in index:
+        return escape(name)
+    return f'<span class="name" data-object="{index[name]}">{escape(name)}</span>'
+
+
+def order_list(order: Document, index: Mapping[str, int]) -> str:
+    """The safe order with the reason for each place, and what an order says besides.
+
+    Args:
+        order: A `topple.order` document.
+        index: Object -> its number in the viewer.
+
+    Returns:
+        HTML, every name escaped.
+    """
+    risk: Mapping[str, float] = order.get("risk") or {}
+    items = "".join(
+        f'<li data-object="{index.get(name, -1)}"><b class="name">{escape(name)}</b> {escape(sentence)}'
+        f"{_risk(risk.get(name))}</li>"
+        for name, sentence in order_in_words(order)
+    )
+    html = f'<ol class="order">{items}</ol>' if items else '<p class="note">There is nothing to take.</p>'
+    html += _certificates(order, index)
+    return html
+
+
+def _risk(risk: float | None) -> str:
+    """The risk of a step where it is worth a word."""
+    return "" if risk is None or risk < 0.005 else f' <span class="kind">risk {risk:.0%}</span>'
+
+
+def _certificates(order: Document, index: Mapping[str, int]) -> str:
+    """Groups, unresolved cycles and what only bars the gripper's way."""
+    html = ""
+    for group in order.get("groups", ()):
+        names = [object_name(str(name), index) for name in group]
+        html += f'<p class="certificate">Held or taken together: {listed(names)}.</p>'
+    for cycle in order.get("unresolved", ()):
+        members = [cycle] if isinstance(cycle, str) else list(cycle)
+        names = [object_name(str(name), index) for name in members]
+        html += f'<p class="certificate bad">No safe order among {listed(names)}: each holds another.</p>'
+    access = list(order.get("access") or ())
+    if access:
+        rows = "".join(f"<li>{_bar(bar, index)}</li>" for bar in access)
+        html += f"<details><summary>{len(access)} in the gripper's way</summary><ul>{rows}</ul></details>"
+    return html
+
+
+def _bar(bar: Mapping[str, Any], index: Mapping[str, int]) -> str:
+    first, then = object_name(str(bar["first"]), index), object_name(str(bar["then"]), index)
+    why = f": {escape(str(bar['reason']))}" if bar.get("reason") else ""
+    return f"{first} bars the way to {then}{why}"
+
+
+def sentence_list(lines: Sequence[str], title: str) -> str:
+    """A titled list of sentences; nothing where there are none."""
+    told = [line for text in lines for line in sentences(text)]
+    if not told:
+        return ""
+    return f"<h2>{escape(title)}</h2><ul>{''.join(f'<li>{escape(line)}</li>' for line in told)}</ul>"
+
+
+def relation_changes(predicted: Document, observed: Document) -> list[tuple[str, str, str, str]]:
+    """Pairs whose relation is not the predicted one.
+
+    Args:
+        predicted: A `topple.relations` document.
+        observed: Another, of what was seen.
+
+    Returns:
+        (a, b, predicted relation, observed relation); "not seen" where a pair stands in one document only.
+    """
+    expected, seen = _by_pair(predicted), _by_pair(observed)
+    changes: list[tuple[str, str, str, str]] = []
+    for pair in dict.fromkeys([*expected, *seen]):
+        before, after = expected.get(pair, "not seen"), seen.get(pair, "not seen")
+        if before != after:
+            changes.append((*pair, before, after))
+    return changes
+
+
+def _by_pair(relations: Document) -> dict[tuple[str, str], str]:
+    """Relation of each pair, oriented by name, so that two documents can be compared."""
+    found: dict[tuple[str, str], str] = {}
+    for pair in relations.get("relations", ()):
+        a, b, relation = str(pair["a"]), str(pair["b"]), Relation(pair["relation"])
+        found[(a, b) if a <= b else (b, a)] = str(relation if a <= b else relation.converse)
+    return found
