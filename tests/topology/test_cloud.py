@@ -1,0 +1,49 @@
+import numpy as np
+import pytest
+
+from topple.topology.cloud import clean, deduplicated, estimate_deviation, surface_noise, thinned
+
+
+def plate(rng, noise, count=3000):
+    return np.c_[rng.uniform(-0.1, 0.1, (count, 2)), rng.normal(0, noise, count)]
+
+
+def test_duplicates_are_dropped_in_order():
+    points = np.array([[1.0, 0, 0], [0, 0, 0], [1, 0, 0]])
+    assert deduplicated(points).tolist() == [[1, 0, 0], [0, 0, 0]]
+
+
+def test_thinning_leaves_a_point_near_every_dropped_one():
+    points = plate(np.random.default_rng(0), 1e-3)
+    kept = thinned(points, 0.01)
+    assert len(kept) < len(points) / 3
+    nearest = np.linalg.norm(points[:, None] - kept[None], axis=2).min(axis=1)
+    assert nearest.max() <= 0.01 * np.sqrt(3)
+
+
+@pytest.mark.parametrize("noise", [2e-4, 1e-3])
+def test_noise_of_a_plane_is_measured(noise):
+    assert surface_noise(plate(np.random.default_rng(1), noise)) == pytest.approx(noise, rel=0.25)
+
+
+def test_a_noisier_scene_has_a_larger_deviation():
+    rng = np.random.default_rng(2)
+    estimates = [estimate_deviation({"plate": plate(rng, noise)}) for noise in (0.0, 5e-4, 1e-3, 1e-2)]
+    assert estimates == sorted(estimates)
+    assert 0.0004 <= estimates[0] < estimates[-1] <= 0.01
+
+
+def test_stray_points_are_dropped_and_the_surface_stays():
+    rng = np.random.default_rng(3)
+    surface = plate(rng, 2e-4)
+    strays = rng.uniform(0.3, 1.0, (20, 3))
+    kept = clean(np.concatenate([surface, strays]))
+    assert kept[:, 2].max() < 0.1
+    assert len(kept) > 0.99 * len(surface)
+
+
+@pytest.mark.parametrize("count", [1, 2, 5])
+def test_tiny_clouds_come_back_whole(count):
+    points = np.zeros((count, 3))
+    assert len(clean(points)) == count
+    assert surface_noise(points) == 0.0

@@ -1,0 +1,96 @@
+"""One object's points: duplicates, spacing, noise, and the deviation they amount to."""
+
+from collections.abc import Mapping
+
+import numpy as np
+from scipy.spatial import KDTree
+
+from topple.topology.arrays import FloatArray
+from topple.topology.scene import Scene
+from topple.topology.tolerances import TOLERANCES
+
+NEIGHBOURS = 12
+"""Points of a local plane: enough to fit one, few enough to stay on one face."""
+PROBES = 300
+"""Points per cloud at which spacing and noise are measured."""
+
+
+def deduplicated(points: FloatArray) -> FloatArray:
+    """Drop points that occur again, in order of first appearance.
+
+    Args:
+        points: (N, 3) points [m].
+
+    Returns:
+        (M, 3) points, M <= N.
+    """
+    _, first = np.unique(points, axis=0, return_index=True)
+    return points[np.sort(first)]
+
+
+def thinned(points: FloatArray, spacing: float) -> FloatArray:
+    """Keep one point per cubic cell, the one that comes first.
+
+    Args:
+        points: (N, 3) points [m].
+        spacing: Edge of the cells [m], > 0.
+
+    Returns:
+        (M, 3) points of the cloud, M <= N, at most `spacing` * √3 from every dropped one.
+    """
+    cells = np.floor((points - points.min(axis=0)) / spacing).astype(np.int64)
+    counts = cells.max(axis=0) + 1
+    _, first = np.unique((cells[:, 0] * counts[1] + cells[:, 1]) * counts[2] + cells[:, 2], return_index=True)
+    return points[np.sort(first)]
+
+
+def surface_noise(points: FloatArray) -> float:
+    """Typical distance of a point from the plane through its neighbours [m].
+
+    Args:
+        points: (N, 3) points [m] of a surface.
+
+    Returns:
+        The median over probes of the RMS residual of the local plane; 0 for fewer than 6 points.
+    """
+    if len(points) < 6:
+        return 0.0
+    probes = points[:: -(-len(points) // PROBES)]
+    tree = KDTree(points)
+    _, index = tree.query(probes, k=min(NEIGHBOURS, len(points)))
+    patches = points[index] - points[index].mean(axis=1, keepdims=True)
+    least = np.linalg.eigvalsh(np.einsum("pki,pkj->pij", patches, patches))[:, 0]
+    # A plane through k points takes three degrees of freedom from their residuals.
+    return float(np.sqrt(np.median(np.maximum(least, 0.0)) / max(patches.shape[1] - 3, 1)))
+
+
+def estimate_deviation(scene: Scene | Mapping[str, FloatArray]) -> float:
+    """Deviation factor δ of a scene, from the noise of its clouds.
+
+    Args:
+        scene: A scene, or clouds (N, 3) [m] by name.
+
+    Returns:
+        `noise_factor` times the median noise of the clouds, within the least and greatest deviation [m].
+    """
+    clouds = scene.clouds if isinstance(scene, Scene) else scene
+    noise = float(np.median([surface_noise(cloud) for cloud in clouds.values()])) if clouds else 0.0
+    return float(
+        np.clip(TOLERANCES.noise_factor * noise, TOLERANCES.least_deviation, TOLERANCES.greatest_deviation)
+    )
+
+
+def clean(points: FloatArray) -> FloatArray:
+    """Drop stray points: those far from their neighbours compared with the rest of the cloud.
+
+    Args:
+        points: (N, 3) points [m].
+
+    Returns:
+        (M, 3) points, M <= N; small clouds come back as they are.
+    """
+    if len(points) < 30:
+        return points
+    tree = KDTree(points)
+    distance = tree.query(points, k=5)[0][:, -1]
+    return points[distance <= 6 * max(float(np.median(distance)), TOLERANCES.least_deviation)]

@@ -1,0 +1,151 @@
+"""The 6-intersection matrix of two clouds: as the paper counts it, and the same counts sooner."""
+
+import numpy as np
+
+from topple.topology.arrays import BoolArray, FloatArray, IntArray
+from topple.topology.gauge import Gauge
+from topple.topology.hull import BLOCK, Hull
+
+PROBES = 24
+"""Points whose furthest facets are tried first: a handful of facets bars the way to most points."""
+WORTH_A_TABLE = 2_000_000
+"""Facet distances above which a gauge table (about 1 ms per 100 facets) pays for itself."""
+
+
+def intersection_matrix(
+    a: FloatArray, hull_a: Hull, b: FloatArray, hull_b: Hull, deviation: float
+) -> IntArray:
+    """Count the points of each cloud in the other's interior, boundary and exterior (equations 1 and 4).
+
+    A point is interior where every directed facet distance is below -δ, exterior where one exceeds δ,
+    else on the boundary. The paper's box test comes first, with the box enlarged by δ: as printed it
+    would call points within δ of the boundary exterior.
+
+    Args:
+        a: (N, 3) points of A [m].
+        hull_a: Hull of A.
+        b: (M, 3) points of B [m].
+        hull_b: Hull of B.
+        deviation: The deviation factor δ [m], > 0.
+
+    Returns:
+        (2, 3) counts [[A∩B°, A∩∂B, A∩B⁻], [A°∩B, ∂A∩B, A⁻∩B]].
+
+    See Also:
+        Regions: The same counts, faster where a hull meets several clouds.
+    """
+    return np.stack([_counts(a, hull_b, deviation), _counts(b, hull_a, deviation)])
+
+
+def _counts(points: FloatArray, hull: Hull, deviation: float) -> IntArray:
+    """(interior, boundary, exterior) counts of points, every facet for every point in the box."""
+    near = within_box(points, hull.lower, hull.upper, deviation)
+    distance = hull.facet_distance(near)
+    interior = int(np.count_nonzero(distance < -deviation))
+    boundary = int(np.count_nonzero(distance <= deviation)) - interior
+    return np.array([interior, boundary, len(points) - interior - boundary], dtype=np.int64)
+
+
+def within_box(points: FloatArray, lower: FloatArray, upper: FloatArray, margin: float) -> FloatArray:
+    """The points inside an axis-aligned box enlarged by a margin on every side.
+
+    Args:
+        points: (N, 3) points [m].
+        lower: (3,) least corner of the box [m].
+        upper: (3,) greatest corner of the box [m].
+        margin: Enlargement [m].
+
+    Returns:
+        (M, 3) points, M <= N.
+    """
+    for axis in range(3):  # one axis at a time: most points of most clouds fall at the first
+        column = points[:, axis]
+        chosen = (column >= lower[axis] - margin) & (column <= upper[axis] + margin)
+        if not chosen.all():
+            points = points[chosen]
+    return points
+
+
+class Regions:
+    """Interior, boundary and exterior of one hull at one deviation, prepared for many points.
+
+    Exact like `intersection_matrix`. Most points are settled by a few facets that bar their way or by a
+    table of the hull enlarged and shrunk by δ; only what is left is tested against every facet.
+    """
+
+    def __init__(self, hull: Hull, deviation: float) -> None:
+        """Prepare a hull; the tables are made when first needed.
+
+        Args:
+            hull: The hull.
+            deviation: The deviation factor δ [m], > 0.
+        """
+        self.hull = hull
+        self.deviation = deviation
+        self._tables: tuple[Gauge | None, Gauge | None] | None = None
+
+    def counts(self, points: FloatArray) -> IntArray:
+        """Count points in the interior, on the boundary and in the exterior.
+
+        Args:
+            points: (N, 3) points [m].
+
+        Returns:
+            (3,) counts (interior, boundary, exterior).
+        """
+        near = within_box(points, self.hull.lower, self.hull.upper, self.deviation)
+        interior, boundary = self._inner_counts(near) if len(near) else (0, 0)
+        return np.array([interior, boundary, len(points) - interior - boundary], dtype=np.int64)
+
+    def _inner_counts(self, near: FloatArray) -> tuple[int, int]:
+        """(interior, boundary) counts of points in the enlarged box."""
+        hull, deviation = self.hull, self.deviation
+        first = self._barring_facets(near)
+        normals, offsets = np.ascontiguousarray(hull.normals[first].T), hull.offsets[first]
+        alive: list[FloatArray] = []
+        reached: list[BoolArray] = []
+        step = max(256, BLOCK // len(first))
+        for start in range(0, len(near), step):
+            block = near[start : start + step]
+            table = block @ normals
+            table += offsets
+            furthest = table.max(axis=1)
+            kept = furthest <= deviation
+            alive.append(block[kept])
+            reached.append(furthest[kept] >= -deviation)
+        left, on_boundary = np.concatenate(alive), np.concatenate(reached)
+        interior = boundary = 0
+        if len(left) * len(hull.normals) > WORTH_A_TABLE:
+            enlarged, shrunk = self._gauges()
+            # A point that reaches a facet's layer is on the boundary if no other facet shuts it out.
+            inside = self._surely(enlarged, left) & on_boundary
+            boundary = int(np.count_nonzero(inside))
+            left, on_boundary = left[~inside], on_boundary[~inside]
+            deep = self._surely(shrunk, left) & ~on_boundary
+            interior = int(np.count_nonzero(deep))
+            left = left[~deep]
+        distance = hull.facet_distance(left)
+        found = int(np.count_nonzero(distance < -deviation))
+        return interior + found, boundary + int(np.count_nonzero(distance <= deviation)) - found
+
+    def _barring_facets(self, near: FloatArray) -> IntArray:
+        """The facets that a spread of the points is furthest out of."""
+        probes = near[:: -(-len(near) // PROBES)]
+        table = probes @ self.hull.normals.T
+        table += self.hull.offsets
+        return np.unique(table.argmax(axis=1))
+
+    def _gauges(self) -> tuple[Gauge | None, Gauge | None]:
+        """Tables of the hull enlarged and shrunk by δ."""
+        if self._tables is None:
+            normals, offsets = self.hull.normals, self.hull.offsets
+            centre = self.hull.vertices.mean(axis=0)
+            self._tables = (
+                Gauge.of(normals, offsets - self.deviation, centre),
+                Gauge.of(normals, offsets + self.deviation, centre),
+            )
+        return self._tables
+
+    @staticmethod
+    def _surely(gauge: Gauge | None, points: FloatArray) -> BoolArray:
+        return np.zeros(len(points), dtype=np.bool_) if gauge is None else gauge.surely_inside(points)
