@@ -1,0 +1,126 @@
+"""Entry point of the `topple` command: finds the sub-command, turns errors into one line and an exit code.
+
+Nothing heavy is imported here: `topple --help` has to answer at once.
+"""
+
+import argparse
+import importlib
+import os
+import sys
+from collections.abc import Sequence
+from typing import NoReturn
+
+from topple.planner.cli.console import complain
+
+DONE, NO_SAFE_PLAN, WRONG_USE, INTERRUPTED = 0, 1, 2, 130
+
+COMMANDS = {
+    "relate": "decide how every two objects lie to each other",
+}
+
+_EPILOG = (
+    "exit codes: 0 done; 1 no safe plan or a failed run; 2 wrong use or unreadable input; 130 interrupted"
+)
+
+
+class Parser(argparse.ArgumentParser):
+    """A parser whose errors are one line."""
+
+    def error(self, message: str) -> NoReturn:
+        """Print what is wrong and where to read on, and leave with exit code 2."""
+        self.exit(WRONG_USE, f"{self.prog}: {message} (see {self.prog} --help)\n")
+
+
+class ShowVersion(argparse.Action):
+    """Looks the version up only when asked: the metadata takes longer than the rest of the start."""
+
+    def __call__(self, parser: argparse.ArgumentParser, *_: object) -> None:
+        """Print the version and leave."""
+        from importlib.metadata import version
+
+        parser.exit(DONE, f"topple {version('topple')}\n")
+
+
+def main(argv: Sequence[str] | None = None) -> int:
+    """Run the command line.
+
+    Args:
+        argv: Arguments after the program's name; those of the process where None.
+
+    Returns:
+        The exit code: 0 done, 1 no safe plan or a failed run, 2 wrong use or unreadable input, 130
+        interrupted.
+    """
+    arguments = list(sys.argv[1:] if argv is None else argv)
+    try:
+        code = _run(arguments)
+        sys.stdout.flush()
+    except SystemExit as leaving:  # argparse: help, version, or an error it has printed
+        return leaving.code if isinstance(leaving.code, int) else DONE
+    except KeyboardInterrupt:
+        complain("interrupted")
+        return INTERRUPTED
+    except BrokenPipeError:  # whoever read our output has seen enough
+        os.dup2(os.open(os.devnull, os.O_WRONLY), 1)
+        return DONE
+    except OSError as error:
+        complain(f"{error.filename or 'output'}: {error.strerror or error}")
+        return WRONG_USE
+    return code
+
+
+def _run(arguments: list[str]) -> int:
+    chosen = next((argument for argument in arguments if not argument.startswith("-")), None)
+    parser, commands = _parser(chosen)
+    if not arguments:
+        parser.print_help(sys.stderr)
+        return WRONG_USE
+    args = parser.parse_args([_plain_number(argument) for argument in arguments])
+    if args.command is None:
+        parser.error(f"no command given; choose from {', '.join(COMMANDS)}")
+    command = importlib.import_module(f"topple.planner.cli.{args.command}")
+    from topple.planner.errors import NoSafePlan
+    from topple.topology.errors import ToppleError
+
+    args.parser = commands[args.command]
+    try:
+        return int(command.execute(args))
+    except NoSafePlan as error:
+        complain(str(error), *error.certificate)
+        return NO_SAFE_PLAN
+    except ToppleError as error:
+        complain(str(error))
+        return WRONG_USE
+
+
+def _parser(chosen: str | None) -> tuple[Parser, dict[str, Parser]]:
+    """Build the parser; only the chosen command's module is imported for its options."""
+    parser = Parser(
+        prog="topple",
+        description="Which object in the clutter to take next, and why that is safe.",
+        epilog=_EPILOG,
+    )
+    parser.add_argument("--version", action=ShowVersion, nargs=0, help="print the version and leave")
+    actions = parser.add_subparsers(dest="command", metavar="COMMAND", parser_class=Parser)
+    commands: dict[str, Parser] = {}
+    for name, purpose in COMMANDS.items():
+        commands[name] = actions.add_parser(
+            name, help=purpose, description=purpose[0].upper() + purpose[1:] + ".", epilog=_EPILOG
+        )
+        if name == chosen:
+            importlib.import_module(f"topple.planner.cli.{name}").add_arguments(commands[name])
+    return parser, commands
+
+
+def _plain_number(argument: str) -> str:
+    """Write -1e-3 as -0.001: argparse takes the former for an option."""
+    if not argument.startswith("-") or "e" not in argument.lower():
+        return argument
+    try:
+        return f"{float(argument):.20f}"
+    except ValueError:
+        return argument
+
+
+if __name__ == "__main__":
+    sys.exit(main())

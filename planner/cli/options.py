@@ -1,0 +1,125 @@
+"""Options every sub-command has, and the scenes it was given."""
+
+import argparse
+import os
+from collections.abc import Callable, Sequence
+from typing import TYPE_CHECKING, cast
+
+from topple.planner.cli.console import complain
+from topple.planner.cli.main import WRONG_USE, ShowVersion
+from topple.planner.cli.progress import Progress
+from topple.topology.errors import InvalidInput
+
+if TYPE_CHECKING:
+    from topple.topology.scene import Scene
+
+_SCENE_SUFFIXES = (".npz", ".npy")
+_LISTS = ("fixed", "target")  # options that take one name after the other
+
+
+def add_common(parser: argparse.ArgumentParser, *, scenes: str | None) -> None:
+    """Add what all sub-commands take.
+
+    Args:
+        parser: The sub-command's parser.
+        scenes: "many" or "one" scene as the positional argument, None for a command without.
+    """
+    if scenes is not None:
+        parser.add_argument(
+            "scenes",
+            nargs="*",
+            metavar="SCENE" if scenes == "one" else "SCENE...",
+            help=".npz of clouds, folder of cloud or mesh files, or RGB-D .npz / .npy",
+        )
+    parser.add_argument("--fixed", nargs="+", action="extend", metavar="NAME", help="objects that never move")
+    parser.add_argument(
+        "--up", nargs=3, type=float, metavar=("X", "Y", "Z"), help="direction against gravity"
+    )
+    parser.add_argument("--seed", type=_seed, default=0, metavar="N", help="seed of every random draw (0)")
+    parser.add_argument("--json", action="store_true", help="JSON on stdout and nothing else")
+    parser.add_argument("--version", action=ShowVersion, nargs=0, help="print the version and leave")
+
+
+def _seed(text: str) -> int:
+    seed = int(text)
+    if seed < 0:
+        raise argparse.ArgumentTypeError(f"{seed} is negative, expected a whole number from 0 on")
+    return seed
+
+
+def scene_paths(args: argparse.Namespace, *, many: bool = True) -> list[str]:
+    """Say which scenes were meant.
+
+    A list option before the scene swallows it, `--fixed 1 scene.npz`: from the first value on that is an
+    existing scene file (or, with no scene given otherwise, that exists at all), its values are scenes.
+
+    Args:
+        args: The parsed arguments; `scenes` and the list options are put right.
+        many: Whether more than one scene is allowed.
+
+    Returns:
+        At least one path.
+    """
+    paths = list(args.scenes)
+    for option in _LISTS:
+        values = getattr(args, option, None)
+        if not isinstance(values, list):
+            continue
+        names = cast(list[str], values)
+        start = next((i for i in range(1, len(names)) if _is_scene(names[i], anything=not paths)), len(names))
+        paths += names[start:]
+        del names[start:]
+    if not paths:
+        args.parser.error("no scene given: expected an .npz, an .npy or a folder")
+    if len(paths) > 1 and not many:
+        args.parser.error(f"one scene expected, {len(paths)} given: {' '.join(paths)}")
+    args.scenes = paths
+    return paths
+
+
+def _is_scene(value: str, *, anything: bool) -> bool:
+    return os.path.exists(value) and (anything or value.lower().endswith(_SCENE_SUFFIXES))
+
+
+def read_scene(args: argparse.Namespace, path: str) -> "Scene":
+    """Read one of the scenes as the options say.
+
+    Args:
+        args: The parsed arguments.
+        path: The scene's path.
+
+    Returns:
+        The scene.
+
+    Raises:
+        InvalidInput: If the path holds no scene or a broken one.
+    """
+    from topple.topology.io import load_scene
+
+    return load_scene(path, fixed=args.fixed or (), up=args.up)
+
+
+def for_each_scene(args: argparse.Namespace, act: Callable[[str, "Scene"], int], progress: Progress) -> int:
+    """Do the same to every scene; one that fails keeps none of the others from its turn.
+
+    Args:
+        args: The parsed arguments.
+        act: Takes path and scene, prints the answer, returns the exit code.
+        progress: Where to say what is going on.
+
+    Returns:
+        The greatest exit code of all.
+    """
+    codes = [0]
+    for path in scene_paths(args):
+        try:
+            progress(f"reading {path}")
+            scene = read_scene(args, path)
+            progress(f"{path}: {len(scene.names)} objects")
+            codes.append(act(path, scene))
+        except InvalidInput as error:
+            progress.clear()
+            message = str(error)
+            complain(message if message.startswith(path) else f"{path}: {message}")
+            codes.append(WRONG_USE)
+    return max(codes)
