@@ -1,0 +1,81 @@
+"""What a straight lift runs into: the volume an object sweeps on its way up, and who is in it."""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from topple.topology.arrays import FloatArray
+
+LIFT = 0.25
+"""Height of the lift [m]: what is higher than this above an object is not met."""
+
+CELL = 0.004
+"""Edge [m] of the cells of a plan view: one thinned sample per cell of a horizontal surface."""
+
+CLEAR = 0.004
+"""A surface this much [m] higher than another is above it and not beside it: noise and spacing."""
+
+DIRECTIONS = np.stack([np.cos(np.arange(24) * np.pi / 12), np.sin(np.arange(24) * np.pi / 12)], axis=1)
+
+
+@dataclass(frozen=True, eq=False)
+class Overlap:
+    """The part of one object that hangs over another.
+
+    Attributes:
+        evasion: How far [m] the upper object must be pushed sideways before it hangs over nothing
+            of the other: what a lift would push it by, at least.
+        area: Overlapping area in plan view [m²].
+        share: Overlapping share of the upper object's plan view, 0..1.
+        clearance: Smallest height [m] of the upper surface over the lower one.
+    """
+
+    evasion: float
+    area: float
+    share: float
+    clearance: float
+
+
+def overlap(upper: FloatArray, lower: FloatArray) -> Overlap | None:
+    """How one object hangs over another.
+
+    Args:
+        upper: (N, 3) upright surface points [m] of the object that may be in the way.
+        lower: (M, 3) upright surface points [m] of the object that is lifted.
+
+    Returns:
+        The overlap, or None where no part of `upper` is above a part of `lower` within the lift.
+    """
+    low = np.maximum(upper[:, :2].min(axis=0), lower[:, :2].min(axis=0)) - CELL
+    high = np.minimum(upper[:, :2].max(axis=0), lower[:, :2].max(axis=0)) + CELL
+    if (low >= high).any() or upper[:, 2].max() < lower[:, 2].min():
+        return None
+    size = np.ceil((high - low) / CELL).astype(np.int64) + 1
+    ceiling = _plan(upper, low, size, highest=True)
+    ground = _plan(lower, low, size, highest=False)
+    height = ceiling - ground
+    above = np.isfinite(height) & (height > CLEAR) & (height < LIFT + 0.1)
+    cells = np.argwhere(above)
+    if len(cells) == 0:
+        return None
+    spots = low + (cells + 0.5) * CELL
+    # Sideways escape: past the farthest lower point that is lower than what hangs over it.
+    below = lower[lower[:, 2] < ceiling[above].max() - CLEAR][:, :2]
+    reach = (below @ DIRECTIONS.T).max(axis=0) - (spots @ DIRECTIONS.T).min(axis=0)
+    footprint = len(np.unique(np.floor(upper[:, :2] / CELL).astype(np.int64), axis=0))
+    return Overlap(
+        evasion=float(reach.min()),
+        area=len(cells) * CELL**2,
+        share=len(cells) / max(footprint, 1),
+        clearance=float(height[above].min()),
+    )
+
+
+def _plan(points: FloatArray, low: FloatArray, size: np.ndarray, highest: bool) -> FloatArray:
+    """Plan view: the highest or lowest height per cell, ∓inf where there is none."""
+    plan = np.full(tuple(size), -np.inf if highest else np.inf)
+    cells = np.floor((points[:, :2] - low) / CELL).astype(np.int64)
+    inside = np.all((cells >= 0) & (cells < size), axis=1)
+    index = (cells[inside, 0], cells[inside, 1])
+    (np.maximum if highest else np.minimum).at(plan, index, points[inside, 2])
+    return plan

@@ -1,0 +1,191 @@
+"""Who must go first: a directed graph whose every edge has a reason."""
+
+from collections.abc import Iterable, Mapping
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any
+
+import networkx as nx
+import numpy as np
+
+from topple.planner.blocking import Overlap, overlap
+from topple.topology.errors import UnknownObject
+from topple.topology.statics import Statics
+
+if TYPE_CHECKING:
+    from topple.topology.pairs import Relations
+    from topple.topology.scene import Scene
+
+MOVED = 0.01
+"""Displacement [m] that counts as a move, the contract's centimetre."""
+
+REASONS = ("contained", "supported", "leaning", "counterweight", "blocking")
+
+
+@dataclass(frozen=True)
+class Dependency:
+    """Taking `then` away while `first` is there would move `first`.
+
+    Attributes:
+        first: Who goes first.
+        then: Who must wait.
+        reason: "supported", "leaning", "contained", "blocking" or "counterweight".
+        confidence: 0..1.
+    """
+
+    first: str
+    then: str
+    reason: str
+    confidence: float
+
+    def to_json(self) -> dict[str, Any]:
+        """The dependency as the JSON of `topple order` has it."""
+        return {
+            "first": self.first,
+            "then": self.then,
+            "reason": self.reason,
+            "confidence": round(self.confidence, 3),
+        }
+
+    def sentence(self) -> str:
+        """The reason in words."""
+        say = {
+            "supported": f"{self.first} rests on {self.then}",
+            "leaning": f"{self.first} leans on {self.then}",
+            "contained": f"{self.first} lies in {self.then}",
+            "counterweight": f"{self.then} holds {self.first} in place by its weight",
+            "blocking": f"{self.first} is over {self.then}, in the way of lifting it",
+        }
+        return say.get(self.reason, f"taking {self.then} would move {self.first}")
+
+
+@dataclass(frozen=True, eq=False)
+class DependencyGraph:
+    """Dependencies between named objects, edges first -> then.
+
+    Attributes:
+        names: The movable objects, in the scene's order.
+        dependencies: One per ordered pair at most.
+
+    Raises:
+        UnknownObject: A dependency names an object that is not among `names`.
+    """
+
+    names: tuple[str, ...]
+    dependencies: tuple[Dependency, ...]
+
+    def __post_init__(self) -> None:
+        """Check that every edge is between two known names."""
+        for edge in self.dependencies:
+            for name in (edge.first, edge.then):
+                if name not in self.names:
+                    raise UnknownObject(name, self.names)
+
+    @staticmethod
+    def of(names: Iterable[str], dependencies: Iterable[Dependency]) -> "DependencyGraph":
+        """Collect dependencies, the most confident one per ordered pair."""
+        best: dict[tuple[str, str], Dependency] = {}
+        for edge in dependencies:
+            known = best.get((edge.first, edge.then))
+            if known is None or edge.confidence > known.confidence:
+                best[edge.first, edge.then] = edge
+        return DependencyGraph(tuple(names), tuple(best.values()))
+
+    def graph(self) -> "nx.DiGraph[str]":
+        """A fresh networkx graph, edges first -> then with `reason` and `confidence`."""
+        graph: nx.DiGraph[str] = nx.DiGraph()
+        graph.add_nodes_from(self.names)
+        for edge in self.dependencies:
+            graph.add_edge(edge.first, edge.then, reason=edge.reason, confidence=edge.confidence)
+        return graph
+
+    def before(self, name: str) -> frozenset[str]:
+        """Everything that must go before an object, directly or not; in a cycle, the cycle too."""
+        return frozenset(nx.ancestors(self.graph(), name)) - {name}
+
+    def cycles(self) -> tuple[tuple[str, ...], ...]:
+        """Sets of objects each of which must go before all others of the set, in the scene's order."""
+        rank = {name: i for i, name in enumerate(self.names)}
+        found = [sorted(c, key=rank.__getitem__) for c in nx.strongly_connected_components(self.graph())]
+        return tuple(tuple(c) for c in sorted((c for c in found if len(c) > 1), key=lambda c: rank[c[0]]))
+
+    def between(self, first: str, then: str) -> Dependency | None:
+        """The dependency of an ordered pair, or None."""
+        for edge in self.dependencies:
+            if edge.first == first and edge.then == then:
+                return edge
+        return None
+
+
+def dependencies(
+    scene: "Scene", relations: "Relations | None" = None, statics: Statics | None = None
+) -> DependencyGraph:
+    """Find who must go before whom.
+
+    Two questions are asked of every pair: does the straight lift of `then` run into `first`
+    (`topple.planner.blocking`), and is `first` still in equilibrium once `then` is gone
+    (`topple.topology.statics`)?
+
+    Args:
+        scene: A scene that knows where up is.
+        relations: The scene's relations, if known.
+        statics: The scene at rest where it has been worked out before.
+
+    Returns:
+        The graph over the movable objects.
+
+    Raises:
+        InvalidInput: The scene has no `up`.
+    """
+    statics = Statics.of(scene) if statics is None else statics
+    names = statics.upright.movable
+    touching = _touching(statics)
+    found: list[Dependency] = []
+    for then in names:
+        lower = statics.surfaces[then]
+        for first in names:
+            if first == then:
+                continue
+            over = overlap(statics.surfaces[first], lower)
+            if over is not None and over.evasion > MOVED:
+                found.append(_lifted(first, then, over, touching, statics))
+        for first, missing in statics.unsteady_without([then]).items():
+            found.append(_falls(first, then, missing, touching))
+    return DependencyGraph.of(names, found)
+
+
+def _touching(statics: Statics) -> Mapping[tuple[str, str], float]:
+    """(a, b) -> upward part of the mean contact normal from a into b, for pairs that touch."""
+    normals: dict[tuple[str, str], float] = {}
+    for contact in statics.contacts:
+        if contact.gaps.min() <= 0.005:
+            up = float(contact.normals[:, 2].mean())
+            normals[contact.a, contact.b] = up
+            normals[contact.b, contact.a] = -up
+    return normals
+
+
+def _lifted(
+    first: str, then: str, over: Overlap, touching: Mapping[tuple[str, str], float], statics: Statics
+) -> Dependency:
+    """The edge for an object that hangs over another."""
+    confidence = float(np.clip(0.5 + (over.evasion - MOVED) / 0.04, 0.5, 0.99))
+    inner, outer = statics.surfaces[first], statics.surfaces[then]
+    if over.share > 0.5 and inner[:, 2].min() < outer[:, 2].max() - 0.01:
+        return Dependency(first, then, "contained", confidence)
+    up = touching.get((then, first))
+    if up is not None and up > 0.7:
+        return Dependency(first, then, "supported", confidence)
+    if up is not None and up > 0.1:
+        return Dependency(first, then, "leaning", confidence)
+    return Dependency(first, then, "blocking", confidence)
+
+
+def _falls(first: str, then: str, missing: float, touching: Mapping[tuple[str, str], float]) -> Dependency:
+    """The edge for an object that loses its equilibrium."""
+    confidence = float(np.clip(0.4 + missing / 2, 0.4, 0.95))
+    up = touching.get((then, first))
+    if up is not None and up < -0.3:
+        return Dependency(first, then, "counterweight", confidence)
+    if up is not None and up < 0.7:
+        return Dependency(first, then, "leaning", confidence)
+    return Dependency(first, then, "supported", confidence)

@@ -1,0 +1,253 @@
+"""In which order to take things: the fewest removals that free the targets, and why."""
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field
+from itertools import pairwise
+from types import MappingProxyType
+from typing import TYPE_CHECKING, Any
+
+import networkx as nx
+
+from topple.planner.dependency import Dependency, DependencyGraph, dependencies
+from topple.topology.errors import InvalidInput, UnknownObject
+from topple.topology.statics import Statics
+from topple.topology.support import Support, supports
+
+if TYPE_CHECKING:
+    from topple.topology.pairs import Relations
+    from topple.topology.scene import Scene
+
+
+@dataclass(frozen=True, eq=False)
+class Order:
+    """A safe order, and everything it was derived from.
+
+    Attributes:
+        targets: What is to be freed; the last of `order`.
+        order: Names, first to take first; exactly the targets and all that must go before them.
+        graph: Dependencies among all movable objects.
+        supports: Who carries whom.
+        groups: Objects of one cycle that must be taken together or held.
+        unresolved: Cycles for which no group was found; empty where every cycle became one.
+        risk: name -> chance, 0..1, that taking it at its turn moves something that is still there.
+        access: With a robot, what bars the gripper's way: mappings with first, then, reason.
+        assumptions: What was assumed and not seen, in sentences.
+        explanation: One sentence per step.
+        verified: True where simulation has checked the order.
+    """
+
+    targets: tuple[str, ...]
+    order: tuple[str, ...]
+    graph: DependencyGraph
+    supports: tuple[Support, ...]
+    groups: tuple[tuple[str, ...], ...]
+    unresolved: tuple[tuple[str, ...], ...]
+    risk: Mapping[str, float]
+    access: tuple[Mapping[str, str], ...] = ()
+    assumptions: tuple[str, ...] = ()
+    explanation: tuple[str, ...] = ()
+    verified: bool = False
+    notes: Mapping[str, Any] = field(default_factory=lambda: MappingProxyType({}))
+
+    def to_json(self) -> dict[str, Any]:
+        """The object that `topple order --json` prints."""
+        return {
+            "format": "topple.order",
+            "format_version": 1,
+            "targets": list(self.targets),
+            "order": list(self.order),
+            "dependencies": [edge.to_json() for edge in self.graph.dependencies],
+            "supports": [support.to_json() for support in self.supports],
+            "groups": [list(group) for group in self.groups],
+            "unresolved": [list(cycle) for cycle in self.unresolved],
+            "risk": {name: round(risk, 3) for name, risk in self.risk.items()},
+            "access": [dict(entry) for entry in self.access],
+            "assumptions": list(self.assumptions),
+            "explanation": list(self.explanation),
+            "verified": self.verified,
+            **self.notes,
+        }
+
+
+def order(
+    scene: "Scene",
+    targets: Sequence[str] | str | None = None,
+    *,
+    seed: int = 0,
+    verify: bool = False,
+    budget: float | None = None,
+    robot: object | None = None,
+    relations: "Relations | None" = None,
+) -> Order:
+    """Find the order that frees the targets with the fewest removals.
+
+    Args:
+        scene: A scene that knows where up is.
+        targets: Names to free; none clears everything.
+        seed: Seed of the simulations, where there are any.
+        verify: Check the dependencies by simulation.
+        budget: Seconds the simulations may take; what is not checked by then stays as reasoned.
+        robot: An arm, for the access of its gripper.
+        relations: The scene's relations where they are known.
+
+    Returns:
+        The order. What must go before a target is what has a path to it in the dependency graph,
+        so no smaller set will do.
+
+    Raises:
+        InvalidInput: The scene has no `up`, nothing in it can move, or a target is fixed.
+        UnknownObject: A target is not in the scene.
+    """
+    wanted = _check_targets(scene, targets)
+    statics = Statics.of(scene)
+    graph = dependencies(scene, relations, statics)
+    heights = {name: float(statics.surfaces[name][:, 2].max()) for name in graph.names}
+    return arrange(
+        graph,
+        wanted,
+        heights,
+        supports(scene, relations, statics),
+        (*scene.assumptions, *_assumed(scene, statics)),
+    )
+
+
+def arrange(
+    graph: DependencyGraph,
+    targets: Sequence[str],
+    heights: Mapping[str, float],
+    carried: tuple[Support, ...] = (),
+    assumptions: tuple[str, ...] = (),
+) -> Order:
+    """Order the objects of a dependency graph.
+
+    Args:
+        graph: Who must go before whom.
+        targets: What is to be freed; all objects where empty.
+        heights: name -> height of its top [m]: of several objects that could go, the highest goes.
+        carried: Supports to report.
+        assumptions: Sentences to report.
+
+    Returns:
+        The order with fewest removals: the targets and their ancestors, cycles as groups.
+    """
+    wanted = tuple(targets) or graph.names
+    needed = set(wanted).union(*(graph.before(name) for name in wanted)) if wanted else set[str]()
+    part = graph.graph().subgraph(needed)
+    condensed = nx.condensation(part)
+    members: dict[int, list[str]] = {c: sorted(condensed.nodes[c]["members"]) for c in condensed}
+    top = {c: max(heights.get(name, 0.0) for name in names) for c, names in members.items()}
+    risk_of = _risks(graph, needed)
+    steps: list[str] = []
+    groups: list[tuple[str, ...]] = []
+    for c in nx.lexicographical_topological_sort(condensed, key=lambda c: (-top[c], members[c])):
+        cycle = members[c]
+        if len(cycle) > 1:
+            cycle = _least_bad(part.subgraph(cycle), heights)
+            groups.append(tuple(cycle))
+        steps.extend(cycle)
+    return Order(
+        targets=tuple(targets),
+        order=tuple(steps),
+        graph=graph,
+        supports=carried,
+        groups=tuple(groups),
+        unresolved=(),
+        risk=MappingProxyType({name: risk_of[name] for name in steps}),
+        assumptions=assumptions,
+        explanation=_explain(steps, groups, graph, set(wanted)),
+    )
+
+
+def _least_bad(cycle: "nx.DiGraph[str]", heights: Mapping[str, float]) -> list[str]:
+    """Order the objects of a cycle so that the edges gone against are the least certain ones."""
+    left: nx.DiGraph[str] = nx.DiGraph(cycle)
+    steps: list[str] = []
+    while len(left):
+
+        def regret(name: str) -> tuple[float, float, str]:
+            against = sum(float(d["confidence"]) for _, _, d in left.in_edges(name, data=True))
+            return (round(against, 6), -heights.get(name, 0.0), name)
+
+        chosen = min(left.nodes, key=regret)
+        steps.append(chosen)
+        left.remove_node(chosen)
+    return steps
+
+
+def _risks(graph: DependencyGraph, needed: set[str]) -> dict[str, float]:
+    """Chance that a step moves something: one of the edges thought absent or reversed is there."""
+    risk = dict.fromkeys(needed, 0.02)
+    for cycle in graph.cycles():
+        for edge in graph.dependencies:
+            if edge.first in cycle and edge.then in cycle and edge.then in risk:
+                risk[edge.then] = max(risk[edge.then], edge.confidence)
+    return risk
+
+
+def _explain(
+    steps: Sequence[str], groups: Sequence[tuple[str, ...]], graph: DependencyGraph, wanted: set[str]
+) -> tuple[str, ...]:
+    """One sentence per step: whom it frees, and why it had to go."""
+    sentences: list[str] = []
+    for number, name in enumerate(steps, start=1):
+        later = set(steps[number:])
+        edges = [e for e in graph.dependencies if e.first == name and e.then in later]
+        group = next((g for g in groups if name in g), None)
+        say = f"{number}. {name}"
+        if edges:
+            say += ": " + "; ".join(edge.sentence() for edge in edges)
+        elif name in wanted:
+            say += ": nothing that is left depends on it"
+        if group is not None and name == group[0]:
+            say += f" ({' and '.join(group)} hold each other: take them together, or hold the others)"
+        sentences.append(say)
+    return tuple(sentences)
+
+
+def _check_targets(scene: "Scene", targets: Sequence[str] | str | None) -> tuple[str, ...]:
+    """The targets as a tuple without repeats, all of them known and movable."""
+    if not scene.movable:
+        raise InvalidInput("nothing in the scene can move: every object is fixed")
+    given = (targets,) if isinstance(targets, str) else tuple(targets or ())
+    for name in given:
+        if name not in scene.clouds:
+            raise UnknownObject(name, scene.movable, role="target")
+        if name in scene.fixed:
+            raise InvalidInput(
+                f"target {name!r} is fixed and never moves: name one of {', '.join(scene.movable)}"
+            )
+    return tuple(dict.fromkeys(given))
+
+
+def _assumed(scene: "Scene", statics: Statics) -> tuple[str, ...]:
+    """What had to be assumed about gravity."""
+    said: list[str] = []
+    if not scene.fixed:
+        said.append(
+            "no object is fixed: the lowest objects are taken to stand on a floor at their lowest point"
+        )
+    for name in statics.upright.movable:
+        if statics.surfaces[name][:, 2].max() < statics.upright.floor - 0.01:
+            said.append(f"{name} lies below the table's surface")
+        elif statics.unexplained.get(name, 0.0) > 0.5:
+            said.append(f"nothing seen carries {name}: it is taken to be held by something no camera saw")
+    return tuple(said)
+
+
+def blame(graph: DependencyGraph, first: str, then: str) -> tuple[Dependency, ...]:
+    """The chain of dependencies by which one object must go before another.
+
+    Args:
+        graph: The dependency graph.
+        first: Who goes first.
+        then: Who must wait.
+
+    Returns:
+        The shortest chain, empty where there is none.
+    """
+    network = graph.graph()
+    if first not in network or then not in network or not nx.has_path(network, first, then):
+        return ()
+    path = nx.shortest_path(network, first, then)
+    found = (graph.between(a, b) for a, b in pairwise(path))
+    return tuple(edge for edge in found if edge is not None)

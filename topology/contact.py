@@ -1,0 +1,227 @@
+"""Where objects touch: contact patches with normals, between clouds and with flat fixed surfaces."""
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from itertools import combinations
+
+import numpy as np
+from scipy.spatial import KDTree
+
+from topple.topology.arrays import BoolArray, FloatArray, frozen
+from topple.topology.upright import Upright, thin
+
+
+@dataclass(frozen=True)
+class ContactTolerances:
+    """Lengths [m] of the search for contacts.
+
+    Attributes:
+        search: Two samples further apart belong to no contact: a spacing within each surface
+            (4 mm after thinning) on top of the largest gap.
+        catch: Surfaces this close count as one contact in a what-if question: an object that
+            loses a support comes to rest on such a surface after moving less than the
+            centimetre which counts as a move.
+        patch: A surface is flat over this radius when its normal is taken; the radius of a spoon.
+        footprint: Edge of the cells in which a patch keeps one point.
+        flat: A fixed cloud this thin (standard deviation) is a table top, and is treated as a plane.
+    """
+
+    search: float = 0.009
+    catch: float = 0.005
+    patch: float = 0.012
+    footprint: float = 0.012
+    flat: float = 0.003
+
+
+TOLERANCES = ContactTolerances()
+
+
+@dataclass(frozen=True, eq=False)
+class Contact:
+    """One patch in which two objects touch, or nearly do.
+
+    Attributes:
+        a: First object.
+        b: Second object.
+        points: (k, 3) points of the patch [m].
+        normals: (k, 3) unit normals, out of `a` into `b`.
+        gaps: (k,) distance of the surfaces along the normal [m], negative where they overlap.
+        inferred: True where no camera saw the contact and gravity says there must be one.
+    """
+
+    a: str
+    b: str
+    points: FloatArray
+    normals: FloatArray
+    gaps: FloatArray
+    inferred: bool = False
+
+    def only(self, keep: BoolArray) -> "Contact | None":
+        """The part of the patch chosen by a (k,) mask, or None where nothing is chosen."""
+        if not keep.any():
+            return None
+        return Contact(self.a, self.b, self.points[keep], self.normals[keep], self.gaps[keep], self.inferred)
+
+
+@dataclass(frozen=True, eq=False)
+class Plane:
+    """A flat fixed surface: `normal @ x + offset` is the height above it [m], `normal` points up."""
+
+    normal: FloatArray
+    offset: float
+    lower: FloatArray
+    upper: FloatArray
+
+    @staticmethod
+    def of(points: FloatArray) -> "Plane | None":
+        """Fit a plane to a cloud, robustly.
+
+        Args:
+            points: (N, 3) upright points [m].
+
+        Returns:
+            The plane, or None where the cloud is not flat or stands upright (a wall).
+        """
+        if len(points) < 3:
+            return None
+        centre, normal, spread = _fit(points, points)
+        for _ in range(2):
+            near = points[np.abs((points - centre) @ normal) < 3 * spread]
+            centre, normal, spread = _fit(near if len(near) >= 3 else points, points)
+        if spread > TOLERANCES.flat or abs(normal[2]) < 0.5:
+            return None
+        normal = normal if normal[2] > 0 else -normal
+        return Plane(frozen(normal), -float(normal @ centre), points.min(axis=0), points.max(axis=0))
+
+    def heights(self, points: FloatArray) -> FloatArray:
+        """(N,) heights of (N, 3) points above the plane [m]."""
+        return points @ self.normal + self.offset
+
+
+def _fit(kept: FloatArray, points: FloatArray) -> tuple[FloatArray, FloatArray, float]:
+    """Centre and normal of the plane through `kept`, and the robust spread [m] of `points` about it."""
+    centre = kept.mean(axis=0)
+    normal = np.linalg.eigh(np.cov((kept - centre).T))[1][:, 0]
+    heights = (points - centre) @ normal
+    return centre, normal, max(1.4826 * float(np.median(np.abs(heights))), 1e-4)
+
+
+def find_contacts(upright: Upright, clouds: Mapping[str, FloatArray] | None = None) -> tuple[Contact, ...]:
+    """All patches in which two surfaces are at most `search` apart.
+
+    Args:
+        upright: The upright scene.
+        clouds: name -> (N, 3) upright surfaces to use instead of the seen ones (completed bodies).
+
+    Returns:
+        Contacts with at least one movable side, in the order of the objects' names in the scene.
+    """
+    surfaces = dict(upright.clouds if clouds is None else clouds)
+    planes = {name: Plane.of(surfaces[name]) for name in surfaces if name in upright.fixed}
+    trees: dict[str, KDTree] = {}
+    found: list[Contact] = []
+    for a, b in combinations(surfaces, 2):
+        if a in upright.fixed and b in upright.fixed:
+            continue
+        if a in upright.fixed or b in upright.fixed:
+            ground, other = (a, b) if a in upright.fixed else (b, a)
+            plane = planes[ground]
+            if plane is not None:
+                contact = _on_plane(ground, plane, other, surfaces[other])
+                if contact is not None:
+                    found.append(contact)
+                continue
+        contact = _between(a, b, surfaces, trees)
+        if contact is not None:
+            found.append(contact)
+    return tuple(found)
+
+
+def _on_plane(ground: str, plane: Plane, name: str, points: FloatArray) -> Contact | None:
+    """Contact of an object with a table top."""
+    margin = 0.05  # a table seen from one side is cut off, and goes on behind the objects
+    over = ((points[:, :2] > plane.lower[:2] - margin) & (points[:, :2] < plane.upper[:2] + margin)).all(
+        axis=1
+    )
+    heights = plane.heights(points)
+    near = over & (heights < TOLERANCES.search)
+    if not near.any():
+        return None
+    # The lowest point of each cell: surfaces above it in the same cell are walls, not the foot.
+    low = points[near][np.argsort(heights[near], kind="stable")]
+    cells = np.unique(
+        np.floor(low[:, :2] / TOLERANCES.footprint).astype(np.int64), axis=0, return_index=True
+    )[1]
+    feet = low[np.sort(cells)]
+    gaps = plane.heights(feet)
+    return Contact(ground, name, feet, np.tile(plane.normal, (len(feet), 1)), gaps)
+
+
+def _between(a: str, b: str, surfaces: Mapping[str, FloatArray], trees: dict[str, KDTree]) -> Contact | None:
+    """Contact of two clouds."""
+    first, second = surfaces[a], surfaces[b]
+    lower = np.maximum(first.min(axis=0), second.min(axis=0)) - TOLERANCES.search
+    upper = np.minimum(first.max(axis=0), second.max(axis=0)) + TOLERANCES.search
+    if (lower > upper).any():
+        return None
+    candidates = second[((second >= lower) & (second <= upper)).all(axis=1)]
+    if len(candidates) == 0:
+        return None
+    for name in (a, b):
+        if name not in trees:
+            trees[name] = KDTree(surfaces[name])
+    distances, nearest = trees[a].query(candidates, distance_upper_bound=TOLERANCES.search)
+    close = np.isfinite(distances)
+    if not close.any():
+        return None
+    middles = (candidates[close] + first[nearest[close]]) / 2
+    spots = thin(middles, TOLERANCES.footprint)
+    return _patch(a, b, spots, first, second, trees)
+
+
+def _patch(
+    a: str, b: str, spots: FloatArray, first: FloatArray, second: FloatArray, trees: dict[str, KDTree]
+) -> Contact | None:
+    """Normals and gaps at the spots: taken from the flatter of the two surfaces there."""
+    points: list[FloatArray] = []
+    normals: list[FloatArray] = []
+    gaps: list[float] = []
+    around_a = trees[a].query_ball_point(spots, TOLERANCES.patch)
+    around_b = trees[b].query_ball_point(spots, TOLERANCES.patch)
+    for spot, near_a, near_b in zip(spots, around_a, around_b, strict=True):
+        if len(near_a) < 3 or len(near_b) < 3:
+            continue
+        pa, pb = first[near_a], second[near_b]
+        na, rough_a = local_normal(pa)
+        nb, rough_b = local_normal(pb)
+        normal = na if rough_a <= rough_b else nb
+        # b lies on the side of the contact where its points are.
+        if (pb.mean(axis=0) - pa.mean(axis=0)) @ normal < 0:
+            normal = -normal
+        if rough_a <= rough_b:
+            gap = _edge(pb @ normal, lowest=True) - float((pa @ normal).mean())
+        else:
+            gap = float((pb @ normal).mean()) - _edge(pa @ normal, lowest=False)
+        if gap <= TOLERANCES.search:
+            points.append(spot)
+            normals.append(normal)
+            gaps.append(gap)
+    if not points:
+        return None
+    return Contact(a, b, np.array(points), np.array(normals), np.array(gaps))
+
+
+def local_normal(points: FloatArray) -> tuple[FloatArray, float]:
+    """Unit normal of the plane through some points, and their spread across it [m]."""
+    if len(points) < 3:
+        return np.array([0.0, 0.0, 1.0]), np.inf
+    values, vectors = np.linalg.eigh(np.cov((points - points.mean(axis=0)).T))
+    return vectors[:, 0], float(np.sqrt(max(values[0], 0.0)))
+
+
+def _edge(values: FloatArray, lowest: bool) -> float:
+    """The second smallest (largest) value: the edge of the points, one stray point aside."""
+    ordered = np.sort(values)
+    if len(ordered) < 3:
+        return float(ordered[0] if lowest else ordered[-1])
+    return float(ordered[1] if lowest else ordered[-2])

@@ -1,0 +1,165 @@
+"""Static equilibrium with dry friction: a linear programme over contact forces."""
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from scipy.optimize import linprog
+from scipy.sparse import coo_matrix
+
+from topple.topology.arrays import FloatArray
+from topple.topology.contact import Contact
+
+FRICTION = 0.5
+"""Coefficient of dry friction: wood, card, glazed ware and tin lie between 0.3 and 0.7."""
+
+CONE_EDGES = 6
+"""Edges of the pyramid inside the friction cone: six lose at most 13 % of the friction."""
+
+
+@dataclass(frozen=True, eq=False)
+class Weight:
+    """What gravity pulls on.
+
+    Attributes:
+        mass: In any unit, since only ratios matter.
+        centre: (3,) centre of mass [m], upright frame.
+        size: Length [m] that turns a torque into a force one can compare with the weight.
+    """
+
+    mass: float
+    centre: FloatArray
+    size: float
+
+
+@dataclass(frozen=True, eq=False)
+class Balance:
+    """Answer of the programme.
+
+    Attributes:
+        deficit: name -> force and torque that nobody supplies, as a fraction of the weight; 0 for
+            what stays in equilibrium.
+        load: (contact index) -> normal force, same unit as mass times 1 m/s².
+    """
+
+    deficit: Mapping[str, float]
+    load: tuple[float, ...]
+
+
+def balance(
+    weights: Mapping[str, Weight],
+    contacts: Sequence[Contact],
+    friction: float = FRICTION,
+    costs: Sequence[FloatArray] | None = None,
+) -> Balance:
+    """Find contact forces that hold every object still, leaving as little unexplained as possible.
+
+    Minimises the sum over objects of the missing wrench divided by the weight, over forces inside
+    the friction pyramids. Zero for all means an equilibrium exists: rigid bodies at rest need one.
+
+    Args:
+        weights: The objects that can move.
+        contacts: Patches between them and with anything fixed; a name without a weight is fixed.
+        friction: Coefficient of friction of every contact.
+        costs: Per contact (k,) price of a unit of normal force at each point, in deficits per
+            weight; nothing costs anything where it is not given.
+
+    Returns:
+        The deficits and the loads of one optimal solution.
+    """
+    names = list(weights)
+    if not names:
+        return Balance({}, tuple(0.0 for _ in contacts))
+    row_of = {name: 6 * i for i, name in enumerate(names)}
+    columns = _force_columns(weights, row_of, contacts, friction)
+    rows, cols, values, owner, count = columns
+    slack_rows = np.repeat(np.arange(6 * len(names)), 2)
+    slack_cols = count + np.arange(12 * len(names))
+    slack_values = np.tile([1.0, -1.0], 6 * len(names))
+    matrix = coo_matrix(
+        (
+            np.concatenate([values, slack_values]),
+            (np.concatenate([rows, slack_rows]), np.concatenate([cols, slack_cols])),
+        ),
+        shape=(6 * len(names), count + 12 * len(names)),
+    ).tocsr()
+    demand = np.zeros(6 * len(names))
+    demand[2::6] = 1.0  # every object's equations are divided by its weight
+    price = np.concatenate([_prices(contacts, costs, owner, weights), np.ones(12 * len(names))])
+    solution = linprog(price, A_eq=matrix, b_eq=demand, bounds=(0, None), method="highs")
+    if solution.x is None:  # the slacks make every instance feasible and bounded: a solver failure
+        return Balance({name: 1.0 for name in names}, tuple(0.0 for _ in contacts))
+    slack = solution.x[count:].reshape(len(names), 12).sum(axis=1)
+    load = (
+        np.bincount(owner, weights=solution.x[:count], minlength=len(contacts))
+        if count
+        else np.zeros(len(contacts))
+    )
+    return Balance(
+        {name: float(s) for name, s in zip(names, slack, strict=True)}, tuple(float(f) for f in load)
+    )
+
+
+def _prices(
+    contacts: Sequence[Contact],
+    costs: Sequence[FloatArray] | None,
+    owner: np.ndarray,
+    weights: Mapping[str, Weight],
+) -> FloatArray:
+    """Price of each force variable."""
+    if costs is None or len(owner) == 0:
+        return np.zeros(len(owner))
+    per_point = np.concatenate([np.repeat(np.asarray(c, dtype=np.float64), CONE_EDGES) for c in costs])
+    lightest = min(w.mass for w in weights.values())
+    return per_point / lightest
+
+
+def _force_columns(
+    weights: Mapping[str, Weight], row_of: Mapping[str, int], contacts: Sequence[Contact], friction: float
+) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray, int]:
+    """Sparse columns: the wrench each friction-pyramid edge puts on the two objects it acts between."""
+    rows: list[np.ndarray] = []
+    cols: list[np.ndarray] = []
+    values: list[np.ndarray] = []
+    owner: list[np.ndarray] = []
+    count = 0
+    for index, contact in enumerate(contacts):
+        edges = cone_edges(contact.normals, friction)  # (k, E, 3)
+        k = edges.shape[0] * edges.shape[1]
+        points = np.repeat(contact.points, edges.shape[1], axis=0)
+        forces = edges.reshape(k, 3)
+        columns = count + np.arange(k)
+        for name, sign in ((contact.a, -1.0), (contact.b, 1.0)):
+            if name not in row_of:
+                continue
+            weight = weights[name]
+            torque = np.cross(points - weight.centre, forces) / weight.size
+            wrench = sign * np.concatenate([forces, torque], axis=1) / weight.mass
+            rows.append(np.tile(row_of[name] + np.arange(6), k))
+            cols.append(np.repeat(columns, 6))
+            values.append(wrench.ravel())
+        owner.append(np.full(k, index))
+        count += k
+    if count == 0:
+        empty = np.zeros(0, dtype=np.int64)
+        return empty, empty, np.zeros(0), empty, 0
+    return np.concatenate(rows), np.concatenate(cols), np.concatenate(values), np.concatenate(owner), count
+
+
+def cone_edges(normals: FloatArray, friction: float) -> FloatArray:
+    """Edges of the friction pyramids.
+
+    Args:
+        normals: (k, 3) unit normals into the pushed object.
+        friction: Coefficient of friction.
+
+    Returns:
+        (k, E, 3) forces with unit normal part.
+    """
+    helper = np.where(np.abs(normals[:, [2]]) < 0.9, [[0.0, 0.0, 1.0]], [[1.0, 0.0, 0.0]])
+    first = np.cross(normals, helper)
+    first /= np.linalg.norm(first, axis=1, keepdims=True)
+    second = np.cross(normals, first)
+    angles = 2 * np.pi * np.arange(CONE_EDGES) / CONE_EDGES
+    sideways = first[:, None] * np.cos(angles)[:, None] + second[:, None] * np.sin(angles)[:, None]
+    return normals[:, None] + friction * sideways

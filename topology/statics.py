@@ -1,0 +1,150 @@
+"""A scene at rest: bodies, contacts and weights, and who would not stay if something were gone."""
+
+from collections.abc import Collection, Mapping
+from dataclasses import dataclass
+from types import MappingProxyType
+from typing import TYPE_CHECKING
+
+import numpy as np
+from scipy.spatial import ConvexHull, QhullError
+
+from topple.topology.arrays import FloatArray
+from topple.topology.contact import TOLERANCES, Contact, find_contacts
+from topple.topology.equilibrium import Weight, balance
+from topple.topology.upright import SPACING, Upright
+
+if TYPE_CHECKING:
+    from topple.topology.scene import Scene
+
+TIGHT = 0.0025
+"""Gap [m] up to which two surfaces carry each other: noise and spacing of a thinned cloud."""
+
+TILT = float(np.tan(np.radians(9.0)))
+"""Slope by which an object may sink towards a second support without having moved: a move is 10°."""
+
+WALL = 0.005
+"""Thickness [m] taken for the walls of hollow things when their weight is guessed."""
+
+UNSTEADY = 0.1
+"""Missing share of a weight beyond which something moves: contact points are known to millimetres."""
+
+
+@dataclass(frozen=True, eq=False)
+class Statics:
+    """What gravity can be asked about.
+
+    Attributes:
+        upright: The scene in a frame whose z axis is up.
+        surfaces: name -> (N, 3) upright points [m] of the whole body, hidden parts completed.
+        contacts: Patches between the bodies.
+        weights: The movable objects' weights; only their ratios matter.
+        unexplained: name -> missing share of the weight while everything is in place: what the
+            clouds leave open.
+    """
+
+    upright: Upright
+    surfaces: Mapping[str, FloatArray]
+    contacts: tuple[Contact, ...]
+    weights: Mapping[str, Weight]
+    unexplained: Mapping[str, float]
+
+    @staticmethod
+    def of(scene: "Scene") -> "Statics":
+        """Complete the bodies of a scene and find their contacts.
+
+        Args:
+            scene: A scene that knows where up is.
+
+        Returns:
+            The scene at rest.
+
+        Raises:
+            InvalidInput: The scene has no `up`.
+        """
+        upright = Upright.of(scene)
+        surfaces = upright.clouds
+        contacts = find_contacts(upright, surfaces)
+        weights = {name: weigh(surfaces[name]) for name in upright.movable}
+        unexplained = balance(weights, within_reach(contacts, weights)).deficit
+        return Statics(
+            upright, surfaces, contacts, MappingProxyType(weights), MappingProxyType(dict(unexplained))
+        )
+
+    def unsteady_without(self, away: Collection[str], friction: float | None = None) -> dict[str, float]:
+        """Who does not stay where it is once some objects are gone.
+
+        Args:
+            away: Names taken out of the scene.
+            friction: Coefficient of friction, the usual one where not given.
+
+        Returns:
+            name -> share of its weight that nothing carries any more, only for those for whom it
+            grew beyond `UNSTEADY`.
+        """
+        left = {name: weight for name, weight in self.weights.items() if name not in away}
+        contacts = [c for c in self.contacts if c.a not in away and c.b not in away]
+        usable = within_reach(contacts, left)
+        found = balance(left, usable) if friction is None else balance(left, usable, friction)
+        return {
+            name: missing
+            for name, missing in found.deficit.items()
+            if missing > self.unexplained.get(name, 0.0) + UNSTEADY
+        }
+
+
+def weigh(points: FloatArray) -> Weight:
+    """Guess weight and centre of mass of a body from its surface.
+
+    Args:
+        points: (N, 3) evenly spread surface points [m].
+
+    Returns:
+        A weight in litres of material: the hull's volume for solid things, the surface times a wall
+        for hollow ones, whichever is less.
+    """
+    lower, upper = points.min(axis=0), points.max(axis=0)
+    try:
+        volume = float(ConvexHull(points).volume)
+    except (QhullError, ValueError):
+        volume = float(np.prod(np.maximum(upper - lower, SPACING)))
+    shell = len(points) * SPACING**2 * WALL
+    size = max(float(np.linalg.norm(upper - lower)) / 2, SPACING)
+    return Weight(1e3 * max(min(volume, shell), 1e-7), points.mean(axis=0), size)
+
+
+def within_reach(contacts: Collection[Contact], movable: Collection[str]) -> list[Contact]:
+    """Contacts that carry now, or would after a movement too small to count.
+
+    A point further than `TIGHT` counts where the object would reach it by turning about its nearest
+    carrying point by less than 9 degrees.
+
+    Args:
+        contacts: Patches with gaps.
+        movable: Names that can move.
+
+    Returns:
+        The usable parts of the patches.
+    """
+    touching: dict[str, list[FloatArray]] = {name: [] for name in movable}
+    for contact in contacts:
+        near = contact.points[contact.gaps <= TIGHT]
+        for name in (contact.a, contact.b):
+            if name in touching and len(near):
+                touching[name].append(near)
+    pivots = {name: np.concatenate(near) if near else None for name, near in touching.items()}
+    usable: list[Contact] = []
+    for contact in contacts:
+        keep = contact.gaps <= TIGHT
+        for name in (contact.a, contact.b):
+            pivot = pivots.get(name)
+            if name not in pivots:
+                continue
+            if pivot is None:
+                keep |= contact.gaps <= TOLERANCES.catch
+                continue
+            arms = np.linalg.norm(contact.points[:, None] - pivot[None], axis=2).min(axis=1)
+            keep |= (contact.gaps <= TIGHT + TILT * arms) & (contact.gaps <= TOLERANCES.search)
+        part = contact.only(keep)
+        if part is not None:
+            usable.append(part)
+    return usable

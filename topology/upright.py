@@ -1,0 +1,142 @@
+"""The scene as gravity sees it: turned so that up is +z, cut to the objects, thinned to one spacing."""
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from types import MappingProxyType
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from topple.topology.arrays import FloatArray, frozen
+from topple.topology.errors import InvalidInput
+
+if TYPE_CHECKING:
+    from topple.topology.scene import Scene
+
+SPACING = 0.004
+"""Voxel edge [m]: half the thickness of a spoon's bowl, and fine enough for centimetre questions."""
+
+REACH = 0.06
+"""Fixed surfaces are kept this far [m] around the objects: further ones carry nothing."""
+
+
+@dataclass(frozen=True, eq=False)
+class Upright:
+    """Clouds in a frame whose z axis is up, and nothing in them that statics does not need.
+
+    Attributes:
+        rotation: (3, 3) rows are the frame's axes in the scene's frame, so `p @ rotation.T` turns a
+            scene point upright and `q @ rotation` turns it back.
+        clouds: name -> (N, 3) points [m], one per voxel of `SPACING`, the mean of what lay in it.
+        fixed: Names that never move.
+        viewpoints: (k, 3) camera centres, or None where the clouds are not said to be partial.
+        floor: Height [m] of the surface everything stands on.
+    """
+
+    rotation: FloatArray
+    clouds: Mapping[str, FloatArray]
+    fixed: frozenset[str]
+    viewpoints: FloatArray | None
+    floor: float
+
+    @property
+    def movable(self) -> tuple[str, ...]:
+        """Names that can move, in the scene's order."""
+        return tuple(name for name in self.clouds if name not in self.fixed)
+
+    @staticmethod
+    def of(scene: "Scene") -> "Upright":
+        """Turn a scene upright.
+
+        Args:
+            scene: A scene that knows where up is.
+
+        Returns:
+            The upright scene. Without a fixed object the floor is the lowest point of any object.
+
+        Raises:
+            InvalidInput: The scene has no `up`.
+        """
+        if scene.up is None:
+            raise InvalidInput(
+                "the scene does not say where up is, so nothing can be said about gravity: "
+                "give it with --up 0 0 1 (or the array 'up' in the file)"
+            )
+        rotation = upright_axes(scene.up)
+        turned = {name: np.asarray(cloud) @ rotation.T for name, cloud in scene.clouds.items()}
+        movable = [name for name in turned if name not in scene.fixed]
+        clouds = {name: thin(turned[name], SPACING) for name in movable}
+        near = _box(list(clouds.values()))
+        for name in turned:
+            if name in scene.fixed:
+                clouds[name] = thin(_within(turned[name], *near), 2 * SPACING)
+        views = None if len(scene.viewpoints) == 0 else scene.viewpoints @ rotation.T
+        return Upright(
+            rotation=frozen(rotation),
+            clouds=MappingProxyType({name: frozen(clouds[name]) for name in scene.clouds}),
+            fixed=frozenset(scene.fixed),
+            viewpoints=None if views is None else frozen(views),
+            floor=_floor(clouds, frozenset(scene.fixed)),
+        )
+
+
+def upright_axes(up: FloatArray) -> FloatArray:
+    """Axes of a frame whose z axis is `up`.
+
+    Args:
+        up: (3,) vector against gravity, any length but zero.
+
+    Returns:
+        (3, 3) rotation, rows x, y, z; the identity for up = (0, 0, 1).
+    """
+    z = np.asarray(up, dtype=np.float64) / np.linalg.norm(up)
+    if z[2] > 1 - 1e-9:
+        return np.eye(3)
+    seed = np.eye(3)[int(np.argmin(np.abs(z)))]
+    x = seed - (seed @ z) * z
+    x /= np.linalg.norm(x)
+    return np.asarray(np.stack([x, np.cross(z, x), z]), dtype=np.float64)
+
+
+def thin(points: FloatArray, spacing: float) -> FloatArray:
+    """Keep one point per voxel, the mean of the points in it, which also averages their noise.
+
+    Args:
+        points: (N, 3) points [m].
+        spacing: Voxel edge [m].
+
+    Returns:
+        (M, 3) points, M <= N, ordered by voxel.
+    """
+    if len(points) == 0:
+        return points
+    cells = np.floor((points - points.min(axis=0)) / spacing).astype(np.int64)
+    sizes = cells.max(axis=0) + 1
+    keys = (cells[:, 0] * sizes[1] + cells[:, 1]) * sizes[2] + cells[:, 2]
+    _, inverse, counts = np.unique(keys, return_inverse=True, return_counts=True)
+    sums = np.stack([np.bincount(inverse, weights=points[:, k]) for k in range(3)], axis=1)
+    return sums / counts[:, None]
+
+
+def _box(clouds: list[FloatArray]) -> tuple[FloatArray, FloatArray]:
+    """Box around the clouds, grown by `REACH`; unbounded where there is no cloud."""
+    if not clouds:
+        return np.full(3, -np.inf), np.full(3, np.inf)
+    lower = np.min([c.min(axis=0) for c in clouds], axis=0) - REACH
+    upper = np.max([c.max(axis=0) for c in clouds], axis=0) + REACH
+    lower[2] = -np.inf  # what lies far below still catches what falls
+    return lower, upper
+
+
+def _within(points: FloatArray, lower: FloatArray, upper: FloatArray) -> FloatArray:
+    """The points inside a box; all of them where none is."""
+    inside = ((points >= lower) & (points <= upper)).all(axis=1)
+    return points[inside] if inside.any() else points
+
+
+def _floor(clouds: Mapping[str, FloatArray], fixed: frozenset[str]) -> float:
+    """Median height of the largest fixed cloud, else the lowest point of all."""
+    grounds = [clouds[name] for name in clouds if name in fixed]
+    if grounds:
+        return float(np.median(max(grounds, key=len)[:, 2]))
+    return float(min((c[:, 2].min() for c in clouds.values()), default=0.0))
