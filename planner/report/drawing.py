@@ -25,6 +25,7 @@ class DrawnObject:
         points: (N, 3) thinned cloud [m].
         spacing: Typical distance of a point to its nearest neighbour [m]; the size of a drawn dot.
         centre: (3,) centroid of the whole cloud [m].
+        top: (3,) point above the centroid at the height of the highest corner [m]; where the name stands.
         corners: (V, 3) corners of the drawn hull [m].
         edges: (E, 2) indices into `corners`.
     """
@@ -35,6 +36,7 @@ class DrawnObject:
     points: FloatArray
     spacing: float
     centre: FloatArray
+    top: FloatArray
     corners: FloatArray
     edges: IntArray
 
@@ -70,15 +72,15 @@ class Drawing:
         """
         colours = object_colours(scene.names, scene.fixed)
         shares = _shares(scene, points)
+        up = _up(scene)
         objects = tuple(
-            _drawn(name, cloud, colours[name], name in scene.fixed, shares[name])
+            _drawn(name, cloud, colours[name], name in scene.fixed, shares[name], up)
             for name, cloud in scene.clouds.items()
         )
         lower, upper = _box(objects)
         centre = (lower + upper) / 2
         radius = max(float(np.linalg.norm(upper - lower)) / 2, 1e-3)
-        up, eye = _standpoint(scene, centre, radius)
-        return Drawing(objects, centre, radius, up, eye)
+        return Drawing(objects, centre, radius, up, _standpoint(scene, centre, radius, up))
 
     def to_json(self) -> dict[str, Any]:
         """The drawing as the viewer reads it: points as 16-bit steps of the object's box, in base64."""
@@ -113,14 +115,18 @@ def _shares(scene: Scene, points: int) -> Mapping[str, int]:
     return shares
 
 
-def _drawn(name: str, cloud: FloatArray, colour: Colour, fixed: bool, share: int) -> DrawnObject:
+def _drawn(
+    name: str, cloud: FloatArray, colour: Colour, fixed: bool, share: int, up: FloatArray
+) -> DrawnObject:
     if share < len(cloud):  # a random subset has the density of the whole, and needs no search
         chosen = np.sort(np.random.default_rng(0).choice(len(cloud), share, replace=False))
         points = cloud[chosen]
     else:
         points = np.asarray(cloud)
     corners, edges = hull_outline(cloud)
-    return DrawnObject(name, colour, fixed, points, _spacing(points), cloud.mean(axis=0), corners, edges)
+    centre = cloud.mean(axis=0)
+    top = centre + up * float(((corners - centre) @ up).max())
+    return DrawnObject(name, colour, fixed, points, _spacing(points), centre, top, corners, edges)
 
 
 def _spacing(points: FloatArray) -> float:
@@ -187,25 +193,25 @@ def _box(objects: tuple[DrawnObject, ...]) -> tuple[FloatArray, FloatArray]:
     return corners.min(axis=0), corners.max(axis=0)
 
 
-def _standpoint(scene: Scene, centre: FloatArray, radius: float) -> tuple[FloatArray, FloatArray]:
-    """Which way is up, and a point to look from: the first camera's side where one is known, from above."""
-    viewpoints = scene.viewpoints
-    seen_from = viewpoints[0] if len(viewpoints) else None
+def _up(scene: Scene) -> FloatArray:
+    """Which way is drawn up: the scene's own, else that of the camera whose frame the clouds are in."""
     if scene.up is not None:
-        up = np.array(scene.up, dtype=np.float64)
-    elif seen_from is not None and float(np.linalg.norm(seen_from)) < 1e-6:
-        up = np.array([0.0, -1.0, 0.0])  # the camera's own frame has y down
-    else:
-        up = np.array([0.0, 0.0, 1.0])
-    side = (
-        centre - np.array([1.0, 2.0, 0.5]) if seen_from is None else np.asarray(seen_from, dtype=np.float64)
-    )
-    level = (side - centre) - up * float((side - centre) @ up)
+        return np.array(scene.up, dtype=np.float64)
+    in_camera_frame = len(scene.viewpoints) > 0 and float(np.linalg.norm(scene.viewpoints[0])) < 1e-6
+    return np.array([0.0, -1.0, 0.0]) if in_camera_frame else np.array([0.0, 0.0, 1.0])
+
+
+def _standpoint(scene: Scene, centre: FloatArray, radius: float, up: FloatArray) -> FloatArray:
+    """A point to look from: the first camera's side where one is known, from above."""
+    known = len(scene.viewpoints) > 0
+    side = scene.viewpoints[0] - centre if known else np.array([-1.0, -2.0, -0.5])
+    level = side - up * float(side @ up)
     if float(np.linalg.norm(level)) < 1e-6:  # straight above: any side will do
         level = np.eye(3)[int(np.abs(up).argmin())]
         level = level - up * float(level @ up)
     level = level / np.linalg.norm(level)
-    return up, centre + (level * np.cos(np.radians(32.0)) + up * np.sin(np.radians(32.0))) * radius * 3.2
+    raised = np.radians(32.0)
+    return centre + (level * np.cos(raised) + up * np.sin(raised)) * radius * 3.2
 
 
 def _object_json(drawn: DrawnObject) -> dict[str, Any]:
@@ -221,6 +227,7 @@ def _object_json(drawn: DrawnObject) -> dict[str, Any]:
         "points": base64.b64encode(packed.tobytes()).decode("ascii"),
         "spacing": round(drawn.spacing, 5),
         "centre": _rounded(drawn.centre),
+        "top": _rounded(drawn.top),
         "corners": [_rounded(corner) for corner in drawn.corners],
         "edges": drawn.edges.tolist(),
     }

@@ -3,14 +3,13 @@
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from html import escape
-from itertools import pairwise
 from typing import Any
 
 import networkx as nx
 
-from topple.planner.report.layout import NODE_HEIGHT, GraphLayout, Point, layered
+from topple.planner.report.layout import BADGE, NODE_HEIGHT, GraphLayout, Point, layered
 from topple.planner.report.limits import LIMITS
-from topple.planner.report.palette import REASON_COLOURS, Colour, css, reason_colour
+from topple.planner.report.palette import FIXED_COLOUR, REASON_COLOURS, Colour, css, reason_colour
 from topple.planner.report.words import because
 
 Document = Mapping[str, Any]
@@ -22,7 +21,8 @@ class DrawnGraph:
 
     Attributes:
         layout: Places of boxes and arrows.
-        labels: Name -> text in its box: its place in the order and its name, shortened.
+        labels: Name -> text in its box: its name, shortened.
+        places: Name -> its place in the order, from 1; absent for objects that stay.
         reasons: (first, then) -> the reasons of the arrow, one or several.
         confidence: (first, then) -> the highest confidence of these.
         targets: Names of the targets.
@@ -31,6 +31,7 @@ class DrawnGraph:
 
     layout: GraphLayout
     labels: Mapping[str, str]
+    places: Mapping[str, int]
     reasons: Mapping[tuple[str, str], tuple[str, ...]]
     confidence: Mapping[tuple[str, str], float]
     targets: frozenset[str]
@@ -59,11 +60,12 @@ class DrawnGraph:
         kept = _kept(list(reasons))
         place = {str(name): index for index, name in enumerate(order.get("order", ()), start=1)}
         nodes = list(dict.fromkeys([*place, *names, *(name for edge in kept for name in edge)]))
-        labels = {name: (f"{place[name]}  " if name in place else "") + shortened(name) for name in nodes}
+        labels = {name: shortened(name) for name in nodes}
         texts = {edge: ", ".join(reasons[edge]) for edge in kept}
         return DrawnGraph(
             layout=layered(nodes, texts, labels, row),
             labels=labels,
+            places=place,
             reasons={edge: reasons[edge] for edge in kept},
             confidence=confidence,
             targets=frozenset(str(name) for name in order.get("targets", ())),
@@ -125,24 +127,14 @@ def _arrow(graph: DrawnGraph, edge: tuple[str, str], index: Mapping[str, int]) -
     colour = css(reason_colour(graph.reasons[edge][0]))
     sure = graph.confidence[edge]
     dashes = "" if sure >= 0.5 else ' stroke-dasharray="5 4"'
-    line = _smooth(route)
+    line = " L".join(f"{x:.1f},{y:.1f}" for x, y in route)
     head = " ".join(f"{x:.1f},{y:.1f}" for x, y in arrow_head(route))
-    told = f"{edge[0]} before {edge[1]}: {', '.join(because(edge[0], r) for r in graph.reasons[edge])}"
+    told = f"{edge[0]} before {edge[1]}: {', '.join(because([edge[0]], r) for r in graph.reasons[edge])}"
     return (
         f'<g class="arrow" {_ends(edge, index)}><title>{escape(told)} (confidence {sure:.2f})</title>'
-        f'<path d="{line}" fill="none" stroke="{colour}" stroke-width="{1.2 + 0.8 * sure:.1f}"'
+        f'<path d="M{line}" fill="none" stroke="{colour}" stroke-width="{1.2 + 0.8 * sure:.1f}"'
         f'{dashes}/><polygon points="{head}" fill="{colour}"/></g>'
     )
-
-
-def _smooth(route: Sequence[Point]) -> str:
-    """An SVG path through the bends of a route, rounded there; a three-point arc for a cycle's edges."""
-    path = f"M{route[0][0]:.1f},{route[0][1]:.1f}"
-    for corner, following in pairwise(route[1:]):
-        last = following is route[-1]
-        middle = following if last else ((corner[0] + following[0]) / 2, (corner[1] + following[1]) / 2)
-        path += f" Q{corner[0]:.1f},{corner[1]:.1f} {middle[0]:.1f},{middle[1]:.1f}"
-    return path if len(route) > 2 else path + f" L{route[-1][0]:.1f},{route[-1][1]:.1f}"
 
 
 def _label(graph: DrawnGraph, edge: tuple[str, str], index: Mapping[str, int]) -> str:
@@ -157,15 +149,18 @@ def _box(graph: DrawnGraph, name: str, colour: Colour | None, index: Mapping[str
     left, top = x - width / 2, y - NODE_HEIGHT / 2
     kind = "node target" if name in graph.targets else "node"
     link = f'data-object="{index[name]}" tabindex="0"' if name in index else ""
-    bar = (
+    place = graph.places.get(name)
+    number = (
         ""
-        if colour is None
-        else f'<rect x="{left:.1f}" y="{top:.1f}" width="5" height="{NODE_HEIGHT:.0f}" fill="{css(colour)}"/>'
+        if place is None
+        else f'<text class="place" x="{left + BADGE / 2:.1f}" y="{y + 4.5:.1f}">{place}</text>'
     )
     return (
         f'<g class="{kind}" {link}><title>{escape(name)}</title>'
         f'<rect class="box" x="{left:.1f}" y="{top:.1f}" width="{width:.1f}" height="{NODE_HEIGHT:.0f}"/>'
-        f'{bar}<text x="{x + 2:.1f}" y="{y + 4.5:.1f}">{escape(graph.labels[name])}</text></g>'
+        f'<rect x="{left:.1f}" y="{top:.1f}" width="{BADGE:.0f}" height="{NODE_HEIGHT:.0f}" '
+        f'fill="{css(colour or FIXED_COLOUR)}"/>{number}'
+        f'<text x="{x + BADGE / 2:.1f}" y="{y + 4.5:.1f}">{escape(graph.labels[name])}</text></g>'
     )
 
 

@@ -1,5 +1,6 @@
 """Layered layout of a dependency graph: what must go first stands above what it holds up."""
 
+import math
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from itertools import pairwise
@@ -11,8 +12,10 @@ Knot = tuple[str, int]
 """A place in a layer: an object (its name, -1), or a bend of a long arrow (the edge's name, its layer)."""
 
 NODE_HEIGHT = 30.0
-LAYER_GAP = 52.0
-NODE_GAP = 26.0
+BADGE = 24.0
+"""Width of the coloured field of a box that carries the number."""
+LAYER_GAP = 58.0
+NODE_GAP = 30.0
 BEND_WIDTH = 10.0
 CHARACTER = 7.4
 """Width of a character at 13 px in the fonts in use; node widths in pixels follow from it."""
@@ -27,7 +30,7 @@ class GraphLayout:
         height: Height of the drawing.
         centres: Node -> centre of its box.
         widths: Node -> width of its box (height `NODE_HEIGHT`).
-        routes: (first, then) -> the arrow's points, from the rim of one box to the rim of the other.
+        routes: (first, then) -> points along the arrow, from the rim of one box to the rim of the other.
         labels: (first, then) -> centre of the arrow's label; absent where no room was left.
     """
 
@@ -56,7 +59,7 @@ def layered(
         The layout.
     """
     names = list(dict.fromkeys(nodes))
-    widths = {name: max(46.0, len(labels.get(name, name)) * CHARACTER + 20.0) for name in names}
+    widths = {name: len(labels.get(name, name)) * CHARACTER + BADGE + 18.0 for name in names}
     graph: nx.DiGraph[str] = nx.DiGraph()
     graph.add_nodes_from(names)
     graph.add_edges_from(edges)
@@ -65,7 +68,7 @@ def layered(
     layers, chains = _layers(graph)
     _order_layers(layers, chains)
     places = _coordinates(layers, chains, widths)
-    bottom = len(layers) * (NODE_HEIGHT + LAYER_GAP)
+    bottom = max(len(layers) * (NODE_HEIGHT + LAYER_GAP) - LAYER_GAP + 24.0, 0.0) if layers else 0.0
     places |= _rows(loose, widths, bottom, row)
     centres = {name: places[(name, -1)] for name in names}
     shift = 8.0 - min((x - widths[name] / 2 for name, (x, _) in centres.items()), default=0.0)
@@ -209,21 +212,48 @@ def _routes(
 ) -> dict[tuple[str, str], list[Point]]:
     """Arrows from the lower rim of one box to the upper rim of the other; within a layer, an arc."""
     routes: dict[tuple[str, str], list[Point]] = {}
+    half = NODE_HEIGHT / 2
     for (first, then), chain in chains.items():
         (x, y), (u, v) = places[chain[0]], places[chain[-1]]
-        half = NODE_HEIGHT / 2
         if y == v:
-            lower = x < u  # the two directions of a cycle take different sides
-            rim = y + half if lower else y - half
-            bend = rim + (20.0 if lower else -20.0) * (1 if abs(u - x) < 400 else 1.4)
-            routes[(first, then)] = [(x, rim), ((x + u) / 2, bend), (u, rim)]
+            below = 1.0 if x < u else -1.0  # the two directions of a cycle take different sides
+            rim, bend = y + below * half, y + below * (half + 34.0)
+            routes[(first, then)] = _curve(
+                (x, rim), (x + (u - x) / 3, bend), (x + (u - x) * 2 / 3, bend), (u, rim)
+            )
             continue
         points = [places[knot] for knot in chain]
         # Arrows leave and arrive spread over the box, so that they do not all share one point.
         leave = max(-0.35, min(0.35, (points[1][0] - x) / 300.0)) * widths[first]
         arrive = max(-0.35, min(0.35, (points[-2][0] - u) / 300.0)) * widths[then]
-        routes[(first, then)] = [(x + leave, y + half), *points[1:-1], (u + arrive, v - half)]
+        points = [(x + leave, y + half), *points[1:-1], (u + arrive, v - half)]
+        if len(points) == 2:
+            routes[(first, then)] = points
+            continue
+        route = [points[0]]
+        for (a, b), (c, d) in pairwise(points):
+            middle = (b + d) / 2
+            route += _curve((a, b), (a, middle), (c, middle), (c, d))[1:]
+        routes[(first, then)] = route
     return routes
+
+
+def _curve(start: Point, leave: Point, arrive: Point, end: Point, steps: int = 12) -> list[Point]:
+    """Points of the cubic Bézier curve of four control points, ends included."""
+    points: list[Point] = []
+    for step in range(steps + 1):
+        t = step / steps
+        s = 1 - t
+        weights = (s**3, 3 * s * s * t, 3 * s * t * t, t**3)
+        x, y = (
+            sum(
+                weight * corner[axis]
+                for weight, corner in zip(weights, (start, leave, arrive, end), strict=True)
+            )
+            for axis in (0, 1)
+        )
+        points.append((x, y))
+    return points
 
 
 def _label_places(
@@ -250,9 +280,11 @@ def _label_places(
 
 
 def _along(route: Sequence[Point], part: float) -> Point:
-    """The point a given part of the way along a polyline, each of its legs counted alike."""
-    position = part * (len(route) - 1)
-    leg = min(int(position), len(route) - 2)
-    (x, y), (u, v) = route[leg], route[leg + 1]
-    rest = position - leg
-    return (x + (u - x) * rest, y + (v - y) * rest)
+    """The point a given part of the way along a polyline."""
+    lengths = [math.dist(a, b) for a, b in pairwise(route)]
+    left = part * sum(lengths)
+    for (a, b), length in zip(pairwise(route), lengths, strict=True):
+        if left <= length and length > 0:
+            return (a[0] + (b[0] - a[0]) * left / length, a[1] + (b[1] - a[1]) * left / length)
+        left -= length
+    return route[-1]

@@ -1,6 +1,6 @@
 """The colours of the pages and pictures: relations as in the paper's Figure 6, objects apart from them."""
 
-import colorsys
+import math
 from collections.abc import Collection, Iterable
 
 from topple.topology.relation import Relation
@@ -33,7 +33,8 @@ FIXED_COLOUR: Colour = (158, 156, 148)
 """Tables and shelves: grey, because nobody takes them away."""
 
 _GOLDEN_TURN = 0.61803398875
-_LIGHTNESS = (0.58, 0.44, 0.68)
+_LIGHTNESS = (0.62, 0.50, 0.70)
+_CHROMA = 0.105
 
 
 def object_colours(names: Iterable[str], fixed: Collection[str] = ()) -> dict[str, Colour]:
@@ -45,7 +46,7 @@ def object_colours(names: Iterable[str], fixed: Collection[str] = ()) -> dict[st
 
     Returns:
         Name -> colour. Hues step by the golden ratio, so that neighbours in the list never look alike;
-        saturation stays below that of the relation colours, so that lines stand out from clouds.
+        chroma stays below that of the relation colours, so that lines stand out from clouds.
     """
     colours: dict[str, Colour] = {}
     turn = 0
@@ -53,11 +54,31 @@ def object_colours(names: Iterable[str], fixed: Collection[str] = ()) -> dict[st
         if name in fixed:
             colours[name] = FIXED_COLOUR
             continue
-        hue = (0.09 + turn * _GOLDEN_TURN) % 1.0
-        red, green, blue = colorsys.hls_to_rgb(hue, _LIGHTNESS[turn % 3], 0.48)
-        colours[name] = (round(red * 255), round(green * 255), round(blue * 255))
+        colours[name] = _oklch(_LIGHTNESS[turn % 3], _CHROMA, (0.17 + turn * _GOLDEN_TURN) % 1.0)
         turn += 1
     return colours
+
+
+def _oklch(lightness: float, chroma: float, hue: float) -> Colour:
+    """A colour of the OKLab space, in which equal numbers look equally light and strong.
+
+    The two matrices are those of B. Ottosson, "A perceptual color space for image processing" (2020).
+    """
+    a, b = chroma * math.cos(2 * math.pi * hue), chroma * math.sin(2 * math.pi * hue)
+    long = (lightness + 0.3963377774 * a + 0.2158037573 * b) ** 3
+    medium = (lightness - 0.1055613458 * a - 0.0638541728 * b) ** 3
+    short = (lightness - 0.0894841775 * a - 1.2914855480 * b) ** 3
+    return (
+        _encoded(4.0767416621 * long - 3.3077115913 * medium + 0.2309699292 * short),
+        _encoded(-1.2684380046 * long + 2.6097574011 * medium - 0.3413193965 * short),
+        _encoded(-0.0041960863 * long - 0.7034186147 * medium + 1.7076147010 * short),
+    )
+
+
+def _encoded(linear: float) -> int:
+    """A linear light value as an sRGB byte."""
+    value = min(max(linear, 0.0), 1.0)
+    return round(255 * (12.92 * value if value <= 0.0031308 else 1.055 * value ** (1 / 2.4) - 0.055))
 
 
 def css(colour: Colour) -> str:

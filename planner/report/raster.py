@@ -7,7 +7,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from topple.planner.report.drawing import Drawing
-from topple.topology.arrays import BoolArray, FloatArray
+from topple.topology.arrays import FloatArray
 from topple.topology.errors import InvalidInput
 
 if TYPE_CHECKING:
@@ -53,14 +53,24 @@ class Projection:
 
     def __init__(self, drawing: Drawing, width: int, height: int) -> None:
         self.width, self.height = width, height
-        self._eye = drawing.eye
         forward = drawing.centre - drawing.eye
         self._forward = forward / np.linalg.norm(forward)
         right = np.cross(self._forward, drawing.up)
         self._right = right / np.linalg.norm(right)
         self._down = np.cross(self._forward, self._right)
         self._focal = 1.5 * min(width, height)
-        self._near = float(np.linalg.norm(forward)) * 0.02
+        distance = self._fit(drawing)
+        self._eye = drawing.centre - self._forward * distance
+        self._near = distance * 0.02
+
+    def _fit(self, drawing: Drawing) -> float:
+        """Nearest the eye may come [m] for every corner of what can be taken to stay in sight."""
+        shown = [drawn for drawn in drawing.objects if not drawn.fixed] or drawing.objects
+        corners = np.concatenate([drawn.corners for drawn in shown]) - drawing.centre
+        across = np.abs(corners @ self._right) / (0.42 * self.width)
+        along = np.abs(corners @ self._down) / (0.38 * self.height)
+        distance = np.maximum(across, along) * self._focal - corners @ self._forward
+        return max(float(distance.max()), drawing.radius * 1.5)
 
     def pixels(self, points: FloatArray) -> tuple[FloatArray, FloatArray]:
         """Where points fall.
@@ -79,8 +89,8 @@ class Projection:
         y = self.height / 2 + scale * (away @ self._down)
         return np.stack([x, y], axis=1), np.where(behind, np.inf, depth)
 
-    def size(self, length: float, depth: FloatArray) -> FloatArray:
-        """Pixels a length [m] takes at (N,) depths [m]."""
+    def size(self, length: float, depth: float) -> float:
+        """Pixels a length [m] takes at a depth [m]."""
         return length * self._focal / depth
 
 
@@ -96,65 +106,56 @@ def render_clouds(drawing: Drawing, projection: Projection, paper: tuple[int, in
         (H, W, 3) uint8.
     """
     height, width = projection.height, projection.width
-    depth = np.full(height * width, np.inf)
-    owner = np.full(height * width, -1, dtype=np.int64)
+    depth = np.full((height, width), np.inf)
+    owner = np.full((height, width), -1, dtype=np.int64)
     for number, drawn in enumerate(drawing.objects):
-        cells, depths = _splats(projection, drawn.points, drawn.spacing)
-        nearest = np.full(height * width, np.inf)
-        np.minimum.at(nearest, cells, depths)
-        won = nearest < depth
-        depth[won] = nearest[won]
-        owner[won] = number
+        rows, columns, near = _patch(
+            projection, drawn.points, drawn.spacing, height / (150 if drawn.fixed else 40)
+        )
+        won = near < depth[rows, columns]
+        depth[rows, columns][won] = near[won]
+        owner[rows, columns][won] = number
     colours = np.array([drawn.colour for drawn in drawing.objects], dtype=np.float64)
     fixed = np.array([drawn.fixed for drawn in drawing.objects], dtype=np.bool_)
-    return _shaded(
-        depth.reshape(height, width), owner.reshape(height, width), colours, fixed, drawing.radius, paper
-    )
+    spacing = np.array([drawn.spacing for drawn in drawing.objects])
+    slack = np.where(fixed, 1e9, 1.5 * spacing)  # dots stand in steps on a slanted surface
+    image = _shaded(depth, owner, colours, slack, drawing.radius)
+    background = np.array(paper, dtype=np.float64)
+    image = np.where(fixed[owner][..., None], image + (background - image) * 0.6, image)
+    return np.where((owner >= 0)[..., None], image, background).round().astype(np.uint8)
 
 
-def _splats(
-    projection: Projection, points: FloatArray, spacing: float
-) -> tuple[NDArray[np.int64], FloatArray]:
-    """Pixels covered by the square dots of a cloud, and their depths."""
+def _patch(
+    projection: Projection, points: FloatArray, spacing: float, largest: float
+) -> tuple[slice, slice, FloatArray]:
+    """The part of the image a cloud covers, and the depth of its nearest point at each pixel there."""
+    from scipy.ndimage import minimum_filter
+
     places, depth = projection.pixels(points)
-    ahead = np.isfinite(depth)
-    places, depth = places[ahead], depth[ahead]
-    half = np.clip(projection.size(spacing * 1.2, depth), 1.5, 14.0) / 2
-    cells: list[NDArray[np.int64]] = []
-    depths: list[FloatArray] = []
-    reach = int(np.ceil(half.max())) if len(half) else 0
-    for dy in range(-reach, reach + 1):
-        for dx in range(-reach, reach + 1):
-            covered = (abs(dx) <= half) & (abs(dy) <= half)
-            x = np.round(places[covered, 0]).astype(np.int64) + dx
-            y = np.round(places[covered, 1]).astype(np.int64) + dy
-            inside = (x >= 0) & (x < projection.width) & (y >= 0) & (y < projection.height)
-            cells.append(y[inside] * projection.width + x[inside])
-            depths.append(depth[covered][inside])
-    if not cells:
-        return np.zeros(0, dtype=np.int64), np.zeros(0)
-    return np.concatenate(cells), np.concatenate(depths)
+    cells = np.round(places).astype(np.int64)
+    inside = np.isfinite(depth) & (cells >= 0).all(axis=1)
+    inside &= (cells[:, 0] < projection.width) & (cells[:, 1] < projection.height)
+    cells, depth = cells[inside], depth[inside]
+    if not len(cells):
+        return slice(0, 0), slice(0, 0), np.zeros((0, 0))
+    dot = int(np.clip(projection.size(spacing * 1.9, float(np.median(depth))), 2, largest))
+    lower = np.maximum(cells.min(axis=0) - dot, 0)
+    upper = np.minimum(cells.max(axis=0) + dot + 1, [projection.width, projection.height])
+    near = np.full((int(upper[1] - lower[1]), int(upper[0] - lower[0])), np.inf)
+    np.minimum.at(near, (cells[:, 1] - lower[1], cells[:, 0] - lower[0]), depth)
+    near = np.asarray(minimum_filter(near, size=dot, mode="constant", cval=np.inf))
+    return slice(int(lower[1]), int(upper[1])), slice(int(lower[0]), int(upper[0])), near
 
 
 def _shaded(
-    depth: FloatArray,
-    owner: NDArray[np.int64],
-    colours: FloatArray,
-    fixed: BoolArray,
-    radius: float,
-    paper: tuple[int, int, int],
-) -> Pixels:
+    depth: FloatArray, owner: NDArray[np.int64], colours: FloatArray, slack: FloatArray, radius: float
+) -> FloatArray:
     """Colour each pixel by its object, darker the more its neighbours stand in front of it."""
     fold = np.zeros_like(depth)
-    seen = owner >= 0
-    behind = np.where(seen, depth, 0.0)
-    reach = 2
+    limit = np.where(owner >= 0, depth, -np.inf) - slack[owner]
     for axis in (0, 1):
-        for step in (-reach, reach):
+        for step in (-2, 2):
             beside = np.roll(depth, step, axis=axis)
-            fold += np.clip(behind - np.where(np.isfinite(beside), beside, np.inf), 0.0, 0.03)
+            fold += np.clip(np.where(np.isfinite(beside), limit - beside, 0.0), 0.0, 0.03)
     light = np.clip(1.08 - fold * (14 / radius), 0.45, 1.08)[..., None]
-    background = np.array(paper, dtype=np.float64)
-    image = np.minimum(colours[owner] * light, 255.0)
-    image = np.where(fixed[owner][..., None], image + (background - image) * 0.45, image)
-    return np.where(seen[..., None], image, background).round().astype(np.uint8)
+    return np.minimum(colours[owner] * light, 255.0)

@@ -88,7 +88,7 @@ def _places(order: Document, index: Mapping[str, int], count: int) -> list[int]:
 
 def _dependencies(order: Document, index: Mapping[str, int]) -> list[dict[str, Any]]:
     return [
-        {"first": index[first], "then": index[then], "text": because(first, str(dependency["reason"]))}
+        {"first": index[first], "then": index[then], "text": because([first], str(dependency["reason"]))}
         for dependency in order.get("dependencies", ())
         if (first := str(dependency["first"])) in index and (then := str(dependency["then"])) in index
     ]

@@ -6,25 +6,27 @@ from typing import Any
 Document = Mapping[str, Any]
 
 _BECAUSE = {
-    "supported": "{first} rests on it",
-    "leaning": "{first} leans on it",
-    "contained": "{first} lies in it",
-    "blocking": "{first} would be lifted or dragged along",
-    "counterweight": "{first} tips once its weight is gone",
+    "supported": ("rests on it", "rest on it"),
+    "leaning": ("leans on it", "lean on it"),
+    "contained": ("lies in it", "lie in it"),
+    "blocking": ("would be lifted or dragged along", "would be lifted or dragged along"),
+    "counterweight": ("tips once its weight is gone", "tip once its weight is gone"),
 }
+"""What an object that goes before does to the one that goes after: said of one, said of several."""
 
 
-def because(first: str, reason: str) -> str:
-    """Why `first` has to go before the object spoken of, as a clause.
+def because(first: Sequence[str], reason: str) -> str:
+    """Why some objects have to go before the one spoken of, as a clause.
 
     Args:
-        first: Name of the object that goes before.
-        reason: Reason of the dependency.
+        first: Names of those that go before, at least one.
+        reason: Reason of these dependencies.
 
     Returns:
-        A clause such as "spoon rests on it"; an unknown reason is quoted as it is.
+        A clause such as "cup and spoon rest on it"; an unknown reason is quoted as it is.
     """
-    return _BECAUSE.get(reason, "{first} goes before it (" + reason + ")").format(first=first)
+    one, several = _BECAUSE.get(reason, (f"goes before it ({reason})", f"go before it ({reason})"))
+    return f"{listed(first)} {one if len(first) == 1 else several}"
 
 
 def order_in_words(order: Document) -> list[tuple[str, str]]:
@@ -69,18 +71,16 @@ def _sentence(
     done: set[str],
 ) -> str:
     others = [other for other in together if other != name]
-    needed = [dependency for dependency in before if str(dependency["first"]) in done]
-    parts: list[str] = []
+    needed: dict[str, list[str]] = {}
+    for dependency in before:
+        if (first := str(dependency["first"])) in done:
+            needed.setdefault(str(dependency["reason"]), []).append(first)
     if needed:
-        clauses = [because(str(dependency["first"]), str(dependency["reason"])) for dependency in needed]
-        parts.append(
-            "after "
-            + listed(list(dict.fromkeys(str(dependency["first"]) for dependency in needed)))
-            + ": "
-            + listed(clauses)
-        )
+        parts = [listed([because(list(dict.fromkeys(first)), reason) for reason, first in needed.items()])]
+        earlier = list(dict.fromkeys(first for names in needed.values() for first in names))
+        parts = [f"after {listed(earlier)}, because {parts[0]}"]
     else:
-        parts.append("nothing has to go before it")
+        parts = ["nothing has to go before it"]
     if others:
         parts.append("taken or held together with " + listed(others))
     elif name in targets:

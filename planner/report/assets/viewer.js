@@ -45,9 +45,9 @@ class Viewer {
   reset() {
     const look = sub(this.scene.eye, this.scene.centre);
     this.target = this.scene.centre.slice();
-    this.distance = Math.hypot(...look);
     this.yaw = 0;
     this.pitch = Math.asin(dot(unit(look), this.up));
+    this.distance = 0; // until the size of the canvas is known
     this.redraw();
   }
 
@@ -62,10 +62,24 @@ class Viewer {
     const level = add(this.east.map((v) => v * Math.cos(this.yaw)), this.north, Math.sin(this.yaw));
     const back = add(level.map((v) => v * Math.cos(this.pitch)), this.up, Math.sin(this.pitch));
     this.forward = back.map((v) => -v);
+    this.focal = 1.5 * Math.min(this.canvas.width, this.canvas.height);
     this.right = unit(cross(this.forward, this.up));
     this.down = cross(this.forward, this.right);
+    this.distance ||= this.fit();
     this.eye = add(this.target, back, this.distance);
-    this.focal = 1.5 * Math.min(this.canvas.width, this.canvas.height);
+  }
+
+  // Nearest the eye may come for every corner of what can be taken to stay in sight.
+  fit() {
+    let distance = 0;
+    for (const object of this.scene.objects.filter((o, _, all) => !o.fixed || all.every((other) => other.fixed))) {
+      for (const corner of object.corners) {
+        const p = sub(corner, this.target), w = 0.42 * this.canvas.width, h = 0.38 * this.canvas.height;
+        const aside = Math.max(Math.abs(dot(p, this.right)) / w, Math.abs(dot(p, this.down)) / h);
+        distance = Math.max(distance, aside * this.focal - dot(p, this.forward));
+      }
+    }
+    return Math.max(distance, this.scene.radius * 1.5);
   }
 
   project(p) {
@@ -106,12 +120,13 @@ class Viewer {
   drawClouds(context, width, height) {
     const { depth, owner, eye, right, down, forward, focal } = this;
     this.scene.objects.forEach((object, index) => {
-      const points = this.clouds[index], size = Math.max(object.spacing * 1.2, 0.0006);
+      const points = this.clouds[index], size = Math.max(object.spacing * 1.9, 0.0006);
+      const largest = (object.fixed ? 5 : 12) * this.scale;
       for (let i = 0; i < points.length; i += 3) {
         const x = points[i] - eye[0], y = points[i + 1] - eye[1], z = points[i + 2] - eye[2];
         const w = x * forward[0] + y * forward[1] + z * forward[2];
         if (w < this.distance * 0.02) continue;
-        const s = focal / w, half = Math.max(1, Math.min(14, s * size)) / 2;
+        const s = focal / w, half = Math.max(1, Math.min(largest, s * size)) / 2;
         const u = width / 2 + s * (x * right[0] + y * right[1] + z * right[2]);
         const v = height / 2 + s * (x * down[0] + y * down[1] + z * down[2]);
         const u0 = Math.max(0, Math.round(u - half)), u1 = Math.min(width, Math.round(u + half));
@@ -137,12 +152,14 @@ class Viewer {
       const index = owner[k];
       if (index < 0) continue;
       let fold = 0;
+      const { fixed, spacing } = this.scene.objects[index];
+      const slack = fixed ? Infinity : 1.5 * spacing; // dots stand in steps on a slanted surface
       for (const step of steps) {
         const beside = depth[k + step];
-        if (beside < depth[k]) fold += Math.min(depth[k] - beside, 0.03);
+        if (beside < depth[k] - slack) fold += Math.min(depth[k] - beside - slack, 0.03);
       }
       const light = Math.max(0.45, 1.08 - fold * strength), colour = this.colours[index];
-      const faint = this.dimmed(index) ? 0.78 : this.scene.objects[index].fixed ? 0.45 : 0;
+      const faint = this.dimmed(index) ? 0.78 : fixed ? 0.6 : 0;
       for (let c = 0; c < 3; c++) {
         const value = Math.min(255, colour[c] * light);
         image.data[4 * k + c] = value + (paper[c] - value) * faint;
@@ -165,9 +182,9 @@ class Viewer {
   drawHulls(context) {
     this.scene.objects.forEach((object, index) => {
       if (object.fixed && !this.lit.has(index)) return; // the box of a table hides more than it says
-      context.strokeStyle = object.colour;
-      context.globalAlpha = this.dimmed(index) ? 0.12 : this.lit.size ? 0.95 : 0.55;
-      context.lineWidth = this.scale * (this.lit.has(index) ? 1.6 : 1);
+      context.strokeStyle = `rgb(${this.colours[index].map((c) => c * 0.55).join(",")})`;
+      context.globalAlpha = this.dimmed(index) ? 0.1 : this.lit.size ? 0.9 : 0.6;
+      context.lineWidth = this.scale * (this.lit.has(index) ? 1.5 : 1);
       for (const [a, b] of object.edges) this.line(context, object.corners[a], object.corners[b]);
     });
     context.globalAlpha = 1;
@@ -225,24 +242,28 @@ class Viewer {
     const size = 12 * this.scale, taken = [];
     context.font = `600 ${size}px system-ui, sans-serif`;
     context.textBaseline = "middle";
-    const labels = this.scene.objects.map((object, index) => ({ object, index, at: this.project(object.centre) }));
+    const labels = this.scene.objects.map((object, index) => ({ object, index, at: this.project(object.top) }));
     labels.sort((a, b) => this.lit.has(b.index) - this.lit.has(a.index) || (a.at ? a.at[2] : 1e9) - (b.at ? b.at[2] : 1e9));
     for (const { object, index, at } of labels) {
       if (!at || this.dimmed(index) || (object.fixed && !this.lit.has(index))) continue;
       const place = this.show.order && this.scene.places ? this.scene.places[index] : 0;
       const name = object.name.length > 24 ? object.name.slice(0, 23) + "…" : object.name;
-      const text = [place || "", this.show.names ? name : ""].filter(Boolean).join("  ");
-      if (!text) continue;
-      const w = context.measureText(text).width + 10 * this.scale, h = size + 6 * this.scale;
-      const box = [at[0] - w / 2, at[1] - h / 2, w, h];
+      const text = this.show.names ? name : "", pad = 5 * this.scale, h = size + 6 * this.scale;
+      const badge = place ? Math.max(h, context.measureText(place).width + 2 * pad) : 3 * this.scale;
+      if (!text && !place) continue;
+      const w = badge + (text ? context.measureText(text).width + 2 * pad : 0);
+      const box = [at[0] - w / 2, at[1] - h, w, h];
       if (taken.some((t) => box[0] < t[0] + t[2] && t[0] < box[0] + w && box[1] < t[1] + t[3] && t[1] < box[1] + h)) continue;
       taken.push(box);
       context.fillStyle = `rgba(${this.paper.join(",")},0.85)`;
       context.fillRect(...box);
       context.fillStyle = object.colour;
-      context.fillRect(box[0], box[1], 3 * this.scale, h);
+      context.fillRect(box[0], box[1], badge, h);
       context.fillStyle = this.ink;
-      context.fillText(text, box[0] + 6 * this.scale, at[1] + 0.5);
+      context.fillText(text, box[0] + badge + pad, at[1] - h / 2 + 0.5);
+      if (!place) continue;
+      context.fillStyle = "#fff";
+      context.fillText(place, box[0] + (badge - context.measureText(place).width) / 2, at[1] - h / 2 + 0.5);
     }
   }
 

@@ -1,0 +1,269 @@
+"""The picture of one scene: clouds, hulls and relation lines at the left, graph and order at the right."""
+
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from topple.planner.report.drawing import Drawing, DrawnObject
+from topple.planner.report.graph import DrawnGraph, arrow_head, shortened
+from topple.planner.report.layout import BADGE, NODE_HEIGHT, Point
+from topple.planner.report.palette import FIXED_COLOUR, RELATION_COLOURS, Colour, reason_colour
+from topple.planner.report.raster import Projection, png, render_clouds
+from topple.planner.report.view import Document, Documented, document, object_index, view_data
+from topple.planner.report.words import order_in_words
+from topple.topology.arrays import FloatArray
+from topple.topology.scene import Scene
+
+if TYPE_CHECKING:
+    from PIL import Image
+
+PAPER: Colour = (255, 255, 255)
+INK: Colour = (28, 30, 33)
+SOFT: Colour = (93, 97, 103)
+LINE: Colour = (217, 217, 213)
+WIDTH, HEIGHT, SIDE = 1000, 780, 620
+"""Size of the view and width of the column beside it [px]."""
+FINE = 2
+"""Everything is drawn this many times larger and then shrunk, which smooths lines and text."""
+
+
+def show_picture(
+    scene: Scene, relations: Documented | Document, order: Documented | Document | None = None
+) -> bytes:
+    """Draw a scene as a PNG picture, in the colours of the page.
+
+    Args:
+        scene: The scene; `up` may be unknown.
+        relations: What `relate` found in it, or the JSON document of that.
+        order: What `order` found, or the JSON document of that; None draws the relations alone.
+
+    Returns:
+        The bytes of a PNG file, 780 pixels high or higher where graph and order need it.
+    """
+    found = document(relations)
+    planned = None if order is None else document(order)
+    drawing = Drawing.of(scene)
+    view = _view(drawing, view_data(drawing, found, planned))
+    if planned is None:
+        return png(view.resize((WIDTH, HEIGHT)))
+    return png(_beside(view, _column(scene, drawing, planned)))
+
+
+def _beside(left: "Image.Image", right: "Image.Image") -> "Image.Image":
+    from PIL import Image
+
+    height = max(HEIGHT * FINE, right.height)
+    whole = Image.new("RGB", ((WIDTH + SIDE) * FINE, height), PAPER)
+    whole.paste(left, (0, 0))
+    whole.paste(right, (WIDTH * FINE, 0))
+    return whole.resize((WIDTH + SIDE, height // FINE))
+
+
+class _Pen:
+    """Draws in the coordinates of the final picture."""
+
+    def __init__(self, image: "Image.Image") -> None:
+        from PIL import ImageDraw
+
+        self.draw: ImageDraw.ImageDraw = ImageDraw.Draw(image)
+
+    def line(self, points: list[Point], colour: Colour, width: float) -> None:
+        self.draw.line([(x * FINE, y * FINE) for x, y in points], fill=colour, width=round(width * FINE))
+
+    def polygon(self, points: tuple[Point, ...], colour: Colour) -> None:
+        self.draw.polygon([(x * FINE, y * FINE) for x, y in points], fill=colour)
+
+    def box(
+        self, left: float, top: float, right: float, low: float, fill: Colour, edge: Colour | None = None
+    ) -> None:
+        corners = [(left * FINE, top * FINE), (right * FINE, low * FINE)]
+        self.draw.rectangle(corners, fill=fill, outline=edge, width=FINE)
+
+    def text(
+        self, x: float, y: float, text: str, *, size: float = 13, colour: Colour = INK, anchor: str = "lm"
+    ) -> None:
+        self.draw.text((x * FINE, y * FINE), text, fill=colour, font=_font(size), anchor=anchor)
+
+
+def _font(size: float) -> Any:
+    from PIL import ImageFont
+
+    return ImageFont.load_default(size=size * FINE)
+
+
+def _width(text: str, size: float) -> float:
+    return float(_font(size).getlength(text)) / FINE
+
+
+def _view(drawing: Drawing, data: dict[str, Any]) -> "Image.Image":
+    """The 3-D view: clouds, hulls, relation lines with arrows, names, legend."""
+    from PIL import Image
+
+    projection = Projection(drawing, WIDTH, HEIGHT)
+    clouds = Image.fromarray(render_clouds(drawing, Projection(drawing, WIDTH * FINE, HEIGHT * FINE), PAPER))
+    hulls = clouds.copy()
+    pen = _Pen(hulls)
+    for drawn in drawing.objects:
+        if not drawn.fixed:  # the box of a table hides more than it says
+            _draw_hull(pen, projection, drawn)
+    image = Image.blend(clouds, hulls, 0.6)
+    pen = _Pen(image)
+    for line in data["relations"]:
+        _draw_relation(pen, projection, drawing, line)
+    _draw_names(pen, projection, drawing, data["places"])
+    _draw_legend(pen)
+    return image
+
+
+def _draw_hull(pen: _Pen, projection: Projection, drawn: DrawnObject) -> None:
+    places, depth = projection.pixels(drawn.corners)
+    red, green, blue = (round(0.55 * part) for part in drawn.colour)
+    for a, b in drawn.edges:
+        if np.isfinite(depth[[a, b]]).all():
+            pen.line([_point(places[a]), _point(places[b])], (red, green, blue), 1)
+
+
+def _draw_relation(pen: _Pen, projection: Projection, drawing: Drawing, line: dict[str, Any]) -> None:
+    a, b = drawing.objects[line["a"]], drawing.objects[line["b"]]
+    places, depth = projection.pixels(np.stack([_anchor(drawing, a, b), _anchor(drawing, b, a)]))
+    if not np.isfinite(depth).all():
+        return
+    colour = _rgb(line["colour"])
+    start, end = places
+    length = float(np.linalg.norm(end - start))
+    dash, gap = (6.0, 5.0) if line["dashed"] else (max(length, 1.0), 0.0)
+    for begin in np.arange(0.0, max(length, 1e-6), dash + gap):
+        parts = [start + (end - start) * min(at / max(length, 1e-6), 1.0) for at in (begin, begin + dash)]
+        pen.line([_point(part) for part in parts], colour, 1.2 if line["faint"] else 2.4)
+    if not line["faint"] and length > 18:
+        middle = start + (end - start) * 0.62
+        pen.polygon(arrow_head([_point(start), _point(middle)], 9.0), colour)
+
+
+def _anchor(drawing: Drawing, drawn: DrawnObject, other: DrawnObject) -> FloatArray:
+    """A line to a table ends below or beside the other object, not at the middle of the table."""
+    if not drawn.fixed or other.fixed:
+        return drawn.centre
+    return other.centre + drawing.up * float((drawn.centre - other.centre) @ drawing.up)
+
+
+def _draw_names(pen: _Pen, projection: Projection, drawing: Drawing, places: list[int] | None) -> None:
+    """Names with their place in the order, near objects first; one that would cover another is left out."""
+    taken: list[tuple[float, float, float, float]] = []
+    at, depth = projection.pixels(np.stack([drawn.top for drawn in drawing.objects]))
+    for number in np.argsort(depth):
+        drawn = drawing.objects[number]
+        if drawn.fixed or not np.isfinite(depth[number]):
+            continue
+        place = places[number] if places else 0
+        name = shortened(drawn.name)
+        badge = max(18.0, _width(str(place), 12) + 10) if place else 4.0
+        width = badge + _width(name, 12) + 10
+        left, top = float(at[number, 0]) - width / 2, float(at[number, 1]) - 18
+        if any(
+            abs(left - x) < (w + width) / 2 + abs(w - width) / 2 and abs(top - y) < 19 for x, y, w, _ in taken
+        ):
+            continue
+        taken.append((left, top, width, 18.0))
+        pen.box(left, top, left + width, top + 18, PAPER)
+        pen.box(left, top, left + badge, top + 18, drawn.colour)
+        pen.text(left + badge + 5, top + 9, name, size=12)
+        if place:
+            pen.text(left + badge / 2, top + 9, str(place), size=12, colour=PAPER, anchor="mm")
+
+
+def _draw_legend(pen: _Pen) -> None:
+    x = 16.0
+    pen.box(0, HEIGHT - 36, WIDTH, HEIGHT, PAPER)
+    for relation, colour in RELATION_COLOURS.items():
+        if relation == "disjoint":
+            continue
+        pen.line([(x, HEIGHT - 20), (x + 20, HEIGHT - 20)], colour, 3)
+        pen.text(x + 26, HEIGHT - 20, str(relation), size=12, colour=SOFT)
+        x += 44 + _width(str(relation), 12)
+    pen.text(x, HEIGHT - 20, "dashed: inferred", size=12, colour=SOFT)
+
+
+def _column(scene: Scene, drawing: Drawing, order: Document) -> "Image.Image":
+    """The dependency graph with the order in words below it."""
+    from PIL import Image
+
+    graph = DrawnGraph.of(scene.movable, order, row=SIDE - 60.0)
+    shrink = min(1.0, (SIDE - 40) / max(graph.layout.width, 1.0))
+    colours = {drawn.name: drawn.colour for drawn in drawing.objects}
+    lines = _order_lines(order, object_index(drawing))
+    top = 56 + graph.layout.height * shrink
+    height = max(HEIGHT, round(top + 50 + 19 * len(lines) + 20))
+    image = Image.new("RGB", (SIDE * FINE, height * FINE), PAPER)
+    pen = _Pen(image)
+    pen.text(16, 26, "Dependency graph: an arrow from a to b says a goes before b", size=13, colour=SOFT)
+    _draw_graph(pen, graph, colours, 16, 46, shrink)
+    pen.text(16, top + 16, "Safe order", size=15)
+    for row, (name, text) in enumerate(lines):
+        y = top + 44 + 19 * row
+        if name:
+            pen.box(16, y - 7, 30, y + 7, colours.get(name, FIXED_COLOUR))
+        pen.text(38, y, text, size=12.5, colour=INK if name else SOFT)
+    return image
+
+
+def _order_lines(order: Document, known: dict[str, int]) -> list[tuple[str, str]]:
+    """Lines of the order wrapped to the column; the first of each object carries its name."""
+    lines: list[tuple[str, str]] = []
+    for place, (name, sentence) in enumerate(order_in_words(order), start=1):
+        for row, text in enumerate(_wrapped(f"{place}. {shortened(name)}: {sentence}", SIDE - 60.0)):
+            lines.append((name if row == 0 and name in known else "", text))
+    for cycle in order.get("unresolved", ()):
+        names = [cycle] if isinstance(cycle, str) else [str(name) for name in cycle]
+        lines += [
+            ("", text) for text in _wrapped("No safe order among " + ", ".join(names) + ".", SIDE - 60.0)
+        ]
+    return lines
+
+
+def _wrapped(text: str, width: float) -> list[str]:
+    lines = [""]
+    for word in text.split():
+        longer = f"{lines[-1]} {word}".strip()
+        if _width(longer, 12.5) <= width or not lines[-1]:
+            lines[-1] = longer
+        else:
+            lines.append(word)
+    return lines
+
+
+def _draw_graph(
+    pen: _Pen, graph: DrawnGraph, colours: dict[str, Colour], left: float, top: float, shrink: float
+) -> None:
+    def placed(point: Point) -> Point:
+        return left + point[0] * shrink, top + point[1] * shrink
+
+    for edge, route in graph.layout.routes.items():
+        colour = reason_colour(graph.reasons[edge][0])
+        points = [placed(point) for point in route]
+        pen.line(points, colour, 1.6)
+        pen.polygon(arrow_head(points, 8 * shrink), colour)
+    size = max(7.0, 11 * shrink)
+    for edge, centre in graph.layout.labels.items():
+        text = ", ".join(graph.reasons[edge])
+        x, y = placed(centre)
+        half = _width(text, size) / 2 + 2
+        pen.box(x - half, y - size / 2, x + half, y + size / 2, PAPER)
+        pen.text(x, y, text, size=size, colour=reason_colour(graph.reasons[edge][0]), anchor="mm")
+    for name, centre in graph.layout.centres.items():
+        (x, y), half, high = placed(centre), graph.layout.widths[name] / 2 * shrink, NODE_HEIGHT / 2 * shrink
+        badge = BADGE * shrink
+        pen.box(x - half, y - high, x + half, y + high, PAPER, INK if name in graph.targets else LINE)
+        pen.box(x - half, y - high, x - half + badge, y + high, colours.get(name, FIXED_COLOUR))
+        if name in graph.places:
+            size = max(7.0, 12 * shrink)
+            pen.text(x - half + badge / 2, y, str(graph.places[name]), size=size, colour=PAPER, anchor="mm")
+        pen.text(x + badge / 2, y, graph.labels[name], size=max(7.0, 12 * shrink), anchor="mm")
+
+
+def _point(place: FloatArray) -> Point:
+    return float(place[0]), float(place[1])
+
+
+def _rgb(colour: str) -> Colour:
+    return int(colour[1:3], 16), int(colour[3:5], 16), int(colour[5:7], 16)
