@@ -1,0 +1,65 @@
+"""One way of taking one object."""
+
+from dataclasses import dataclass, field, replace
+
+import numpy as np
+
+from topple.topology.arrays import FloatArray, frozen
+from topple.topology.errors import InvalidInput
+
+KINDS = ("pinch", "rim", "suction")
+"""pinch: both pads on the object's outside; rim: one finger inside it; suction: the cup on a smooth patch."""
+
+
+@dataclass(frozen=True, eq=False)
+class Grasp:
+    """A hand pose at which closing the fingers, or switching the cup on, holds an object.
+
+    Attributes:
+        object: Name of the object in the scene.
+        kind: One of `KINDS`.
+        pose_tool_to_world: (4, 4) rigid pose of the tool frame: z the approach direction, y the closing
+            direction, origin between the pads' centres (suction: the centre of the cup's lip).
+        width: Extent of what is between the pads along y [m]; 0 for suction.
+        opening: Distance of the pads on the way in [m]; for suction the opening that is kept.
+        score: Quality in 0..1, comparable between grasps of one object.
+        reason: What the score is made of, in words.
+        terms: The score's parts by name, each in 0..1.
+    """
+
+    object: str
+    kind: str
+    pose_tool_to_world: FloatArray
+    width: float
+    opening: float
+    score: float
+    reason: str = ""
+    terms: dict[str, float] = field(default_factory=dict[str, float])
+
+    def __post_init__(self) -> None:
+        pose = frozen(self.pose_tool_to_world)
+        object.__setattr__(self, "pose_tool_to_world", pose)
+        if self.kind not in KINDS:
+            raise InvalidInput(f"grasp of {self.object!r}: kind {self.kind!r} is none of {', '.join(KINDS)}")
+        if pose.shape != (4, 4) or not np.all(np.isfinite(pose)):
+            raise InvalidInput(f"grasp of {self.object!r}: its pose must be a finite 4x4 matrix")
+        rotation = pose[:3, :3]
+        if np.abs(rotation @ rotation.T - np.eye(3)).max() > 1e-3 or np.linalg.det(rotation) < 0:
+            raise InvalidInput(
+                f"grasp of {self.object!r}: its pose has no rotation in its upper left 3x3 block"
+            )
+
+    @property
+    def tool(self) -> str:
+        """The arm's tool that makes this grasp: "suction" or "fingers"."""
+        return "suction" if self.kind == "suction" else "fingers"
+
+    @property
+    def approach(self) -> FloatArray:
+        """(3,) unit direction in the world along which the hand comes in."""
+        return self.pose_tool_to_world[:3, 2]
+
+    def turned(self) -> "Grasp":
+        """The same grasp with the hand turned half around z: equal for the object, not for the arm."""
+        half = np.diag([-1.0, -1.0, 1.0, 1.0])
+        return replace(self, pose_tool_to_world=self.pose_tool_to_world @ half)

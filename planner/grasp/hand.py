@@ -1,0 +1,161 @@
+"""The hand as the grasp search sees it: upright prisms in the tool frame."""
+
+from dataclasses import dataclass
+from itertools import pairwise
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from topple.robots.gripper import ParallelJaw, ToolState
+from topple.topology.arrays import FloatArray
+from topple.topology.errors import InvalidInput
+
+if TYPE_CHECKING:
+    from topple.robots.arm import Arm
+
+FINGER_SLABS = (0.008, 0.015)  # fingers taper over their last two centimetres [m]
+HAND_REACH = 0.16  # what is further from the tool's origin does not meet what is grasped [m]
+
+
+@dataclass(frozen=True)
+class Prism:
+    """A box of the hand with everything behind it: what sweeps space when the hand comes in along z.
+
+    Attributes:
+        x: Lower and upper bound along the tool's x [m].
+        y: Lower and upper bound along y [m]; for a finger measured from its pad's face, outwards.
+        front: Foremost extent along z [m].
+    """
+
+    x: tuple[float, float]
+    y: tuple[float, float]
+    front: float
+
+
+@dataclass(frozen=True)
+class HandShape:
+    """The volumes of a hand, in its tool frame (z approach, y closing, origin between the pads).
+
+    Attributes:
+        max_opening: Largest distance of the two pads [m].
+        pad_width: Extent of a pad along x [m].
+        pad_length: Extent of a pad along z [m].
+        tip: z of the finger tips [m].
+        finger: Prisms of the finger on the +y side; the other one mirrors them.
+        palm: Prisms of all that does not move with the fingers, at absolute y.
+        force: Largest closing force [N].
+        friction: Of the pads on common goods.
+    """
+
+    max_opening: float
+    pad_width: float
+    pad_length: float
+    tip: float
+    finger: tuple[Prism, ...]
+    palm: tuple[Prism, ...]
+    force: float = 40.0
+    friction: float = 0.5
+
+    def footprints(self, opening: float) -> list[tuple[FloatArray, float]]:
+        """Rectangles swept by the open hand.
+
+        Args:
+            opening: Distance of the pads [m].
+
+        Returns:
+            For each prism a (2, 2) array [[x low, y low], [x high, y high]] and the z of its front [m].
+        """
+        half = opening / 2.0
+        found: list[tuple[FloatArray, float]] = []
+        for prism in self.finger:
+            low, high = half + prism.y[0], half + prism.y[1]
+            found.append((np.array([[prism.x[0], low], [prism.x[1], high]]), prism.front))
+            found.append((np.array([[prism.x[0], -high], [prism.x[1], -low]]), prism.front))
+        for prism in self.palm:
+            found.append((np.array([[prism.x[0], prism.y[0]], [prism.x[1], prism.y[1]]]), prism.front))
+        return found
+
+
+def hand_shape(arm: "Arm") -> HandShape:
+    """Measure an arm's hand: the prisms its collision hulls sweep when it comes in along the approach.
+
+    Args:
+        arm: An arm with a tool named "fingers".
+
+    Returns:
+        The shape, with the fingers cut in slabs along z because they taper towards the tip.
+    """
+    tool = arm.tools["fingers"]
+    jaw = tool.gripper
+    if not isinstance(jaw, ParallelJaw):
+        raise InvalidInput(f"robot {arm.name!r}: its tool 'fingers' is no parallel jaw")
+    bodies = hand_bodies(arm, "fingers", ToolState(opening=0.0))
+    moving = [vertices for link, vertices in bodies if link in jaw.links]
+    finger = max(moving, key=lambda vertices: float(vertices[:, 1].mean()))
+    palm = [prism for link, vertices in bodies if link not in jaw.links for prism in prisms(vertices, ())]
+    return HandShape(
+        max_opening=jaw.max_opening,
+        pad_width=jaw.pad_size[0],
+        pad_length=jaw.pad_size[1],
+        tip=float(finger[:, 2].max()),
+        finger=prisms(finger, FINGER_SLABS),
+        palm=tuple(palm),
+        force=jaw.force,
+        friction=jaw.friction,
+    )
+
+
+def hand_bodies(arm: "Arm", tool: str, state: ToolState) -> list[tuple[str, FloatArray]]:
+    """Convex bodies of a hand around one of its tool frames.
+
+    Args:
+        arm: The arm.
+        tool: "fingers" or "suction".
+        state: How the hand stands.
+
+    Returns:
+        (link name, (V, 3) vertices in the tool frame [m]) for every body that can meet what is grasped.
+    """
+    q = np.asarray(arm.home, dtype=np.float64)[None]
+    poses = arm.forward(q, state)[0]
+    to_tool = np.linalg.inv(arm.tool_pose(q, tool)[0])
+    found: list[tuple[str, FloatArray]] = []
+    for link, pose, hull in zip(arm.links, poses, arm.hulls, strict=True):
+        if len(hull) == 0:
+            continue
+        vertices = hull @ (to_tool @ pose)[:3, :3].T + (to_tool @ pose)[:3, 3]
+        if vertices[:, 2].max() > -HAND_REACH and np.linalg.norm(vertices, axis=1).min() < HAND_REACH:
+            found.append((link, vertices))
+    return found
+
+
+def prisms(vertices: FloatArray, slabs: tuple[float, ...]) -> tuple[Prism, ...]:
+    """Cut a convex body in slabs behind its foremost point and box each of them.
+
+    Args:
+        vertices: (V, 3) vertices of a convex body in the tool frame [m].
+        slabs: Thickness of each slab, from the front backwards [m]; the last prism takes the rest.
+
+    Returns:
+        One prism per slab that is not empty.
+    """
+    low, front = float(vertices[:, 2].min()), float(vertices[:, 2].max())
+    cuts = [front - float(depth) for depth in np.cumsum([0.0, *slabs]) if front - depth > low] + [low]
+    found: list[Prism] = []
+    for upper, lower in pairwise(cuts):
+        inside = vertices[(vertices[:, 2] <= upper + 1e-9) & (vertices[:, 2] >= lower - 1e-9)]
+        piece = np.vstack([inside, _section(vertices, upper), _section(vertices, lower)])
+        if len(piece) > 0:
+            (x0, y0), (x1, y1) = piece[:, :2].min(axis=0), piece[:, :2].max(axis=0)
+            found.append(Prism((float(x0), float(x1)), (float(y0), float(y1)), upper))
+    return tuple(found)
+
+
+def _section(vertices: FloatArray, z: float) -> FloatArray:
+    """Points spanning the cut of a convex body at z: where connections of its vertices cross it."""
+    below, above = vertices[vertices[:, 2] < z], vertices[vertices[:, 2] > z]
+    if len(below) == 0 or len(above) == 0:
+        return np.empty((0, 3))
+    a, b = np.repeat(below, len(above), axis=0), np.tile(above, (len(below), 1))
+    share = (z - a[:, 2]) / (b[:, 2] - a[:, 2])
+    return a + share[:, None] * (b - a)

@@ -1,0 +1,214 @@
+"""Taking hold with a suction cup: smooth patches as wide as the cup, near the centre of mass."""
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from topple.planner.grasp.hand import FINGER_SLABS, Prism, hand_bodies, prisms
+from topple.planner.grasp.pinch import spread
+from topple.planner.grasp.surface import Surface
+from topple.planner.grasp.tolerances import GRASP_TOLERANCES, GraspTolerances
+from topple.robots.gripper import SuctionCup
+from topple.topology.arrays import FloatArray
+from topple.topology.errors import InvalidInput
+
+if TYPE_CHECKING:
+    from topple.robots.arm import Arm
+
+SECTORS = 8  # the lip is judged in eight parts: a gap in any of them leaks
+
+
+@dataclass(frozen=True)
+class CupShape:
+    """A suction cup and what is around it, in its tool frame (z approach, origin at the lip's centre).
+
+    Attributes:
+        radius: Of the lip [m].
+        max_force: Largest pull along its axis [N].
+        body: Prisms of the hand with the cup out.
+        opening: Opening of the fingers beside it [m].
+    """
+
+    radius: float
+    max_force: float
+    body: tuple[Prism, ...]
+    opening: float = 0.0
+
+
+def cup_shape(arm: "Arm") -> CupShape:
+    """Measure an arm's suction cup with the hand around it, the cup out.
+
+    Args:
+        arm: An arm with a tool named "suction".
+
+    Returns:
+        The shape.
+    """
+    tool = arm.tools["suction"]
+    cup = tool.gripper
+    if not isinstance(cup, SuctionCup):
+        raise InvalidInput(f"robot {arm.name!r}: its tool 'suction' is no suction cup")
+    bodies = hand_bodies(arm, "suction", tool.ready)
+    body = tuple(
+        prism for link, vertices in bodies if link != cup.link for prism in prisms(vertices, FINGER_SLABS)
+    )
+    return CupShape(cup.radius, cup.max_force, body, tool.ready.opening)
+
+
+@dataclass(frozen=True, eq=False)
+class Patch:
+    """A place for the cup.
+
+    Attributes:
+        pose_tool_to_world: (4, 4).
+        residual: Largest unevenness under the lip [m].
+        terms: Parts of the score, each in 0..1.
+    """
+
+    pose_tool_to_world: FloatArray
+    residual: float
+    terms: dict[str, float]
+
+
+def patches(
+    surface: Surface,
+    dense: FloatArray,
+    others: FloatArray,
+    up: FloatArray,
+    cup: CupShape,
+    count: int = 40,
+    tolerances: GraspTolerances = GRASP_TOLERANCES,
+) -> list[Patch]:
+    """Find where a cup would seal.
+
+    Args:
+        surface: The object.
+        dense: (N, 3) its cloud, unthinned, which the seal is judged on [m].
+        others: (M, 3) points of everything else nearby [m].
+        up: (3,) unit vector against gravity.
+        cup: The cup.
+        count: Places to try.
+        tolerances: What the cup's bellows takes up.
+
+    Returns:
+        The places where it seals and the hand has room, best first. Deterministic.
+    """
+    seen = np.arange(len(surface.points)) < surface.seen
+    facing = seen & (surface.normals @ up > np.cos(tolerances.seal_tilt + 0.15))
+    if not facing.any():
+        return []
+    spots = surface.points[facing]
+    flat_centre = surface.centre + up * float(np.median((spots - surface.centre) @ up))
+    found: list[Patch] = []
+    for index in spread(spots, flat_centre, count):
+        patch = _patch(spots[index], surface, dense, others, up, cup, tolerances)
+        if patch is not None:
+            found.append(patch)
+    return sorted(found, key=lambda patch: -seal_score(patch.terms))
+
+
+def seal_score(terms: dict[str, float]) -> float:
+    """Score of a patch: a leak or a long lever spoils it alone, so the parts multiply."""
+    return (
+        terms["seal"] * terms["balance"] * (0.5 + 0.5 * terms["upright"]) * (0.8 + 0.2 * terms["clearance"])
+    )
+
+
+def _patch(
+    spot: FloatArray,
+    surface: Surface,
+    dense: FloatArray,
+    others: FloatArray,
+    up: FloatArray,
+    cup: CupShape,
+    tolerances: GraspTolerances,
+) -> Patch | None:
+    near = dense[np.linalg.norm(dense - spot, axis=1) < 1.4 * cup.radius]
+    if len(near) < 4 * SECTORS:
+        return None
+    normal, middle = _robust_plane(near, up)
+    tilt = float(np.arccos(np.clip(normal @ up, -1.0, 1.0)))
+    if tilt > tolerances.seal_tilt:
+        return None
+    centre = spot - normal * float((spot - middle) @ normal)
+    residual = _lip_residual(near - centre, normal, cup.radius)
+    if residual > 2.0 * tolerances.seal_tolerance:
+        return None
+    rotation = _rotation(-normal, up)
+    clearance = _room((surface.points - centre) @ rotation, (others - centre) @ rotation, cup, tolerances)
+    if clearance is None:
+        return None
+    arm = surface.centre - centre
+    lever = float(np.linalg.norm(arm - normal * float(arm @ normal)))
+    terms = {
+        "seal": float(np.exp(-0.5 * (residual / tolerances.seal_tolerance) ** 2)),
+        "balance": float(1.0 / (1.0 + (lever / cup.radius / 1.5) ** 2)),
+        "upright": 1.0 - tilt / tolerances.seal_tilt,
+        "clearance": clearance,
+    }
+    pose = np.eye(4)
+    pose[:3, :3], pose[:3, 3] = rotation, centre
+    return Patch(pose, residual, terms)
+
+
+def _robust_plane(points: FloatArray, up: FloatArray) -> tuple[FloatArray, FloatArray]:
+    """Plane (unit normal turned up, middle) fitted twice, without the tenth that fits worst."""
+    kept = points
+    normal, middle = up, points.mean(axis=0)
+    for _ in range(2):
+        middle = kept.mean(axis=0)
+        _, _, axes = np.linalg.svd(kept - middle, full_matrices=False)
+        normal = axes[2] if axes[2] @ up >= 0 else -axes[2]
+        distance = np.abs((points - middle) @ normal)
+        kept = points[distance <= np.quantile(distance, 0.9)]
+    return normal, middle
+
+
+def _lip_residual(offsets: FloatArray, normal: FloatArray, radius: float) -> float:
+    """Unevenness the lip meets [m], inf where a sector of it lies on nothing.
+
+    Each sector of the ring counts by its median height, which averages the depth noise but keeps steps,
+    rims and curvature.
+    """
+    heights = offsets @ normal
+    rotation = _rotation(-normal, normal)
+    x, y = offsets @ rotation[:, 0], offsets @ rotation[:, 1]
+    distance = np.hypot(x, y)
+    ring = (distance > 0.6 * radius) & (distance < 1.25 * radius)
+    sector = ((np.arctan2(y, x) + np.pi) / (2.0 * np.pi) * SECTORS).astype(int) % SECTORS
+    medians = [
+        np.median(heights[ring & (sector == index)])
+        for index in range(SECTORS)
+        if (ring & (sector == index)).any()
+    ]
+    if len(medians) < SECTORS:
+        return float("inf")
+    inner = heights[distance < 0.6 * radius]
+    bulge = max(0.0, float(np.median(inner)) - float(np.median(medians))) if len(inner) > 0 else 0.0
+    return max(float(np.max(medians) - np.min(medians)) / 2.0, bulge)
+
+
+def _rotation(approach: FloatArray, up: FloatArray) -> FloatArray:
+    """A right-handed frame whose z is the approach; its x is as level with the world's axes as it can be."""
+    axis = np.eye(3)[int(np.argmin(np.abs(approach)))]
+    y = np.cross(approach, axis)
+    y /= np.linalg.norm(y)
+    return np.asarray(np.column_stack([np.cross(y, approach), y, approach]), dtype=np.float64)
+
+
+def _room(own: FloatArray, foreign: FloatArray, cup: CupShape, tolerances: GraspTolerances) -> float | None:
+    """How free the way in is, 0..1, or None where the hand meets points; in the cup's tool frame."""
+    worst = 1.0
+    for prism in cup.body:
+        lower, upper = np.array([prism.x[0], prism.y[0]]), np.array([prism.x[1], prism.y[1]])
+        for points in (own, foreign):
+            for margin, value in ((tolerances.under_clearance, None), (0.006, 0.4)):
+                inside = np.all((points[:, :2] > lower - margin) & (points[:, :2] < upper + margin), axis=1)
+                blocked = (
+                    np.count_nonzero(inside & (points[:, 2] < prism.front + margin)) > tolerances.stray_points
+                )
+                if blocked and value is None:
+                    return None
+                worst = min(worst, 0.4) if blocked else worst
+    return worst

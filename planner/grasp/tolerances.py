@@ -1,0 +1,48 @@
+"""Lengths and limits of grasping, each with the reason for its value."""
+
+from dataclasses import dataclass
+
+
+@dataclass(frozen=True)
+class GraspTolerances:
+    """Lengths in metres, angles in radians.
+
+    Attributes:
+        spacing: Clouds are thinned to this; a quarter of a finger pad's width keeps every edge a pad feels.
+        hidden_spacing: Grid on inferred sides: finer than a finger is thick.
+        hidden_gap: An inferred side counts where nothing was seen within it: depth noise and thinning.
+        normal_radius: Surface normals are fitted within it: wide enough to average 1-2 mm of depth noise,
+            narrower than the curvature of fruit.
+        side_clearance: Free room wanted beside each pad on the way in: depth noise (2 mm), the arm's
+            tracking error (1-2 mm) and the pixel at a mask's edge (2 mm).
+        least_side_clearance: Below this the fingers would be driven into the object they are to pass.
+        under_clearance: Distance kept between the finger tips and what lies beneath.
+        stray_points: So many points in the way count as noise (flying pixels), not as a thing.
+        depths: Tried depths of the finger tips below the object's top between the pads, deepest first.
+        tilts: Tried angles between the approach and straight down, about the closing axis.
+        reach: Only points this close to a grasp can touch the hand.
+        friction: Coefficient assumed between pad and object (rubber on glazed ceramics or steel: 0.5-0.8).
+        lever: Distance between the pads' line and the centre of mass at which half the score is gone: a
+            0.1 kg object then turns in the pads of a 20 N gripper.
+        seal_tolerance: Unevenness under a suction cup's lip that its bellows takes up.
+        seal_tilt: Angle between the cup's axis and the surface normal that the bellows takes up.
+    """
+
+    spacing: float = 0.004
+    hidden_spacing: float = 0.005
+    hidden_gap: float = 0.007
+    normal_radius: float = 0.010
+    side_clearance: float = 0.008
+    least_side_clearance: float = 0.004
+    under_clearance: float = 0.0015
+    stray_points: int = 2
+    depths: tuple[float, ...] = (0.045, 0.035, 0.025, 0.018, 0.012, 0.008, 0.006, 0.004)
+    tilts: tuple[float, ...] = (0.0, 0.26, -0.26, 0.52, -0.52)
+    reach: float = 0.16
+    friction: float = 0.5
+    lever: float = 0.05
+    seal_tolerance: float = 0.0015
+    seal_tilt: float = 0.35
+
+
+GRASP_TOLERANCES = GraspTolerances()

@@ -1,0 +1,255 @@
+"""What a scene's clouds fill: convex parts of every object, hidden undersides added, tables as slabs."""
+
+from collections.abc import Mapping, Sequence
+from typing import Any
+
+import numpy as np
+from scipy.spatial import ConvexHull, QhullError
+
+from topple.planner.grasp.surface import voxel_means
+from topple.robots.convex import hull_of
+from topple.topology.arrays import FloatArray, IntArray
+from topple.topology.errors import InvalidInput
+from topple.topology.parts import convex_parts
+from topple.topology.scene import Scene
+
+Solids = Mapping[str, Sequence[FloatArray]]
+"""Per object the (V, 3) vertices of its convex parts, in the world [m]."""
+
+SLAB = 0.05  # a table seen from above is taken to be this thick: fingers must not come out below it [m]
+FLAT = 0.02  # a fixed cloud no thicker than this is a surface, not a body: depth noise is 2-4 mm [m]
+HOVER = 0.006  # a gap below an object up to this is depth noise, above it a side nobody saw [m]
+CELL = 0.01  # grid on which what lies below an object is looked up [m]
+
+
+def up_of(scene: Scene) -> FloatArray:
+    """The scene's up direction.
+
+    Args:
+        scene: The scene.
+
+    Returns:
+        (3,) unit vector.
+
+    Raises:
+        InvalidInput: The scene has none.
+    """
+    if scene.up is None:
+        raise InvalidInput("handling needs to know where up is: give --up X Y Z or name a fixed table")
+    up = np.asarray(scene.up, dtype=np.float64)
+    return up / np.linalg.norm(up)
+
+
+def solids_of(scene: Scene) -> dict[str, tuple[FloatArray, ...]]:
+    """Fill every object of a scene.
+
+    An object does not hover: where nothing it could stand on comes up to its lowest seen points, what is
+    missing in between is its own unseen underside, and its parts are drawn down to it.
+
+    Args:
+        scene: The scene, with `up`.
+
+    Returns:
+        The convex parts of every object, in the world.
+    """
+    up = up_of(scene)
+    found: dict[str, tuple[FloatArray, ...]] = {}
+    for name, cloud in scene.clouds.items():
+        if name in scene.fixed:
+            found[name] = fixed_parts(cloud, up)
+        else:
+            gap = hidden_depth(name, scene, up)
+            parts = tuple(convex_parts(np.asarray(voxel_means(cloud, 0.003))))
+            found[name] = tuple(drawn_down(part, gap, up) for part in parts)
+    return found
+
+
+def fixed_parts(cloud: FloatArray, up: FloatArray) -> tuple[FloatArray, ...]:
+    """Parts of something that never moves: a slab under a flat cloud, else its convex parts.
+
+    Args:
+        cloud: (N, 3) points [m].
+        up: (3,) unit vector.
+
+    Returns:
+        (V, 3) vertices of each part.
+    """
+    top = table_top(cloud, up)
+    if top is None:
+        return tuple(convex_parts(cloud))
+    normal, height = top
+    flat = cloud - np.outer(cloud @ normal - height, normal)
+    rim = hull_vertices(flat)
+    return (np.vstack([rim, rim - SLAB * up]),)
+
+
+def table_top(cloud: FloatArray, up: FloatArray) -> tuple[FloatArray, float] | None:
+    """The plane of a flat, level cloud.
+
+    Args:
+        cloud: (N, 3) points [m].
+        up: (3,) unit vector.
+
+    Returns:
+        Its unit normal and its height along the normal [m]; None where the cloud is no level surface.
+    """
+    kept = cloud
+    normal = up
+    for _ in range(3):
+        middle = kept.mean(axis=0)
+        _, _, axes = np.linalg.svd(kept[:: max(1, len(kept) // 4000)] - middle, full_matrices=False)
+        normal = axes[2] if axes[2] @ up >= 0 else -axes[2]
+        distance = np.abs((cloud - middle) @ normal)
+        kept = cloud[distance <= np.quantile(distance, 0.9)]
+        if len(kept) < 3:
+            return None
+    heights = kept @ normal
+    if normal @ up < 0.9 or float(np.ptp(heights)) > FLAT:
+        return None
+    return normal, float(np.median(heights))
+
+
+def hidden_depth(name: str, scene: Scene, up: FloatArray) -> float:
+    """How far an object reaches below its lowest seen points: the drop until something would carry it [m].
+
+    Args:
+        name: The object.
+        scene: The scene.
+        up: (3,) unit vector.
+
+    Returns:
+        The depth, 0 where it is seen to stand on something or nothing lies below.
+    """
+    x, y = level_axes(up)
+    own = scene.clouds[name]
+    cells = np.floor(np.stack([own @ x, own @ y], axis=1) / CELL).astype(np.int64)
+    bottom = _lowest(cells, own @ up)
+    gap = np.inf
+    for other, cloud in scene.clouds.items():
+        if other == name:
+            continue
+        top = table_top(cloud, up) if other in scene.fixed else None
+        if top is not None:
+            gap = min(gap, float(np.quantile(own @ top[0], 0.02)) - top[1])
+            continue
+        below = cloud[cloud @ up < np.max(own @ up)]
+        heights = _highest_below(
+            np.floor(np.stack([below @ x, below @ y], axis=1) / CELL).astype(np.int64), below @ up, bottom
+        )
+        gap = min([gap, *heights])
+    return float(gap) if HOVER < gap < np.inf else 0.0
+
+
+def _lowest(cells: IntArray, heights: FloatArray) -> dict[tuple[int, int], float]:
+    found: dict[tuple[int, int], float] = {}
+    for (i, j), height in zip(cells.tolist(), heights.tolist(), strict=True):
+        found[i, j] = min(height, found.get((i, j), np.inf))
+    return found
+
+
+def _highest_below(
+    cells: IntArray, heights: FloatArray, bottom: Mapping[tuple[int, int], float]
+) -> list[float]:
+    """Gaps between an object's bottom and points below it, by cells; points above it do not count."""
+    gaps: list[float] = []
+    for (i, j), height in zip(cells.tolist(), heights.tolist(), strict=True):
+        over = bottom.get((i, j))
+        if over is not None and height < over + CELL:
+            gaps.append(max(0.0, over - height))
+    return gaps
+
+
+def drawn_down(part: FloatArray, depth: float, up: FloatArray) -> FloatArray:
+    """Extend a convex part straight down.
+
+    Args:
+        part: (V, 3) vertices [m].
+        depth: How far [m].
+        up: (3,) unit vector.
+
+    Returns:
+        (W, 3) vertices of the extended part.
+    """
+    return part if depth <= 0.0 else np.vstack([part, part - depth * up])
+
+
+def hull_vertices(points: FloatArray) -> FloatArray:
+    """Corners of the convex hull of a cloud, flat ones too.
+
+    Args:
+        points: (N, 3) points [m].
+
+    Returns:
+        (V, 3) corners; all points where there are too few for a hull.
+    """
+    if len(points) < 5:
+        return points
+    centred = points - points.mean(axis=0)
+    _, _, axes = np.linalg.svd(centred, full_matrices=False)
+    along = centred @ axes.T
+    rank = int(np.count_nonzero(np.ptp(along, axis=0) > 1e-6))
+    if rank < 2:
+        return points[[int(np.argmin(along[:, 0])), int(np.argmax(along[:, 0]))]]
+    try:
+        return points[ConvexHull(along[:, :rank]).vertices]
+    except QhullError:
+        return points
+
+
+def level_axes(up: FloatArray) -> tuple[FloatArray, FloatArray]:
+    """Two unit vectors that span the level plane.
+
+    Args:
+        up: (3,) unit vector.
+
+    Returns:
+        x and y with x cross y = up; the world's x and y where up is its z.
+    """
+    y = np.array([0.0, 1.0, 0.0]) if abs(up[1]) < 0.9 else np.array([0.0, 0.0, 1.0])
+    x = np.cross(y, up)
+    x /= np.linalg.norm(x)
+    return x, np.cross(up, x)
+
+
+def moved(parts: Sequence[FloatArray], pose: FloatArray) -> tuple[FloatArray, ...]:
+    """Parts under a rigid transform.
+
+    Args:
+        parts: (V, 3) vertices each [m].
+        pose: (4, 4) rigid transform.
+
+    Returns:
+        The transformed parts.
+    """
+    return tuple(part @ pose[:3, :3].T + pose[:3, 3] for part in parts)
+
+
+def apart(a: Sequence[FloatArray], b: Sequence[FloatArray], distance: float) -> bool:
+    """Whether two objects keep a distance.
+
+    Args:
+        a: Convex parts of the one, (V, 3) vertices each [m].
+        b: Of the other.
+        distance: The distance [m].
+
+    Returns:
+        True where no two parts come closer.
+    """
+    import fcl
+
+    bodies = [[(part, _collision_object(part)) for part in parts] for parts in (a, b)]
+    for part, one in bodies[0]:
+        for other_part, other in bodies[1]:
+            low = np.maximum(part.min(axis=0), other_part.min(axis=0))
+            high = np.minimum(part.max(axis=0), other_part.max(axis=0))
+            if np.all(low - high < distance) and fcl.distance(one, other, fcl.DistanceRequest()) < distance:
+                return False
+    return True
+
+
+def _collision_object(part: FloatArray) -> Any:
+    import fcl
+
+    vertices, faces = hull_of(part)
+    packed = np.column_stack([np.full(len(faces), 3), faces]).ravel()
+    return fcl.CollisionObject(fcl.Convex(vertices, len(faces), packed), fcl.Transform())
