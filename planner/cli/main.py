@@ -17,6 +17,7 @@ DONE, NO_SAFE_PLAN, WRONG_USE, INTERRUPTED = 0, 1, 2, 130
 COMMANDS = {
     "relate": "decide how every two objects lie to each other",
     "order": "say in which order to take things, and why",
+    "show": "draw a scene with its relations and its order",
 }
 
 _EPILOG = (

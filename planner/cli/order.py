@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING, Any
 
 from topple.planner.cli.console import complain, print_json, print_table, print_text
 from topple.planner.cli.main import DONE, NO_SAFE_PLAN
-from topple.planner.cli.options import add_common, for_each_scene
+from topple.planner.cli.options import add_common, add_target, for_each_scene
 from topple.planner.cli.progress import Progress
 
 if TYPE_CHECKING:
@@ -21,13 +21,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         parser: The sub-command's parser.
     """
     add_common(parser, scenes="many")
-    parser.add_argument(
-        "--target",
-        nargs="+",
-        action="extend",
-        metavar="NAME",
-        help="what to free, with the fewest removals (everything is cleared)",
-    )
+    add_target(parser)
 
 
 def execute(args: argparse.Namespace) -> int:

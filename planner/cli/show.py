@@ -1,0 +1,96 @@
+"""`topple show`: one scene as a page to turn and zoom, or as a picture."""
+
+import argparse
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from topple.planner.cli.console import print_json, print_text
+from topple.planner.cli.main import DONE
+from topple.planner.cli.options import add_common, add_target, read_scene, scene_paths
+from topple.planner.cli.progress import Progress
+from topple.planner.files import check_writable, write_whole
+from topple.topology.errors import InvalidInput
+
+if TYPE_CHECKING:
+    from topple.planner.order import Order
+    from topple.topology.pairs import Relations
+    from topple.topology.scene import Scene
+
+_KINDS = (".html", ".png")
+
+
+def add_arguments(parser: argparse.ArgumentParser) -> None:
+    """Add the options of `topple show`.
+
+    Args:
+        parser: The sub-command's parser.
+    """
+    add_common(parser, scenes="one")
+    add_target(parser)
+    parser.add_argument(
+        "-o", "--output", metavar="FILE", help="what to write, .html or .png (the scene's name with .html)"
+    )
+
+
+def execute(args: argparse.Namespace) -> int:
+    """Draw the scene's clouds, hulls, relations and, where up is known, its order.
+
+    Args:
+        args: The parsed arguments.
+
+    Returns:
+        Exit code 0.
+
+    Raises:
+        InvalidInput: If the scene cannot be read or the output cannot be written.
+    """
+    from topple.topology.relate import relate
+
+    (path,) = scene_paths(args, many=False)
+    place = _output(args.output, path)
+    with Progress("show") as progress:
+        progress(f"reading {path}")
+        scene = read_scene(args, path)
+        progress(f"{path}: relating {len(scene.names)} objects")
+        relations = relate(scene)
+        order = _order(args, scene, relations)
+        progress(f"{path}: drawing")
+        write_whole(place, _drawn(place, Path(path).name, scene, relations, order))
+    if args.json:
+        document = {"format": "topple.show", "format_version": 1, "scene": path, "file": str(place)}
+        print_json({**document, "ordered": order is not None})
+    else:
+        print_text(f"{place}: {len(scene.names)} objects{'' if order else ', no order'}")
+        if order is None:
+            print_text(
+                "The scene does not say where up is: give it with --up 0 0 1, and the order is drawn too."
+            )
+    return DONE
+
+
+def _output(given: str | None, scene: str) -> Path:
+    place = Path(given) if given is not None else Path(f"{Path(scene).resolve().stem}.html")
+    if place.suffix.lower() not in _KINDS:
+        raise InvalidInput(f"{place}: cannot tell what to write, expected a name ending in .html or .png")
+    return check_writable(place)
+
+
+def _order(args: argparse.Namespace, scene: "Scene", relations: "Relations") -> "Order | None":
+    """The order, or None where it was not asked for by name and gravity is unknown."""
+    from topple.planner.order import order
+
+    if not args.target and (scene.up is None or not scene.movable):
+        return None
+    return order(scene, args.target, seed=args.seed, relations=relations)
+
+
+def _drawn(
+    place: Path, title: str, scene: "Scene", relations: "Relations", order: "Order | None"
+) -> str | bytes:
+    if place.suffix.lower() == ".png":
+        from topple.planner.report.figure import show_picture
+
+        return show_picture(scene, relations, order)
+    from topple.planner.report.show import show_page
+
+    return show_page(scene, relations, order, title=title)
