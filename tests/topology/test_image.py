@@ -1,0 +1,105 @@
+"""DepthImage: pixels to points, and parts that do not fit together."""
+
+import pickle
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from topple.topology.errors import InvalidInput
+from topple.topology.image import DepthImage
+
+K = np.array([[500.0, 0.0, 31.5], [0.0, 510.0, 23.5], [0.0, 0.0, 1.0]])
+DEPTH = np.full((48, 64), 0.8)
+LABEL = np.zeros((48, 64), dtype=np.uint8)
+LABEL[10:20, 10:20] = 4
+LABEL[30:40, 10:20] = 2
+
+
+@given(st.integers(0, 63), st.integers(0, 47), st.floats(0.1, 5.0))
+def test_a_lifted_pixel_projects_back_onto_itself(column: int, row: int, depth: float) -> None:
+    distances = np.zeros((48, 64))
+    distances[row, column] = depth
+    points = DepthImage(distances, K, LABEL).points()
+    assert np.isfinite(points).all(axis=2).sum() == 1
+    x, y, w = K @ points[row, column]
+    assert x / w == pytest.approx(column, abs=1e-6)
+    assert y / w == pytest.approx(row, abs=1e-6)
+    assert points[row, column, 2] == pytest.approx(depth)
+
+
+def test_clouds_are_the_labelled_pixels_in_the_world() -> None:
+    pose = np.eye(4)
+    pose[:3, 3] = [1, 2, 3]
+    image = DepthImage(DEPTH, K, LABEL, pose, {2: "mug"})  # type: ignore[arg-type]
+    clouds = image.clouds()
+    assert list(clouds) == ["mug", "4"]
+    expected = image.points()[30:40, 10:20].reshape(-1, 3)
+    assert np.allclose(clouds["mug"], expected)
+    assert np.allclose(clouds["mug"][:, 2], 3.8)
+    assert np.allclose(image.viewpoint, [1, 2, 3])
+
+
+@pytest.mark.parametrize("nothing", [0.0, np.nan, np.inf])
+def test_zero_nan_and_infinity_are_no_depth(nothing: float) -> None:
+    depth = DEPTH.copy()
+    depth[10:20, 10:20] = nothing
+    image = DepthImage(depth, K, LABEL)  # type: ignore[arg-type]
+    assert list(image.clouds()) == ["2"]
+    assert image.pixels() == {"2": 100, "4": 100}
+
+
+def _matrix(row: int, column: int, value: float) -> np.ndarray:
+    matrix = K.copy()
+    matrix[row, column] = value
+    return matrix
+
+
+@pytest.mark.parametrize(
+    ("matrix", "words"),
+    [
+        (np.eye(4), "shape"),
+        (np.eye(3), "focal length is 1"),
+        (np.zeros((3, 3)), "lower triangle"),
+        (K.T, "lower triangle"),
+        (_matrix(0, 0, -500), "focal length is -500"),
+        (_matrix(0, 2, np.nan), "NaN"),
+        (_matrix(2, 2, 2), "lower triangle"),
+        (_matrix(1, 0, 3), "lower triangle"),
+    ],
+)
+def test_a_matrix_that_is_not_intrinsic_is_refused(matrix: np.ndarray, words: str) -> None:
+    with pytest.raises(InvalidInput, match=f"^K .*{words}"):
+        DepthImage(DEPTH, matrix, LABEL)  # type: ignore[arg-type]
+
+
+@pytest.mark.parametrize(
+    ("depth", "label", "words"),
+    [
+        (DEPTH, LABEL[:40], "one label per depth pixel"),
+        (DEPTH * 1000, LABEL, "millimetres"),
+        (-DEPTH, LABEL, "negative"),
+        (DEPTH[0], LABEL, "depth has shape"),
+        (DEPTH, LABEL + 0.5, "whole numbers"),
+        (DEPTH, LABEL.astype(int) - 1, "label -1"),
+        (DEPTH, LABEL[..., None], "mask has shape"),
+    ],
+)
+def test_depth_and_mask_have_to_fit(depth: np.ndarray, label: np.ndarray, words: str) -> None:
+    with pytest.raises(InvalidInput, match=words):
+        DepthImage(depth, K, label)
+
+
+def test_colours_have_to_fit_and_names_to_differ() -> None:
+    with pytest.raises(InvalidInput, match="rgb"):
+        DepthImage(DEPTH, K, LABEL, rgb=np.zeros((48, 64), dtype=np.uint8))
+    with pytest.raises(InvalidInput, match="share a name"):
+        DepthImage(DEPTH, K, LABEL, names={2: "mug", 4: "mug"})
+
+
+def test_an_image_travels_between_processes() -> None:
+    image = DepthImage(DEPTH, K, LABEL, names={2: "mug"}, rgb=np.zeros((48, 64, 3), dtype=np.uint8))
+    back = pickle.loads(pickle.dumps(image))
+    assert back.names == {2: "mug"}
+    assert np.array_equal(back.label, LABEL)
