@@ -13,7 +13,7 @@ from topple.planner.motion.planner import MotionFailure, plan_motion
 from topple.planner.motion.trajectory import retime
 from topple.planner.placement import Placement, placements
 from topple.planner.segments import Segment, no_faster_than
-from topple.planner.solids import Solids, moved, solids_of
+from topple.planner.solids import Solids, moved, solids_of, up_of
 from topple.robots.arm import Arm
 from topple.robots.gripper import ToolState
 from topple.topology.arrays import FloatArray, frozen
@@ -264,7 +264,15 @@ class _Search:
 
 
 def scene_after(scene: Scene, transfer: Transfer) -> Scene:
-    """Predict the scene once a transfer is done: the object's cloud at its place, all else where it was."""
+    """Predict the scene once a transfer is done.
+
+    Args:
+        scene: The scene before it.
+        transfer: The transfer.
+
+    Returns:
+        The scene with the object's cloud let go at its place; all else is where it was.
+    """
     pose = transfer.placement.pose_before_to_after
     cloud = moved((scene.clouds[transfer.object],), pose)[0]
-    return scene.with_cloud(transfer.object, cloud)
+    return scene.with_cloud(transfer.object, cloud - transfer.placement.drop * up_of(scene))

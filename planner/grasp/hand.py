@@ -56,23 +56,22 @@ class HandShape:
     force: float = 40.0
     friction: float = 0.5
 
-    def footprints(self, opening: float) -> list[tuple[FloatArray, float]]:
+    def footprints(self, opening: float) -> list[tuple[float, float, float, float, float]]:
         """Rectangles swept by the open hand.
 
         Args:
             opening: Distance of the pads [m].
 
         Returns:
-            For each prism a (2, 2) array [[x low, y low], [x high, y high]] and the z of its front [m].
+            For each prism (x low, x high, y low, y high, z of its front) [m], those of the fingers first.
         """
         half = opening / 2.0
-        found: list[tuple[FloatArray, float]] = []
+        found: list[tuple[float, float, float, float, float]] = []
         for prism in self.finger:
             low, high = half + prism.y[0], half + prism.y[1]
-            found.append((np.array([[prism.x[0], low], [prism.x[1], high]]), prism.front))
-            found.append((np.array([[prism.x[0], -high], [prism.x[1], -low]]), prism.front))
-        for prism in self.palm:
-            found.append((np.array([[prism.x[0], prism.y[0]], [prism.x[1], prism.y[1]]]), prism.front))
+            found.append((*prism.x, low, high, prism.front))
+            found.append((*prism.x, -high, -low, prism.front))
+        found += [(*prism.x, *prism.y, prism.front) for prism in self.palm]
         return found
 
 

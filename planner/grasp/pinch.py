@@ -78,7 +78,8 @@ def frames(
             for tilt in tolerances.tilts:
                 x = np.cross(closing, -up)
                 approach = np.cos(tilt) * -up + np.sin(tilt) * x
-                rotation: FloatArray = np.column_stack([np.cross(closing, approach), closing, approach])
+                across = np.asarray(np.cross(closing, approach), dtype=np.float64)
+                rotation = np.column_stack([across, closing, approach])
                 found.append(Frame(points[index], rotation, abs(tilt)))
     return found
 
@@ -165,10 +166,11 @@ def pinches(
         strip,
         (surface.centre - frame.origin) @ frame.rotation,
         top,
+        up @ frame.rotation,
         float(frame.origin @ up - floor),
         *_in_reach(own, foreign, top, hand, tolerances),
     )
-    found = [pinch for depth in tolerances.depths if (pinch := _at_depth(look, depth, up, hand, tolerances))]
+    found = [pinch for depth in tolerances.depths if (pinch := _at_depth(look, depth, hand, tolerances))]
     if not found:
         return []
     best = max(found, key=lambda pinch: sum(pinch.terms.values()))
@@ -185,6 +187,7 @@ class _Look:
     strip: BoolArray
     com: FloatArray
     top: float
+    up: FloatArray
     over_floor: float
     at_fingers: FloatArray  # (K, 5): x, y, z, margin, whether it is the object's own
     at_palm: FloatArray
@@ -211,9 +214,7 @@ def _in_reach(
     return found[0], found[1]
 
 
-def _at_depth(
-    look: _Look, depth: float, up: FloatArray, hand: HandShape, tolerances: GraspTolerances
-) -> Pinch | None:
+def _at_depth(look: _Look, depth: float, hand: HandShape, tolerances: GraspTolerances) -> Pinch | None:
     """What the hand holds with its tips `depth` below the object's top, or None where it cannot go there."""
     own, tip = look.own, look.top + depth
     window = look.strip & (own[:, 2] <= tip) & (own[:, 2] >= tip - hand.pad_length)
@@ -226,9 +227,10 @@ def _at_depth(
         return None
     opening = min(hand.max_opening, width + 2.0 * tolerances.side_clearance)
     shift = np.array([0.0, middle, tip - hand.tip])
+    if _lowest_corner(look, shift, hand, opening) < tolerances.under_clearance:
+        return None
     clearance = _room(look, shift, hand, opening, tolerances)
-    lowest = _lowest_corner(look.frame, shift, hand, opening, up) + look.over_floor
-    if clearance is None or lowest < tolerances.under_clearance:
+    if clearance is None:
         return None
     held = _antipodality(look, window, low, high, opening, hand, tolerances)
     if held <= 0.0:
@@ -264,12 +266,11 @@ def _room(
     """How free the way in is, 0..1, or None where the hand meets points."""
     worst = 1.0
     fingers = 2 * len(hand.finger)
-    for number, ((lower, upper), front) in enumerate(hand.footprints(opening)):
+    for number, (x0, x1, y0, y1, front) in enumerate(hand.footprints(opening)):
         points = look.at_fingers if number < fingers else look.at_palm
         x, y, z, margin = points[:, 0], points[:, 1] - shift[1], points[:, 2] - shift[2], points[:, 3]
-        aside = np.maximum(
-            np.maximum(lower[0] - x, x - upper[0]), np.maximum(lower[1] - y, y - upper[1])
-        )  # distance beside the footprint, negative within
+        # distance beside the footprint, negative within
+        aside = np.maximum(np.maximum(x0 - x, x - x1), np.maximum(y0 - y, y - y1))
         if np.count_nonzero((aside < margin) & (z < front + margin)) > tolerances.stray_points:
             return None
         if np.count_nonzero((aside < BRUSH[0]) & (z < front + BRUSH[1])) > tolerances.stray_points:
@@ -281,15 +282,14 @@ def _room(
     return worst
 
 
-def _lowest_corner(frame: Frame, shift: FloatArray, hand: HandShape, opening: float, up: FloatArray) -> float:
-    """Height of the hand's lowest corner over the frame's origin [m]."""
-    lowest = np.inf
-    for (lower, upper), front in hand.footprints(opening):
-        for x in (lower[0], upper[0]):
-            for y in (lower[1], upper[1]):
-                corner = frame.rotation @ (np.array([x, y, front]) + shift)
-                lowest = min(lowest, float(corner @ up))
-    return lowest
+def _lowest_corner(look: _Look, shift: FloatArray, hand: HandShape, opening: float) -> float:
+    """Height of the hand's lowest corner over the floor [m]."""
+    x, y, z = look.up
+    lowest = min(
+        min(x * x0, x * x1) + min(y * y0, y * y1) + z * front
+        for x0, x1, y0, y1, front in hand.footprints(opening)
+    )
+    return look.over_floor + float(shift @ look.up) + lowest
 
 
 def _antipodality(

@@ -4,7 +4,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
-from scipy.spatial import ConvexHull, QhullError, KDTree
+from scipy.spatial import ConvexHull, KDTree, QhullError
 
 from topple.planner.grasp.tolerances import GRASP_TOLERANCES, GraspTolerances
 from topple.topology.arrays import BoolArray, FloatArray
@@ -132,24 +132,43 @@ def _hidden(
     """Points and normals of the sides nobody saw: of the convex parts, where no camera looked through."""
     if viewpoints is None or len(viewpoints) == 0:
         return np.empty((0, 3)), np.empty((0, 3))  # a scanned or modelled object: all of it is seen
-    found: list[tuple[FloatArray, FloatArray]] = []
-    for part in solid:
-        try:
-            hull = ConvexHull(part, qhull_options="QJ Pp")
-        except (QhullError, ValueError):
-            continue
-        for corners, equation in zip(part[hull.simplices], hull.equations, strict=True):
-            samples = _triangle_grid(corners, tolerances.hidden_spacing)
-            found.append((samples, np.tile(equation[:3], (len(samples), 1))))
-    if not found:
-        return np.empty((0, 3)), np.empty((0, 3))
-    points, normals = np.vstack([item[0] for item in found]), np.vstack([item[1] for item in found])
+    points, normals = sampled_with_normals(solid, tolerances.hidden_spacing)
+    if len(points) == 0:
+        return points, normals
     distance, _ = KDTree(seen).query(points, distance_upper_bound=tolerances.hidden_gap)
     unseen = np.isinf(distance)
     occluders = seen if others is None else np.vstack([seen, others])
     for viewpoint in viewpoints:
         unseen &= _shadowed(points, occluders, viewpoint, tolerances.hidden_gap)
     return points[unseen], normals[unseen]
+
+
+def sampled(solid: Sequence[FloatArray], spacing: float) -> FloatArray:
+    """Points (N, 3) spread over the surfaces of convex parts, about `spacing` [m] apart."""
+    return sampled_with_normals(solid, spacing)[0]
+
+
+def sampled_with_normals(solid: Sequence[FloatArray], spacing: float) -> tuple[FloatArray, FloatArray]:
+    """Points spread over the surfaces of convex parts.
+
+    Args:
+        solid: (V, 3) vertices of each part [m].
+        spacing: About how far apart [m].
+
+    Returns:
+        (N, 3) points and their (N, 3) outward unit normals; none of parts without volume.
+    """
+    points, normals = [np.empty((0, 3))], [np.empty((0, 3))]
+    for part in solid:
+        try:
+            hull = ConvexHull(part, qhull_options="QJ Pp")
+        except (QhullError, ValueError):
+            continue
+        for corners, equation in zip(part[hull.simplices], hull.equations, strict=True):
+            samples = _triangle_grid(corners, spacing)
+            points.append(samples)
+            normals.append(np.tile(equation[:3], (len(samples), 1)))
+    return np.vstack(points), np.vstack(normals)
 
 
 def _shadowed(points: FloatArray, occluders: FloatArray, viewpoint: FloatArray, gap: float) -> BoolArray:

@@ -1,0 +1,118 @@
+"""What of a table is free, seen from straight above."""
+
+from collections.abc import Collection, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from scipy.ndimage import distance_transform_edt
+from scipy.spatial import ConvexHull, Delaunay, QhullError
+
+from topple.planner.resting import PLACEMENT_TOLERANCES, PlacementTolerances
+from topple.planner.solids import Solids, level_axes, table_top, up_of
+from topple.topology.arrays import BoolArray, FloatArray
+from topple.topology.scene import Scene
+
+
+@dataclass(frozen=True, eq=False)
+class FreeSpace:
+    """What of a table is free.
+
+    Attributes:
+        origin: (2,) level coordinates of the grid's corner [m].
+        distance: (I, J) distance of each cell to the nearest thing, edge or unseen table [m].
+        normal: (3,) unit normal of the table.
+        height: Of the table along the normal [m].
+        cell: Edge of a cell [m].
+    """
+
+    origin: FloatArray
+    distance: FloatArray
+    normal: FloatArray
+    height: float
+    cell: float
+
+    def at(self, places: FloatArray) -> FloatArray:
+        """Distance to the nearest thing.
+
+        Args:
+            places: (..., 2) level coordinates [m].
+
+        Returns:
+            (...) distances [m], 0 outside the table.
+        """
+        index = np.floor((places - self.origin) / self.cell).astype(np.int64)
+        shape = np.array(self.distance.shape)
+        inside = np.all((index >= 0) & (index < shape), axis=-1)
+        index = np.clip(index, 0, shape - 1)
+        return np.where(inside, self.distance[index[..., 0], index[..., 1]], 0.0)
+
+
+def free_space(
+    scene: Scene,
+    solids: Solids,
+    *,
+    leave_out: Collection[str] = (),
+    avoid: Sequence[FloatArray] = (),
+    tolerances: PlacementTolerances = PLACEMENT_TOLERANCES,
+) -> FreeSpace | None:
+    """Map what of the table is free, everything seen from straight above.
+
+    Args:
+        scene: The scene.
+        solids: Convex parts of its objects.
+        leave_out: Objects that do not count, for they are to be moved.
+        avoid: (N, 3) points each, of places to keep free besides.
+        tolerances: Grid and distance from the edge.
+
+    Returns:
+        The map, or None where the scene has no fixed level surface.
+    """
+    up = up_of(scene)
+    axes = np.stack(level_axes(up))
+    tables = [
+        (name, top)
+        for name in scene.names
+        if name in scene.fixed and (top := table_top(scene.clouds[name], up))
+    ]
+    if not tables:
+        return None
+    table, (normal, height) = max(tables, key=lambda item: len(scene.clouds[item[0]]))
+    ground = scene.clouds[table] @ axes.T
+    origin = ground.min(axis=0)
+    shape = np.ceil((ground.max(axis=0) - origin) / tolerances.cell).astype(int) + 1
+    middles = origin + (np.argwhere(np.ones(tuple(shape))).reshape(*shape, 2) + 0.5) * tolerances.cell
+    free = _within(middles, ground)
+    edge = _to_nearest(free) * tolerances.cell
+    free &= edge > tolerances.edge
+    for name in scene.names:
+        if name != table and name not in leave_out:
+            for part in solids[name]:
+                free &= ~_within(middles, part @ axes.T)
+            _mark(free, scene.clouds[name] @ axes.T, origin, tolerances.cell)
+    for points in avoid:
+        free &= ~_within(middles, points @ axes.T)
+    return FreeSpace(origin, _to_nearest(free) * tolerances.cell, normal, height, tolerances.cell)
+
+
+def _to_nearest(free: BoolArray) -> FloatArray:
+    """Distance of every cell to the nearest one that is not free or beyond the edge, in cells."""
+    distance: FloatArray = np.asarray(distance_transform_edt(np.pad(free, 1)), dtype=np.float64)
+    return distance[1:-1, 1:-1]
+
+
+def _within(places: FloatArray, points: FloatArray) -> BoolArray:
+    """Which places lie in the convex outline of level points."""
+    low, high = points.min(axis=0), points.max(axis=0)
+    result = np.all((places >= low) & (places <= high), axis=-1)
+    try:
+        corners = points[ConvexHull(points).vertices]
+        result[result] = Delaunay(corners).find_simplex(places[result]) >= 0
+    except (QhullError, ValueError):
+        pass  # a line or a point: its box is it
+    return result
+
+
+def _mark(free: BoolArray, points: FloatArray, origin: FloatArray, cell: float) -> None:
+    index = np.floor((points - origin) / cell).astype(np.int64)
+    inside = np.all((index >= 0) & (index < np.array(free.shape)), axis=1)
+    free[index[inside, 0], index[inside, 1]] = False

@@ -1,0 +1,146 @@
+"""How an object stands by itself: the faces it can stand on, and where placing tolerances come from."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from scipy.spatial import ConvexHull, QhullError
+
+from topple.planner.grasp.surface import centre_of_mass, voxel_means
+from topple.planner.solids import hull_vertices, level_axes
+from topple.topology.arrays import FloatArray
+
+
+@dataclass(frozen=True)
+class PlacementTolerances:
+    """Lengths in metres, angles in radians.
+
+    Attributes:
+        cell: Grid of the free space: finer than any gap a hand can use.
+        gap: Least distance to what stands there: a finger beside the object (20 mm) and 10 mm to spare.
+        good_gap: Distance beyond which more does not help: the open hand's half width.
+        edge: Distance kept from the table's edge, against tipping over it.
+        drop: Height above the table at which it is let go: depth noise (2 mm) and tracking error (2 mm).
+        reach: Distances from the arm's base between which it works freely top-down.
+        stray: Points this far below the others of a face still belong to it: noise of the cloud.
+        steady: Distance of the centre of mass from the edge of the face it stands on, where standing is safe.
+        most_turn: Largest tilt by which an object may be turned to lie.
+    """
+
+    cell: float = 0.01
+    gap: float = 0.03
+    good_gap: float = 0.10
+    edge: float = 0.03
+    drop: float = 0.004
+    reach: tuple[float, float] = (0.30, 0.70)
+    stray: float = 0.003
+    steady: float = 0.015
+    most_turn: float = 1.75
+
+
+PLACEMENT_TOLERANCES = PlacementTolerances()
+
+
+@dataclass(frozen=True, eq=False)
+class Rest:
+    """A way an object stands by itself.
+
+    Attributes:
+        rotation: (3, 3) rotation from how it lies now.
+        turn: Its angle [rad].
+        steadiness: Least distance of the centre of mass from the edge of the face it stands on [m].
+    """
+
+    rotation: FloatArray
+    turn: float
+    steadiness: float
+
+
+def resting_poses(
+    cloud: FloatArray,
+    parts: Sequence[FloatArray],
+    up: FloatArray,
+    tolerances: PlacementTolerances = PLACEMENT_TOLERANCES,
+) -> list[Rest]:
+    """The faces an object can stand on, those that turn it least first.
+
+    Args:
+        cloud: (N, 3) its points [m].
+        parts: Its convex parts [m].
+        up: (3,) unit vector.
+        tolerances: What counts as one face and as steady.
+
+    Returns:
+        Resting poses, at least one: where no face holds it, it keeps the attitude it has.
+    """
+    corners = np.vstack([hull_vertices(np.vstack([voxel_means(cloud, 0.004), *parts]))])
+    centre = centre_of_mass(cloud, parts)
+    found: list[Rest] = []
+    for down in _face_normals(corners, up):
+        turn = float(np.arccos(np.clip(-down @ up, -1.0, 1.0)))
+        heights = corners @ down
+        face = corners[heights > heights.max() - tolerances.stray]
+        steadiness = _inset(face, centre, down)
+        if turn <= tolerances.most_turn and steadiness > 0.0:
+            found.append(Rest(_rotation_between(down, -up), turn, steadiness))
+    if not found:
+        return [Rest(np.eye(3), 0.0, 0.0)]
+    wanted = [rest for rest in found if rest.steadiness > 0.3 * tolerances.steady] or found
+    return sorted(wanted, key=lambda rest: rest.turn - 0.15 * min(1.0, rest.steadiness / tolerances.steady))[
+        :3
+    ]
+
+
+def _face_normals(corners: FloatArray, up: FloatArray, same: float = 0.14) -> list[FloatArray]:
+    """Outward normals of a hull's faces, largest first; less than `same` [rad] apart is one face."""
+    try:
+        hull = ConvexHull(corners, qhull_options="QJ")
+    except (QhullError, ValueError):
+        return [-up]
+    normals = hull.equations[:, :3]
+    edges = corners[hull.simplices]
+    areas = np.linalg.norm(np.cross(edges[:, 1] - edges[:, 0], edges[:, 2] - edges[:, 0]), axis=1) / 2.0
+    kept: list[FloatArray] = []
+    for index in np.argsort(-areas, kind="stable"):
+        if all(normals[index] @ other < np.cos(same) for other in kept):
+            near = normals @ normals[index] > np.cos(same)
+            mean = (areas[near, None] * normals[near]).sum(axis=0)
+            kept.append(mean / np.linalg.norm(mean))
+        if len(kept) >= 40:
+            break
+    return kept
+
+
+def _inset(face: FloatArray, centre: FloatArray, down: FloatArray) -> float:
+    """How far inside a face's outline the centre of mass stands over it [m], negative outside."""
+    x, y = level_axes(down)
+    outline = np.stack([(face - centre) @ x, (face - centre) @ y], axis=1)
+    try:
+        hull = ConvexHull(outline)
+    except (QhullError, ValueError):
+        return -1.0
+    return float(-hull.equations[:, 2].max())
+
+
+def _rotation_between(a: FloatArray, b: FloatArray) -> FloatArray:
+    """The smallest rotation that takes unit vector a to unit vector b."""
+    axis, cosine = np.cross(a, b), float(np.clip(a @ b, -1.0, 1.0))
+    if cosine < -1.0 + 1e-9:
+        axis, _ = level_axes(a)
+        return 2.0 * np.outer(axis, axis) - np.eye(3)
+    skew = np.array([[0.0, -axis[2], axis[1]], [axis[2], 0.0, -axis[0]], [-axis[1], axis[0], 0.0]])
+    return np.eye(3) + skew + skew @ skew / (1.0 + cosine)
+
+
+def about(axis: FloatArray, angle: float) -> FloatArray:
+    """Rotation about an axis (Rodrigues).
+
+    Args:
+        axis: (3,) unit vector.
+        angle: Angle [rad].
+
+    Returns:
+        (3, 3) rotation.
+    """
+    skew = np.array([[0.0, -axis[2], axis[1]], [axis[2], 0.0, -axis[0]], [-axis[1], axis[0], 0.0]])
+    return np.eye(3) + np.sin(angle) * skew + (1.0 - np.cos(angle)) * skew @ skew
