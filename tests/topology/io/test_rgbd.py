@@ -1,0 +1,158 @@
+"""RGB-D frames as scenes: made ones, and the real ones where they are at hand."""
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from topple.topology.errors import InvalidInput
+from topple.topology.io import load_scene
+
+DATA = Path(__file__).resolve().parents[3].parent / "shared" / "data" / "rgbd"
+FRAMES = sorted(DATA.glob("*.npz"))
+
+K = np.array([[60.0, 0, 40], [0, 60.0, 30], [0, 0, 1]])
+
+
+def _frame(**changes: object) -> dict[str, object]:
+    """A camera that looks straight down on a table 1 m below, with a box of 10 cm on it."""
+    depth, label = np.ones((60, 80), dtype=np.float32), np.ones((60, 80), dtype=np.uint8)
+    depth[20:30, 20:30], label[20:30, 20:30] = 0.9, 2
+    frame: dict[str, object] = {"depth": depth, "K": K, "label": label}
+    frame |= changes
+    return {key: value for key, value in frame.items() if value is not None}
+
+
+def _save(folder: Path, **changes: object) -> Path:
+    path = folder / "frame.npz"
+    np.savez(path, **_frame(**changes))  # type: ignore[arg-type]
+    return path
+
+
+def test_the_table_is_named_by_its_label_and_says_where_up_is(tmp_path: Path) -> None:
+    scene = load_scene(_save(tmp_path), fixed=["1"])
+    assert scene.names == ("1", "2")
+    assert scene.movable == ("2",)
+    assert np.allclose(scene.up, [0, 0, -1], atol=1e-6)  # type: ignore[arg-type]
+    assert scene.viewpoints.tolist() == [[0, 0, 0]]
+    assert len(scene.images) == 1
+
+
+def test_without_fixed_the_table_plane_finds_the_table(tmp_path: Path) -> None:
+    scene = load_scene(_save(tmp_path, table_plane=[0, 0, -1, 1]))
+    assert scene.fixed == {"1"}
+    assert scene.up.tolist() == [0, 0, -1]  # type: ignore[union-attr]
+
+
+def test_a_plane_without_a_table_label_gets_a_table(tmp_path: Path) -> None:
+    label = np.zeros((60, 80), dtype=int)
+    label[20:30, 20:30] = 2
+    scene = load_scene(_save(tmp_path, label=label, table_plane=[0, 0, -1, 1]))
+    assert scene.names == ("2", "table")
+    assert np.allclose(scene.clouds["table"][:, 2], 1)
+
+
+def test_with_nothing_to_go_by_up_is_unknown(tmp_path: Path) -> None:
+    assert load_scene(_save(tmp_path)).up is None
+
+
+@pytest.mark.parametrize("key", ["label", "segmap", "seg"])
+def test_the_mask_has_three_names(tmp_path: Path, key: str) -> None:
+    frame = _frame()
+    mask = frame.pop("label")
+    np.savez(tmp_path / "frame.npz", **frame, **{key: mask})  # type: ignore[arg-type]
+    assert load_scene(tmp_path / "frame.npz").names == ("1", "2")
+
+
+def test_a_record_in_an_npy_is_a_frame(tmp_path: Path) -> None:
+    frame = {key: np.asarray(value) for key, value in _frame().items()}
+    record = np.zeros((), dtype=[(key, value.dtype, value.shape) for key, value in frame.items()])
+    for key, value in frame.items():
+        record[key] = value
+    np.save(tmp_path / "frame.npy", record)
+    assert load_scene(tmp_path / "frame.npy").names == ("1", "2")
+    np.save(tmp_path / "frame.npy", np.array([record, record]))
+    with pytest.raises(InvalidInput, match="2 records"):
+        load_scene(tmp_path / "frame.npy")
+    np.save(tmp_path / "frame.npy", np.zeros((5, 3)))
+    with pytest.raises(InvalidInput, match="one array"):
+        load_scene(tmp_path / "frame.npy")
+
+
+def test_a_camera_pose_puts_the_scene_into_the_world(tmp_path: Path) -> None:
+    pose = np.diag([1.0, -1.0, -1.0, 1.0])
+    pose[2, 3] = 1.0
+    scene = load_scene(_save(tmp_path, pose_camera_to_world=pose), fixed=["1"])
+    assert np.allclose(scene.clouds["1"][:, 2], 0, atol=1e-6)
+    assert np.allclose(scene.up, [0, 0, 1], atol=1e-6)  # type: ignore[arg-type]
+    assert scene.viewpoints.tolist() == [[0, 0, 1]]
+
+
+def _changed(array: object, rows: slice, value: float) -> np.ndarray:
+    changed = np.array(array, dtype=float)
+    changed[rows, 20:30] = value
+    return changed
+
+
+@pytest.mark.parametrize(
+    ("changes", "words"),
+    [
+        ({"depth": np.ones((60, 79))}, "one label per depth pixel"),
+        ({"K": np.eye(3)}, "K is no intrinsic matrix"),
+        ({"K": K.T}, "K is no intrinsic matrix"),
+        ({"K": None}, "no K"),
+        ({"label": None}, "no label"),
+        ({"depth": None}, "no depth"),
+        ({"label": np.zeros((60, 80), dtype=int)}, "label is 0 everywhere"),
+        ({"label": np.full((60, 80), 0.5)}, "whole numbers"),
+        ({"depth": np.full((60, 80), 900, dtype=np.uint16)}, "millimetres"),
+        ({"depth": _changed(np.ones((60, 80)), slice(20, 30), 0)}, "object '2' has 100 pixels"),
+        ({"depth": _changed(np.ones((60, 80)), slice(20, 30), np.nan)}, "object '2' has 100 pixels"),
+        ({"depth": np.ones((60, 80, 3))}, "depth has shape"),
+        ({"rgb": np.zeros((60, 80), dtype=np.uint8)}, "rgb has shape"),
+        ({"table_plane": [0, 0, 0, 0]}, "table_plane"),
+    ],
+)
+def test_bad_frames_are_refused(tmp_path: Path, changes: dict[str, object], words: str) -> None:
+    path = _save(tmp_path, **changes)
+    with pytest.raises(InvalidInput, match=words) as refusal:
+        load_scene(path)
+    assert str(refusal.value).startswith(str(path))
+
+
+def test_an_object_of_one_pixel_is_named(tmp_path: Path) -> None:
+    label = np.ones((60, 80), dtype=int)
+    label[5, 5] = 7
+    with pytest.raises(InvalidInput, match="'7' has a single point"):
+        load_scene(_save(tmp_path, label=label))
+
+
+@pytest.mark.skipif(not FRAMES, reason=f"the real frames are not at {DATA.parent.name}/{DATA.name}")
+def test_real_frames_give_every_label_a_cloud_and_up_from_the_plane() -> None:
+    for path in FRAMES[::6]:
+        with np.load(path) as arrays:
+            labels = {str(label) for label in np.unique(arrays["label"]) if label}
+            plane = arrays["table_plane"] if "table_plane" in arrays.files else None
+        scene = load_scene(path, fixed=["1"] if plane is not None else [])
+        assert set(scene.names) == labels
+        if plane is None:
+            assert scene.up is None
+            continue
+        assert np.allclose(scene.up, plane[:3], atol=1e-3)  # type: ignore[arg-type]
+        heights = {name: np.median(cloud @ plane[:3] + plane[3]) for name, cloud in scene.clouds.items()}
+        assert abs(heights["1"]) < 0.01
+        assert min(heights.values()) > -0.02
+
+
+@pytest.mark.skipif(not FRAMES, reason=f"the real frames are not at {DATA.parent.name}/{DATA.name}")
+def test_the_fitted_plane_of_a_real_table_agrees_with_the_given_one() -> None:
+    for path in FRAMES[:60:12]:
+        with np.load(path) as arrays:
+            frame = {key: arrays[key] for key in ("depth", "K", "label")}
+            given = arrays["table_plane"][:3]
+        from topple.topology.image import DepthImage
+        from topple.topology.scene import Scene
+
+        scene = Scene.from_images([DepthImage(**frame)], fixed=["1"])
+        assert scene.up is not None
+        assert float(scene.up @ given) > np.cos(np.radians(1.5))
