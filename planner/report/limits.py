@@ -20,6 +20,7 @@ class Limits:
         label: Characters of a name shown in a graph node; the whole name is in its tooltip.
         graph_edges: Above this many arrows a graph shows the transitive reduction, and says so.
         path_points: Points of a drawn tool path.
+        risk: Risks below this chance are not mentioned: they are the same for every object, and distract.
         moved: Metres from which a disturbed object is shown in red: what counts as a violation.
         turned: Degrees from which it is.
     """
@@ -33,6 +34,7 @@ class Limits:
     label: int = 18
     graph_edges: int = 60
     path_points: int = 200
+    risk: float = 0.05
     moved: float = 0.01
     turned: float = 10.0
 

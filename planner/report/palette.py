@@ -21,7 +21,7 @@ RELATION_COLOURS: dict[str, Colour] = {
 (paper section 4.2, Figure 6), each darkened until it reads on a light page and on a dark one."""
 
 REASON_COLOURS: dict[str, Colour] = {
-    "supported": (88, 96, 105),
+    "supported": (118, 127, 138),
     "leaning": (202, 103, 2),
     "contained": (0, 128, 128),
     "blocking": (142, 68, 173),

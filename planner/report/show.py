@@ -42,7 +42,6 @@ def show_page(
     body += "</div><div>"
     if planned is not None:
         body += "<h2>Safe order</h2>" + order_list(planned, index)
-        body += sentence_list(_explanation(order, planned), "Explanation")
     body += "<h2>Relations</h2>" + relation_table(found, index)
     body += sentence_list(_assumptions(scene, order, planned), "Assumptions")
     body += "</div></main>"
@@ -78,10 +77,6 @@ def _head(scene: Scene, order: Document | None, title: str) -> str:
         )
     heading = title or f"Scene of {len(scene.names)} objects"
     return f'<header><h1>{escape(heading)}</h1><p class="lead">{escape("; ".join(facts))}.</p></header>'
-
-
-def _explanation(order: Any, planned: Document) -> list[str]:
-    return sentences(planned.get("explanation") or getattr(order, "explanation", None))
 
 
 def _assumptions(scene: Scene, order: Any, planned: Document | None) -> list[str]:

@@ -4,6 +4,7 @@ from collections.abc import Mapping, Sequence
 from html import escape
 from typing import Any
 
+from topple.planner.report.limits import LIMITS
 from topple.planner.report.palette import css, relation_colour
 from topple.planner.report.view import is_inferred
 from topple.planner.report.words import listed, millimetres, order_in_words, sentences
@@ -91,7 +92,7 @@ def order_list(order: Document, index: Mapping[str, int]) -> str:
     """
     risk: Mapping[str, float] = order.get("risk") or {}
     items = "".join(
-        f'<li data-object="{index.get(name, -1)}"><b class="name">{escape(name)}</b> {escape(sentence)}'
+        f'<li data-object="{index.get(name, -1)}"><b class="name">{escape(name)}</b>: {escape(sentence)}'
         f"{_risk(risk.get(name))}</li>"
         for name, sentence in order_in_words(order)
     )
@@ -102,11 +103,11 @@ def order_list(order: Document, index: Mapping[str, int]) -> str:
 
 def _risk(risk: float | None) -> str:
     """The risk of a step where it is worth a word."""
-    return "" if risk is None or risk < 0.005 else f' <span class="kind">risk {risk:.0%}</span>'
+    return "" if risk is None or risk < LIMITS.risk else f' <span class="kind">risk {risk:.0%}</span>'
 
 
 def _certificates(order: Document, index: Mapping[str, int]) -> str:
-    """Groups, unresolved cycles and what only bars the gripper's way."""
+    """Groups, unresolved cycles, who carries whom, and what only bars the gripper's way."""
     html = ""
     for group in order.get("groups", ()):
         names = [object_name(str(name), index) for name in group]
@@ -115,11 +116,26 @@ def _certificates(order: Document, index: Mapping[str, int]) -> str:
         members = [cycle] if isinstance(cycle, str) else list(cycle)
         names = [object_name(str(name), index) for name in members]
         html += f'<p class="certificate bad">No safe order among {listed(names)}: each holds another.</p>'
+    supports = list(order.get("supports") or ())
+    if supports:
+        rows = "".join(f"<li>{_support(support, index)}</li>" for support in supports)
+        html += f"<details><summary>Who carries whom ({len(supports)})</summary><ul>{rows}</ul></details>"
     access = list(order.get("access") or ())
     if access:
         rows = "".join(f"<li>{_bar(bar, index)}</li>" for bar in access)
         html += f"<details><summary>{len(access)} in the gripper's way</summary><ul>{rows}</ul></details>"
     return html
+
+
+def _support(support: Mapping[str, Any], index: Mapping[str, int]) -> str:
+    lower, upper = (
+        object_name(str(support["supporter"]), index),
+        object_name(str(support["supported"]), index),
+    )
+    kind = {"leans": "leans on", "contained": "lies in"}.get(str(support.get("kind")), "rests on")
+    evidence = "inferred" if support.get("inferred", False) else "observed"
+    sure = f"{float(support.get('confidence', 1.0)):.2f}"
+    return f'{upper} {kind} {lower} <span class="kind">{evidence}, confidence {sure}</span>'
 
 
 def _bar(bar: Mapping[str, Any], index: Mapping[str, int]) -> str:

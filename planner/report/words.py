@@ -6,27 +6,28 @@ from typing import Any
 Document = Mapping[str, Any]
 
 _BECAUSE = {
-    "supported": ("rests on it", "rest on it"),
-    "leaning": ("leans on it", "lean on it"),
-    "contained": ("lies in it", "lie in it"),
-    "blocking": ("would be lifted or dragged along", "would be lifted or dragged along"),
-    "counterweight": ("tips once its weight is gone", "tip once its weight is gone"),
+    "supported": ("rests on {it}", "rest on {it}"),
+    "leaning": ("leans on {it}", "lean on {it}"),
+    "contained": ("lies in {it}", "lie in {it}"),
+    "blocking": ("would be lifted or dragged along with {it}", "would be lifted or dragged along with {it}"),
+    "counterweight": ("tips without {it}", "tip without {it}"),
 }
-"""What an object that goes before does to the one that goes after: said of one, said of several."""
+"""What an object that goes before has to do with the one that goes after: said of one, said of several."""
 
 
-def because(first: Sequence[str], reason: str) -> str:
-    """Why some objects have to go before the one spoken of, as a clause.
+def because(first: Sequence[str], reason: str, then: str = "it") -> str:
+    """Why some objects have to go before another, as a clause.
 
     Args:
         first: Names of those that go before, at least one.
         reason: Reason of these dependencies.
+        then: Who goes after them, in the clause.
 
     Returns:
         A clause such as "cup and spoon rest on it"; an unknown reason is quoted as it is.
     """
-    one, several = _BECAUSE.get(reason, (f"goes before it ({reason})", f"go before it ({reason})"))
-    return f"{listed(first)} {one if len(first) == 1 else several}"
+    one, several = _BECAUSE.get(reason, ("goes before {it}, " + reason, "go before {it}, " + reason))
+    return f"{listed(first)} {one if len(first) == 1 else several}".replace("{it}", then)
 
 
 def order_in_words(order: Document) -> list[tuple[str, str]]:
@@ -39,10 +40,10 @@ def order_in_words(order: Document) -> list[tuple[str, str]]:
         (name, sentence) in the order of removal.
     """
     before: dict[str, list[Mapping[str, Any]]] = {}
-    holds: dict[str, list[str]] = {}
+    holds: dict[str, list[Mapping[str, Any]]] = {}
     for dependency in order.get("dependencies", ()):
         before.setdefault(str(dependency["then"]), []).append(dependency)
-        holds.setdefault(str(dependency["first"]), []).append(str(dependency["then"]))
+        holds.setdefault(str(dependency["first"]), []).append(dependency)
     together = {
         str(name): [str(other) for other in group] for group in order.get("groups", ()) for name in group
     }
@@ -65,29 +66,36 @@ def order_in_words(order: Document) -> list[tuple[str, str]]:
 def _sentence(
     name: str,
     before: Sequence[Mapping[str, Any]],
-    holds: Sequence[str],
+    holds: Sequence[Mapping[str, Any]],
     together: Sequence[str],
     targets: set[str],
     done: set[str],
 ) -> str:
     others = [other for other in together if other != name]
-    needed: dict[str, list[str]] = {}
-    for dependency in before:
-        if (first := str(dependency["first"])) in done:
-            needed.setdefault(str(dependency["reason"]), []).append(first)
-    if needed:
-        parts = [listed([because(list(dict.fromkeys(first)), reason) for reason, first in needed.items()])]
+    parts: list[str] = []
+    if needed := _by_reason(before, "first", done):
         earlier = list(dict.fromkeys(first for names in needed.values() for first in names))
-        parts = [f"after {listed(earlier)}, because {parts[0]}"]
-    else:
-        parts = ["nothing has to go before it"]
+        why = listed([because(first, reason) for reason, first in needed.items()])
+        parts.append(f"after {listed(earlier)}, because {why}")
+    if freed := _by_reason(holds, "then", None):
+        parts.append(listed([because(["it"], reason, listed(then)) for reason, then in freed.items()]))
     if others:
         parts.append("taken or held together with " + listed(others))
-    elif name in targets:
+    if name in targets:
         parts.append("this is a target")
-    elif holds:
-        parts.append("frees " + listed(list(dict.fromkeys(holds))))
-    return "; ".join(parts) + "."
+    return "; ".join(parts or ["nothing depends on it, and it depends on nothing"]) + "."
+
+
+def _by_reason(
+    dependencies: Sequence[Mapping[str, Any]], end: str, among: set[str] | None
+) -> dict[str, list[str]]:
+    """Names at one end of dependencies, by reason, each once; only those in `among` where it is given."""
+    names: dict[str, list[str]] = {}
+    for dependency in dependencies:
+        name, same = str(dependency[end]), names.setdefault(str(dependency["reason"]), [])
+        if name not in same and (among is None or name in among):
+            same.append(name)
+    return {reason: same for reason, same in names.items() if same}
 
 
 def listed(words: Sequence[str]) -> str:

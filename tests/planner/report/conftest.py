@@ -1,0 +1,80 @@
+"""Small scenes the report tests draw: real clouds, related and ordered by topple itself."""
+
+import numpy as np
+import pytest
+
+from topple.planner.order import order
+from topple.planner.report.raster import picture
+from topple.planner.report.record import RunRecord, StepRecord
+from topple.topology.relate import relate
+from topple.topology.scene import Scene
+
+NASTY = '</script><b>"it\'s" & <!--'
+"""A name that would end the script, open a tag or break an attribute if it were not escaped."""
+
+
+def box_cloud(centre, size, count=400, seed=0):
+    """Points on the surface of an axis-aligned box [m]."""
+    rng = np.random.default_rng(seed)
+    points = rng.uniform(-0.5, 0.5, (count, 3))
+    side = rng.integers(0, 3, count)
+    points[np.arange(count), side] = np.sign(points[np.arange(count), side]) * 0.5
+    return points * size + centre
+
+
+def stack_scene(names=("crate", "tin", NASTY), up=(0, 0, 1)):
+    """A table with boxes stacked on it, one beside them."""
+    clouds = {"table": box_cloud((0, 0, -0.01), (0.8, 0.8, 0.02), 2000, 9)}
+    for level, name in enumerate(names):
+        clouds[name] = box_cloud((0, 0.01 * level, 0.05 + 0.1 * level), (0.12, 0.1, 0.1), seed=level)
+    clouds["beside"] = box_cloud((0.25, 0, 0.03), (0.06, 0.06, 0.06), seed=7)
+    return Scene(clouds, fixed=["table"], up=up)
+
+
+@pytest.fixture(scope="session")
+def stack():
+    scene = stack_scene()
+    relations = relate(scene)
+    return scene, relations, order(scene, ["crate"], relations=relations)
+
+
+@pytest.fixture(scope="session")
+def run_record():
+    scene = stack_scene()
+    steps = []
+    for number, name in enumerate([NASTY, "tin"]):
+        relations = relate(scene)
+        after = scene.without(name)
+        steps.append(
+            StepRecord(
+                object=name,
+                action="take off",
+                success=True,
+                disturbed={"beside": (0.0012, 0.01)} if number == 0 else {"beside": (0.02, 0.3)},
+                relations_as_predicted=number == 0,
+                seconds=1.5,
+                reason="It rests on what is wanted.",
+                picture_before=picture(np.full((48, 64, 3), 40 + number, dtype=np.uint8)),
+                picture_after=picture(np.full((48, 64, 3), 41 + number, dtype=np.uint8)),
+                scene=scene,
+                relations=relations.to_json(),
+                order=order(scene, ["crate"], relations=relations).to_json(),
+                predicted=relate(after).to_json() if number == 0 else relations.to_json(),
+                observed=relate(after).to_json(),
+                tool_path=np.linspace([0, 0, 0.4], [0.3, 0, 0.2], 1000),
+                forces={"beside": 1.25},
+            )
+        )
+        scene = after
+    return RunRecord(
+        goal="free crate",
+        robot="panda",
+        seed=3,
+        success=False,
+        violations=("beside moved 20 mm",),
+        steps=tuple(steps),
+        seconds=3.1,
+        scene=scene,
+        relations=relate(scene).to_json(),
+        notes=("the base stands at 0.5 m",),
+    )

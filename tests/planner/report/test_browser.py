@@ -1,0 +1,169 @@
+"""The pages in a real browser: clicked through, with no error on the console and nothing fetched."""
+
+import shutil
+
+import pytest
+
+from topple.planner.report.run_page import run_page
+from topple.planner.report.show import show_page
+
+api = pytest.importorskip("playwright.sync_api", reason="playwright is not installed: pip install playwright")
+CHROMIUM = shutil.which("chromium") or shutil.which("chromium-browser") or shutil.which("google-chrome")
+pytestmark = pytest.mark.skipif(CHROMIUM is None, reason="no Chromium here: apt-get install chromium")
+
+FLAGS = [
+    "--no-sandbox",
+    "--disable-gpu",
+    "--disable-quic",
+    "--no-first-run",
+    "--disable-background-networking",
+]
+FLAGS += ["--disable-component-update", "--disable-sync"]
+
+
+@pytest.fixture(scope="module")
+def browser():
+    with api.sync_playwright() as playwright:
+        opened = playwright.chromium.launch(executable_path=CHROMIUM, args=FLAGS)
+        yield opened
+        opened.close()
+
+
+@pytest.fixture
+def open_page(browser, tmp_path):
+    """Opens HTML from a file; at the end nothing may have been complained about or fetched."""
+    wrong, fetched = [], []
+    context = browser.new_context(viewport={"width": 1300, "height": 900})
+
+    def opener(html):
+        file = tmp_path / "page.html"
+        file.write_text(html, encoding="utf-8")
+        page = context.new_page()
+        page.on(
+            "console",
+            lambda message: wrong.append(message.text) if message.type in ("error", "warning") else None,
+        )
+        page.on("pageerror", lambda error: wrong.append(str(error)))
+        page.on("request", lambda request: fetched.append(request.url))
+        page.goto(file.as_uri())
+        settle(page)
+        return page
+
+    yield opener
+    context.close()
+    assert wrong == []
+    assert [url for url in fetched if not url.startswith(("file:", "data:"))] == []
+
+
+def settle(page):
+    """Waits until the view has drawn what it was asked to."""
+    page.evaluate("() => new Promise((done) => requestAnimationFrame(() => requestAnimationFrame(done)))")
+
+
+def pixels(page):
+    """A checksum of what the visible view shows."""
+    settle(page)
+    return page.evaluate("""() => {
+      const canvas = [...document.querySelectorAll("canvas")].find((c) => c.clientWidth > 0);
+      const data = canvas.getContext("2d").getImageData(0, 0, canvas.width, canvas.height).data;
+      let sum = 0;
+      for (let i = 0; i < data.length; i++) sum = (sum * 31 + data[i]) >>> 0;
+      return sum;
+    }""")
+
+
+def test_the_view_turns_zooms_moves_and_comes_back(open_page, stack):
+    page = open_page(show_page(*stack))
+    before = pixels(page)
+    box = page.locator("canvas").bounding_box()
+    x, y = box["x"] + 60, box["y"] + 60
+    seen = [before]
+    for act in ("drag", "shift", "wheel", "key"):
+        page.mouse.move(x, y)
+        if act == "wheel":
+            page.mouse.wheel(0, -300)
+        elif act == "key":
+            page.locator("canvas").press("ArrowLeft")
+        else:
+            if act == "shift":
+                page.keyboard.down("Shift")
+            page.mouse.down()
+            page.mouse.move(x + 80, y + 30, steps=4)
+            page.mouse.up()
+            page.keyboard.up("Shift")
+        page.mouse.move(x, y)
+        seen.append(pixels(page))
+    assert len(set(seen)) == len(seen)
+    page.click("[data-reset]")
+    page.mouse.move(1, 1)
+    page.evaluate("() => window.panels[0].light([])")
+    assert pixels(page) == before
+
+
+def test_every_switch_changes_the_picture(open_page, stack):
+    page = open_page(show_page(*stack))
+    before = pixels(page)
+    for box in page.locator(".switches input").all():
+        box.uncheck()
+        assert pixels(page) != before, box.get_attribute("data-show")
+        box.check()
+    assert pixels(page) == before
+
+
+def test_a_click_keeps_an_object_lit_with_its_relations(open_page, stack):
+    scene = stack[0]
+    page = open_page(show_page(*stack))
+    number = scene.names.index("crate")
+    page.locator(f'ol.order li[data-object="{number}"]').click()
+    page.mouse.move(1, 1)
+    assert page.locator(".info b").inner_text() == "crate"
+    assert "before" in page.locator(".info").inner_text() or "after" in page.locator(".info").inner_text()
+    assert page.locator("tr.lit").count() > 0
+    at = page.evaluate(
+        """(number) => { const v = window.panels[0].viewer, owner = v.owner, w = v.canvas.width;
+        const own = [...owner.keys()].filter((k) => owner[k] === number), k = own[own.length >> 1];
+        const box = v.canvas.getBoundingClientRect();
+        return [box.left + (k % w) / v.scale, box.top + Math.floor(k / w) / v.scale]; }""",
+        scene.names.index("beside"),
+    )
+    page.mouse.click(*at)
+    assert page.locator(".info b").inner_text() == "beside"
+    page.mouse.click(*at)
+    page.mouse.move(1, 1)
+    assert not page.locator(".info").is_visible()
+
+
+def test_the_steps_of_a_run_turn_by_mark_button_and_key(open_page, run_record):
+    page = open_page(run_page(run_record))
+    sections = page.locator("section.step")
+
+    def shown():
+        return [i for i in range(sections.count()) if sections.nth(i).is_visible()]
+
+    assert shown() == [0]
+    images = sections.nth(0).locator("img")
+    assert images.count() == 2 and all(
+        image.evaluate("(e) => e.naturalWidth") == 64 for image in images.all()
+    )
+    views = {pixels(page)}
+    page.keyboard.press("ArrowRight")
+    assert shown() == [1]
+    views.add(pixels(page))
+    page.locator(".timeline button").last.click()
+    assert shown() == [2]
+    views.add(pixels(page))
+    assert len(views) == 3
+    page.keyboard.press("ArrowRight")
+    assert shown() == [2]
+    sections.nth(2).get_by_text("previous").click()
+    assert shown() == [1]
+    page.keyboard.press("Home")
+    assert shown() == [0]
+
+
+def test_no_order_and_dark_colours(open_page, browser, stack):
+    scene, relations, _ = stack
+    page = open_page(show_page(scene, relations, None))
+    light = pixels(page)
+    page.emulate_media(color_scheme="dark")
+    assert pixels(page) != light

@@ -1,0 +1,173 @@
+import io
+import json
+import re
+from html.parser import HTMLParser
+
+import numpy as np
+import pytest
+from PIL import Image
+
+from topple.planner.report.figure import show_picture
+from topple.planner.report.show import show_page
+from topple.topology.relate import relate
+from topple.topology.scene import Scene
+
+
+class Page(HTMLParser):
+    """Counts the elements of a page, and those that were never closed."""
+
+    def __init__(self, text):
+        super().__init__()
+        self.tags, self.links, self.open, self.text = [], [], [], ""
+        self.feed(text)
+
+    def handle_starttag(self, tag, attrs):
+        self.tags.append(tag)
+        self.links += [value for key, value in attrs if key in ("src", "href") and value]
+        if tag not in ("meta", "input", "img", "br"):
+            self.open.append(tag)
+
+    def handle_startendtag(self, tag, attrs):
+        self.tags.append(tag)
+
+    def handle_endtag(self, tag):
+        assert self.open.pop() == tag
+
+    def handle_data(self, data):
+        self.text += data
+
+
+def data_of(page):
+    return json.loads(re.search(r'id="data">(.*?)</script>', page, re.DOTALL).group(1))
+
+
+def test_the_page_is_well_formed_and_fetches_nothing(stack):
+    page = show_page(*stack, title="a <title>")
+    parsed = Page(page)
+    assert parsed.open == []
+    assert parsed.links == []
+    assert "http" not in page.replace("http-equiv", "")
+    assert "a &lt;title&gt;" in page
+
+
+def test_names_are_escaped_and_still_shown_whole(stack):
+    scene, relations, found = stack
+    page = show_page(scene, relations, found)
+    parsed = Page(page)
+    nasty = scene.names[3]
+    assert nasty in parsed.text
+    assert parsed.tags.count("script") == 2
+    assert nasty in [drawn["name"] for drawn in data_of(page)["views"][0]["objects"]]
+
+
+def test_points_come_back_within_the_step_of_their_packing(stack):
+    import base64
+
+    scene = stack[0]
+    view = data_of(show_page(*stack))["views"][0]
+    drawn = view["objects"][scene.names.index("tin")]
+    steps = np.frombuffer(base64.b64decode(drawn["points"]), dtype="<u2").reshape(-1, 3)
+    points = steps * drawn["step"] + drawn["lower"]
+    assert np.allclose(points, scene.clouds["tin"], atol=drawn["step"])
+
+
+def test_every_relation_that_is_not_disjoint_has_a_line(stack):
+    scene, relations, found = stack
+    view = data_of(show_page(scene, relations, found))["views"][0]
+    lines = {
+        (scene.names[line["a"]], scene.names[line["b"]]) for line in view["relations"] if not line["faint"]
+    }
+    assert lines == {(pair.a, pair.b) for pair in relations.pairs if pair.relation != "disjoint"}
+
+
+def test_the_order_is_told_with_its_reasons(stack):
+    scene, relations, found = stack
+    text = " ".join(Page(show_page(scene, relations, found)).text.split())
+    assert text.index("tin:") < text.index("crate: after")
+    assert "this is a target" in text
+
+
+def test_relations_alone_without_order_and_without_up():
+    rng = np.random.default_rng(0)
+    scene = Scene({"one": rng.normal(size=(50, 3)) * 0.05, "two": rng.normal(size=(50, 3)) * 0.05 + 0.3})
+    page = show_page(scene, relate(scene), None)
+    assert Page(page).open == []
+    assert "Safe order" not in page
+    assert "which way is up is not known" in page
+    assert show_picture(scene, relate(scene), None)[:4] == b"\x89PNG"
+
+
+def test_fifty_objects_stay_within_the_budget():
+    rng = np.random.default_rng(1)
+    clouds = {f"thing {i}": rng.normal(size=(20_000, 3)) * 0.02 + rng.uniform(-1, 1, 3) for i in range(50)}
+    scene = Scene(clouds, up=(0, 0, 1))
+    chain = [
+        {"first": f"thing {i}", "then": f"thing {j}", "reason": "supported", "confidence": 0.9}
+        for i in range(50)
+        for j in range(i + 1, min(i + 4, 50))
+    ]
+    found = {
+        "targets": [],
+        "order": list(clouds),
+        "dependencies": chain,
+        "groups": [],
+        "unresolved": [],
+        "risk": {},
+    }
+    page = show_page(scene, relate(scene), found)
+    assert len(page) < 4_000_000
+    assert "that follow from others are left out" in page
+
+
+@pytest.mark.parametrize(
+    "cloud",
+    [
+        np.zeros((1, 3)),
+        np.linspace([0, 0, 0], [0.1, 0, 0], 5),
+        np.random.default_rng(0).uniform(size=(30, 3)) * [0.1, 0.1, 0],
+    ],
+)
+def test_degenerate_clouds_can_be_drawn(cloud):
+    scene = Scene({"odd": cloud, "other": np.random.default_rng(1).uniform(size=(30, 3)) * 0.1 + 0.2})
+    pair = {"a": "odd", "b": "other", "relation": "disjoint", "gap": 0.1, "observed": True}
+    assert Page(show_page(scene, {"relations": [pair]}, None)).open == []
+    assert show_picture(scene, {"relations": [pair]}, None)
+
+
+def test_the_picture_shows_each_object_in_its_colour(stack):
+    from topple.planner.report.palette import object_colours
+
+    scene, relations, found = stack
+    image = np.asarray(Image.open(io.BytesIO(show_picture(scene, relations, found))))
+    assert image.shape[1] == 1620
+    for name, colour in object_colours(scene.names, scene.fixed).items():
+        if name != "table":
+            assert (np.abs(image.astype(int) - colour).max(axis=2) <= 12).sum() > 50, name
+
+
+def test_the_same_scene_gives_the_same_page(stack):
+    assert show_page(*stack) == show_page(*stack)
+    assert show_picture(*stack) == show_picture(*stack)
+
+
+def test_cycles_and_unresolved_objects_are_told():
+    rng = np.random.default_rng(2)
+    scene = Scene({name: rng.uniform(size=(30, 3)) * 0.1 + i for i, name in enumerate("abc")}, up=(0, 0, 1))
+    found = {
+        "targets": ["c"],
+        "order": ["a", "b", "c"],
+        "groups": [["a", "b"]],
+        "unresolved": [["b", "c"]],
+        "dependencies": [
+            {"first": "a", "then": "b", "reason": "supported", "confidence": 0.3},
+            {"first": "b", "then": "a", "reason": "hooked", "confidence": 1},
+        ],
+        "access": [{"first": "a", "then": "c", "reason": "no room for the fingers"}],
+        "risk": {"c": 0.4},
+    }
+    text = " ".join(Page(show_page(scene, relate(scene), found)).text.split())
+    assert "Held or taken together: a and b" in text
+    assert "No safe order among b and c" in text
+    assert "a bars the way to c: no room for the fingers" in text
+    assert "risk 40%" in text
+    assert show_picture(scene, relate(scene), found)
