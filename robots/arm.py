@@ -141,6 +141,24 @@ class Arm:
             frames[link] = driven.get(joint.name, frames[joint.parent])
         return tuple(frames[link] for link in self.links)
 
+    @cached_property
+    def self_pairs(self) -> tuple[tuple[int, int], ...]:
+        """Pairs of links, as indices into `links`, that can hit each other; found by sampling states."""
+        from topple.robots.self_collision import colliding_pairs
+
+        hands = dict.fromkeys([self.open_hand, *(tool.ready for tool in self.tools.values())])
+        return tuple(
+            sorted(
+                {
+                    pair
+                    for hand in hands
+                    for pair in colliding_pairs(
+                        self.chain, self.hulls, self.frame_of_link, self.offsets(hand), self.home
+                    )
+                }
+            )
+        )
+
     def offsets(self, state: ToolState) -> FloatArray:
         """Poses of all links in the chain frames they move with.
 

@@ -1,6 +1,7 @@
 """Forward kinematics and Jacobians of a serial chain, for many states at once."""
 
-from dataclasses import dataclass, field
+from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 from numpy.typing import NDArray
@@ -33,9 +34,6 @@ class Chain:
     revolute: BoolArray
     lower: FloatArray
     upper: FloatArray
-    _single: dict[str, NDArray[np.float32]] = field(
-        default_factory=dict[str, NDArray[np.float32]], repr=False
-    )
 
     @property
     def size(self) -> int:
@@ -79,6 +77,30 @@ class Chain:
         for k in range(self.size):
             np.matmul(frames[:, k], local[:, k], out=frames[:, k + 1])
         return frames
+
+    @cached_property
+    def _single(self) -> tuple[NDArray[np.float32], ...]:
+        return tuple(k[:, :3].astype(np.float32) for k in (self.k0, self.k1, self.k2))
+
+    def frames_single(self, q: FloatArray) -> tuple[NDArray[np.float32], NDArray[np.float32]]:
+        """Poses of all joint frames in single precision: enough for collision checks, and twice as fast.
+
+        Args:
+            q: (m, n) joint values in [rad] or [m].
+
+        Returns:
+            (m, n + 1, 3, 3) rotations and (m, n + 1, 3) translations in the base; index 0 is the base itself.
+        """
+        k0, k1, k2 = self._single
+        single = q.astype(np.float32)
+        cosine = np.where(self.revolute, np.cos(single), single)[..., None, None]
+        local = k0 + cosine * k1 + np.sin(single)[..., None, None] * k2
+        poses = np.empty((len(q), self.size + 1, 3, 4), dtype=np.float32)
+        poses[:, 0] = np.eye(3, 4)
+        for k in range(self.size):
+            np.matmul(poses[:, k, :, :3], local[:, k], out=poses[:, k + 1])
+            poses[:, k + 1, :, 3] += poses[:, k, :, 3]
+        return np.ascontiguousarray(poses[..., :3]), np.ascontiguousarray(poses[..., 3])
 
     def jacobian(self, frames: FloatArray, points: FloatArray) -> FloatArray:
         """Jacobians of points carried by the last frame.

@@ -1,0 +1,1 @@
+"""Collision checking, motion planning, certificates and trajectories."""

@@ -1,0 +1,76 @@
+"""First stage: bounding spheres of moving parts against boxes of standing ones and against each other."""
+
+import numpy as np
+
+from topple.planner.motion.model import CollisionModel
+from topple.robots.separation import Candidates, Float32Array, Frames
+from topple.topology.arrays import IntArray
+
+
+class BroadPhase:
+    """Finds the pairs of parts that bounding volumes cannot tell apart, in many states at once."""
+
+    def __init__(self, model: CollisionModel) -> None:
+        sets, moving, standing = model.sets, model.moving, model.standing
+        self._model = model
+        self._frame = sets.frame[moving]
+        self._centre = sets.centre[moving][:, :, None]
+        # coordinates first: the arrays stay contiguous over states x parts
+        self._middle = ((sets.lower + sets.upper) / 2)[standing].T[:, None, None, :].copy()
+        self._half = ((sets.upper - sets.lower) / 2)[standing].T[:, None, None, :].copy()
+        margin = model.margin.astype(np.float32)
+        reach = sets.radius[moving][:, None] + margin[standing][None, :]
+        self._reach = np.where(model.standing_pairs, reach, -1.0).astype(np.float32)
+        self._squared = np.where(model.standing_pairs, reach**2, -1.0).astype(np.float32)
+        self._margin = margin
+        first, second = model.moving_pairs.T
+        position = np.full(len(sets.frame), -1)
+        position[moving] = np.arange(len(moving))
+        self._first, self._second = position[first], position[second]
+        self._apart = ((sets.radius[first] + sets.radius[second]) ** 2).astype(np.float32)
+
+    def centres(self, frames: Frames) -> Float32Array:
+        """Sphere centres of the moving parts, (m, M, 3) in the base."""
+        turned = np.matmul(frames.rotation[:, self._frame], self._centre)[..., 0]
+        return turned + frames.translation[:, self._frame]
+
+    def candidates(self, frames: Frames) -> Candidates:
+        """The pairs to look at more closely.
+
+        Args:
+            frames: Where the frames are in m states.
+
+        Returns:
+            Pairs, states in ascending order within the standing and within the moving ones.
+        """
+        model = self._model
+        centres = self.centres(frames)
+        by_axis = np.ascontiguousarray(centres.transpose(2, 0, 1))
+        offset: Float32Array = np.subtract(by_axis[..., None], self._middle)
+        beyond = np.abs(offset) - self._half
+        np.maximum(beyond, 0, out=beyond)
+        beyond *= beyond
+        state, m, s = np.nonzero(beyond.sum(axis=0) <= self._squared)
+        apart = by_axis[:, :, self._first] - by_axis[:, :, self._second]
+        pair_state, k = np.nonzero((apart * apart).sum(axis=0) <= self._apart)
+        near: Float32Array = offset[:, state, m, s]
+        direction = self._direction(near, s)
+        part = model.standing[s]
+        return Candidates(
+            np.concatenate([state, pair_state]),
+            np.concatenate([model.moving[m], model.moving_pairs[k, 0]]),
+            np.concatenate([part, model.moving_pairs[k, 1]]),
+            np.concatenate([direction, apart[:, pair_state, k].T]),
+            np.concatenate([self._margin[part], np.zeros(len(k), dtype=np.float32)]),
+        )
+
+    def _direction(self, offset: Float32Array, s: IntArray) -> Float32Array:
+        """From the nearest point of the box to the centre; from inside, out through the nearest face."""
+        half = self._half[:, 0, 0, s]
+        outside: Float32Array = np.subtract(offset, np.clip(offset, -half, half), dtype=np.float32)
+        inside = np.flatnonzero(~outside.any(axis=0))
+        if len(inside):
+            axis = np.argmin(half[:, inside] - np.abs(offset[:, inside]), axis=0)
+            sign = np.sign(offset[axis, inside])
+            outside[axis, inside] = np.where(sign == 0, 1, sign)
+        return outside.T

@@ -1,0 +1,190 @@
+"""Batched exact collision checks: bounding volumes, then separating directions, python-fcl for the rest."""
+
+from collections.abc import Collection, Mapping, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from topple.planner.motion.broad import BroadPhase
+from topple.planner.motion.exact import ExactPhase
+from topple.planner.motion.model import Attachment, CollisionModel
+from topple.robots.arm import Arm
+from topple.robots.gripper import ToolState
+from topple.robots.separation import Candidates, Float32Array, Frames, gaps
+from topple.topology.arrays import BoolArray, FloatArray, IntArray
+
+BATCH = 2048  # states per batch: the arrays of one batch stay within a few megabytes
+EDGE_STEP = 0.05  # [rad] largest joint change between two checked states of an edge, the usual resolution
+
+
+@dataclass(frozen=True)
+class Contact:
+    """Two things that touch in a state.
+
+    Attributes:
+        a: Name of a link or of what is held.
+        b: Name of the other link, or of the obstacle.
+        distance: In [m], negative where they overlap.
+    """
+
+    a: str
+    b: str
+    distance: float
+
+
+class Checker:
+    """Tells which states and straight joint-space edges are free of collision.
+
+    A state is free where no checked pair of parts touches; with a margin, where nothing comes closer than the
+    margin to an obstacle. The answer is that of python-fcl on the exact hulls, whichever stage gives it.
+
+    Attributes:
+        arm: The arm.
+        model: Parts and pairs.
+        margin: Wanted distance from obstacles in [m].
+        states_checked: How many states have been checked so far.
+        exact_checks: How many part pairs python-fcl had to decide.
+    """
+
+    def __init__(
+        self,
+        arm: Arm,
+        pose_base_to_world: FloatArray,
+        obstacles: Mapping[str, Sequence[FloatArray]],
+        *,
+        tool_state: ToolState | None = None,
+        attached: Attachment | None = None,
+        allow: Collection[frozenset[str]] = (),
+        margin: float = 0.0,
+    ) -> None:
+        """Prepare a checker.
+
+        Args:
+            arm: The arm.
+            pose_base_to_world: (4, 4).
+            obstacles: By name the convex parts, vertex sets (V, 3) in the world in [m].
+            tool_state: How the hand stands; open if not given.
+            attached: What it holds.
+            allow: Pairs of names (links, obstacles, what is held) that may touch.
+            margin: Wanted distance from obstacles in [m].
+
+        Raises:
+            InvalidInput: If an obstacle has no finite points or shares a link's name.
+        """
+        self.arm = arm
+        self.margin = margin
+        self.model = CollisionModel.of(
+            arm, pose_base_to_world, obstacles, tool_state or arm.open_hand, attached, allow, margin
+        )
+        self.states_checked = 0
+        self.exact_checks = 0
+        self._broad = BroadPhase(self.model)
+        self._exact = ExactPhase(self.model)
+
+    def free(self, q: FloatArray) -> BoolArray:
+        """Which states are free.
+
+        Args:
+            q: (m, n) or (n,) joint values.
+
+        Returns:
+            (m,) booleans.
+        """
+        q = np.atleast_2d(q)
+        result = np.ones(len(q), dtype=np.bool_)
+        for start in range(0, len(q), BATCH):
+            part = q[start : start + BATCH]
+            state, _, _ = self._hits(part)
+            result[start + state] = False
+        return result
+
+    def witness(self, q: FloatArray) -> tuple[str, str] | None:
+        """Who hits whom in a state: the names of the deepest pair, or None where the state is free."""
+        found = self.contacts(q)
+        return (found[0].a, found[0].b) if found else None
+
+    def contacts(self, q: FloatArray) -> tuple[Contact, ...]:
+        """All pairs that touch in a state (n,), deepest first."""
+        q = np.atleast_2d(q)
+        state, a, b = self._hits(q[:1], every=True)
+        if not len(state):
+            return ()
+        self._exact.place(self.arm.chain.frames(q[:1])[0], {*a.tolist(), *b.tolist()})
+        names = self.model.names
+        found = {
+            (names[i], names[j]): self._exact.distance(i, j)
+            for i, j in zip(a.tolist(), b.tolist(), strict=True)
+        }
+        return tuple(
+            sorted((Contact(*pair, d) for pair, d in found.items()), key=lambda c: (c.distance, c.a, c.b))
+        )
+
+    def edge_free(self, a: FloatArray, b: FloatArray, step: float = EDGE_STEP) -> bool:
+        """Whether the states on the straight edge from a to b, both (n,), at most `step` apart, are free."""
+        return bool(self.edges_free(a[None], b[None], step)[0])
+
+    def edges_free(self, starts: FloatArray, ends: FloatArray, step: float = EDGE_STEP) -> BoolArray:
+        """Which straight edges are free at all states sampled on them.
+
+        Args:
+            starts: (e, n) one end of each edge.
+            ends: (e, n) the other end.
+            step: Largest joint change between samples in [rad] or [m].
+
+        Returns:
+            (e,) booleans. Between the samples nothing is promised; `certify` does that.
+        """
+        length = np.abs(ends - starts).max(axis=1, initial=0.0)
+        count = np.ceil(length / step).astype(int) + 1
+        free = np.ones(len(starts), dtype=np.bool_)
+        # coarse samples first: an edge that hits something large is gone after an eighth of the work
+        for phase in _phases(count):
+            edge, t = phase
+            alive = free[edge]
+            edge, t = edge[alive], t[alive]
+            if len(edge):
+                states = starts[edge] + t[:, None] * (ends[edge] - starts[edge])
+                free[edge[~self.free(states)]] = False
+        return free
+
+    def _hits(self, q: FloatArray, every: bool = False) -> tuple[IntArray, IntArray, IntArray]:
+        """States in collision with a pair that shows it (with `every`, all pairs)."""
+        frames = Frames(*self.arm.chain.frames_single(q))
+        self.states_checked += len(q)
+        candidates = self._broad.candidates(frames)
+        gap = gaps(self.model.sets, frames, candidates)
+        keep = np.flatnonzero(gap <= candidates.need)
+        return self._decide(q, candidates.subset(keep), gap[keep], every)
+
+    def _decide(
+        self, q: FloatArray, left: Candidates, gap: Float32Array, every: bool
+    ) -> tuple[IntArray, IntArray, IntArray]:
+        # by state, likeliest pair first: one hit settles a state
+        order = np.lexsort((gap, left.state))
+        state, a, b = left.state[order].tolist(), left.a[order].tolist(), left.b[order].tolist()
+        margin = (self.model.margin[left.a] + self.model.margin[left.b])[order].tolist()
+        frames = self.arm.chain.frames(q[sorted(set(state))])
+        hits: list[tuple[int, int, int]] = []
+        current, row, settled = -1, -1, False
+        for s, i, j, wanted in zip(state, a, b, margin, strict=True):
+            if s != current:
+                current, row, settled = s, row + 1, False
+            if settled and not every:
+                continue
+            self._exact.place(frames[row], {i, j})
+            self.exact_checks += 1
+            if self._exact.touches(i, j, wanted):
+                hits.append((s, i, j))
+                settled = True
+        found = np.array(hits, dtype=np.int64).reshape(-1, 3)
+        return found[:, 0], found[:, 1], found[:, 2]
+
+
+def _phases(count: IntArray) -> list[tuple[IntArray, FloatArray]]:
+    """Samples of edges with `count` states each, as (edge, position 0..1): every eighth first."""
+    edge = np.repeat(np.arange(len(count)), count)
+    first = np.repeat(np.cumsum(count) - count, count)
+    index = np.arange(len(edge)) - first
+    t = index / np.maximum(count[edge] - 1, 1)
+    coarse = (index % 8 == 4) | (count[edge] <= 8)
+    return [(edge[coarse], t[coarse]), (edge[~coarse], t[~coarse])]

@@ -1,0 +1,105 @@
+"""Shortening a path: the shortest way through its own points, with edges checked only when they matter."""
+
+from collections.abc import Callable
+from itertools import pairwise
+
+import numpy as np
+
+from topple.topology.arrays import BoolArray, FloatArray
+
+POINTS = 24  # points a path is divided into; all their connections are candidates for edges
+TRIES = 6  # alternatives checked with the best path in one batch
+ROUNDS = 40  # batches before what is known must do
+
+EdgesFree = Callable[[FloatArray, FloatArray], BoolArray]
+
+
+def shortcut(path: FloatArray, edges_free: EdgesFree, passes: int = 2) -> FloatArray:
+    """Shorten a free path.
+
+    Each pass divides the path into points and finds the shortest way through them from start to end, taking
+    every connection for free until it lies on the best way and is checked (LazySP, Dellin and Srinivasa
+    2016).
+
+    Args:
+        path: (k, n) waypoints; its edges are taken as free.
+        edges_free: Tells which edges (starts (e, n), ends (e, n)) are free.
+        passes: How often to repeat on the result.
+
+    Returns:
+        (j, n) waypoints, the ends unchanged, no longer than the path.
+    """
+    for _ in range(passes):
+        if len(path) <= 2:
+            break
+        shorter = _shortest(_divided(path, POINTS), edges_free)
+        gain = length(path) - length(shorter)
+        path = shorter
+        if gain < 0.01 * length(path):
+            break
+    return path
+
+
+def length(path: FloatArray) -> float:
+    """Length of a path (k, n) in joint space in [rad]."""
+    return float(np.linalg.norm(np.diff(path, axis=0), axis=1).sum())
+
+
+def _divided(path: FloatArray, count: int) -> FloatArray:
+    """The waypoints and, evenly between them, enough others to make about `count`."""
+    steps = np.linalg.norm(np.diff(path, axis=0), axis=1)
+    spacing = steps.sum() / max(count - len(path), 4)
+    points: list[FloatArray] = [path[:1]]
+    for a, b, step in zip(path[:-1], path[1:], steps, strict=True):
+        pieces = max(int(step / spacing), 1)
+        t = np.arange(1, pieces + 1)[:, None] / pieces
+        points.append(a + t * (b - a))
+    return np.concatenate(points)
+
+
+def _shortest(points: FloatArray, edges_free: EdgesFree) -> FloatArray:
+    count = len(points)
+    cost = np.linalg.norm(points[:, None] - points[None], axis=2)
+    known = np.eye(count, k=1, dtype=np.bool_)  # steps of the path itself are free
+    for _ in range(ROUNDS):
+        best, ahead, behind = _best_way(cost)
+        edges = [(i, j) for i, j in pairwise(best) if not known[i, j]]
+        if not edges:
+            return points[best]
+        edges += _alternatives(cost, known, ahead, behind, set(edges))
+        i, j = np.array(edges).T
+        free = edges_free(points[i], points[j])
+        known[i[free], j[free]] = True
+        cost[i[~free], j[~free]] = np.inf
+    cost[~known] = np.inf
+    return points[_best_way(cost)[0]]
+
+
+def _best_way(cost: FloatArray) -> tuple[list[int], FloatArray, FloatArray]:
+    """The cheapest way from first to last point, and each point's cost from the start and to the end."""
+    count = len(cost)
+    ahead, behind = np.full(count, np.inf), np.full(count, np.inf)
+    parent = np.zeros(count, dtype=int)
+    ahead[0] = behind[-1] = 0.0
+    for j in range(1, count):
+        through = ahead[:j] + cost[:j, j]
+        parent[j] = np.argmin(through)
+        ahead[j] = through[parent[j]]
+    for i in range(count - 2, -1, -1):
+        behind[i] = np.min(cost[i, i + 1 :] + behind[i + 1 :])
+    way = [count - 1]
+    while way[-1] > 0:
+        way.append(int(parent[way[-1]]))
+    return way[::-1], ahead, behind
+
+
+def _alternatives(
+    cost: FloatArray, known: BoolArray, ahead: FloatArray, behind: FloatArray, taken: set[tuple[int, int]]
+) -> list[tuple[int, int]]:
+    """Unknown edges on the next best ways: likely needed when the best way turns out blocked."""
+    through = np.triu(ahead[:, None] + cost + behind[None, :], k=2)
+    through[np.tril_indices(len(cost), k=1)] = np.inf
+    through[known] = np.inf
+    order = np.argsort(through, axis=None)[: TRIES + len(taken)]
+    pairs = [divmod(int(k), len(cost)) for k in order if np.isfinite(through.flat[k])]
+    return [pair for pair in pairs if pair not in taken][:TRIES]
