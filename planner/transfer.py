@@ -220,8 +220,7 @@ class _Search:
         )
         if isinstance(move, MotionFailure):
             return self._drop("no motion to the object")
-        reached = int(np.argmin([np.abs(end.lower[0] - carry.path[-1]).max() for end in ends]))
-        end = ends[reached]
+        end = ends[carry.goal]
         paths = [move.path, approach, lift, carry.path, end.lower, end.retreat]
         return Transfer(
             self.handling.name,

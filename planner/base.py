@@ -1,0 +1,130 @@
+"""Where the arm should stand: reach over what is to be handled, and room to put it down."""
+
+import numpy as np
+
+from topple.planner.free_space import FreeSpace, free_space
+from topple.planner.resting import PLACEMENT_TOLERANCES
+from topple.planner.solids import Solids, level_axes, solids_of, table_top, up_of
+from topple.robots.arm import Arm
+from topple.topology.arrays import FloatArray
+from topple.topology.errors import ToppleError
+from topple.topology.scene import Scene
+
+DISTANCES = (
+    0.45,
+    0.55,
+    0.65,
+)  # from the middle of what is handled: an arm works best at two thirds of its reach [m]
+DIRECTIONS = 16
+FOOT = 0.15  # nothing may stand this close to the middle of the base [m]
+HOVER = 0.10  # a hand this far above an object's top must be reachable, to take it and to carry it away [m]
+SEEDS = 6
+
+
+class NoBase(ToppleError):
+    """No place for the arm from which it reaches anything."""
+
+
+def choose_base(
+    scene: Scene, arm: Arm, targets: "tuple[str, ...]" = (), solids: Solids | None = None
+) -> FloatArray:
+    """Search for a place of the arm's base.
+
+    Places on circles around what is to be handled, on the table's level, are compared by how many of the
+    objects the hand reaches straight from above, by the free table within reach, and by the distance.
+
+    Args:
+        scene: The scene, with `up`.
+        arm: The arm.
+        targets: What it has to handle; everything that can move where empty.
+        solids: Convex parts of the objects; made from the scene where not given.
+
+    Returns:
+        (4, 4) pose_base_to_world, z along up, x towards the objects. Deterministic.
+
+    Raises:
+        NoBase: Nothing is reachable from anywhere.
+    """
+    up = up_of(scene)
+    solids = solids_of(scene) if solids is None else solids
+    names = targets or scene.movable
+    axes = np.stack(level_axes(up))
+    middle = np.mean([scene.clouds[name].mean(axis=0) for name in names], axis=0)
+    space = free_space(scene, solids)
+    level = _level(scene, up)
+    poses = [
+        _pose(axes, up, axes @ middle, level, distance, 2.0 * np.pi * k / DIRECTIONS)
+        for distance in DISTANCES
+        for k in range(DIRECTIONS)
+    ]
+    standing = [pose for pose in poses if _stands_free(pose, scene, axes)]
+    reached: list[tuple[float, FloatArray]] = []
+    for pose, reach in zip(standing, _reach(standing, names, scene, arm, up), strict=True):
+        if reach > 0.0:
+            way = float(np.linalg.norm(pose[:3, 3] - middle))
+            reached.append((reach + 0.3 * _room(pose, space, axes) - 0.1 * way, pose))
+    if not reached:
+        raise NoBase(
+            f"no place for {arm.name} from which it reaches {', '.join(names)}: give --base X Y Z YAW"
+        )
+    return max(reached, key=lambda item: item[0])[1]
+
+
+def _level(scene: Scene, up: FloatArray) -> float:
+    """Height of the table, or of the lowest point where there is none [m]."""
+    tops = [table_top(scene.clouds[name], up) for name in scene.names if name in scene.fixed]
+    heights = [top[1] for top in tops if top is not None]
+    return max(heights) if heights else min(float((cloud @ up).min()) for cloud in scene.clouds.values())
+
+
+def _pose(
+    axes: FloatArray, up: FloatArray, middle: FloatArray, level: float, distance: float, turn: float
+) -> FloatArray:
+    """A base at a distance and direction from the middle, facing it."""
+    outward = np.array([-np.cos(turn), -np.sin(turn)])
+    pose = np.eye(4)
+    x = axes.T @ -outward
+    pose[:3, :3] = np.column_stack([x, np.asarray(np.cross(up, x), dtype=np.float64), up])
+    pose[:3, 3] = axes.T @ (middle + distance * outward) + level * up
+    return pose
+
+
+def _stands_free(pose: FloatArray, scene: Scene, axes: FloatArray) -> bool:
+    foot = axes @ pose[:3, 3]
+    return all(
+        bool(np.all(np.linalg.norm(scene.clouds[name] @ axes.T - foot, axis=1) > FOOT))
+        for name in scene.names
+        if name not in scene.fixed or table_top(scene.clouds[name], pose[:3, 2]) is None
+    )
+
+
+def _reach(
+    poses: list[FloatArray], names: "tuple[str, ...]", scene: Scene, arm: Arm, up: FloatArray
+) -> list[float]:
+    """Share of the objects a hand can be over, pointing down, for each base."""
+    tool = next(iter(arm.tools))
+    targets: list[FloatArray] = []
+    for pose in poses:
+        for name in names:
+            cloud = scene.clouds[name]
+            target = np.eye(4)
+            target[:3, :3] = np.column_stack([pose[:3, 0], -pose[:3, 1], -up])
+            target[:3, 3] = cloud.mean(axis=0)
+            target[:3, 3] += up * (float((cloud @ up).max()) + HOVER - float(target[:3, 3] @ up))
+            targets.append(np.linalg.inv(pose) @ target)
+    if not targets:
+        return []
+    solutions = arm.inverse(np.array(targets), tool, seeds=SEEDS, rng=np.random.default_rng(0))
+    found = np.array([len(states) > 0 for states in solutions], dtype=np.float64)
+    return [float(value) for value in found.reshape(len(poses), len(names)).mean(axis=1)]
+
+
+def _room(pose: FloatArray, space: FreeSpace | None, axes: FloatArray) -> float:
+    """Free table within reach, as a share of the ring the arm reaches."""
+    if space is None:
+        return 0.0
+    near, far = PLACEMENT_TOLERANCES.reach
+    places = space.origin + (np.argwhere(space.distance > 0.05) + 0.5) * space.cell
+    distance = np.linalg.norm(places - axes @ pose[:3, 3], axis=1)
+    inside = np.count_nonzero((distance > near) & (distance < far))
+    return min(1.0, inside * space.cell**2 / (np.pi * (far**2 - near**2)))

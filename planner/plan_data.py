@@ -1,0 +1,67 @@
+"""Transfers as plan data, and back."""
+
+import numpy as np
+
+from topple.planner.motion.trajectory import Trajectory
+from topple.planner.plan_format import GraspData, HandState, Motion, PlacementData, SegmentData, Step
+from topple.planner.segments import Segment
+from topple.planner.transfer import Transfer
+from topple.robots.gripper import ToolState
+
+DIGITS = 6  # micrometres and microradians: below what any arm can tell
+
+
+def step_data(transfer: Transfer, action: str, reason: str, after: list[int]) -> Step:
+    """A transfer as a step of a plan.
+
+    Args:
+        transfer: The transfer.
+        action: "remove", "free" or "place".
+        reason: Why, in a sentence.
+        after: Indices of the steps it has to follow.
+
+    Returns:
+        The step, its numbers rounded to a millionth.
+    """
+    grasp = transfer.grasp
+    return Step(
+        object=transfer.object,
+        action=action,
+        reason=reason,
+        after=after,
+        grasp=GraspData(
+            grasp.kind,
+            np.round(grasp.pose_tool_to_world, DIGITS).tolist(),
+            round(grasp.width, DIGITS),
+            round(grasp.score, DIGITS),
+            grasp.reason,
+        ),
+        placement=PlacementData(
+            np.round(transfer.placement.pose_before_to_after, DIGITS).tolist(), transfer.placement.rest
+        ),
+        segments=[segment_data(segment) for segment in transfer.segments],
+    )
+
+
+def segment_data(segment: Segment) -> SegmentData:
+    """A segment as data."""
+    hand = HandState(round(segment.hand.opening, DIGITS), round(segment.hand.cup_extension, DIGITS))
+    motion = None
+    if segment.trajectory is not None:
+        motion = Motion(
+            np.round(segment.trajectory.times, DIGITS).tolist(),
+            np.round(segment.trajectory.positions, DIGITS).tolist(),
+            np.round(segment.trajectory.velocities, DIGITS).tolist(),
+        )
+    return SegmentData(segment.kind, segment.tool, hand, motion, segment.holding)
+
+
+def segment_from(data: SegmentData) -> Segment:
+    """A segment to drive, from data."""
+    trajectory = None
+    if data.motion is not None:
+        trajectory = Trajectory(
+            np.array(data.motion.times), np.array(data.motion.positions), np.array(data.motion.velocities)
+        )
+    hand = ToolState(data.hand.opening, data.hand.cup_extension)
+    return Segment(data.kind, data.tool, hand, trajectory, data.holding)
