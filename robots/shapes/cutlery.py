@@ -1,0 +1,110 @@
+"""Spoons, forks and knives of stainless steel, along x, the handle towards +x."""
+
+import numpy as np
+
+from topple.robots.bodies import Body, Color
+from topple.robots.shapes.materials import STEEL
+from topple.robots.shapes.sheet import sheet
+from topple.topology.arrays import BoolArray, FloatArray
+
+SILVER: Color = (0.72, 0.72, 0.76, 1.0)
+
+
+def spoon(
+    name: str = "spoon", *, length: float = 0.195, mass: float | None = None, color: Color = SILVER
+) -> Body:
+    """A table spoon: a bowl 4 cm wide and 8 mm deep, a handle that arches 15 mm above the table.
+
+    Args:
+        name: Name in the scene.
+        length: In [m]; table spoons have 19 to 21 cm.
+        mass: In [kg]; None: that of 2 mm of steel, 50 g.
+        color: Red, green, blue, opacity.
+
+    Returns:
+        The spoon: eleven parts for the bowl, three for the handle.
+    """
+    x = np.array([0.0, 0.07, 0.16, 0.25, 0.33, 0.40, 0.66, 1.0]) * length
+    half = np.array([0.008, 0.017, 0.0205, 0.016, 0.006, 0.0032, 0.005, 0.010])
+    middle = np.array(
+        [0.0075, 0.0030, 0.0018, 0.0040, 0.0100, 0.0155, 0.0175, 0.0040]
+    )  # along the deepest line
+    edge = np.array([0.0085, 0.0095, 0.0100, 0.0105, 0.0110, 0.0155, 0.0175, 0.0040])
+    across = np.array([-1.0, -0.5, 0.5, 1.0])
+    top = np.empty((len(x), 4, 3))
+    top[..., 0] = x[:, None]
+    top[..., 1] = half[:, None] * across
+    top[..., 2] = np.where(np.abs(across) < 1, middle[:, None], edge[:, None])
+    thickness = np.array([0.0015, 0.0018, 0.0018, 0.0018, 0.0028, 0.0034, 0.0026, 0.0020])
+    cells = np.ones((len(x) - 1, 3), dtype=bool)
+    return _steel(name, top, thickness, cells, (5, 6), mass, color, "spoon")
+
+
+def fork(
+    name: str = "fork", *, length: float = 0.195, mass: float | None = None, color: Color = SILVER
+) -> Body:
+    """A table fork with four tines 3.5 mm wide, 25 mm over all.
+
+    Args:
+        name: Name in the scene.
+        length: In [m]; table forks have 18 to 21 cm.
+        mass: In [kg]; None: that of 2 mm of steel, 45 g.
+        color: Red, green, blue, opacity.
+
+    Returns:
+        The fork: eight parts for the tines, five for root, neck and handle.
+    """
+    x = np.array([0.0, 0.13, 0.25, 0.30, 0.36, 0.42, 0.66, 1.0]) * length
+    half = np.array([0.0118, 0.0125, 0.0125, 0.0120, 0.0050, 0.0032, 0.0048, 0.0100])
+    height = np.array([0.0120, 0.0040, 0.0022, 0.0045, 0.0105, 0.0150, 0.0170, 0.0040])
+    tine, gap = 0.0035, 0.0037
+    edges = np.cumsum([0, tine, gap, tine, gap, tine, gap, tine])
+    across = edges / edges[-1] * 2 - 1
+    top = np.empty((len(x), len(across), 3))
+    top[..., 0] = x[:, None]
+    top[..., 1] = half[:, None] * across
+    top[..., 2] = height[:, None]
+    thickness = np.array([0.0014, 0.0020, 0.0022, 0.0024, 0.0030, 0.0034, 0.0026, 0.0020])
+    cells = np.ones((len(x) - 1, len(across) - 1), dtype=bool)
+    cells[:2, 1::2] = False
+    return _steel(name, top, thickness, cells, (2, 3, 4, 5, 6), mass, color, "fork")
+
+
+def knife(
+    name: str = "knife", *, length: float = 0.215, mass: float | None = None, color: Color = SILVER
+) -> Body:
+    """A table knife, lying flat: a blade 2 mm and a handle 7 mm thick.
+
+    Args:
+        name: Name in the scene.
+        length: In [m].
+        mass: In [kg]; None: 80 g of steel.
+        color: Red, green, blue, opacity.
+
+    Returns:
+        The knife: four parts.
+    """
+    x = np.array([0.0, 0.10, 0.52, 0.58, 1.0]) * length
+    half = np.array([0.003, 0.009, 0.010, 0.006, 0.009])
+    thickness = np.array([0.0010, 0.0018, 0.0022, 0.0060, 0.0070])
+    top = np.empty((len(x), 2, 3))
+    top[..., 0] = x[:, None]
+    top[..., 1] = half[:, None] * np.array([-1.0, 1.0])
+    top[..., 2] = 0.0035 + thickness[:, None] / 2
+    cells = np.ones((len(x) - 1, 1), dtype=bool)
+    return _steel(name, top, thickness, cells, (), mass or 0.08, color, "knife")
+
+
+def _steel(
+    name: str, top: FloatArray, thickness: FloatArray, cells: BoolArray, joined: tuple[int, ...],
+    mass: float | None, color: Color, kind: str,
+) -> Body:  # fmt: skip
+    """Centre a sheet over its box, set it on z = 0 and make it a body."""
+    top = top.copy()
+    top[..., 0] -= top[..., 0].max() / 2
+    top[..., 2] -= (top[..., 2] - thickness[:, None]).min()
+    surface, parts = sheet(top, thickness, cells, joined)
+    return Body.of(
+        name, parts, mesh=surface, mass=mass, density=STEEL.density, friction=STEEL.friction,
+        rolling=STEEL.rolling, color=color, kind=kind,
+    )  # fmt: skip

@@ -1,0 +1,165 @@
+"""Plates, bowls, cups and mugs of glazed stoneware."""
+
+import numpy as np
+
+from topple.robots.bodies import Body, Color
+from topple.robots.shapes.materials import STONEWARE, Material
+from topple.robots.shapes.vessel import circle, closed_surface, disc, merged, rings, sectors
+from topple.topology.arrays import FloatArray
+from topple.topology.scene import Mesh
+
+WHITE: Color = (0.93, 0.92, 0.88, 1.0)
+BLUE: Color = (0.35, 0.5, 0.75, 1.0)
+RED: Color = (0.75, 0.25, 0.2, 1.0)
+
+
+def plate(
+    name: str = "plate",
+    *,
+    diameter: float = 0.25,
+    height: float = 0.022,
+    sides: int = 24,
+    mass: float | None = None,
+    color: Color = WHITE,
+) -> Body:
+    """A dinner plate with a foot ring, a flat well and a sloping flange.
+
+    Args:
+        name: Name in the scene.
+        diameter: Over the rim in [m]; dinner plates have 24 to 28 cm.
+        height: Of the rim in [m].
+        sides: Corners of the circle; mesh and parts share them.
+        mass: In [kg]; None: 4 mm of stoneware, 0.5 kg at 25 cm.
+        color: Red, green, blue, opacity.
+
+    Returns:
+        The plate: one part for the well, one a sector for the foot and for the flange.
+    """
+    r, h = diameter / 2, height
+    profile = [
+        (0.51 * r, 0.0020), (0.52 * r, 0.0), (0.58 * r, 0.0), (0.625 * r, 0.0030),
+        (r, h - 0.0030), (0.996 * r, h), (0.74 * r, 0.0065 + 0.4 * (h - 0.0065)), (0.625 * r, 0.0065),
+    ]  # fmt: skip
+    stack = rings(circle(sides), profile)
+    parts = [disc(stack, (0, 3, 7)), *sectors(stack, (0, 1, 2, 3)), *sectors(stack, (3, 4, 5, 6, 7))]
+    return _ware(name, parts, closed_surface(stack), mass, color, "plate")
+
+
+def bowl(
+    name: str = "bowl",
+    *,
+    diameter: float = 0.16,
+    height: float = 0.06,
+    sides: int = 20,
+    mass: float | None = None,
+    color: Color = BLUE,
+) -> Body:
+    """A bowl with a flat base and a rounded wall 4 mm thick.
+
+    Args:
+        name: Name in the scene.
+        diameter: Over the rim in [m]; cereal bowls have 14 to 17 cm, salad bowls up to 24 cm.
+        height: Of the rim in [m].
+        sides: Corners of the circle.
+        mass: In [kg]; None: that of stoneware, 0.3 kg at 16 cm.
+        color: Red, green, blue, opacity.
+
+    Returns:
+        The bowl: one part for the base and two a sector for the wall.
+    """
+    r, h, wall = diameter / 2, height, 0.004
+    profile = [
+        (0.50 * r, 0.0), (0.84 * r, 0.38 * h), (r, h),
+        (r - wall, h), (0.84 * r - wall, 0.38 * h + 0.4 * wall), (0.50 * r - 0.5 * wall, 1.25 * wall),
+    ]  # fmt: skip
+    stack = rings(circle(sides), profile)
+    parts = [disc(stack, (0, 5)), *sectors(stack, (0, 1, 4, 5)), *sectors(stack, (1, 2, 3, 4))]
+    return _ware(name, parts, closed_surface(stack), mass, color, "bowl")
+
+
+def cup(
+    name: str = "cup",
+    *,
+    diameter: float = 0.08,
+    height: float = 0.095,
+    sides: int = 16,
+    mass: float | None = None,
+    color: Color = RED,
+) -> Body:
+    """A cup without a handle, walls 3.5 mm thick, a little wider at the rim.
+
+    Args:
+        name: Name in the scene.
+        diameter: Over the rim in [m].
+        height: Of the rim in [m].
+        sides: Corners of the circle.
+        mass: In [kg]; None: that of stoneware, 0.25 kg.
+        color: Red, green, blue, opacity.
+
+    Returns:
+        The cup: one part for the base and one a sector for the wall.
+    """
+    parts, surface = _beaker(diameter, height, sides)
+    return _ware(name, parts, surface, mass, color, "cup")
+
+
+def mug(
+    name: str = "mug",
+    *,
+    diameter: float = 0.085,
+    height: float = 0.095,
+    sides: int = 16,
+    mass: float | None = None,
+    color: Color = RED,
+) -> Body:
+    """A cup with a handle that stands 3 cm out along x.
+
+    Args:
+        name: Name in the scene.
+        diameter: Over the rim in [m], without the handle.
+        height: Of the rim in [m].
+        sides: Corners of the circle.
+        mass: In [kg]; None: that of stoneware, 0.3 kg.
+        color: Red, green, blue, opacity.
+
+    Returns:
+        The mug, centred on its cup; five more parts for the handle.
+    """
+    parts, surface = _beaker(diameter, height, sides)
+    stack = _handle(diameter / 2 * 0.94, height)
+    parts += [stack[k : k + 2].reshape(-1, 3) for k in range(len(stack) - 1)]
+    return _ware(name, parts, merged([surface, closed_surface(stack)]), mass, color, "mug")
+
+
+def _beaker(diameter: float, height: float, sides: int) -> tuple[list[FloatArray], Mesh]:
+    """Parts and surface of a cup without a handle."""
+    r, wall = diameter / 2, 0.0035
+    profile = [(0.88 * r, 0.0), (r, height), (r - wall, height), (0.88 * r - wall, 1.5 * wall)]
+    stack = rings(circle(sides), profile)
+    return [disc(stack, (0, 3)), *sectors(stack, (0, 1, 2, 3))], closed_surface(stack)
+
+
+def _handle(radius: float, height: float) -> FloatArray:
+    """(6, 4, 3) sections of a handle, 9 mm high and 12 mm wide, from the wall's top out and back."""
+    path = np.array(
+        [[-0.004, 0.82], [0.018, 0.84], [0.032, 0.66], [0.032, 0.40], [0.018, 0.22], [-0.002, 0.24]]
+    )
+    path = np.stack([radius + path[:, 0], path[:, 1] * height], axis=1)
+    along = np.gradient(path, axis=0)
+    normal = np.stack([along[:, 1], -along[:, 0]], axis=1) / np.linalg.norm(along, axis=1)[:, None]
+    stack = np.empty((len(path), 4, 3))
+    for corner, (across, side) in enumerate([(-1, -1), (1, -1), (1, 1), (-1, 1)]):
+        stack[:, corner, 0] = path[:, 0] + across * 0.0045 * normal[:, 0]
+        stack[:, corner, 2] = path[:, 1] + across * 0.0045 * normal[:, 1]
+        stack[:, corner, 1] = side * 0.006
+    return stack
+
+
+def _ware(
+    name: str, parts: list[FloatArray], surface: Mesh, mass: float | None, color: Color, kind: str,
+    material: Material = STONEWARE,
+) -> Body:  # fmt: skip
+    return Body.of(
+        name, parts, mesh=surface, mass=mass, density=material.density, friction=material.friction,
+        rolling=material.rolling, color=color, kind=kind,
+    )  # fmt: skip
