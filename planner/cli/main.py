@@ -40,7 +40,8 @@ class ShowVersion(argparse.Action):
         """Print the version and leave."""
         from importlib.metadata import version
 
-        parser.exit(DONE, f"topple {version('topple')}\n")
+        sys.stdout.write(f"topple {version('topple')}\n")
+        parser.exit(DONE)
 
 
 def main(argv: Sequence[str] | None = None) -> int:

@@ -1,0 +1,154 @@
+"""Everything wrong a user can give: exit code 2, one line that names it, nothing on stdout."""
+
+import json
+from collections.abc import Callable
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from topple.planner.cli.main import main
+
+RNG = np.random.default_rng(0)
+BOX = RNG.uniform(0, 0.1, (300, 3))
+TABLE = np.column_stack([RNG.uniform(-0.5, 0.5, (2000, 2)), np.zeros(2000)])
+DEPTH, LABEL = np.ones((60, 80)), np.ones((60, 80), dtype=int)
+K = np.array([[60.0, 0, 40], [0, 60.0, 30], [0, 0, 1]])
+FINE = {"mug": BOX, "table": TABLE}
+
+Refused = Callable[..., str]
+
+
+@pytest.fixture
+def refused(capsys: pytest.CaptureFixture[str]) -> Refused:
+    """Runs the command line, checks that it refuses in one line, and returns the line."""
+
+    def run(*argv: object) -> str:
+        code = main([str(argument) for argument in argv])
+        out, err = capsys.readouterr()
+        assert code == 2, err
+        assert out == ""
+        assert len(err.splitlines()) == 1, err
+        assert err.startswith("topple")
+        return err
+
+    return run
+
+
+def _npz(folder: Path, **arrays: object) -> Path:
+    np.savez(folder / "scene.npz", **arrays)  # type: ignore[arg-type]
+    return folder / "scene.npz"
+
+
+@pytest.mark.parametrize("command", ["relate", "order", "show"])
+@pytest.mark.parametrize(
+    ("arrays", "named"),
+    [
+        ({**FINE, "cup": np.empty((0, 3))}, ["'cup'", "empty"]),
+        ({**FINE, "cup": np.full((9, 3), np.nan)}, ["'cup'", "NaN", "9 of 9"]),
+        ({**FINE, "cup": np.zeros((1, 3))}, ["'cup'", "single point"]),
+        ({**FINE, "cup": np.zeros((9, 4))}, ["'cup'", "(9, 4)", "(N, 3)"]),
+        ({**FINE, "cup": BOX * 1000}, ["'cup'", "millimetres"]),
+        ({**FINE, "cup": np.array([None])}, ["'cup'", "pickle"]),
+        ({**FINE, "up": [0, 0, 0]}, ["up"]),
+        ({**FINE, "robot_base": np.diag([-1, 1, 1, 1])}, ["robot_base", "mirrored"]),
+        ({"depth": DEPTH, "K": K, "label": LABEL[:9]}, ["(9, 80)", "(60, 80)"]),
+        ({"depth": DEPTH, "K": np.eye(3), "label": LABEL}, ["K", "intrinsic"]),
+        ({"depth": DEPTH, "K": K}, ["label"]),
+    ],
+)
+def test_bad_arrays(
+    refused: Refused, tmp_path: Path, command: str, arrays: dict[str, object], named: list[str]
+) -> None:
+    path = _npz(tmp_path, **arrays)
+    line = refused(command, path)
+    assert str(path) in line
+    for words in named:
+        assert words in line
+
+
+def test_files_that_are_not_scenes(refused: Refused, tmp_path: Path) -> None:
+    assert "no such file" in refused("relate", tmp_path / "nothing.npz")
+    assert "no clouds or meshes" in refused("relate", tmp_path)
+    (tmp_path / "scene.npz").write_text("hello")
+    assert "neither .npz nor .npy" in refused("relate", tmp_path / "scene.npz")
+    folder = tmp_path / "folder"
+    folder.mkdir()
+    (folder / "cup.ply").write_text("hello")
+    assert "'cup'" in refused("relate", folder)
+
+
+def test_unknown_names_are_answered_with_the_known_ones(refused: Refused, tmp_path: Path) -> None:
+    path = _npz(tmp_path, **FINE)
+    line = refused("relate", path, "--fixed", "desk")
+    assert "'desk'" in line
+    assert "mug, table" in line
+    assert "'cup'" in refused("order", path, "--target", "cup")
+    assert "'table'" in refused("order", path, "--target", "table")
+
+
+def test_order_without_up_says_how_to_give_it(refused: Refused, tmp_path: Path) -> None:
+    path = _npz(tmp_path, mug=BOX, cup=BOX + 0.2)
+    assert "--up 0 0 1" in refused("order", path)
+    assert main(["order", str(path), "--up", "0", "0", "1"]) == 0
+
+
+@pytest.mark.parametrize("up", [("0", "0", "0"), ("nan", "0", "1"), ("inf", "0", "0")])
+def test_up_has_to_point_somewhere(refused: Refused, tmp_path: Path, up: tuple[str, ...]) -> None:
+    assert "up is" in refused("relate", _npz(tmp_path, **FINE), "--up", *up)
+
+
+@pytest.mark.parametrize("deviation", ["0", "-0.002", "nan", "5", "inf"])
+def test_a_deviation_is_a_length_below_the_objects(refused: Refused, tmp_path: Path, deviation: str) -> None:
+    path = _npz(tmp_path, **FINE)
+    assert "deviation" in refused("relate", path, "--deviation", deviation)
+    assert "deviation" in refused("relate", "--plain", path, "--deviation", deviation)
+
+
+@pytest.mark.parametrize(
+    ("argv", "words"),
+    [
+        ([], "no scene given"),
+        (["--up", "0", "1", "scene.npz"], "--up"),
+        (["--up", "0", "0", "z"], "invalid float value: 'z'"),
+        (["--seed", "-1", "x"], "negative"),
+        (["--seed", "1.5", "x"], "invalid _seed value"),
+        (["--fixed"], "expected at least one argument"),
+        (["--frobnicate", "x"], "--frobnicate"),
+    ],
+)
+def test_wrong_options(refused: Refused, argv: list[str], words: str) -> None:
+    line = refused("relate", *argv)
+    assert words in line
+    assert "--help" in line
+
+
+def test_wrong_commands(refused: Refused) -> None:
+    assert "'frobnicate'" in refused("frobnicate")
+    assert "unrecognized arguments: --" in refused("--")
+    assert "--json" in refused("--json")
+
+
+def test_an_output_that_cannot_be_written_is_refused_before_the_work(
+    refused: Refused, tmp_path: Path
+) -> None:
+    # The scene does not exist either: that the output comes first shows that no work was begun.
+    nothing = tmp_path / "nothing.npz"
+    assert "does not exist" in refused("show", nothing, "-o", tmp_path / "no" / "page.html")
+    assert "is a folder" in refused("show", nothing, "-o", _made(tmp_path / "dir.html"))
+    assert ".html or .png" in refused("show", nothing, "-o", tmp_path / "page.pdf")
+
+
+def _made(folder: Path) -> Path:
+    folder.mkdir()
+    return folder
+
+
+def test_one_bad_scene_does_not_keep_the_others_from_their_answer(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    fine = str(_npz(tmp_path, **FINE))
+    assert main(["relate", "--json", fine, str(tmp_path / "no.npz"), fine]) == 2
+    out, err = capsys.readouterr()
+    assert [json.loads(line)["scene"] for line in out.splitlines()] == [fine, fine]
+    assert len(err.splitlines()) == 1

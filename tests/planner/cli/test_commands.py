@@ -1,0 +1,239 @@
+"""What the commands print: the keys of the contract, JSON Lines, tables, exit codes."""
+
+import json
+import os
+import subprocess
+import sys
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from topple.planner.cli.main import COMMANDS, main
+
+DATA = Path(__file__).resolve().parents[3].parent / "shared" / "data" / "rgbd"
+FRAMES = sorted(DATA.glob("osd_test4[2-9].npz")) + sorted(DATA.glob("ycbvideo*.npz"))
+real = pytest.mark.skipif(not FRAMES, reason=f"the real frames are not at {DATA.parent.name}/{DATA.name}")
+
+
+def _surface(lower: tuple[float, ...], upper: tuple[float, ...], count: int = 1500) -> np.ndarray:
+    """Points all over the surface of a box."""
+    rng = np.random.default_rng(1)
+    points = rng.uniform(lower, upper, (count, 3))
+    axis, side = rng.integers(3, size=count), rng.integers(2, size=count)
+    points[np.arange(count), axis] = np.where(side, np.array(upper)[axis], np.array(lower)[axis])
+    return points
+
+
+@pytest.fixture
+def stack(tmp_path: Path) -> Path:
+    """A box on a box on a table, and a box beside them."""
+    np.savez(
+        tmp_path / "stack.npz",
+        table=np.random.default_rng(0).uniform(-0.5, 0.5, (4000, 3)) * [1, 1, 0],
+        below=_surface((0, 0, 0), (0.2, 0.2, 0.1)),
+        above=_surface((0.05, 0.05, 0.1), (0.15, 0.15, 0.2)),
+        beside=_surface((0.3, 0.3, 0), (0.4, 0.4, 0.1)),
+    )
+    return tmp_path / "stack.npz"
+
+
+def _json(capsys: pytest.CaptureFixture[str], *argv: object, code: int = 0) -> list[dict[str, object]]:
+    assert main([str(argument) for argument in argv]) == code
+    return [json.loads(line) for line in capsys.readouterr().out.splitlines()]
+
+
+def test_relate_prints_the_contracts_keys(stack: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    (document,) = _json(capsys, "relate", stack, "--json")
+    assert document["format"] == "topple.relations"
+    assert document["format_version"] == 1
+    assert document["scene"] == str(stack)
+    assert document["objects"] == ["table", "below", "above", "beside"]
+    relations = document["relations"]
+    assert isinstance(relations, list)
+    assert len(relations) == 6
+    for pair in relations:
+        assert {"a", "b", "relation", "matrix", "gap", "gap_exact", "confidence", "observed"} <= pair.keys()
+        assert np.shape(pair["matrix"]) == (2, 3)
+        assert 0 <= pair["confidence"] <= 1
+    found = {(pair["a"], pair["b"]): pair["relation"] for pair in relations}
+    assert found["below", "above"] == "touch"
+    assert found["above", "beside"] == "disjoint"
+
+
+def test_order_prints_the_contracts_keys(stack: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    (document,) = _json(capsys, "order", stack, "--json", "--target", "below")
+    assert document["format"] == "topple.order"
+    assert document["format_version"] == 1
+    assert document["targets"] == ["below"]
+    assert document["order"] == ["above", "below"]
+    assert {"dependencies", "supports", "groups", "unresolved", "risk"} <= document.keys()
+    edges = document["dependencies"]
+    assert isinstance(edges, list)
+    assert {"first": "above", "then": "below"}.items() <= edges[0].items()
+    assert set(edges[0]) >= {"first", "then", "reason", "confidence"}
+
+
+def test_several_scenes_are_json_lines(stack: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    for command in ("relate", "order"):
+        documents = _json(capsys, command, stack, stack.parent / "stack.npz", "--json")
+        assert [document["scene"] for document in documents] == [str(stack)] * 2
+
+
+def test_the_same_seed_prints_the_same(stack: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    first = _json(capsys, "order", stack, "--json", "--seed", "3")
+    assert _json(capsys, "order", stack, "--json", "--seed", "3") == first
+
+
+def test_a_scene_after_a_list_of_names_is_still_the_scene(
+    stack: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    (plain,) = _json(capsys, "order", stack, "--fixed", "table", "beside", "--target", "below", "--json")
+    for argv in (
+        ["order", "--fixed", "table", "beside", "--target", "below", stack, "--json"],
+        ["order", "--json", "--target", "below", "--fixed", "table", "beside", stack],
+    ):
+        assert _json(capsys, *argv) == [plain]
+    two = _json(capsys, "relate", "--json", "--fixed", "beside", stack, stack)
+    assert len(two) == 2
+    assert len(_json(capsys, "relate", "--json", stack, "--fixed", "beside", stack)) == 2
+    # A file that happens to be called like an object does not turn its name into a scene.
+    monkeypatch.chdir(stack.parent)
+    (stack.parent / "below").write_text("")
+    (order,) = _json(capsys, "order", stack, "--fixed", "table", "beside", "below", "--json")
+    assert order["order"] == ["above"]
+
+
+def test_negative_numbers_with_exponents_are_numbers(stack: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    assert len(_json(capsys, "relate", stack, "--json", "--up", "-1e-3", "-0.5", "1")) == 1
+
+
+def test_order_says_every_step_with_its_reason(stack: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    assert main(["order", str(stack)]) == 0
+    out, err = capsys.readouterr()
+    assert err == ""
+    lines = [line.split() for line in out.splitlines()]
+    steps = [line[1] for line in lines if line[:1] and line[0] in ("1", "2", "3")]
+    assert sorted(steps) == ["above", "below", "beside"]
+    assert steps.index("above") < steps.index("below")
+    assert "on below" in out
+    assert "Who carries whom" in out
+    assert "Assumed: 'table' is taken as fixed because of its name." in out
+
+
+def test_names_are_printed_as_they_are(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    box = _surface((0, 0, 0), (0.1, 0.1, 0.1))
+    np.savez(tmp_path / "scene.npz", **{"[red]mug": box, "Löffel": box + np.array([0.1, 0, 0])})
+    assert main(["relate", str(tmp_path / "scene.npz")]) == 0
+    out = capsys.readouterr().out
+    assert "[red]mug" in out
+    assert "Löffel" in out
+
+
+def test_show_writes_a_page_or_a_picture(stack: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    page, picture = stack.parent / "page.html", stack.parent / "picture.png"
+    assert main(["show", str(stack), "-o", str(page)]) == 0
+    assert page.read_text(encoding="utf-8").lstrip().lower().startswith("<!doctype html>")
+    assert capsys.readouterr().out.startswith(str(page))
+    (document,) = _json(capsys, "show", stack, "-o", picture, "--json")
+    assert document["file"] == str(picture)
+    assert picture.read_bytes().startswith(b"\x89PNG")
+    assert not list(stack.parent.glob(".*"))
+
+
+def test_show_without_up_draws_the_relations(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    np.savez(
+        tmp_path / "scene.npz",
+        a=_surface((0, 0, 0), (0.1, 0.1, 0.1)),
+        b=_surface((0.2, 0, 0), (0.3, 0.1, 0.1)),
+    )
+    assert main(["show", str(tmp_path / "scene.npz"), "-o", str(tmp_path / "page.html")]) == 0
+    assert "--up 0 0 1" in capsys.readouterr().out
+
+
+@real
+@pytest.mark.parametrize("path", FRAMES, ids=lambda path: path.stem)
+def test_on_real_frames_nothing_goes_before_what_stands_on_it(
+    path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    known = path.stem.startswith("osd")  # the other frame has no table
+    options = ["--fixed", "1", "--json"] if known else ["--up", "0", "-1", "0", "--json"]
+    (relations,) = _json(capsys, "relate", *options, path)
+    (order,) = _json(capsys, "order", *options, path)
+    names, steps = relations["objects"], order["order"]
+    assert isinstance(names, list)
+    assert isinstance(steps, list)
+    assert sorted(steps) == sorted(name for name in names if not known or name != "1")
+    truth = json.loads(path.with_name(f"{path.stem}.gt.json").read_text())
+    doubtful = set(truth.get("doubtful", {}).get("removal_constraints", []))
+    for i, (first, then) in enumerate(truth["removal_constraints"]):
+        if i not in doubtful:
+            assert steps.index(str(first)) < steps.index(str(then)), f"{then} is taken from under {first}"
+
+
+def _topple(*argv: object, **options: object) -> subprocess.CompletedProcess[str]:
+    command = [sys.executable, "-m", "topple.planner.cli.main", *map(str, argv)]
+    return subprocess.run(command, capture_output=True, text=True, timeout=60, check=False, **options)  # type: ignore[call-overload]
+
+
+def test_help_and_version_answer_without_the_heavy_imports() -> None:
+    code = (
+        "import sys; from topple.planner.cli.main import main; assert main(['--help']) == 0; "
+        "heavy = {'numpy', 'scipy', 'networkx', 'pybullet', 'rich', 'trimesh', 'ompl', 'fcl'}; "
+        "heavy &= set(sys.modules); "
+        "assert not heavy, heavy"
+    )
+    done = subprocess.run(
+        [sys.executable, "-c", code], capture_output=True, text=True, timeout=60, check=False
+    )
+    assert done.returncode == 0, done.stderr
+    assert all(f"  {name} " in done.stdout for name in COMMANDS)
+    assert _topple("--version").stdout.startswith("topple ")
+    assert _topple("relate", "--version").stdout.startswith("topple ")
+
+
+@pytest.mark.parametrize("command", COMMANDS)
+def test_every_command_takes_the_common_options(command: str, capsys: pytest.CaptureFixture[str]) -> None:
+    assert main([command, "--help"]) == 0
+    out = capsys.readouterr().out
+    for option in ("--json", "--seed", "--fixed", "--up", "--version"):
+        assert option in out
+
+
+def test_without_a_command_the_help_goes_to_stderr() -> None:
+    done = _topple()
+    assert done.returncode == 2
+    assert done.stdout == ""
+    assert "usage: topple" in done.stderr
+
+
+def test_the_process_leaves_with_the_exit_code(stack: Path) -> None:
+    assert _topple("relate", stack).returncode == 0
+    assert _topple("relate", stack.parent / "no.npz").returncode == 2
+
+
+def test_a_reader_that_has_seen_enough_is_no_error(stack: Path) -> None:
+    reading, writing = os.pipe()
+    os.close(reading)
+    done = subprocess.run(
+        [sys.executable, "-m", "topple.planner.cli.main", "relate", str(stack), "--json"],
+        stdout=writing,
+        stderr=subprocess.PIPE,
+        text=True,
+        timeout=60,
+        check=False,
+    )
+    os.close(writing)
+    assert done.stderr == ""
+    assert done.returncode == 0
+
+
+def test_interrupting_is_code_130(
+    stack: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    def interrupted(*_: object, **__: object) -> None:
+        raise KeyboardInterrupt
+
+    monkeypatch.setattr("topple.topology.io.load_scene", interrupted)
+    assert main(["relate", str(stack)]) == 130
+    assert capsys.readouterr().err == "topple: interrupted\n"

@@ -1,0 +1,51 @@
+"""The progress line: only after a second, only on stderr, wiped on a terminal."""
+
+import io
+import time
+
+import pytest
+
+from topple.planner.cli import progress as module
+from topple.planner.cli.progress import Progress
+
+
+class _Terminal(io.StringIO):
+    def isatty(self) -> bool:
+        return True
+
+
+def test_what_is_quick_says_nothing(capsys: pytest.CaptureFixture[str]) -> None:
+    with Progress("relate") as progress:
+        progress("scene.npz")
+        time.sleep(0.3)
+    assert capsys.readouterr() == ("", "")
+
+
+def test_what_takes_long_says_each_message_once(
+    capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(module, "_PATIENCE", 0.05)
+    monkeypatch.setattr(module, "_TICK", 0.02)
+    with Progress("relate") as progress:
+        for message in ("first.npz", "second.npz"):
+            progress(message)
+            time.sleep(0.3)
+    out, err = capsys.readouterr()
+    assert out == ""
+    assert [line.split(" (")[0] for line in err.splitlines()] == [
+        "topple relate: first.npz",
+        "topple relate: second.npz",
+    ]
+
+
+def test_a_terminal_is_left_clean(monkeypatch: pytest.MonkeyPatch) -> None:
+    terminal = _Terminal()
+    monkeypatch.setattr(module.sys, "stderr", terminal)
+    monkeypatch.setattr(module, "_PATIENCE", 0.05)
+    monkeypatch.setattr(module, "_TICK", 0.02)
+    with Progress("relate") as progress:
+        progress("scene.npz")
+        time.sleep(0.3)
+    assert "scene.npz" in terminal.getvalue()
+    assert terminal.getvalue().endswith("\r\x1b[K")
+    assert "\n" not in terminal.getvalue()
