@@ -169,13 +169,22 @@ class Arm:
             (L, 4, 4) read-only.
         """
         if state not in self._offsets:
-            values: dict[str, float] = {}
-            if self.jaw is not None:
-                values |= self.jaw.values(state.opening)
-            if self.cup is not None:
-                values |= self.cup.values(state.cup_extension)
-            self._offsets[state] = frozen(self._offsets_at(values))
+            self._offsets[state] = frozen(self._offsets_at(self._hand_values(state)))
         return self._offsets[state]
+
+    def joint_values(self, q: FloatArray, state: ToolState) -> dict[str, float]:
+        """Values of all moving joints by name: the arm's at q (n,), the hand's, and those that mimic them."""
+        values = dict(zip(self.joints, (float(v) for v in q), strict=True)) | self._hand_values(state)
+        moving = [joint for joint in self.model.joints.values() if joint.kind != "fixed"]
+        return {joint.name: _value(joint, values) for joint in moving}
+
+    def _hand_values(self, state: ToolState) -> dict[str, float]:
+        values: dict[str, float] = {}
+        if self.jaw is not None:
+            values |= self.jaw.values(state.opening)
+        if self.cup is not None:
+            values |= self.cup.values(state.cup_extension)
+        return values
 
     def _offsets_at(self, values: Mapping[str, float]) -> FloatArray:
         index = {link: i for i, link in enumerate(self.links)}

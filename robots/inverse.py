@@ -18,14 +18,15 @@ class InverseTolerances:
         rotation: Residual in [rad], for the same reason.
         distinct: Two solutions closer than this in every joint, in [rad] or [m], are the same: a redundant
             arm has a continuum of them, and planners profit from spread ones only.
-        iterations: Steps before a seed is given up; the median seed that converges takes 12.
+        iterations: Steps before a seed is given up: of the seeds that ever converge on a Panda, 99 % do
+            within 20.
         step: Largest joint change in one step in [rad]; beyond it the linearisation says nothing.
     """
 
     position: float = 1e-6
     rotation: float = 1e-6
     distinct: float = 0.1
-    iterations: int = 48
+    iterations: int = 20
     step: float = 0.6
 
 

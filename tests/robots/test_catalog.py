@@ -1,0 +1,73 @@
+import numpy as np
+import pytest
+
+from topple.robots.catalog import names, robot
+from topple.robots.gripper import ToolState
+from topple.topology.errors import InvalidInput
+
+
+@pytest.mark.parametrize("name", names())
+def test_every_arm_is_complete(name: str) -> None:
+    arm = robot(name)
+    assert arm.name == name
+    assert (arm.lower < arm.upper).all()
+    assert (arm.velocity > 0).all()
+    assert (arm.acceleration > 0).all()
+    assert ((arm.home >= arm.lower) & (arm.home <= arm.upper)).all()
+    assert len(arm.links) == len(arm.hulls)
+    assert arm.jaw is not None
+    assert robot(name) is arm
+
+
+def test_an_unknown_name_lists_the_known_ones() -> None:
+    with pytest.raises(InvalidInput, match="unknown robot 'pander': expected panda, panda-suction"):
+        robot("pander")
+
+
+def test_the_cup_stands_out_beyond_the_fingers_and_goes_back_behind_them() -> None:
+    arm = robot("panda-suction")
+    cup = arm.cup
+    assert cup is not None
+    assert cup.max_force == pytest.approx(42.4, abs=0.1)
+
+    def ends(extension: float) -> tuple[float, float]:
+        poses = arm.forward(arm.home, ToolState(0.08, extension))[0]
+        approach = arm.tool_pose(arm.home)[0, :3, 2]
+
+        def end(link: str) -> float:
+            i = arm.links.index(link)
+            return float(((arm.hulls[i] @ poses[i, :3, :3].T + poses[i, :3, 3]) @ approach).max())
+
+        return end("suction_cup"), end("panda_leftfinger")
+
+    out, tips = ends(cup.stroke)
+    drawn_in, _ = ends(0.0)
+    assert out - tips == pytest.approx(0.020, abs=1e-3)
+    assert drawn_in < tips - 0.04
+
+
+def test_the_suction_frame_lies_on_the_extended_lip() -> None:
+    arm = robot("panda-suction")
+    cup = arm.cup
+    assert cup is not None
+    link = arm.links.index("suction_cup")
+    lip = arm.forward(arm.home, ToolState(0.08, cup.stroke))[0, link]
+    assert np.abs(lip - arm.tool_pose(arm.home, "suction")[0]).max() < 1e-9
+
+
+def test_the_cup_passes_between_open_fingers() -> None:
+    arm = robot("panda-suction")
+    cup = arm.cup
+    assert cup is not None
+    poses = arm.forward(arm.home, ToolState(0.08, cup.stroke))[0]
+    closing = arm.tool_pose(arm.home)[0, :3, 1]
+
+    def extent(link: str) -> tuple[float, float]:
+        i = arm.links.index(link)
+        along = (arm.hulls[i] @ poses[i, :3, :3].T + poses[i, :3, 3]) @ closing
+        return float(along.min()), float(along.max())
+
+    cup_low, cup_high = extent("suction_cup")
+    sides = sorted([extent("panda_leftfinger"), extent("panda_rightfinger")])
+    assert sides[0][1] < cup_low - 0.01
+    assert sides[1][0] > cup_high + 0.01
