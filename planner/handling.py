@@ -113,28 +113,24 @@ class Handling:
 
     def lifting(self, grasp: Grasp, lenient: bool) -> Checker:
         """The object leaving what it stood on or against: what it touches now it may touch."""
-        others = {other: parts for other, parts in self.bodies.items() if other != self.name}
         allow = _pairs([self.name], self.touching)
         if lenient:
-            allow += _pairs(self._links(grasp), [o for o in others if o not in self.scene.fixed])
-        return self._checker(others, self.closed(grasp), attached=self._attached(grasp), allow=allow)
+            allow += _pairs(self._links(grasp), [o for o in self.others if o not in self.scene.fixed])
+        return self._checker(self.others, self.closed(grasp), attached=self._attached(grasp), allow=allow)
 
-    def carrying(self, grasp: Grasp) -> Checker:
-        """The object in the hand, everything else in the way."""
-        others = {other: parts for other, parts in self.bodies.items() if other != self.name}
-        return self._checker(others, self.closed(grasp), attached=self._attached(grasp), margin=MARGIN)
+    def carrying(self, grasp: Grasp, margin: float) -> Checker:
+        """The object in the hand, everything else in the way, at a margin."""
+        return self._checker(self.others, self.closed(grasp), attached=self._attached(grasp), margin=margin)
 
-    def placing(self, grasp: Grasp) -> Checker:
-        """The object close above the table."""
-        others = {other: parts for other, parts in self.bodies.items() if other != self.name}
-        return self._checker(others, self.closed(grasp), attached=self._attached(grasp))
+    def leaving(self, grasp: Grasp) -> Checker:
+        """The open hand drawing back from the object at its new place.
 
-    def leaving(self, grasp: Grasp, placement: Placement) -> Checker:
-        """The open hand around the object at its new place."""
-        bodies = dict(self.bodies)
-        bodies[self.name] = moved(self.bodies[self.name], placement.pose_before_to_after)
-        allow = _pairs(self._links(grasp), [self.name])
-        return self._checker(bodies, self.released(grasp), allow=allow)
+        The object itself is left out: hand and object part as they met, which was checked there.
+        """
+        key = ("leave", grasp.tool, self.released(grasp))
+        if key not in self._checkers:
+            self._checkers[key] = self._checker(self.others, self.released(grasp))
+        return self._checkers[key]
 
     def empty(self, opening: float, q_start: FloatArray) -> Checker:
         """The empty hand among everything."""
@@ -145,6 +141,11 @@ class Handling:
         # the last action may have left the hand closer than the margin: what it is next to now it may leave
         near = [frozenset((contact.a, contact.b)) for contact in checker.contacts(q_start)]
         return self._checker(self.bodies, state, allow=near, margin=MARGIN)
+
+    @cached_property
+    def others(self) -> dict[str, Sequence[FloatArray]]:
+        """The bodies of all but the object."""
+        return {other: parts for other, parts in self.bodies.items() if other != self.name}
 
     @cached_property
     def touching(self) -> tuple[str, ...]:
@@ -283,7 +284,7 @@ class Handling:
         Returns:
             Up to `most` ends, best placements first.
         """
-        grasp, checker, found = state.grasp, self.placing(state.grasp), list[End]()
+        grasp, checker, found = state.grasp, self.carrying(state.grasp, 0.0), list[End]()
         targets = [place.pose_before_to_after @ grasp.pose_tool_to_world for place in places]
         for place, target, states in zip(
             places, targets, self._inverse([grasp] * len(places), targets, near), strict=True
@@ -295,7 +296,7 @@ class Handling:
             if not free.any():
                 reasons[self._blame(checker, states[0], "place", witnesses)] += 1
             for q in states[free][:2]:
-                end = self._end(state, place, target, q, drop, retreat)
+                end = self._end(grasp, place, target, q, drop, retreat, checker)
                 if end is not None:
                     found.append(end)
                     break
@@ -304,17 +305,22 @@ class Handling:
         return found
 
     def _end(
-        self, state: Reached, place: Placement, target: FloatArray, q: FloatArray, drop: float, retreat: float
+        self,
+        grasp: Grasp,
+        place: Placement,
+        target: FloatArray,
+        q: FloatArray,
+        drop: float,
+        retreat: float,
+        carrying: Checker,
     ) -> End | None:
-        grasp = state.grasp
         above, back = target.copy(), np.eye(4)
         above[:3, 3] += drop * self.up
         back[2, 3] = -retreat
-        raised = straight_line(self.arm, self.placing(grasp), q, self.world_to_base @ above, grasp.tool)
+        raised = straight_line(self.arm, carrying, q, self.world_to_base @ above, grasp.tool)
         if raised is None:
             return None
-        leaving = self.leaving(grasp, place)
-        out = straight_line(self.arm, leaving, q, self.world_to_base @ target @ back, grasp.tool)
+        out = straight_line(self.arm, self.leaving(grasp), q, self.world_to_base @ target @ back, grasp.tool)
         return None if out is None else End(place, raised[::-1], out)
 
 

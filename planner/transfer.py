@@ -8,7 +8,7 @@ import numpy as np
 
 from topple.planner.grasp.candidates import grasp_candidates
 from topple.planner.grasp.grasp import Grasp
-from topple.planner.handling import Handling, Reached
+from topple.planner.handling import MARGIN, Handling, Reached
 from topple.planner.motion.planner import MotionFailure, plan_motion
 from topple.planner.motion.trajectory import retime
 from topple.planner.placement import Placement, placements
@@ -203,7 +203,7 @@ class _Search:
         if not ends:
             return self._drop("no placement this grasp reaches")
         carry = plan_motion(
-            self.handling.carrying(state.grasp),
+            self.handling.carrying(state.grasp, MARGIN),
             lift[-1],
             np.array([end.lower[0] for end in ends]),
             seed=self.seed,

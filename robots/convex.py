@@ -103,11 +103,17 @@ def bounding_sphere(points: FloatArray) -> tuple[FloatArray, float]:
     Returns:
         (3,) centre and the radius in [m].
     """
+    return _sphere(np.ascontiguousarray(points, dtype=float).tobytes())
+
+
+@lru_cache(maxsize=4096)
+def _sphere(data: bytes) -> tuple[FloatArray, float]:
+    points = np.frombuffer(data).reshape(-1, 3)
     centre = points.mean(axis=0)  # stays within the hull, as every step goes towards a point
     for k in range(2, 200):  # Badoiu and Clarkson: walk towards the farthest point in shrinking steps
         farthest = points[np.argmax(np.sum((points - centre) ** 2, axis=1))]
         centre = centre + (farthest - centre) / k
-    return centre, float(np.sqrt(np.sum((points - centre) ** 2, axis=1).max()))
+    return frozen(centre), float(np.sqrt(np.sum((points - centre) ** 2, axis=1).max()))
 
 
 def padded(sets: list[FloatArray]) -> NDArray[np.float32]:
