@@ -119,14 +119,17 @@ def _pinch_grasps(
     tolerances: GraspTolerances,
 ) -> list[Grasp]:
     found: list[Grasp] = []
-    near_origin: FloatArray | None = None
-    near: FloatArray = others
-    for frame in frames(surface, up, tolerances=tolerances):
-        if near_origin is None or not np.array_equal(near_origin, frame.origin):
-            near_origin = frame.origin
-            near = others[np.linalg.norm(others - frame.origin, axis=1) < tolerances.reach]
-        for pinch in pinches(frame, surface, near, floor, up, hand, tolerances):
-            found.append(_as_grasp(name, pinch))
+    for tilts in (tolerances.tilts, tolerances.steep_tilts):
+        if len(found) >= tolerances.enough:
+            break
+        origin, near = None, others
+        for frame in frames(surface, up, tilts):
+            if frame.origin is not origin:
+                origin = frame.origin
+                near = others[np.linalg.norm(others - origin, axis=1) < tolerances.reach]
+            found += [
+                _as_grasp(name, pinch) for pinch in pinches(frame, surface, near, floor, up, hand, tolerances)
+            ]
     return found
 
 

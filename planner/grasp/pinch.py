@@ -1,5 +1,6 @@
 """Pinching between two fingers: where pads can reach an object's sides past everything around it."""
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -53,16 +54,14 @@ class Pinch:
     terms: dict[str, float]
 
 
-def frames(
-    surface: Surface, up: FloatArray, count: int = 32, tolerances: GraspTolerances = GRASP_TOLERANCES
-) -> list[Frame]:
+def frames(surface: Surface, up: FloatArray, tilts: Sequence[float], count: int = 32) -> list[Frame]:
     """Lay out the hand directions to try: points spread over the object x closing directions x tilts.
 
     Args:
         surface: The object.
         up: (3,) unit vector against gravity.
+        tilts: Angles between the approach and straight down, about the closing axis [rad].
         count: Points of the object to try.
-        tolerances: Tilts.
 
     Returns:
         The frames, nearest to the centre of mass first. Deterministic.
@@ -72,16 +71,22 @@ def frames(
     across_all = _closing_directions(points, up)
     found: list[Frame] = []
     for index in spread(points, surface.centre, count):
+        origin = points[index]
         near = np.linalg.norm(flat - flat[index], axis=1) < 0.02
         closings = _distinct([*_closing_directions(points[near], up), *across_all])
         for closing in closings:
-            for tilt in tolerances.tilts:
-                x = np.cross(closing, -up)
-                approach = np.cos(tilt) * -up + np.sin(tilt) * x
-                across = np.asarray(np.cross(closing, approach), dtype=np.float64)
-                rotation = np.column_stack([across, closing, approach])
-                found.append(Frame(points[index], rotation, abs(tilt)))
+            for tilt in tilts:
+                level = cross(up, closing)
+                approach = np.cos(tilt) * -up + np.sin(tilt) * level
+                rotation = np.column_stack([cross(closing, approach), closing, approach])
+                found.append(Frame(origin, rotation, abs(tilt)))
     return found
+
+
+def cross(a: FloatArray, b: FloatArray) -> FloatArray:
+    """Cross product of two (3,) vectors, without the overhead of the general one."""
+    (ax, ay, az), (bx, by, bz) = a.tolist(), b.tolist()
+    return np.array([ay * bz - az * by, az * bx - ax * bz, ax * by - ay * bx])
 
 
 def spread(points: FloatArray, first: FloatArray, count: int) -> list[int]:
@@ -174,7 +179,7 @@ def pinches(
     if not found:
         return []
     best = max(found, key=lambda pinch: sum(pinch.terms.values()))
-    return [best] if best is found[0] else [best, found[0]]
+    return [best] if best is found[-1] else [best, found[-1]]
 
 
 @dataclass(frozen=True, eq=False)

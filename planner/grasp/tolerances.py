@@ -18,8 +18,10 @@ class GraspTolerances:
         least_side_clearance: Below this the fingers would be driven into the object they are to pass.
         under_clearance: Distance kept between the finger tips and what lies beneath.
         stray_points: So many points in the way count as noise (flying pixels), not as a thing.
-        depths: Tried depths of the finger tips below the object's top between the pads, deepest first.
+        depths: Tried depths of the finger tips below the object's top between the pads, least first.
         tilts: Tried angles between the approach and straight down, about the closing axis.
+        steep_tilts: Tried where those find fewer than `enough` grasps.
+        enough: So many grasps leave the arm a choice.
         reach: Only points this close to a grasp can touch the hand.
         friction: Coefficient assumed between pad and object (rubber on glazed ceramics or steel: 0.5-0.8).
         lever: Distance between the pads' line and the centre of mass at which half the score is gone: a
@@ -36,8 +38,10 @@ class GraspTolerances:
     least_side_clearance: float = 0.004
     under_clearance: float = 0.0015
     stray_points: int = 2
-    depths: tuple[float, ...] = (0.045, 0.035, 0.025, 0.018, 0.012, 0.008, 0.006, 0.004)
-    tilts: tuple[float, ...] = (0.0, 0.26, -0.26, 0.52, -0.52)
+    depths: tuple[float, ...] = (0.004, 0.006, 0.008, 0.012, 0.018, 0.025, 0.035, 0.045)
+    tilts: tuple[float, ...] = (0.0, 0.26, -0.26)
+    steep_tilts: tuple[float, ...] = (0.52, -0.52)
+    enough: int = 20
     reach: float = 0.16
     friction: float = 0.5
     lever: float = 0.05
