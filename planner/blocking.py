@@ -54,7 +54,9 @@ def overlap(upper: FloatArray, lower: FloatArray) -> Overlap | None:
     ceiling = _plan(upper, low, size, highest=True)
     ground = _plan(lower, low, size, highest=False)
     height = ceiling - ground
-    above = np.isfinite(height) & (height > CLEAR) & (height < LIFT + 0.1)
+    # Where the lifted one reaches higher, it is the one on top: solids do not pass through each other.
+    on_top = ceiling > _plan(lower, low, size, highest=True)
+    above = on_top & np.isfinite(height) & (height > CLEAR) & (height < LIFT + 0.1)
     cells = np.argwhere(above)
     if len(cells) == 0:
         return None

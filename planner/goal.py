@@ -233,6 +233,6 @@ def _known(name: str, scene: "Scene") -> str:
 def _movable(name: str, scene: "Scene") -> str:
     if _known(name, scene) in scene.fixed:
         raise InvalidInput(
-            f"{name!r} is fixed and never moves: name one of {', '.join(scene.movable) or 'no movable objects'}"
+            f"{name!r} is fixed and never moves: name one of {', '.join(scene.movable) or 'nothing'}"
         )
     return name

@@ -39,11 +39,11 @@ class Balance:
     Attributes:
         deficit: name -> force and torque that nobody supplies, as a fraction of the weight; 0 for
             what stays in equilibrium.
-        load: (contact index) -> normal force, same unit as mass times 1 m/s².
+        loads: Per contact (k,) normal forces, in units of mass times 1 m/s² over g.
     """
 
     deficit: Mapping[str, float]
-    load: tuple[float, ...]
+    loads: tuple[FloatArray, ...]
 
 
 def balance(
@@ -69,7 +69,7 @@ def balance(
     """
     names = list(weights)
     if not names:
-        return Balance({}, tuple(0.0 for _ in contacts))
+        return Balance({}, tuple(np.zeros(len(c.gaps)) for c in contacts))
     row_of = {name: 6 * i for i, name in enumerate(names)}
     columns = _force_columns(weights, row_of, contacts, friction)
     rows, cols, values, owner, count = columns
@@ -88,16 +88,12 @@ def balance(
     price = np.concatenate([_prices(contacts, costs, owner, weights), np.ones(12 * len(names))])
     solution = linprog(price, A_eq=matrix, b_eq=demand, bounds=(0, None), method="highs")
     if solution.x is None:  # the slacks make every instance feasible and bounded: a solver failure
-        return Balance({name: 1.0 for name in names}, tuple(0.0 for _ in contacts))
+        return Balance(dict.fromkeys(names, 1.0), tuple(np.zeros(len(c.gaps)) for c in contacts))
     slack = solution.x[count:].reshape(len(names), 12).sum(axis=1)
-    load = (
-        np.bincount(owner, weights=solution.x[:count], minlength=len(contacts))
-        if count
-        else np.zeros(len(contacts))
-    )
-    return Balance(
-        {name: float(s) for name, s in zip(names, slack, strict=True)}, tuple(float(f) for f in load)
-    )
+    forces = solution.x[:count].reshape(-1, CONE_EDGES).sum(axis=1)
+    ends = np.cumsum([len(c.gaps) for c in contacts])[:-1]
+    loads = np.split(forces, ends) if len(contacts) else []
+    return Balance({name: float(s) for name, s in zip(names, slack, strict=True)}, tuple(loads))
 
 
 def _prices(
@@ -109,9 +105,11 @@ def _prices(
     """Price of each force variable."""
     if costs is None or len(owner) == 0:
         return np.zeros(len(owner))
-    per_point = np.concatenate([np.repeat(np.asarray(c, dtype=np.float64), CONE_EDGES) for c in costs])
-    lightest = min(w.mass for w in weights.values())
-    return per_point / lightest
+    parts: list[FloatArray] = []
+    for contact, cost in zip(contacts, costs, strict=True):
+        carried = weights.get(contact.b) or weights[contact.a]
+        parts.append(np.repeat(np.asarray(cost, dtype=np.float64) / carried.mass, CONE_EDGES))
+    return np.concatenate(parts)
 
 
 def _force_columns(

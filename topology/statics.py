@@ -9,8 +9,11 @@ import numpy as np
 from scipy.spatial import ConvexHull, QhullError
 
 from topple.topology.arrays import FloatArray
+from topple.topology.complete import complete
 from topple.topology.contact import TOLERANCES, Contact, find_contacts
 from topple.topology.equilibrium import Weight, balance
+from topple.topology.hidden import hidden_contacts
+from topple.topology.sight import Sight
 from topple.topology.upright import SPACING, Upright
 
 if TYPE_CHECKING:
@@ -62,10 +65,18 @@ class Statics:
             InvalidInput: The scene has no `up`.
         """
         upright = Upright.of(scene)
-        surfaces = upright.clouds
+        sight = None
+        if upright.viewpoints is not None:
+            sight = Sight(np.concatenate(list(upright.clouds.values())), upright.viewpoints)
+        surfaces = complete(upright, sight)
         contacts = find_contacts(upright, surfaces)
         weights = {name: weigh(surfaces[name]) for name in upright.movable}
         unexplained = balance(weights, within_reach(contacts, weights)).deficit
+        wanting = [name for name, missing in unexplained.items() if missing > UNSTEADY]
+        if wanting:
+            usable = within_reach(contacts, weights)
+            contacts += hidden_contacts(upright, surfaces, usable, weights, wanting, sight)
+            unexplained = balance(weights, within_reach(contacts, weights)).deficit
         return Statics(
             upright, surfaces, contacts, MappingProxyType(weights), MappingProxyType(dict(unexplained))
         )

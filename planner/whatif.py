@@ -1,0 +1,145 @@
+"""Take something away in simulation: what moves?"""
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+
+import numpy as np
+import pybullet
+
+from topple.robots.poses import angle_between
+from topple.robots.world import World
+
+SPEED = 0.08
+"""Speed of the straight lift [m/s]."""
+
+LIFT = 0.25
+"""Height of the straight lift [m]."""
+
+SETTLE = 1.0
+"""Time [s] that what was disturbed gets to come to rest before it is looked at."""
+
+STILL = 5e-4
+"""Speed [m/s] (ten times as many [rad/s] for turns) below which nothing will move a centimetre any more."""
+
+FRICTIONS = ((0.5, 0.6), (0.4, 0.4), (0.75, 0.75))
+"""Friction between objects and with the table, in each of which the question is asked."""
+
+
+@dataclass(frozen=True)
+class Move:
+    """How far something moved.
+
+    Attributes:
+        distance: Displacement of the centre of mass [m].
+        angle: Turn [rad].
+    """
+
+    distance: float
+    angle: float
+
+    def beyond(self, distance: float, degrees: float) -> bool:
+        """Whether it moved further than a distance [m] or turned by more than some degrees."""
+        return self.distance > distance or self.angle > np.radians(degrees)
+
+
+def take_away(world: World, name: str, seconds: float = SETTLE) -> dict[str, Move]:
+    """Lift an object straight up, rigidly, take it out of the world, and see what became of the others.
+
+    The world is left as it was.
+
+    Args:
+        world: A world at rest.
+        name: Who is lifted.
+        seconds: Time to settle after the lift [s].
+
+    Returns:
+        name -> move, for everything else that can move.
+    """
+    client = world.client
+    kept = world.snapshot()
+    before = world.poses()
+    number = world.ids[name]
+    position, turn = pybullet.getBasePositionAndOrientation(number, physicsClientId=client)
+    steps = round(LIFT / SPEED / world.time_step)
+    for step in range(1, steps + 1):
+        height = position[2] + step * SPEED * world.time_step
+        pybullet.resetBasePositionAndOrientation(
+            number, (position[0], position[1], height), turn, physicsClientId=client
+        )
+        pybullet.resetBaseVelocity(number, (0, 0, SPEED), (0, 0, 0), physicsClientId=client)
+        world.step()
+        if step % 12 == 0 and _is_clear(world, name):
+            break  # the rest of the way meets nothing
+    # Out of reach of everything, where it falls for as long as the others settle.
+    pybullet.resetBasePositionAndOrientation(number, (0, 0, 1e3), turn, physicsClientId=client)
+    for _ in range(round(seconds / world.time_step / 24)):
+        world.step(24)
+        if _at_rest(world, name):
+            break
+    after = world.poses()
+    world.restore(kept)
+    pybullet.removeState(kept.number, physicsClientId=client)
+    return {
+        other: Move(
+            float(np.linalg.norm(_centre(world, other, after[other]) - _centre(world, other, pose))),
+            angle_between(pose, after[other]),
+        )
+        for other, pose in before.items()
+        if other != name
+    }
+
+
+def _is_clear(world: World, name: str) -> bool:
+    """Whether a body is above everything else."""
+    bottom = pybullet.getAABB(world.ids[name], physicsClientId=world.client)[0][2]
+    tops = [
+        pybullet.getAABB(number, physicsClientId=world.client)[1][2]
+        for other, number in world.ids.items()
+        if other != name
+    ]
+    return bool(bottom > max(tops, default=-np.inf) + 0.005)
+
+
+def _at_rest(world: World, besides: str) -> bool:
+    """Whether nothing moves but one body."""
+    still = STILL
+    for name in world.movable:
+        if name != besides:
+            linear, angular = pybullet.getBaseVelocity(world.ids[name], physicsClientId=world.client)
+            if np.linalg.norm(linear) > still or np.linalg.norm(angular) > 10 * still:
+                return False
+    return True
+
+
+def _centre(world: World, name: str, pose: np.ndarray) -> np.ndarray:
+    """Centre of mass of a body in the world [m]."""
+    return np.asarray(pose[:3, :3] @ world.body(name).centre_of_mass + pose[:3, 3])
+
+
+def set_friction(world: World, between: float, table: float) -> None:
+    """Give every contact one coefficient of friction.
+
+    Args:
+        world: The world.
+        between: Coefficient between objects; PyBullet multiplies those of the two bodies.
+        table: Coefficient between an object and anything fixed.
+    """
+    own = float(np.sqrt(between))
+    for name, number in world.ids.items():
+        value = table / own if name in world.fixed else own
+        pybullet.changeDynamics(number, -1, lateralFriction=value, physicsClientId=world.client)
+
+
+def label(moves: list[Mapping[str, Move]], name: str) -> int | None:
+    """Did an object have to go first: 1 yes, 0 no, None too close to call.
+
+    Args:
+        moves: What moved, once per friction.
+        name: The object asked about.
+    """
+    own = [each[name] for each in moves]
+    if all(m.beyond(0.01, 10) for m in own) and any(m.beyond(0.015, 15) for m in own):
+        return 1
+    if not any(m.beyond(0.01, 10) for m in own) and sum(m.beyond(0.006, 6) for m in own) <= 1:
+        return 0
+    return None

@@ -1,0 +1,55 @@
+"""What the cameras saw to be empty: space in front of a surface that a camera looked at."""
+
+import numpy as np
+from scipy.spatial import KDTree
+
+from topple.topology.arrays import BoolArray, FloatArray
+
+WIDTH = float(np.radians(1.0))
+"""A ray speaks for directions this close [rad]: the spacing of a thinned surface seen from 50 cm."""
+
+MARGIN = 0.012
+"""A point is seen to be empty where the surface behind it is at least this much [m] further off."""
+
+WITNESSES = 3
+"""Rays that must agree: at an outline one neighbour alone may belong to the background."""
+
+
+class Sight:
+    """The depth each camera saw per direction, rebuilt from the clouds and the camera centres."""
+
+    def __init__(self, points: FloatArray, viewpoints: FloatArray) -> None:
+        """Index the surface points by their direction from every camera.
+
+        Args:
+            points: (N, 3) all points of the scene [m], thinned or not.
+            viewpoints: (k, 3) camera centres [m], same frame.
+        """
+        self._views: list[tuple[FloatArray, KDTree, FloatArray]] = []
+        for centre in viewpoints:
+            rays = points - centre
+            ranges = np.linalg.norm(rays, axis=1)
+            self._views.append((centre, KDTree(rays / ranges[:, None]), ranges))
+
+    def empty(self, points: FloatArray) -> BoolArray:
+        """Which points lie where a camera saw through.
+
+        Args:
+            points: (N, 3) points [m].
+
+        Returns:
+            (N,) True where at least one camera saw something further away in that direction, and
+            nothing nearer; False where it is hidden or nobody looked.
+        """
+        found = np.zeros(len(points), dtype=np.bool_)
+        if len(points) == 0:
+            return found
+        for centre, tree, ranges in self._views:
+            rays = points - centre
+            far = np.linalg.norm(rays, axis=1)
+            distance, index = tree.query(rays / far[:, None], k=WITNESSES, distance_upper_bound=WIDTH)
+            near = np.asarray(distance) < np.inf
+            index = np.asarray(index)
+            seen = np.where(near, ranges[np.minimum(index, len(ranges) - 1)], -np.inf)
+            found |= near.all(axis=1) & (seen > far[:, None] + MARGIN).all(axis=1)
+        return found
