@@ -1,5 +1,6 @@
 """The picture of one scene: clouds, hulls and relation lines at the left, graph and order at the right."""
 
+from functools import cache
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -46,17 +47,23 @@ def show_picture(
     view = _view(drawing, view_data(drawing, found, planned))
     if planned is None:
         return png(view.resize((WIDTH, HEIGHT)))
-    return png(_beside(view, _column(scene, drawing, planned)))
+    return png(_composed(view, _graph_image(scene, drawing, planned), drawing, planned))
 
 
-def _beside(left: "Image.Image", right: "Image.Image") -> "Image.Image":
+def _composed(view: "Image.Image", graph: "Image.Image", drawing: Drawing, order: Document) -> "Image.Image":
+    """View at the left, graph at the right; the order below the graph, or below the view where it is long."""
     from PIL import Image
 
-    height = max(HEIGHT * FINE, right.height)
-    whole = Image.new("RGB", ((WIDTH + SIDE) * FINE, height), PAPER)
-    whole.paste(left, (0, 0))
-    whole.paste(right, (WIDTH * FINE, 0))
-    return whole.resize((WIDTH + SIDE, height // FINE))
+    words = _order_image(drawing, order, SIDE)
+    place = (view.width, graph.height)
+    if graph.height + words.height > view.height:
+        words, place = _order_image(drawing, order, WIDTH), (0, view.height)
+    height = max(view.height, graph.height, place[1] + words.height)
+    whole = Image.new("RGB", (view.width + graph.width, height), PAPER)
+    whole.paste(view, (0, 0))
+    whole.paste(graph, (view.width, 0))
+    whole.paste(words, place)
+    return whole.resize((whole.width // FINE, height // FINE))
 
 
 class _Pen:
@@ -85,6 +92,7 @@ class _Pen:
         self.draw.text((x * FINE, y * FINE), text, fill=colour, font=_font(size), anchor=anchor)
 
 
+@cache
 def _font(size: float) -> Any:
     from PIL import ImageFont
 
@@ -184,40 +192,46 @@ def _draw_legend(pen: _Pen) -> None:
     pen.text(x, HEIGHT - 20, "dashed: inferred", size=12, colour=SOFT)
 
 
-def _column(scene: Scene, drawing: Drawing, order: Document) -> "Image.Image":
-    """The dependency graph with the order in words below it."""
+def _graph_image(scene: Scene, drawing: Drawing, order: Document) -> "Image.Image":
+    """The dependency graph, shrunk to the column where it is wider."""
     from PIL import Image
 
-    graph = DrawnGraph.of(scene.movable, order, row=SIDE - 60.0)
+    graph = DrawnGraph.of(scene.movable, order, row=SIDE - 40.0)
     shrink = min(1.0, (SIDE - 40) / max(graph.layout.width, 1.0))
-    colours = {drawn.name: drawn.colour for drawn in drawing.objects}
-    lines = _order_lines(order, object_index(drawing))
-    top = 56 + graph.layout.height * shrink
-    height = max(HEIGHT, round(top + 50 + 19 * len(lines) + 20))
+    height = round(46 + graph.layout.height * shrink + 10)
     image = Image.new("RGB", (SIDE * FINE, height * FINE), PAPER)
     pen = _Pen(image)
     pen.text(16, 26, "Dependency graph: an arrow from a to b says a goes before b", size=13, colour=SOFT)
-    _draw_graph(pen, graph, colours, 16, 46, shrink)
-    pen.text(16, top + 16, "Safe order", size=15)
-    for row, (name, text) in enumerate(lines):
-        y = top + 44 + 19 * row
-        if name:
-            pen.box(16, y - 7, 30, y + 7, colours.get(name, FIXED_COLOUR))
-        pen.text(38, y, text, size=12.5, colour=INK if name else SOFT)
+    _draw_graph(pen, graph, {drawn.name: drawn.colour for drawn in drawing.objects}, 16, 46, shrink)
     return image
 
 
-def _order_lines(order: Document, known: dict[str, int]) -> list[tuple[str, str]]:
-    """Lines of the order wrapped to the column; the first of each object carries its name."""
+def _order_image(drawing: Drawing, order: Document, width: int) -> "Image.Image":
+    """The order in words, wrapped to a width [px]."""
+    from PIL import Image
+
+    colours = {drawn.name: drawn.colour for drawn in drawing.objects}
+    lines = _order_lines(order, object_index(drawing), width - 60.0)
+    image = Image.new("RGB", (width * FINE, (62 + 19 * len(lines)) * FINE), PAPER)
+    pen = _Pen(image)
+    pen.text(16, 18, "Safe order", size=15)
+    for row, (name, text) in enumerate(lines):
+        y = 46 + 19 * row
+        if name:
+            pen.box(16, y - 7, 30, y + 7, colours.get(name, FIXED_COLOUR))
+        pen.text(38, y, text, size=12.5)
+    return image
+
+
+def _order_lines(order: Document, known: dict[str, int], width: float) -> list[tuple[str, str]]:
+    """Lines of the order wrapped to a width; the first of each object carries its name."""
     lines: list[tuple[str, str]] = []
     for place, (name, sentence) in enumerate(order_in_words(order), start=1):
-        for row, text in enumerate(_wrapped(f"{place}. {shortened(name)}: {sentence}", SIDE - 60.0)):
+        for row, text in enumerate(_wrapped(f"{place}. {shortened(name)}: {sentence}", width)):
             lines.append((name if row == 0 and name in known else "", text))
     for cycle in order.get("unresolved", ()):
         names = [cycle] if isinstance(cycle, str) else [str(name) for name in cycle]
-        lines += [
-            ("", text) for text in _wrapped("No safe order among " + ", ".join(names) + ".", SIDE - 60.0)
-        ]
+        lines += [("", text) for text in _wrapped("No safe order among " + ", ".join(names) + ".", width)]
     return lines
 
 

@@ -17,6 +17,8 @@ BADGE = 24.0
 LAYER_GAP = 58.0
 NODE_GAP = 30.0
 BEND_WIDTH = 10.0
+PART_GAP = 26.0
+MARGIN = 8.0
 CHARACTER = 7.4
 """Width of a character at 13 px in the fonts in use; node widths in pixels follow from it."""
 
@@ -45,57 +47,82 @@ class GraphLayout:
 def layered(
     nodes: Iterable[str], edges: Mapping[tuple[str, str], str], labels: Mapping[str, str], row: float = 620.0
 ) -> GraphLayout:
-    """Lay a directed graph out in layers.
-
-    Cycles are allowed: the objects of one share a layer. Objects without any edge stand in rows below.
+    """Lay a directed graph out in layers, each connected part by itself, the parts in rows.
 
     Args:
-        nodes: Names of all objects.
+        nodes: Names of all objects, in the order they are taken. On a cycle it decides who stands above.
         edges: (first, then) -> text of the arrow's label.
         labels: Name -> text in its box; decides the box's width.
-        row: Width at which rows of unconnected objects wrap [px].
+        row: Width at which a row of parts wraps [px].
 
     Returns:
         The layout.
     """
     names = list(dict.fromkeys(nodes))
     widths = {name: len(labels.get(name, name)) * CHARACTER + BADGE + 18.0 for name in names}
+    rank = {name: place for place, name in enumerate(names)}
     graph: nx.DiGraph[str] = nx.DiGraph()
     graph.add_nodes_from(names)
     graph.add_edges_from(edges)
-    loose = [name for name in names if graph.degree(name) == 0]
-    graph.remove_nodes_from(loose)
-    layers, chains = _layers(graph)
+    parts = [sorted(part, key=rank.__getitem__) for part in nx.weakly_connected_components(graph)]
+    parts.sort(key=lambda part: (len(part) == 1, rank[part[0]]))  # what stands alone comes last
+    centres: dict[str, Point] = {}
+    routes: dict[tuple[str, str], list[Point]] = {}
+    left, top, low, width = MARGIN, MARGIN, MARGIN, 0.0
+    before = 0  # objects in the part before
+    for part in parts:
+        places, lines, size = _part(graph.subgraph(part), part, widths)
+        if left > MARGIN and (left + size[0] > row or len(part) == 1 < before):
+            left, top = MARGIN, low + PART_GAP
+        centres |= {name: (x + left, y + top) for name, (x, y) in places.items()}
+        routes |= {edge: [(x + left, y + top) for x, y in line] for edge, line in lines.items()}
+        low, width = max(low, top + size[1]), max(width, left + size[0])
+        left, before = left + size[0] + PART_GAP, len(part)
+    places = _label_places(routes, edges, centres, widths)
+    width = max([width, *(x + _label_width(edges[edge]) / 2 for edge, (x, _) in places.items())])
+    return GraphLayout(width + MARGIN, low + MARGIN, centres, widths, routes, places)
+
+
+def _part(
+    graph: "nx.DiGraph[str]", names: Sequence[str], widths: Mapping[str, float]
+) -> tuple[dict[str, Point], dict[tuple[str, str], list[Point]], Point]:
+    """Places and routes of one connected part from (0, 0) on, and its size."""
+    back = _back_edges(graph, names)
+    forward = nx.DiGraph(graph)
+    forward.remove_edges_from(back)
+    layers, chains = _layers(forward, names)
     _order_layers(layers, chains)
-    places = _coordinates(layers, chains, widths)
-    bottom = max(len(layers) * (NODE_HEIGHT + LAYER_GAP) - LAYER_GAP + 24.0, 0.0) if layers else 0.0
-    places |= _rows(loose, widths, bottom, row)
-    centres = {name: places[(name, -1)] for name in names}
-    shift = 8.0 - min((x - widths[name] / 2 for name, (x, _) in centres.items()), default=0.0)
-    places = {knot: (x + shift, y) for knot, (x, y) in places.items()}
-    centres = {name: places[(name, -1)] for name in names}
-    routes = _routes(chains, places, widths)
-    return GraphLayout(
-        width=max((x + widths[name] / 2 for name, (x, _) in centres.items()), default=0.0) + 8.0,
-        height=max((y for _, y in centres.values()), default=0.0) + NODE_HEIGHT / 2 + 10.0,
-        centres=centres,
-        widths=widths,
-        routes=routes,
-        labels=_label_places(routes, edges, centres, widths),
+    knots = _coordinates(layers, chains, widths)
+    shift = -min(
+        x - (widths[name] if level < 0 else BEND_WIDTH) / 2 for (name, level), (x, _) in knots.items()
     )
+    knots = {knot: (x + shift, y) for knot, (x, y) in knots.items()}
+    places = {name: knots[(name, -1)] for name in names}
+    routes = _routes(chains, knots, widths)
+    for turn, edge in enumerate(back):
+        routes[edge] = _return(edge, places, widths, 26.0 + 12.0 * turn)
+    right = max(x + widths[name] / 2 for name, (x, _) in places.items())
+    right = max([right, *(x for line in routes.values() for x, _ in line)])
+    return places, routes, (right, max(y for _, y in places.values()) + NODE_HEIGHT / 2)
 
 
-def _layers(graph: "nx.DiGraph[str]") -> tuple[list[list[Knot]], dict[tuple[str, str], list[Knot]]]:
+def _back_edges(graph: "nx.DiGraph[str]", names: Sequence[str]) -> list[tuple[str, str]]:
+    """Edges of cycles that run against the order of the names; without them no cycle is left."""
+    rank = {name: place for place, name in enumerate(names)}
+    cycle = {
+        name: number for number, part in enumerate(nx.strongly_connected_components(graph)) for name in part
+    }
+    return [(a, b) for a, b in graph.edges if cycle[a] == cycle[b] and rank[a] > rank[b]]
+
+
+def _layers(
+    graph: "nx.DiGraph[str]", names: Sequence[str]
+) -> tuple[list[list[Knot]], dict[tuple[str, str], list[Knot]]]:
     """Put each object a layer below all that go before it; long edges get a bend in every layer between."""
-    condensed = nx.condensation(graph)
-    level: dict[str, int] = {}
-    for depth, generation in enumerate(nx.topological_generations(condensed)):
-        for component in generation:
-            for name in condensed.nodes[component]["members"]:
-                level[name] = depth
-    count = max(level.values(), default=-1) + 1
-    layers: list[list[Knot]] = [[] for _ in range(count)]
-    for name in graph.nodes:
+    generations = list(nx.topological_generations(graph))
+    level = {name: depth for depth, generation in enumerate(generations) for name in generation}
+    layers: list[list[Knot]] = [[] for _ in generations]
+    for name in names:
         layers[level[name]].append((name, -1))
     chains: dict[tuple[str, str], list[Knot]] = {}
     for first, then in graph.edges:
@@ -175,7 +202,7 @@ def _coordinates(
             ]
             x.update(zip(layer, _apart(wanted, [width[knot] for knot in layer]), strict=True))
     return {
-        knot: (x[knot], NODE_HEIGHT / 2 + 8.0 + depth * (NODE_HEIGHT + LAYER_GAP))
+        knot: (x[knot], NODE_HEIGHT / 2 + depth * (NODE_HEIGHT + LAYER_GAP))
         for depth, layer in enumerate(layers)
         for knot in layer
     }
@@ -194,34 +221,16 @@ def _apart(wanted: Sequence[float], widths: Sequence[float]) -> list[float]:
     return [(a + b) / 2 for a, b in zip(rightwards, leftwards, strict=True)]
 
 
-def _rows(names: Sequence[str], widths: Mapping[str, float], top: float, row: float) -> dict[Knot, Point]:
-    places: dict[Knot, Point] = {}
-    x, y = 0.0, top + NODE_HEIGHT / 2 + 8.0
-    for name in names:
-        if x > 0 and x + widths[name] > row:
-            x, y = 0.0, y + NODE_HEIGHT + 14.0
-        places[(name, -1)] = (x + widths[name] / 2, y)
-        x += widths[name] + 14.0
-    return places
-
-
 def _routes(
     chains: Mapping[tuple[str, str], Sequence[Knot]],
     places: Mapping[Knot, Point],
     widths: Mapping[str, float],
 ) -> dict[tuple[str, str], list[Point]]:
-    """Arrows from the lower rim of one box to the upper rim of the other; within a layer, an arc."""
+    """Arrows from the lower rim of one box to the upper rim of the other."""
     routes: dict[tuple[str, str], list[Point]] = {}
     half = NODE_HEIGHT / 2
     for (first, then), chain in chains.items():
         (x, y), (u, v) = places[chain[0]], places[chain[-1]]
-        if y == v:
-            below = 1.0 if x < u else -1.0  # the two directions of a cycle take different sides
-            rim, bend = y + below * half, y + below * (half + 34.0)
-            routes[(first, then)] = _curve(
-                (x, rim), (x + (u - x) / 3, bend), (x + (u - x) * 2 / 3, bend), (u, rim)
-            )
-            continue
         points = [places[knot] for knot in chain]
         # Arrows leave and arrive spread over the box, so that they do not all share one point.
         leave = max(-0.35, min(0.35, (points[1][0] - x) / 300.0)) * widths[first]
@@ -236,6 +245,16 @@ def _routes(
             route += _curve((a, b), (a, middle), (c, middle), (c, d))[1:]
         routes[(first, then)] = route
     return routes
+
+
+def _return(
+    edge: tuple[str, str], places: Mapping[str, Point], widths: Mapping[str, float], bulge: float
+) -> list[Point]:
+    """An arrow back up, around the right of both boxes."""
+    (x, y), (u, v) = places[edge[0]], places[edge[1]]
+    x, u = x + widths[edge[0]] / 2, u + widths[edge[1]] / 2
+    side = max(x, u) + bulge
+    return _curve((x, y + 5), (side, y + 5), (side, v + 5), (u, v + 5))
 
 
 def _curve(start: Point, leave: Point, arrive: Point, end: Point, steps: int = 12) -> list[Point]:
@@ -266,7 +285,7 @@ def _label_places(
     taken = [(x, y, widths[name], NODE_HEIGHT) for name, (x, y) in centres.items()]
     labels: dict[tuple[str, str], Point] = {}
     for edge, route in routes.items():
-        size = (len(texts[edge]) * 6.0 + 4.0, 13.0)
+        size = (_label_width(texts[edge]), 13.0)
         for part in (0.5, 0.38, 0.62, 0.26, 0.74):
             x, y = _along(route, part)
             clear = all(
@@ -277,6 +296,11 @@ def _label_places(
                 taken.append((x, y, *size))
                 break
     return labels
+
+
+def _label_width(text: str) -> float:
+    """Width of an arrow's label at 11 px."""
+    return len(text) * 6.0 + 4.0
 
 
 def _along(route: Sequence[Point], part: float) -> Point:

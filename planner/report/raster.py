@@ -39,7 +39,7 @@ def picture(rgb: Pixels) -> bytes:
 def png(image: "Image.Image") -> bytes:
     """The bytes of an image as a PNG file."""
     buffer = io.BytesIO()
-    image.save(buffer, format="PNG", optimize=True)
+    image.save(buffer, format="PNG")
     return buffer.getvalue()
 
 

@@ -67,7 +67,7 @@ def _pair_row(pair: Mapping[str, Any], index: Mapping[str, int]) -> str:
     title = f' title="6IM matrix {escape(str(matrix))}"' if matrix is not None else ""
     return (
         f'<tr data-ends="{index.get(a, -1)} {index.get(b, -1)}"{title}>'
-        f"<td>{object_name(a, index)}</td><td>{dot}{escape(relation)}{note}</td>"
+        f"<td>{object_name(a, index)}</td><td class=relation>{dot}{escape(relation)}{note}</td>"
         f"<td>{object_name(b, index)}</td><td class=number>{shown}</td><td class=number>{sure}</td>"
         f"<td>{evidence}</td></tr>"
     )

@@ -69,17 +69,17 @@ class Viewer {
     this.eye = add(this.target, back, this.distance);
   }
 
-  // Nearest the eye may come for every corner of what can be taken to stay in sight.
+  // Nearest the eye may come for every corner of what can be taken, and the tool's path, to stay in sight.
   fit() {
-    let distance = 0;
-    for (const object of this.scene.objects.filter((o, _, all) => !o.fixed || all.every((other) => other.fixed))) {
-      for (const corner of object.corners) {
-        const p = sub(corner, this.target), w = 0.42 * this.canvas.width, h = 0.38 * this.canvas.height;
-        const aside = Math.max(Math.abs(dot(p, this.right)) / w, Math.abs(dot(p, this.down)) / h);
-        distance = Math.max(distance, aside * this.focal - dot(p, this.forward));
-      }
+    const taken = this.scene.objects.filter((o, _, all) => !o.fixed || all.every((other) => other.fixed));
+    const w = 0.42 * this.canvas.width, h = 0.38 * this.canvas.height;
+    let distance = this.scene.radius * 1.5;
+    for (const corner of [...taken.flatMap((object) => object.corners), ...(this.scene.path || [])]) {
+      const p = sub(corner, this.target);
+      const aside = Math.max(Math.abs(dot(p, this.right)) / w, Math.abs(dot(p, this.down)) / h);
+      distance = Math.max(distance, aside * this.focal - dot(p, this.forward));
     }
-    return Math.max(distance, this.scene.radius * 1.5);
+    return distance;
   }
 
   project(p) {
@@ -226,6 +226,7 @@ class Viewer {
   drawPath(context) {
     context.strokeStyle = this.ink;
     context.lineWidth = 2 * this.scale;
+    context.setLineDash([2 * this.scale, 3 * this.scale]);
     context.beginPath();
     let started = false;
     for (const point of this.scene.path) {
@@ -235,6 +236,7 @@ class Viewer {
       started = true;
     }
     context.stroke();
+    context.setLineDash([]);
   }
 
   // Near objects are labelled first; a label that would cover another is left out unless it is lit.
