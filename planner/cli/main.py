@@ -17,6 +17,7 @@ DONE, NO_SAFE_PLAN, WRONG_USE, INTERRUPTED = 0, 1, 2, 130
 COMMANDS = {
     "relate": "decide how every two objects lie to each other",
     "order": "say in which order to take things, and why",
+    "plan": "plan grasps, placements and motions of the whole sequence",
     "show": "draw a scene with its relations and its order",
 }
 
@@ -82,18 +83,19 @@ def _run(arguments: list[str]) -> int:
     if args.command is None:
         parser.error(f"no command given; choose from {', '.join(COMMANDS)}")
     command = importlib.import_module(f"topple.planner.cli.{args.command}")
-    from topple.planner.errors import NoSafePlan
-    from topple.topology.errors import ToppleError
+    from topple.topology.errors import InvalidInput, ToppleError
 
     args.parser = commands[args.command]
     try:
         return int(command.execute(args))
-    except NoSafePlan as error:
-        complain(str(error), *error.certificate)
-        return NO_SAFE_PLAN
-    except ToppleError as error:
+    except InvalidInput as error:
         complain(str(error))
         return WRONG_USE
+    except ToppleError as error:  # no safe plan, or no place for the arm: the input was fine
+        message = str(error)
+        certificate: tuple[str, ...] = getattr(error, "certificate", ())
+        complain(message, *(line for line in certificate if line not in message))
+        return NO_SAFE_PLAN
 
 
 def _parser(chosen: str | None) -> tuple[Parser, dict[str, Parser]]:

@@ -40,18 +40,22 @@ def add_common(parser: argparse.ArgumentParser, *, scenes: str | None) -> None:
     parser.add_argument("--version", action=ShowVersion, nargs=0, help="print the version and leave")
 
 
-def add_target(parser: argparse.ArgumentParser) -> None:
+def add_target(
+    parser: argparse.ArgumentParser,
+    purpose: str = "what to free, with the fewest removals (everything is cleared)",
+) -> None:
     """Add the names to free.
 
     Args:
-        parser: The sub-command's parser, or a group of its options.
+        parser: The sub-command's parser.
+        purpose: What naming them does, for the help.
     """
     parser.add_argument(
         "--target",
         nargs="+",
         action="extend",
         metavar="NAME",
-        help="what to free, with the fewest removals (everything is cleared)",
+        help=purpose,
     )
 
 

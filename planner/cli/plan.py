@@ -1,0 +1,83 @@
+"""`topple plan`: order, grasps, placements and motions of the whole sequence, before anything moves."""
+
+import argparse
+from collections.abc import Sequence
+from typing import TYPE_CHECKING
+
+from topple.planner.cli.console import print_table, print_text
+from topple.planner.cli.main import DONE
+from topple.planner.cli.options import add_common, read_scene, scene_paths
+from topple.planner.cli.progress import Progress
+from topple.planner.cli.robot_options import add_goal, add_robot, base_of, goal_of
+from topple.planner.files import check_writable, write_whole
+
+if TYPE_CHECKING:
+    from topple.planner.plan_format import Plan, Step
+
+
+def add_arguments(parser: argparse.ArgumentParser) -> None:
+    """Add the options of `topple plan`.
+
+    Args:
+        parser: The sub-command's parser.
+    """
+    add_common(parser, scenes="one")
+    add_goal(parser)
+    add_robot(parser)
+    parser.add_argument("-o", "--output", metavar="FILE", help="where to write the plan, e.g. plan.json")
+
+
+def execute(args: argparse.Namespace) -> int:
+    """Plan, write the plan, and say what is in it.
+
+    Args:
+        args: The parsed arguments.
+
+    Returns:
+        Exit code 0.
+
+    Raises:
+        InvalidInput: If the scene cannot be read, the goal or the robot is none, or the output cannot
+            be written.
+        NoSafePlan: If there is no plan; the certificate says why.
+    """
+    (path,) = scene_paths(args, many=False)
+    goal = goal_of(args)
+    place = None if args.output is None else check_writable(args.output)
+    with Progress("plan") as progress:
+        progress(f"reading {path}")
+        scene = read_scene(args, path)
+        from topple.planner.plan import plan
+        from topple.planner.plan_format import plan_to_json
+        from topple.robots.catalog import robot
+
+        arm = robot(args.robot)
+        progress(f"{path}: planning")
+        found = plan(scene, goal, arm, base=base_of(args, scene), seed=args.seed, progress=progress)
+    document = plan_to_json(found).decode("utf-8")
+    if place is not None:
+        write_whole(place, document + "\n")
+    if args.json:
+        print_text(document)
+    else:
+        _print_plan(path, found)
+        print_text(f"Written: {place}" if place is not None else "Not written: give -o plan.json to keep it.")
+    return DONE
+
+
+def _print_plan(path: str, plan: "Plan") -> None:
+    where = "searched" if plan.base_searched else "given"
+    x, y, z = (row[3] for row in plan.pose_base_to_world[:3])
+    print_text(
+        f"{path}: {plan.goal}, {len(plan.steps)} steps, {plan.seconds:.1f} s of motion",
+        f"{plan.robot} stands at {x:.3f} {y:.3f} {z:.3f} m ({where})",
+    )
+    rows = [_row(number, step, plan.steps) for number, step in enumerate(plan.steps, start=1)]
+    print_table(("", "action", "object", "because", "grasp", "after", "motion s"), rows, right=(0, 6))
+    print_text(*(f"Assumed: {assumption.rstrip('.')}." for assumption in plan.assumptions))
+
+
+def _row(number: int, step: "Step", steps: Sequence["Step"]) -> tuple[str, ...]:
+    seconds = sum(segment.motion.times[-1] for segment in step.segments if segment.motion is not None)
+    after = ", ".join(steps[index].object for index in step.after)
+    return (str(number), step.action, step.object, step.reason, step.grasp.kind, after, f"{seconds:.1f}")

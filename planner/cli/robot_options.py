@@ -1,0 +1,91 @@
+"""Options of the commands that move an arm: which one, where it stands, what it shall do."""
+
+import argparse
+import math
+from typing import TYPE_CHECKING
+
+from topple.planner.cli.options import add_target
+from topple.topology.errors import InvalidInput
+
+if TYPE_CHECKING:
+    from topple.topology.arrays import FloatArray
+    from topple.topology.scene import Scene
+
+
+def add_goal(parser: argparse.ArgumentParser) -> None:
+    """Add the goal: names to free or words, one of the two.
+
+    Args:
+        parser: The sub-command's parser.
+    """
+    add_target(parser, purpose="what to free: lifted clear and put down elsewhere")
+    parser.add_argument(
+        "--goal",
+        metavar="TEXT",
+        help='what shall hold: "lemon within bowl", "red on green on blue", "empty bowl", "sort"',
+    )
+
+
+def goal_of(args: argparse.Namespace) -> str | list[str]:
+    """Say what is wanted.
+
+    Args:
+        args: The parsed arguments, scenes told apart from targets already.
+
+    Returns:
+        The goal's words, or the names to free.
+    """
+    if bool(args.target) == (args.goal is not None):
+        args.parser.error("give either --target NAME or --goal TEXT")
+    return args.goal if args.goal is not None else args.target
+
+
+def add_robot(parser: argparse.ArgumentParser) -> None:
+    """Add the arm and its place.
+
+    Args:
+        parser: The sub-command's parser.
+    """
+    parser.add_argument(
+        "--robot", default="panda", metavar="NAME", help="panda, panda-suction or FILE.urdf (panda)"
+    )
+    parser.add_argument(
+        "--base",
+        nargs=4,
+        type=float,
+        metavar=("X", "Y", "Z", "YAW"),
+        help="where the arm stands, in metres and radians about up (the scene's robot_base, else searched)",
+    )
+
+
+def base_of(args: argparse.Namespace, scene: "Scene") -> "FloatArray | None":
+    """Turn `--base` into a pose.
+
+    Args:
+        args: The parsed arguments.
+        scene: The scene, whose `up` is the axis of the yaw and z of the base.
+
+    Returns:
+        Pose (4, 4) pose_base_to_world, or None where no base was given.
+
+    Raises:
+        InvalidInput: If a value is not finite.
+    """
+    if args.base is None:
+        return None
+    import numpy as np
+    from scipy.spatial.transform import Rotation
+
+    if not all(math.isfinite(value) for value in args.base):
+        raise InvalidInput(f"--base is {args.base}: expected finite metres and radians X Y Z YAW")
+    pose = np.eye(4)
+    pose[:3, 3] = args.base[:3]
+    upright = np.eye(3)
+    if scene.up is not None and scene.up[2] < 1.0:
+        # Yaw 0 is the least turn that brings z to up; upside down, it goes about x.
+        axis = np.cross([0.0, 0.0, 1.0], scene.up)
+        length = float(np.linalg.norm(axis))
+        turn = np.array([np.pi, 0.0, 0.0]) if length < 1e-12 else axis / length * np.arccos(scene.up[2])
+        upright = Rotation.from_rotvec(turn).as_matrix()
+    pose[:3, :3] = upright @ Rotation.from_euler("z", args.base[3]).as_matrix()
+    return pose

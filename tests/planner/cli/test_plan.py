@@ -1,0 +1,101 @@
+"""`topple plan`: the plan file, the refusals, and exit code 1 with the reason where there is no plan."""
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from topple.planner.cli.main import main
+from topple.planner.cli.robot_options import base_of
+from topple.planner.plan_format import plan_from_json
+from topple.topology.scene import Scene
+
+
+@pytest.fixture
+def scene(tmp_path: Path) -> Path:
+    """A box of 5 cm in the middle of a table."""
+    rng = np.random.default_rng(1)
+    box = rng.uniform(-0.025, 0.025, (1500, 3))
+    box[np.arange(1500), rng.integers(3, size=1500)] = rng.choice([-0.025, 0.025], 1500)
+    table = rng.uniform(-0.6, 0.6, (5000, 3)) * [1, 1, 0]
+    np.savez(tmp_path / "scene.npz", table=table, box=box + np.array([0, 0, 0.025]))
+    return tmp_path / "scene.npz"
+
+
+def test_a_plan_is_written_and_read_back(scene: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    place = scene.parent / "plan.json"
+    argv = [
+        "plan",
+        str(scene),
+        "--target",
+        "box",
+        "--base",
+        "-0.5",
+        "0",
+        "0",
+        "0",
+        "-o",
+        str(place),
+        "--json",
+    ]
+    assert main(argv) == 0
+    plan = plan_from_json(place.read_bytes())
+    assert plan == plan_from_json(capsys.readouterr().out)
+    assert plan.order == ["box"]
+    assert not plan.base_searched
+    assert np.allclose(np.array(plan.pose_base_to_world)[:3, 3], [-0.5, 0, 0])
+
+
+def test_out_of_reach_is_code_1_with_the_reason(scene: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    place = scene.parent / "plan.json"
+    assert main(["plan", str(scene), "--target", "box", "--base", "3", "0", "0", "0", "-o", str(place)]) == 1
+    out, err = capsys.readouterr()
+    assert out == ""
+    assert "box" in err
+    assert not place.exists()
+
+
+@pytest.mark.parametrize(
+    ("argv", "words"),
+    [
+        ([], "--target NAME or --goal TEXT"),
+        (["--target", "box", "--goal", "free box"], "--target NAME or --goal TEXT"),
+        (["--target", "cup"], "unknown object 'cup'"),
+        (["--target", "table"], "'table' is fixed"),
+        (["--goal", "dance"], "'dance' is not understood"),
+        (["--target", "box", "--robot", "r2d2"], "unknown robot 'r2d2'"),
+        (["--target", "box", "--base", "0", "0", "0"], "--base"),
+        (["--target", "box", "--base", "0", "0", "nan", "0"], "--base is"),
+        (["--target", "box", "-o", "no/such/folder/plan.json"], "does not exist"),
+    ],
+)
+def test_wrong_use_is_refused_in_one_line(
+    scene: Path, capsys: pytest.CaptureFixture[str], argv: list[str], words: str
+) -> None:
+    assert main(["plan", str(scene), *argv]) == 2
+    out, err = capsys.readouterr()
+    assert out == ""
+    assert words in err
+    assert len([line for line in err.splitlines() if "(1 s)" not in line]) == 1
+
+
+@pytest.mark.parametrize("up", [(0, 0, 1), (0, 0, -1), (0, -1, 0), (0.3, -0.8, -0.5)])
+def test_the_base_stands_upright_whatever_up_is(up: tuple[float, ...]) -> None:
+    from argparse import Namespace
+
+    scene = Scene({"box": np.zeros((2, 3))}, up=up)
+    pose = base_of(Namespace(base=[1.0, 2.0, 3.0, 0.7]), scene)
+    assert pose is not None
+    assert scene.up is not None
+    assert np.allclose(pose[:3, 2], scene.up, atol=1e-9)
+    assert np.allclose(pose[:3, :3] @ pose[:3, :3].T, np.eye(3))
+    assert np.linalg.det(pose[:3, :3]) > 0
+    assert np.allclose(pose[:3, 3], [1, 2, 3])
+
+
+def test_yaw_turns_about_up() -> None:
+    from argparse import Namespace
+
+    pose = base_of(Namespace(base=[0.0, 0.0, 0.0, np.pi / 2]), Scene({"box": np.zeros((2, 3))}, up=(0, 0, 1)))
+    assert pose is not None
+    assert np.allclose(pose[:3, 0], [0, 1, 0], atol=1e-12)
