@@ -1,0 +1,127 @@
+"""Carries out one transfer with an arm in the world, noticing when the object is not in the hand any more."""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from topple.planner.segments import Segment
+from topple.planner.transfer import Transfer
+from topple.robots.simulated_arm import SimulatedArm
+from topple.topology.arrays import FloatArray
+
+PRESS = 0.6  # share of the jaw's continuous force used for a grip: crockery and fruit should survive it
+WATCHED = ("lift", "transfer", "place")  # segments during which the object must be in the hand
+OFF_COURSE = 0.03  # [rad] an arm this far from its goal is held up by something
+NOTHING = 0.001  # [m] pads closer than this have nothing between them
+SAMPLES = 40  # of the tool's path per segment, for pictures
+
+
+@dataclass(frozen=True, eq=False)
+class Outcome:
+    """What became of a transfer.
+
+    Attributes:
+        success: The object was taken, carried and let go where it should be.
+        text: What happened, in one sentence.
+        tool_path: (k, 3) planned positions of the tool in the world [m], of the segments that were driven.
+    """
+
+    success: bool
+    text: str
+    tool_path: FloatArray
+
+
+def execute(transfer: Transfer, robot: SimulatedArm) -> Outcome:
+    """Drives the segments one after the other.
+
+    A grasp that closes on nothing, a cup that does not seal or an object lost on the way ends it: the hand
+    opens and the arm goes straight up, so that the next look finds it out of the way.
+
+    Args:
+        transfer: What to do; it should start where the arm is.
+        robot: The arm in its world.
+    """
+    done: list[Segment] = []
+    for segment in transfer.segments:
+        problem = _drive(segment, transfer, robot)
+        if segment.trajectory is not None:
+            done.append(segment)
+        if problem is not None:
+            retreat(transfer, done, robot)
+            return Outcome(False, problem, _tool_path(done, robot))
+    return Outcome(
+        True, f"{transfer.object} was put down, {transfer.placement.rest}.", _tool_path(done, robot)
+    )
+
+
+def retreat(transfer: Transfer, done: list[Segment], robot: SimulatedArm) -> None:
+    """Lets go and backs out along the way the hand came in."""
+    robot.release()
+    if not done:
+        return
+    last = done[-1]
+    back = last if last.kind in ("approach", "lift") else None
+    if back is not None and back.trajectory is not None:
+        path = back.trajectory
+        reverse = type(path)(
+            path.times,
+            np.ascontiguousarray(path.positions[::-1]),
+            np.ascontiguousarray(-path.velocities[::-1]),
+        )
+        if back.kind == "approach":
+            robot.follow(reverse)
+    robot.extend(0.0)
+    robot.open()
+
+
+def _drive(segment: Segment, transfer: Transfer, robot: SimulatedArm) -> str | None:
+    """Drives one segment; a sentence where it went wrong."""
+    name = transfer.object
+    if segment.kind == "grasp":
+        return _take(segment, transfer, robot)
+    if segment.kind == "release":
+        robot.release()
+        if segment.tool == "fingers":
+            robot.open(segment.hand.opening)
+        robot.wait(0.25)  # what was let go comes to rest before the hand leaves
+        return None
+    if segment.trajectory is None:
+        return None
+    if segment.kind in ("move", "approach", "retreat"):
+        if segment.tool == "suction" or segment.kind == "move":
+            robot.extend(segment.hand.cup_extension)
+        if segment.kind != "retreat":
+            robot.open(segment.hand.opening)
+    error = robot.follow(segment.trajectory)
+    if segment.kind in WATCHED and not robot.holds(name):
+        return f"{name} slipped out of the hand during the {segment.kind}."
+    if error > OFF_COURSE and segment.kind != "place":
+        touched = robot.strongest_touch(ignoring=(name,))
+        what = f" against {touched[0]}" if touched else ""
+        return f"the arm was held up during the {segment.kind}{what}."
+    return None
+
+
+def _take(segment: Segment, transfer: Transfer, robot: SimulatedArm) -> str | None:
+    name = transfer.object
+    if segment.tool == "suction":
+        robot.wait(0.2)
+        return None if robot.suck(name) else f"the cup found no seal on {name}."
+    jaw = robot.arm.tools[segment.tool].gripper
+    opening = robot.close(PRESS * getattr(jaw, "force", 0.0))
+    robot.wait(0.2)
+    if opening < NOTHING or not robot.holds(name):
+        return f"the fingers closed {'on nothing' if opening < NOTHING else f'without holding {name}'}."
+    return None
+
+
+def _tool_path(done: list[Segment], robot: SimulatedArm) -> FloatArray:
+    """(k, 3) in the world [m]."""
+    pieces = [np.zeros((0, 3))]
+    for segment in done:
+        if segment.trajectory is not None:
+            q = segment.trajectory.positions
+            chosen = q[np.unique(np.linspace(0, len(q) - 1, SAMPLES).astype(int))]
+            base = robot.arm.tool_pose(chosen, segment.tool)[:, :3, 3]
+            pieces.append(base @ robot.pose_base_to_world[:3, :3].T + robot.pose_base_to_world[:3, 3])
+    return np.vstack(pieces)

@@ -1,0 +1,152 @@
+"""The simulated arm holds by friction and by a vacuum that needs a seal, never by anything else."""
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+
+import numpy as np
+import pybullet
+import pytest
+from topple.robots import shapes
+from topple.robots.catalog import robot
+from topple.robots.simulated_arm import SimulatedArm
+from topple.robots.world import World
+from topple.topology.arrays import FloatArray
+from topple.topology.errors import InvalidInput
+
+
+@dataclass
+class Way:
+    """A smooth joint motion between two states."""
+
+    times: FloatArray
+    positions: FloatArray
+    velocities: FloatArray
+
+    @classmethod
+    def between(cls, start: FloatArray, end: FloatArray, seconds: float = 1.5) -> "Way":
+        times = np.linspace(0.0, seconds, 50)
+        u = (times / seconds)[:, None]
+        return cls(
+            times,
+            start + (10 * u**3 - 15 * u**4 + 6 * u**5) * (end - start),
+            (30 * u**2 - 60 * u**3 + 30 * u**4) * (end - start) / seconds,
+        )
+
+
+def at(x: float, y: float, z: float) -> FloatArray:
+    pose = np.eye(4)
+    pose[:3, 3] = [x, y, z]
+    return pose
+
+
+def down(x: float, y: float, z: float) -> FloatArray:
+    return at(x, y, z) @ np.diag([1.0, -1.0, -1.0, 1.0])
+
+
+@pytest.fixture
+def world() -> Iterator[World]:
+    with World() as world:
+        world.add_table()
+        yield world
+
+
+def go(arm: SimulatedArm, pose: FloatArray, tool: str) -> float:
+    target = arm.arm.inverse(pose, tool, near=arm.q_target)[0][0]
+    return arm.follow(Way.between(arm.q_target, target))
+
+
+def height(world: World, name: str) -> float:
+    return float(world.pose(name)[2, 3])
+
+
+def test_a_trajectory_ends_where_it_should(world: World) -> None:
+    arm = SimulatedArm(world, robot("panda"), np.eye(4))
+    assert go(arm, down(0.5, 0.1, 0.3), "fingers") < 2e-3
+    assert arm.link_pose("panda_hand")[:2, 3] == pytest.approx([0.5, 0.1], abs=2e-3)
+
+
+def test_fingers_lift_a_can_by_friction_and_drop_it_when_they_open(world: World) -> None:
+    world.add(shapes.can("can"), at(0.5, 0.0, 0.0))
+    world.settle()
+    arm = SimulatedArm(world, robot("panda"), np.eye(4))
+    go(arm, down(0.5, 0.0, 0.25), "fingers")
+    go(arm, down(0.5, 0.0, 0.08), "fingers")
+    assert not arm.holds("can")
+    opening = arm.close(40.0)
+    assert arm.holds("can") and 0.05 < opening < 0.08
+    go(arm, down(0.5, 0.0, 0.25), "fingers")
+    assert arm.holds("can") and height(world, "can") > 0.12
+    assert pybullet.getNumConstraints(physicsClientId=world.client) == 1, "the gear of the fingers, no glue"
+    arm.open()
+    arm.wait(0.6)
+    assert height(world, "can") < 0.1
+
+
+def test_a_can_wider_than_the_grip_is_strong_slips(world: World) -> None:
+    world.add(shapes.can("can", mass=4.0), at(0.5, 0.0, 0.0))
+    world.settle()
+    arm = SimulatedArm(world, robot("panda"), np.eye(4))
+    go(arm, down(0.5, 0.0, 0.25), "fingers")
+    go(arm, down(0.5, 0.0, 0.08), "fingers")
+    arm.close(5.0)
+    go(arm, down(0.5, 0.0, 0.25), "fingers")
+    assert height(world, "can") < 0.05, "10 N of friction cannot carry 40 N"
+
+
+def test_the_cup_lifts_a_plate_it_seals_on_and_lets_go_beyond_its_force(world: World) -> None:
+    world.add(shapes.plate("plate"), at(0.5, 0.0, 0.0))
+    world.settle()
+    arm = SimulatedArm(world, robot("panda-suction"), np.eye(4))
+    top = _surface(world, 0.5, 0.0)
+    go(arm, down(0.5, 0.0, top + 0.1), "suction")
+    assert arm.cup is not None
+    arm.extend(arm.cup.stroke)
+    assert not arm.suck("plate"), "there is no seal in the air"
+    go(arm, down(0.5, 0.0, top), "suction")
+    assert arm.suck("plate")
+    go(arm, down(0.5, 0.0, top + 0.15), "suction")
+    assert arm.holds("plate") and height(world, "plate") > 0.12
+    for _ in range(60):
+        number = world.ids["plate"]
+        where = pybullet.getBasePositionAndOrientation(number, physicsClientId=world.client)[0]
+        pull = [0.0, 0.0, -1.2 * arm.cup.max_force]
+        pybullet.applyExternalForce(
+            number, -1, pull, where, pybullet.WORLD_FRAME, physicsClientId=world.client
+        )
+        arm.step()
+    assert not arm.holds("plate")
+
+
+def test_the_cup_finds_no_seal_on_a_spoon(world: World) -> None:
+    world.add(shapes.spoon("spoon"), at(0.5, 0.0, 0.0))
+    world.settle()
+    arm = SimulatedArm(world, robot("panda-suction"), np.eye(4))
+    assert arm.cup is not None
+    top = _surface(world, 0.5, 0.0)
+    go(arm, down(0.5, 0.0, top + 0.1), "suction")
+    arm.extend(arm.cup.stroke)
+    go(arm, down(0.5, 0.0, top), "suction")
+    assert not arm.suck("spoon")
+
+
+def test_a_hand_without_a_cup_says_so(world: World) -> None:
+    arm = SimulatedArm(world, robot("panda"), np.eye(4))
+    with pytest.raises(InvalidInput, match="no suction cup"):
+        arm.suck("anything")
+
+
+def test_what_the_arm_touches_is_recorded(world: World) -> None:
+    world.add(shapes.can("can"), at(0.5, 0.0, 0.0))
+    world.settle()
+    arm = SimulatedArm(world, robot("panda"), np.eye(4))
+    go(arm, down(0.42, 0.0, 0.2), "fingers")
+    go(arm, down(0.42, 0.0, 0.05), "fingers")
+    arm.touched.clear()
+    go(arm, down(0.48, 0.0, 0.05), "fingers")
+    touch = arm.strongest_touch()
+    assert touch is not None and touch[0] == "can" and touch[1].force > 0.1
+
+
+def _surface(world: World, x: float, y: float) -> float:
+    hit = pybullet.rayTest([x, y, 0.5], [x, y, -0.1], physicsClientId=world.client)[0]
+    return float(hit[3][2])
