@@ -6,6 +6,7 @@ from dataclasses import dataclass
 import numpy as np
 import pybullet
 import pytest
+
 from topple.robots import shapes
 from topple.robots.catalog import robot
 from topple.robots.simulated_arm import SimulatedArm
