@@ -104,7 +104,7 @@ class Viewer {
     this.ink = style.color;
     this.scale = scale;
     this.place();
-    const context = this.canvas.getContext("2d", { willReadFrequently: true }); // pixels are ours, not the card's
+    const context = this.canvas.getContext("2d");
     context.clearRect(0, 0, width, height);
     this.depth.fill(Infinity);
     this.owner.fill(-1);

@@ -65,7 +65,10 @@ def pixels(page):
     settle(page)
     return page.evaluate("""() => {
       const canvas = [...document.querySelectorAll("canvas")].find((c) => c.clientWidth > 0);
-      const data = canvas.getContext("2d").getImageData(0, 0, canvas.width, canvas.height).data;
+      const paper = new OffscreenCanvas(canvas.width, canvas.height);
+      const copy = paper.getContext("2d", { willReadFrequently: true });
+      copy.drawImage(canvas, 0, 0);
+      const data = copy.getImageData(0, 0, canvas.width, canvas.height).data;
       let sum = 0;
       for (let i = 0; i < data.length; i++) sum = (sum * 31 + data[i]) >>> 0;
       return sum;
