@@ -5,8 +5,8 @@ from numpy.typing import ArrayLike
 
 from topple.topology.arrays import FloatArray, frozen
 from topple.topology.errors import InvalidInput
+from topple.topology.tolerances import TOLERANCES
 
-_LARGEST_EXTENT = 20.0  # [m] no object on a table, nor the table, is longer; millimetres always are
 _RIGID = 1e-3  # rotations stored as float32 or printed to four digits are off by less
 
 
@@ -29,7 +29,8 @@ def numeric(values: ArrayLike, what: str) -> FloatArray:
         raise InvalidInput(f"{what} is ragged: its rows differ in length; give a plain array") from error
     if array.dtype.kind not in "fiub":
         raise InvalidInput(f"{what} holds {_kind(array)}, expected real numbers")
-    return array.astype(np.float64, copy=False)
+    with np.errstate(invalid="ignore"):  # a signalling NaN is a NaN like any other
+        return array.astype(np.float64, copy=False)
 
 
 def _kind(array: np.ndarray) -> str:
@@ -64,9 +65,9 @@ def as_points(points: ArrayLike, what: str) -> FloatArray:
             "drop them, points[numpy.isfinite(points).all(axis=1)]"
         )
     extent = float(np.ptp(array, axis=0).max())
-    if extent > _LARGEST_EXTENT:
+    if extent > TOLERANCES.largest_extent:
         raise InvalidInput(
-            f"{what} extends over {extent:.4g} m, more than {_LARGEST_EXTENT:g} m: it looks like millimetres "
+            f"{what} extends over {extent:.4g} m, more than {TOLERANCES.largest_extent:g} m: it looks like millimetres "
             "or another unit; topple takes metres, so scale it (millimetres: points / 1000)"
         )
     return frozen(array)

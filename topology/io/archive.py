@@ -16,6 +16,7 @@ Array = NDArray[Any]
 
 MASK_KEYS = ("label", "segmap", "seg")
 
+_MEMBER = ".npy"
 _ZIP = b"PK"
 _NPY = b"\x93NUMPY"
 _KNOWN = {
@@ -29,6 +30,20 @@ _KNOWN = {
     b"\x1f\x8b": "a gzip file: unpack it first",
     b"\x80": "a Python pickle, which is never loaded: save plain arrays with numpy.savez",
 }
+# What zipfile and numpy raise on altered bytes; a size that cannot be true ends in MemoryError.
+_BROKEN = (
+    zipfile.BadZipFile,
+    zlib.error,
+    EOFError,
+    OSError,
+    SyntaxError,
+    NotImplementedError,
+    RuntimeError,
+    MemoryError,
+    OverflowError,
+    TypeError,
+    KeyError,
+)
 
 
 def read_arrays(path: Path) -> dict[str, Array]:
@@ -73,37 +88,36 @@ def is_rgbd(arrays: Mapping[str, Array]) -> bool:
 def _read_npz(path: Path) -> dict[str, Array]:
     try:
         with zipfile.ZipFile(path) as archive:
-            names = [name.removesuffix(".npy") for name in archive.namelist() if not name.endswith("/")]
-            foreign = [name for name in archive.namelist() if not name.endswith((".npy", "/"))]
-    except zipfile.BadZipFile as error:
+            members = [name for name in archive.namelist() if not name.endswith("/")]
+            foreign = [name for name in members if not name.endswith(_MEMBER)]
+            if foreign:
+                raise InvalidInput(
+                    f"the file is a zip with {foreign[0]!r} in it, no .npz: expected arrays only"
+                )
+            twice = [name for name, count in Counter(members).items() if count > 1]
+            if twice:
+                name = twice[0].removesuffix(_MEMBER)
+                raise InvalidInput(f"the name {name!r} occurs twice: expected one array per name")
+            return {name.removesuffix(_MEMBER): _read_member(archive, name) for name in members}
+    except (zipfile.BadZipFile, NotImplementedError) as error:
         raise InvalidInput(f"the file is a broken .npz ({error}): write it again") from error
-    if foreign:
-        raise InvalidInput(f"the file is a zip with {foreign[0]!r} in it, no .npz: expected arrays only")
-    twice = [name for name, count in Counter(names).items() if count > 1]
-    if twice:
-        raise InvalidInput(f"the name {twice[0]!r} occurs twice: expected one array per name")
-    with np.load(path, allow_pickle=False) as archive:
-        return {name: _read_member(archive, name) for name in archive.files}
 
 
-def _read_member(archive: Mapping[str, Array], name: str) -> Array:
+def _read_member(archive: zipfile.ZipFile, member: str) -> Array:
+    what = f"array {member.removesuffix(_MEMBER)!r}"
     try:
-        array = archive[name]
+        with archive.open(member) as file:
+            return np.lib.format.read_array(file, allow_pickle=False)
     except ValueError as error:
-        raise InvalidInput(_refusal(error, f"array {name!r}")) from error
-    except (zipfile.BadZipFile, zlib.error, EOFError, OSError, SyntaxError, NotImplementedError) as error:
-        raise InvalidInput(f"array {name!r} is broken ({error}): write the file again") from error
-    if not hasattr(array, "dtype"):  # numpy hands out the raw bytes of a member that is no array
-        raise InvalidInput(
-            f"array {name!r} is no array: its .npy header is missing; write it with numpy.savez"
-        )
-    return array
+        raise InvalidInput(_refusal(error, what)) from error
+    except _BROKEN as error:
+        raise InvalidInput(f"{what} is broken ({_reason(error)}): write the file again") from error
 
 
 def _read_npy(path: Path) -> dict[str, Array]:
     try:
         array = np.load(path, allow_pickle=False)
-    except (ValueError, EOFError, SyntaxError) as error:
+    except (ValueError, *_BROKEN) as error:
         raise InvalidInput(_refusal(error, "the .npy file")) from error
     if array.dtype.names is None:
         raise InvalidInput(
@@ -122,4 +136,8 @@ def _refusal(error: Exception, what: str) -> str:
             f"{what} holds a Python pickle, which is never loaded because it can run any code: "
             "save plain arrays of numbers, numpy.savez(file, name=points, ...)"
         )
-    return f"{what} is broken ({error}): write the file again"
+    return f"{what} is broken ({_reason(error)}): write the file again"
+
+
+def _reason(error: Exception) -> str:
+    return " ".join(str(error).split())[:120] or type(error).__name__

@@ -45,7 +45,8 @@ def read_pcd(path: Path, what: str) -> FloatArray:
     except (ValueError, KeyError, IndexError, TypeError) as error:
         reason = " ".join(str(error).split())[:120]
         raise InvalidInput(f"{what} is no readable PCD file: {reason}") from error
-    return np.stack([records[axis].astype(np.float64).reshape(len(records)) for axis in "xyz"], axis=1)
+    with np.errstate(invalid="ignore"):  # a signalling NaN is a NaN like any other
+        return np.stack([records[axis].astype(np.float64).reshape(len(records)) for axis in "xyz"], axis=1)
 
 
 def _read_header(content: bytes) -> tuple[_Header, int]:
