@@ -2,6 +2,7 @@
 
 import logging
 import time
+from collections import Counter
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
 
@@ -9,12 +10,12 @@ import numpy as np
 
 from topple.planner.errors import NoSafePlan
 from topple.planner.execute import execute
+from topple.planner.goal import Goal, parse_goal
 from topple.planner.judge import displacements, violations
-from topple.planner.order import Order, order
+from topple.planner.next_step import NextStep, Station, StepChooser
 from topple.planner.report.raster import picture
 from topple.planner.report.record import RunRecord, StepRecord
-from topple.planner.solids import solids_of
-from topple.planner.transfer import Transfer, TransferFailure, plan_transfer, scene_after
+from topple.planner.transfer import scene_after
 from topple.robots.camera import Camera
 from topple.robots.simulated_arm import SimulatedArm
 from topple.robots.world import World
@@ -55,7 +56,7 @@ class Look:
 
 @dataclass
 class ClosedLoop:
-    """Frees targets in a world with an arm, looking again after every action.
+    """Reaches a goal in a world with an arm, looking again after every action.
 
     The loop decides from depth images and masks alone; the true poses serve only to judge what it did.
 
@@ -63,7 +64,7 @@ class ClosedLoop:
         world: The world with the objects and the arm in it.
         robot: The arm.
         cameras: The depth cameras, at least one.
-        targets: Names to be lifted clear and put down elsewhere.
+        goal: What shall hold in the end, in words ("free plate"), or names to free.
         fixed: Names that never move.
         up: (3,) up direction in the world.
         seed: Seed of sensor noise and of every search.
@@ -74,7 +75,7 @@ class ClosedLoop:
     world: World
     robot: SimulatedArm
     cameras: Sequence[Camera]
-    targets: tuple[str, ...]
+    goal: str | Sequence[str]
     fixed: tuple[str, ...] = ("table",)
     up: FloatArray = field(default_factory=lambda: np.array([0.0, 0.0, 1.0]))
     seed: int = 0
@@ -83,39 +84,39 @@ class ClosedLoop:
 
     def __post_init__(self) -> None:
         self._rng = np.random.default_rng(self.seed)
-        self._put_down: list[str] = []
-        self._attempts: dict[str, int] = {}
+        self._done: list[tuple[str, str]] = []
+        self._attempts: Counter[str] = Counter()
 
-    def run(self, goal: str) -> RunRecord:
-        """Acts until the targets are free, nothing more can be done, or the budget is spent.
-
-        Args:
-            goal: The goal in words, for the record.
+    def run(self) -> RunRecord:
+        """Acts until the goal holds, nothing more can be done, or the budget is spent.
 
         Returns:
             Every step with what it disturbed, and whether the goal holds without a violation.
+
+        Raises:
+            InvalidInput: The goal is none, or names what no camera sees.
         """
         started = time.perf_counter()
+        look = self.look()
+        goal = parse_goal(self.goal, look.scene)
+        budget = self.limits.actions * max(1, len(look.scene.movable))
         steps: list[StepRecord] = []
         wrong: list[str] = []
-        look = self.look()
-        budget = self.limits.actions * max(1, len(look.scene.movable))
         try:
-            while (left := self._left()) and len(steps) < budget:
-                step, look, found = self._one_action(look, left)
+            while len(steps) < budget and (chosen := self._chooser(look, goal).choose()) is not None:
+                step, look, found = self._act(look, chosen)
                 steps.append(step)
                 wrong += found
         except NoSafePlan as error:
             wrong.append(str(error))
-        missing = self._left()
-        if missing and len(steps) >= budget:
-            wrong.append(f"gave up after {budget} actions with {', '.join(missing)} not free")
+        chooser = self._chooser(look, goal)
+        missing = chooser.unmet()
         return RunRecord(
-            goal=goal,
+            goal=goal.text,
             robot=self.robot.arm.name,
             seed=self.seed,
             success=not missing and not wrong,
-            violations=tuple(wrong),
+            violations=(*wrong, *missing),
             steps=tuple(steps),
             seconds=time.perf_counter() - started,
             scene=look.scene,
@@ -128,44 +129,49 @@ class ClosedLoop:
         scene = Scene.from_images(images, fixed=self.fixed, up=self.up)
         return Look(images, scene, relate(scene))
 
-    def _left(self) -> list[str]:
-        return [name for name in self.targets if name not in self._put_down]
+    def _chooser(self, look: Look, goal: Goal) -> StepChooser:
+        station = Station(self.robot.arm, self.robot.pose_base_to_world, self.robot.q_target)
+        most = self.limits.attempts
+        given_up = {name: f"{n} attempts failed" for name, n in self._attempts.items() if n >= most}
+        return StepChooser(
+            look.scene, goal, station, done=self._done, relations=look.relations, given_up=given_up,
+            seed=self.seed + self._attempts.total(),
+        )  # fmt: skip
 
-    def _one_action(self, look: Look, left: list[str]) -> tuple[StepRecord, Look, list[str]]:
-        """Chooses, plans and does one action, looks again and judges it."""
+    def _act(self, look: Look, chosen: NextStep) -> tuple[StepRecord, Look, list[str]]:
+        """Does one step, looks again and judges it."""
         started, robot_started = time.perf_counter(), self.world.time
-        chosen = order(look.scene, left, relations=look.relations, seed=self.seed)
-        transfer = self._first_possible(look.scene, chosen)
-        name = transfer.object
-        self._attempts[name] = self._attempts.get(name, 0) + 1
-        reason = self._reason(name, left, chosen)
-        self._say(f"{name}: {reason}")
+        transfer, name = chosen.transfer, chosen.transfer.object
+        self._say(f"{chosen.action} {name}: {chosen.reason}")
         before = self.world.poses()
         self.robot.touched.clear()
         outcome = execute(transfer, self.robot)
         self.robot.wait(self.limits.settle)
         after = self.world.poses()
+        self._attempts[name] += 1
+        attempts = self._attempts[name]
         if outcome.success:
-            self._put_down.append(name)
+            self._done.append((name, chosen.action))
+            self._attempts[name] = 0
         seen = self.look()
         predicted = relate(scene_after(look.scene, transfer))
         handled = (name, *self.fixed)
         wrong = [f"{name}: {text}" for text in violations(before, after, self.robot.touched, handled)]
         step = StepRecord(
             object=name,
-            action="lift clear and put down" if name in self.targets else "take off and put down",
+            action=chosen.action,
             success=outcome.success,
-            attempts=self._attempts[name],
+            attempts=attempts,
             disturbed=displacements(before, after, handled),
             relations_as_predicted=not unexpected(predicted, seen.relations),
             seconds=time.perf_counter() - started,
-            reason=f"{reason} {outcome.text}",
+            reason=f"{chosen.reason}; {outcome.text}",
             robot_seconds=self.world.time - robot_started,
             picture_before=_picture(look.images[0]),
             picture_after=_picture(seen.images[0]),
             scene=look.scene,
             relations=look.relations.to_json(),
-            order=chosen.to_json(),
+            order=chosen.order.to_json(),
             predicted=predicted.to_json(),
             observed=seen.relations.to_json(),
             tool_path=outcome.tool_path,
@@ -175,44 +181,6 @@ class ClosedLoop:
         )
         self._say(f"{name}: {outcome.text}")
         return step, seen, wrong
-
-    def _first_possible(self, scene: Scene, chosen: Order) -> Transfer:
-        """A transfer of the first object in the order that nothing has to precede and the arm can move.
-
-        Raises:
-            NoSafePlan: Nothing that may go now can be moved; says why for each.
-        """
-        waiting = {edge.then for edge in chosen.graph.dependencies if edge.first in chosen.order}
-        solids, failures = solids_of(scene), list[str]()
-        for name in (name for name in chosen.order if name not in waiting):
-            if self._attempts.get(name, 0) >= self.limits.attempts:
-                failures.append(f"{name} was tried {self.limits.attempts} times")
-                continue
-            found = plan_transfer(
-                name,
-                scene,
-                solids,
-                self.robot.arm,
-                self.robot.pose_base_to_world,
-                self.robot.q_target,
-                seed=self.seed + self._attempts.get(name, 0),
-            )
-            if not isinstance(found, TransferFailure):
-                return found
-            failures.append(str(found))
-        why = "; ".join(failures) or f"no safe order frees {', '.join(chosen.targets)}"
-        raise NoSafePlan(why, certificate=tuple(failures))
-
-    def _reason(self, name: str, left: Sequence[str], chosen: Order) -> str:
-        """Why this object now, in a sentence."""
-        if name in left:
-            return "nothing has to go before it any more."
-        why = [
-            f"{edge.then} ({edge.reason})"
-            for edge in chosen.graph.dependencies
-            if edge.first == name and edge.then in chosen.order
-        ]
-        return f"it has to go before {' and '.join(why) or 'the target'}."
 
     def _say(self, line: str) -> None:
         log.info(line)
