@@ -5,8 +5,8 @@ from numpy.typing import ArrayLike
 
 from topple.topology.arrays import FloatArray, frozen
 from topple.topology.errors import InvalidInput
-from topple.topology.tolerances import TOLERANCES
 
+_LARGEST_EXTENT = 20.0  # [m] no object on a table, nor the table, is longer; millimetres always are
 _RIGID = 1e-3  # rotations stored as float32 or printed to four digits are off by less
 
 
@@ -65,9 +65,9 @@ def as_points(points: ArrayLike, what: str) -> FloatArray:
             "drop them, points[numpy.isfinite(points).all(axis=1)]"
         )
     extent = float(np.ptp(array, axis=0).max())
-    if extent > TOLERANCES.largest_extent:
+    if extent > _LARGEST_EXTENT:
         raise InvalidInput(
-            f"{what} extends over {extent:.4g} m, more than {TOLERANCES.largest_extent:g} m: it looks like millimetres "
+            f"{what} extends over {extent:.4g} m, more than {_LARGEST_EXTENT:g} m: it looks like millimetres "
             "or another unit; topple takes metres, so scale it (millimetres: points / 1000)"
         )
     return frozen(array)
