@@ -79,7 +79,7 @@ class Checker:
         self.states_checked = 0
         self.exact_checks = 0
         self._broad = BroadPhase(self.model)
-        self._exact = ExactPhase(self.model)
+        self.exact = ExactPhase(self.model)
 
     def free(self, q: FloatArray) -> BoolArray:
         """Which states are free.
@@ -109,10 +109,10 @@ class Checker:
         state, a, b = self._hits(q[:1], every=True)
         if not len(state):
             return ()
-        self._exact.place(self.arm.chain.frames(q[:1])[0], {*a.tolist(), *b.tolist()})
+        self.exact.place(self.arm.chain.frames(q[:1])[0], {*a.tolist(), *b.tolist()})
         names = self.model.names
         found = {
-            (names[i], names[j]): self._exact.distance(i, j)
+            (names[i], names[j]): self.exact.distance(i, j)
             for i, j in zip(a.tolist(), b.tolist(), strict=True)
         }
         return tuple(
@@ -171,9 +171,9 @@ class Checker:
                 current, row, settled = s, row + 1, False
             if settled and not every:
                 continue
-            self._exact.place(frames[row], {i, j})
+            self.exact.place(frames[row], {i, j})
             self.exact_checks += 1
-            if self._exact.touches(i, j, wanted):
+            if self.exact.touches(i, j, wanted):
                 hits.append((s, i, j))
                 settled = True
         found = np.array(hits, dtype=np.int64).reshape(-1, 3)

@@ -42,9 +42,16 @@ class ExactPhase:
         return margin > 0 and self.distance(a, b) < margin
 
     def distance(self, a: int, b: int) -> float:
-        """Distance of two placed parts in [m], negative where they overlap."""
+        """Distance of two placed parts in [m]; where they overlap, minus the depth."""
         result = self._fcl.DistanceResult()
-        return float(self._fcl.distance(self._objects[a], self._objects[b], self._distance_request, result))
+        found = float(self._fcl.distance(self._objects[a], self._objects[b], self._distance_request, result))
+        return found if found > 0 else -self._depth(a, b)
+
+    def _depth(self, a: int, b: int) -> float:
+        result = self._fcl.CollisionResult()
+        request = self._fcl.CollisionRequest(num_max_contacts=1, enable_contact=True)
+        self._fcl.collide(self._objects[a], self._objects[b], request, result)
+        return max((float(contact.penetration_depth) for contact in result.contacts), default=0.0)
 
 
 @lru_cache(maxsize=1024)

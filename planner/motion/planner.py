@@ -5,11 +5,16 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
+from topple.planner.motion.certificate import Certificate, Certifier
 from topple.planner.motion.collision import Checker, Contact
 from topple.planner.motion.rrt import rrt_connect
 from topple.planner.motion.shortcut import length, shortcut
 from topple.topology.arrays import BoolArray, FloatArray, frozen
 from topple.topology.errors import InvalidInput
+
+DIRECT = 16  # goals, nearest first, that are tried by a straight edge
+ATTEMPTS = 4  # searches with different seeds before a path that could not be certified is returned
+OWN_SHARE = 0.7  # of the time left, for our own search; the rest is OMPL's
 
 
 @dataclass(frozen=True, eq=False)
@@ -20,12 +25,14 @@ class Motion:
         path: (k, n) waypoints of straight joint-space edges in [rad], read-only.
         goal: Index of the goal it reaches.
         stage: What found it: direct, rrt or ompl.
+        certificate: The proof that it is free all along, or what spoils it; None if none was asked for.
         seconds: How long that took.
     """
 
     path: FloatArray
     goal: int
     stage: str
+    certificate: Certificate | None = None
     seconds: float = 0.0
 
     def __post_init__(self) -> None:
@@ -63,12 +70,20 @@ class MotionFailure:
 
 
 def plan_motion(
-    checker: Checker, start: FloatArray, goals: FloatArray, *, seed: int = 0, budget: float = 5.0
+    checker: Checker,
+    start: FloatArray,
+    goals: FloatArray,
+    *,
+    seed: int = 0,
+    budget: float = 5.0,
+    certified: bool = True,
 ) -> Motion | MotionFailure:
     """Find a short path free of collisions to any of several goals.
 
-    Free means: at states at most 0.05 rad apart on every edge. The direct edges are tried first, the shortest
-    first.
+    The direct edges are tried first, the nearest goal first; then the search. States on an edge are checked
+    every 0.05 rad, and the edges of the result are certified, that is, proven free in between as well. Where
+    some path was found but none that could be certified, it is returned with the certificate that says what
+    touches.
 
     Args:
         checker: The arm, what it holds and what it must not hit.
@@ -76,6 +91,7 @@ def plan_motion(
         goals: (g, n) or (n,) joint values.
         seed: Seed of the search. As long as the budget is not used up, the same seed gives the same path.
         budget: Seconds to search.
+        certified: Whether to certify; without, a path may touch something between the checked states.
 
     Returns:
         The motion, or why there is none.
@@ -90,38 +106,83 @@ def plan_motion(
         return failure
     free = np.flatnonzero(checker.free(goals) & _within(checker, goals))
     order = free[np.argsort(np.linalg.norm(goals[free] - start, axis=1), kind="stable")]
-    direct = _direct(checker, start, goals[order])
-    if direct is not None:
-        path = np.array([start, goals[order[direct]]])
-        return Motion(path, int(order[direct]), "direct", time.monotonic() - begun)
-    path, stage = _searched(checker, start, goals[order], seed, begun + budget)
-    if path is None:
-        return _barred(checker, start, goals[order[0]], time.monotonic() - begun)
-    path = shortcut(path, checker.edges_free)
-    goal = int(np.argmin(np.abs(goals - path[-1]).max(axis=1)))
-    return Motion(path, goal, stage, time.monotonic() - begun)
+    query = _Query(
+        checker, start, goals[order], seed, begun + budget, Certifier(checker) if certified else None
+    )
+    found = query.direct() or query.searched()
+    seconds = time.monotonic() - begun
+    if found is None:
+        return _barred(checker, start, goals[order[0]], seconds)
+    path, stage, certificate = found
+    goal = int(order[np.argmin(np.abs(goals[order] - path[-1]).max(axis=1))])
+    return Motion(path, goal, stage, certificate, seconds)
 
 
-def _direct(checker: Checker, start: FloatArray, goals: FloatArray) -> int | None:
-    """Index of the first goal that a straight edge reaches; goals come nearest first."""
-    for first in range(0, min(len(goals), 16), 4):
-        some = goals[first : first + 4]
-        free = checker.edges_free(np.broadcast_to(start, some.shape), some)
-        if free.any():
-            return first + int(np.argmax(free))
-    return None
+_Found = tuple[FloatArray, str, Certificate | None]
 
 
-def _searched(
-    checker: Checker, start: FloatArray, goals: FloatArray, seed: int, deadline: float
-) -> tuple[FloatArray | None, str]:
-    share = time.monotonic() + 0.7 * max(deadline - time.monotonic(), 0.0)
-    path = rrt_connect(checker, start, goals, seed=seed, deadline=share)
-    if path is not None:
-        return path, "rrt"
-    from topple.planner.motion.ompl_search import ompl_path
+@dataclass(frozen=True, eq=False)
+class _Query:
+    """One planning query; goals are free and come nearest first."""
 
-    return ompl_path(checker, start, goals, seed=seed, seconds=deadline - time.monotonic()), "ompl"
+    checker: Checker
+    start: FloatArray
+    goals: FloatArray
+    seed: int
+    deadline: float
+    certifier: Certifier | None
+
+    def direct(self) -> _Found | None:
+        """The first goal that a straight edge reaches."""
+        for first in range(0, min(len(self.goals), DIRECT), 4):
+            goals = self.goals[first : first + 4]
+            starts = np.broadcast_to(self.start, goals.shape)
+            for goal in goals[self.checker.edges_free(starts, goals)]:
+                path = np.array([self.start, goal])
+                certificate = self._certificate(path)
+                if certificate is None or certificate.proven:
+                    return path, "direct", certificate
+        return None
+
+    def searched(self) -> _Found | None:
+        """The first path the search finds that can be certified, or else the first one."""
+        fallback: _Found | None = None
+        for attempt in range(ATTEMPTS):
+            path, stage = self._search(self.seed + 7919 * attempt)
+            if path is None:
+                break
+            short = shortcut(path, self.checker.edges_free)
+            assert short is not None, "a trusted path stays a path"
+            certificate = self._certificate(short)
+            if certificate is None or certificate.proven:
+                return short, stage, certificate
+            fallback = fallback or (short, stage, certificate)
+            careful = shortcut(path, self._proven, passes=1, trusted=False)
+            if careful is not None:
+                return careful, stage, self._certificate(careful)
+        return fallback
+
+    def _search(self, seed: int) -> tuple[FloatArray | None, str]:
+        now = time.monotonic()
+        own = now + OWN_SHARE * max(self.deadline - now, 0.0)
+        path = rrt_connect(self.checker, self.start, self.goals, seed=seed, deadline=own)
+        if path is not None:
+            return path, "rrt"
+        from topple.planner.motion.ompl_search import ompl_path
+
+        left = self.deadline - time.monotonic()
+        return ompl_path(self.checker, self.start, self.goals, seed=seed, seconds=left), "ompl"
+
+    def _certificate(self, path: FloatArray) -> Certificate | None:
+        return None if self.certifier is None else self.certifier.path(path)
+
+    def _proven(self, starts: FloatArray, ends: FloatArray) -> BoolArray:
+        """Which edges are free and can be certified."""
+        free = self.checker.edges_free(starts, ends)
+        some = np.flatnonzero(free)
+        if self.certifier is not None and len(some):
+            free[some] = [edge.proven for edge in self.certifier.certify(starts[some], ends[some])]
+        return free
 
 
 def _validated(checker: Checker, start: FloatArray, goals: FloatArray) -> tuple[FloatArray, FloatArray]:

@@ -14,7 +14,9 @@ ROUNDS = 40  # batches before what is known must do
 EdgesFree = Callable[[FloatArray, FloatArray], BoolArray]
 
 
-def shortcut(path: FloatArray, edges_free: EdgesFree, passes: int = 2) -> FloatArray:
+def shortcut(
+    path: FloatArray, edges_free: EdgesFree, *, passes: int = 2, trusted: bool = True
+) -> FloatArray | None:
     """Shorten a free path.
 
     Each pass divides the path into points and finds the shortest way through them from start to end, taking
@@ -22,19 +24,23 @@ def shortcut(path: FloatArray, edges_free: EdgesFree, passes: int = 2) -> FloatA
     2016).
 
     Args:
-        path: (k, n) waypoints; its edges are taken as free.
+        path: (k, n) waypoints.
         edges_free: Tells which edges (starts (e, n), ends (e, n)) are free.
         passes: How often to repeat on the result.
+        trusted: Whether the path's own edges are taken as free; else they are asked about as well.
 
     Returns:
-        (j, n) waypoints, the ends unchanged, no longer than the path.
+        (j, n) waypoints, the ends unchanged, no longer than the path; None where its own edges are not free
+        and there is no way around them.
     """
     for _ in range(passes):
-        if len(path) <= 2:
+        if len(path) <= 2 and trusted:
             break
-        shorter = _shortest(_divided(path, POINTS), edges_free)
+        shorter = _shortest(_divided(path, POINTS), edges_free, trusted)
+        if shorter is None:
+            return None
         gain = length(path) - length(shorter)
-        path = shorter
+        path, trusted = shorter, True
         if gain < 0.01 * length(path):
             break
     return path
@@ -57,22 +63,26 @@ def _divided(path: FloatArray, count: int) -> FloatArray:
     return np.concatenate(points)
 
 
-def _shortest(points: FloatArray, edges_free: EdgesFree) -> FloatArray:
+def _shortest(points: FloatArray, edges_free: EdgesFree, trusted: bool) -> FloatArray | None:
     count = len(points)
     cost = np.linalg.norm(points[:, None] - points[None], axis=2)
-    known = np.eye(count, k=1, dtype=np.bool_)  # steps of the path itself are free
+    known = np.eye(count, k=1, dtype=np.bool_) & trusted
     for _ in range(ROUNDS):
         best, ahead, behind = _best_way(cost)
+        if not np.isfinite(ahead[-1]):
+            return None
         edges = [(i, j) for i, j in pairwise(best) if not known[i, j]]
         if not edges:
             return points[best]
-        edges += _alternatives(cost, known, ahead, behind, set(edges))
+        if trusted:  # the plain check is cheap in bulk, a certificate is not: then only what is needed
+            edges += _alternatives(cost, known, ahead, behind, set(edges))
         i, j = np.array(edges).T
         free = edges_free(points[i], points[j])
         known[i[free], j[free]] = True
         cost[i[~free], j[~free]] = np.inf
     cost[~known] = np.inf
-    return points[_best_way(cost)[0]]
+    best, ahead, _ = _best_way(cost)
+    return points[best] if np.isfinite(ahead[-1]) else None
 
 
 def _best_way(cost: FloatArray) -> tuple[list[int], FloatArray, FloatArray]:

@@ -1,0 +1,223 @@
+"""Proof that a straight joint-space edge is free between its samples too.
+
+An edge is covered by intervals. Where a part pair is farther apart in the middle state of an interval than
+the motion within it can bring the two together, the pair is done there; the pairs that are left go on to the
+pieces of it, all intervals of all edges in one batch, until everything is proven or a contact is found.
+"""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from topple.planner.motion.bounds import MotionBounds
+from topple.planner.motion.collision import Checker, Contact
+from topple.robots.separation import ROUNDING, Candidates, Float32Array, Frames, gaps
+from topple.topology.arrays import BoolArray, FloatArray, IntArray
+
+FIRST = 0.05  # [rad] length of the first intervals, in the largest joint change
+FINEST = 2e-4  # [m] motion within an interval below which a pair that is still open is given to python-fcl
+PIECES = 4  # parts an interval is divided into where a pair is open: fewer, larger batches than by halves
+DEPTH = 12  # levels; a motion of a metre is below FINEST after 7
+DIRECTIONS = 4  # separating directions tried for a pair before its interval is divided
+
+
+@dataclass(frozen=True, eq=False)
+class Certificate:
+    """What is known of an edge.
+
+    Attributes:
+        proven: Whether it is free everywhere, with at least the clearance asked for.
+        clearance: A lower bound in [m] of the distance of all checked pairs all along; 0 where not proven.
+        contact: What comes too close, where something does.
+        state: (n,) where that is.
+    """
+
+    proven: bool
+    clearance: float
+    contact: Contact | None = None
+    state: FloatArray | None = None
+
+
+@dataclass(frozen=True, eq=False)
+class _Intervals:
+    edge: IntArray
+    middle: FloatArray  # position on the edge, 0 to 1
+    half: FloatArray  # half the length, on the same scale
+
+    def pieces(self, which: IntArray) -> "_Intervals":
+        half = self.half[which] / PIECES
+        offsets = np.arange(1 - PIECES, PIECES, 2)
+        middle = self.middle[which][:, None] + half[:, None] * offsets
+        return _Intervals(np.repeat(self.edge[which], PIECES), middle.ravel(), np.repeat(half, PIECES))
+
+
+class Certifier:
+    """Certifies edges against a checker's scene."""
+
+    def __init__(self, checker: Checker) -> None:
+        """Prepare for a checker; it may be used for many edges."""
+        self._checker = checker
+        self._model = checker.model
+        self._chain = checker.arm.chain
+        self._bounds = MotionBounds(checker.model, checker.arm.chain)
+        m, s = np.nonzero(checker.model.standing_pairs)
+        pairs = checker.model.moving_pairs
+        self._a = np.concatenate([checker.model.moving[m], pairs[:, 0]])
+        self._b = np.concatenate([checker.model.standing[s], pairs[:, 1]])
+        wanted = checker.model.margin
+        self._margin = (wanted[self._a] + wanted[self._b]).astype(np.float32)
+
+    def certify(
+        self, starts: FloatArray, ends: FloatArray, clearance: float = 0.0
+    ) -> tuple[Certificate, ...]:
+        """Prove edges free.
+
+        Args:
+            starts: (e, n) one end of each edge.
+            ends: (e, n) the other end.
+            clearance: Distance in [m] to be proven for every checked pair, on top of the checker's margin.
+
+        Returns:
+            A certificate for each edge.
+        """
+        work = _Work(starts, ends, np.full(len(starts), np.inf), {})
+        intervals = _first(starts, ends)
+        index = np.arange(len(intervals.edge))
+        item = np.repeat(index, len(self._a))
+        pair = np.tile(np.arange(len(self._a)), len(index))
+        for depth in range(DEPTH):
+            item, pair = self._level(work, intervals, item, pair, clearance, last=depth == DEPTH - 1)
+            if not len(item):
+                break
+            which, position = np.unique(item, return_inverse=True)
+            intervals = intervals.pieces(which)
+            item = (PIECES * position[:, None] + np.arange(PIECES)).ravel()
+            pair = np.repeat(pair, PIECES)
+        return tuple(work.certificate(edge) for edge in range(len(starts)))
+
+    def path(self, path: FloatArray, clearance: float = 0.0) -> Certificate:
+        """Certify a path (k, n): the least clearance if all are proven, or the first failure."""
+        if len(path) < 2:
+            path = np.concatenate([path, path])
+        found = self.certify(path[:-1], path[1:], clearance)
+        failed = next((certificate for certificate in found if not certificate.proven), None)
+        return failed or Certificate(True, min(certificate.clearance for certificate in found))
+
+    def _level(
+        self,
+        work: "_Work",
+        intervals: _Intervals,
+        item: IntArray,
+        pair: IntArray,
+        clearance: float,
+        last: bool,
+    ) -> tuple[IntArray, IntArray]:
+        """Treat all open (interval, pair) items of one size; returns those left for the pieces."""
+        way = work.ends[intervals.edge] - work.starts[intervals.edge]
+        middle = work.starts[intervals.edge] + intervals.middle[:, None] * way
+        frames = Frames(*self._chain.frames_single(middle))
+        self._checker.states_checked += len(middle)
+        centres = self._centres(frames)
+        spans = (np.abs(way) * intervals.half[:, None]).astype(np.float32)
+        a, b = self._a[pair], self._b[pair]
+        motion = self._bounds.relative(self._bounds.of(frames, spans, centres), item, a, b)
+        need = motion + self._margin[pair] + np.float32(clearance + 2 * ROUNDING)
+        direction, apart = self._spheres(centres, item, a, b)
+        far = apart > need
+        work.note(intervals.edge[item[far]], (apart - motion)[far])
+        near = np.flatnonzero(~far)
+        candidates = Candidates(item[near], a[near], b[near], direction[near], need[near])
+        gap = gaps(self._model.sets, frames, candidates, iterations=DIRECTIONS)
+        proven = gap > need[near]
+        work.note(intervals.edge[item[near[proven]]], (gap - motion[near])[proven])
+        open_ = near[~proven]
+        touching = gap[~proven] <= self._margin[pair[open_]] + clearance
+        fine = (motion[open_] < FINEST) | last
+        asked = np.flatnonzero(touching | fine)
+        settled = self._ask(work, intervals, middle, item, pair, motion, open_[asked], clearance, last)
+        keep = np.ones(len(open_), dtype=np.bool_)
+        keep[asked[settled]] = False
+        keep &= ~np.isin(intervals.edge[item[open_]], list(work.failed))
+        return item[open_[keep]], pair[open_[keep]]
+
+    def _ask(
+        self,
+        work: "_Work",
+        intervals: _Intervals,
+        middle: FloatArray,
+        item: IntArray,
+        pair: IntArray,
+        motion: Float32Array,
+        open_: IntArray,
+        clearance: float,
+        last: bool,
+    ) -> BoolArray:
+        """Let python-fcl decide open items: a contact ends the edge, a distance may prove the item."""
+        settled = np.zeros(len(open_), dtype=np.bool_)
+        order = np.argsort(item[open_], kind="stable")
+        frames = self._chain.frames(middle[np.unique(item[open_])]) if len(open_) else np.empty(0)
+        row, current = -1, -1
+        for k in order.tolist():
+            i, p = int(item[open_[k]]), int(pair[open_[k]])
+            row, current = (row, current) if i == current else (row + 1, i)
+            edge = int(intervals.edge[i])
+            if edge in work.failed:
+                continue
+            a, b = int(self._a[p]), int(self._b[p])
+            self._checker.exact.place(frames[row], {a, b})
+            distance = self._checker.exact.distance(a, b)
+            wanted = float(self._margin[p]) + clearance
+            if distance > wanted + float(motion[open_[k]]):
+                settled[k] = True
+                work.note(np.array([edge]), np.array([distance - float(motion[open_[k]])]))
+            elif distance <= wanted or last:
+                names = self._model.names
+                work.failed[edge] = (Contact(names[a], names[b], distance), middle[i])
+        return settled
+
+    def _centres(self, frames: Frames) -> Float32Array:
+        sets = self._model.sets
+        turned = np.matmul(frames.rotation[:, sets.frame], sets.centre[:, :, None])[..., 0]
+        return turned + frames.translation[:, sets.frame]
+
+    def _spheres(
+        self, centres: Float32Array, item: IntArray, a: IntArray, b: IntArray
+    ) -> tuple[Float32Array, Float32Array]:
+        """First directions, and distances that bounding volumes vouch for."""
+        sets = self._model.sets
+        centre = centres[item, a]
+        standing = sets.frame[b] == 0
+        boxed = np.clip(centre, sets.lower[b], sets.upper[b])
+        direction = centre - np.where(standing[:, None], boxed, centres[item, b])
+        apart = np.sqrt(np.einsum("ij,ij->i", direction, direction))
+        apart -= sets.radius[a] + np.where(standing, 0, sets.radius[b])
+        inside = ~direction.any(axis=1)
+        direction[inside] = (centre - centres[item, b])[inside]
+        return direction, apart
+
+
+@dataclass(frozen=True, eq=False)
+class _Work:
+    """The edges, and what has been found out about each."""
+
+    starts: FloatArray
+    ends: FloatArray
+    clearance: FloatArray
+    failed: dict[int, tuple[Contact, FloatArray]]
+
+    def note(self, edges: IntArray, distances: FloatArray | Float32Array) -> None:
+        np.minimum.at(self.clearance, edges, distances)
+
+    def certificate(self, edge: int) -> Certificate:
+        if edge in self.failed:
+            contact, state = self.failed[edge]
+            return Certificate(False, 0.0, contact, state)
+        return Certificate(True, float(self.clearance[edge]))
+
+
+def _first(starts: FloatArray, ends: FloatArray) -> _Intervals:
+    count = np.maximum(np.ceil(np.abs(ends - starts).max(axis=1, initial=0.0) / FIRST), 1).astype(int)
+    edge = np.repeat(np.arange(len(starts)), count)
+    index = np.arange(len(edge)) - np.repeat(np.cumsum(count) - count, count)
+    half = 0.5 / count[edge]
+    return _Intervals(edge, (2 * index + 1) * half, half)
