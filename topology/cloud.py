@@ -44,40 +44,43 @@ def thinned(points: FloatArray, spacing: float) -> FloatArray:
     return points[np.sort(first)]
 
 
-def surface_noise(points: FloatArray) -> float:
-    """Typical distance of a point from the plane through its neighbours [m].
+def noise_and_spacing(points: FloatArray) -> tuple[float, float]:
+    """Typical distance of a point from the plane through its neighbours, and from its fourth neighbour.
 
     Args:
         points: (N, 3) points [m] of a surface.
 
     Returns:
-        The median over probes of the RMS residual of the local plane; 0 for fewer than 6 points.
+        The medians over probes of the RMS residual of the local plane and of the distance [m]; zeros for
+        fewer than 6 points.
     """
     if len(points) < 6:
-        return 0.0
+        return 0.0, 0.0
     probes = points[:: -(-len(points) // PROBES)]
     tree = KDTree(points)
-    _, index = tree.query(probes, k=min(NEIGHBOURS, len(points)))
+    distance, index = tree.query(probes, k=min(NEIGHBOURS, len(points)))
     patches = points[index] - points[index].mean(axis=1, keepdims=True)
     least = np.linalg.eigvalsh(np.einsum("pki,pkj->pij", patches, patches))[:, 0]
     # A plane through k points takes three degrees of freedom from their residuals.
-    return float(np.sqrt(np.median(np.maximum(least, 0.0)) / max(patches.shape[1] - 3, 1)))
+    noise = float(np.sqrt(np.median(np.maximum(least, 0.0)) / max(patches.shape[1] - 3, 1)))
+    return noise, float(np.median(np.asarray(distance)[:, 4]))
 
 
 def estimate_deviation(scene: Scene | Mapping[str, FloatArray]) -> float:
-    """Deviation factor δ of a scene, from the noise of its clouds.
+    """Deviation factor δ of a scene, from the noise and the spacing of its clouds.
 
     Args:
         scene: A scene, or clouds (N, 3) [m] by name.
 
     Returns:
-        `noise_factor` times the median noise of the clouds, within the least and greatest deviation [m].
+        The medians over the clouds of `noise_factor` times the noise and of the spacing, added as
+        independent errors, within the least and greatest deviation [m].
     """
     clouds = scene.clouds if isinstance(scene, Scene) else scene
-    noise = float(np.median([surface_noise(cloud) for cloud in clouds.values()])) if clouds else 0.0
-    return float(
-        np.clip(TOLERANCES.noise_factor * noise, TOLERANCES.least_deviation, TOLERANCES.greatest_deviation)
-    )
+    measured = np.array([noise_and_spacing(cloud) for cloud in clouds.values()]).reshape(-1, 2)
+    noise, spacing = np.median(measured, axis=0) if len(measured) else (0.0, 0.0)
+    estimate = float(np.hypot(TOLERANCES.noise_factor * noise, spacing))
+    return float(np.clip(estimate, TOLERANCES.least_deviation, TOLERANCES.greatest_deviation))
 
 
 def clean(points: FloatArray) -> FloatArray:

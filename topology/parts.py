@@ -1,8 +1,9 @@
 """Convex parts of a concave object, from points on its surface.
 
-A hull fills hollows: more than half of the hull of a bowl, a mug or a banana is empty. Two things show a hollow:
-points deep below the hull (a banana's inner side), and hull faces that should have been seen and have no points
-near them (the mouth of a bowl). A cloud with neither needs no parts; one with either is cut in two, again and again.
+A hull fills hollows: more than half of the hull of a bowl, a mug or a banana is empty. Two things show a
+hollow: points deep below the hull (a banana's inner side), and hull faces that should have been seen and have
+no points near them (the mouth of a bowl). A cloud with neither needs no parts; one with either is cut in two,
+again and again.
 """
 
 from dataclasses import dataclass
@@ -139,8 +140,8 @@ def convex_parts(
 
     Args:
         points: (N, 3) points on the object's surface [m].
-        tolerance: How far points may lie below the hull of their part [m]; 4 % of the object's mean extent and
-            at least 3 mm where not given.
+        tolerance: How far points may lie below the hull of their part [m]; 4 % of the object's mean extent
+            and at least 3 mm where not given.
         viewpoints: (k, 3) camera centres [m]. A face of a hull that looks at one of them and has no points
             near it is a hollow's mouth; with k = 0 the cloud is taken to be complete and every bare face is
             one. Where not given, only points below the hull count, and a thin shell stays one part.

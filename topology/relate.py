@@ -11,8 +11,10 @@ from topple.topology.cloud import estimate_deviation
 from topple.topology.errors import InvalidInput
 from topple.topology.pairs import PairRelation, Relations, Rule
 from topple.topology.plain import PlainRule
+from topple.topology.robust import RobustRule
 from topple.topology.scene import Scene
 from topple.topology.tolerances import TOLERANCES
+from topple.topology.visibility import Sight
 
 __all__ = ["PairRelation", "Relations", "relate", "relate_all"]
 
@@ -62,7 +64,12 @@ def _rule(scene: Scene, deviation: float | None, plain: bool) -> Rule:
         _check_deviation(scene, deviation)
     if plain:
         return PlainRule(TOLERANCES.plain_deviation if deviation is None else float(deviation))
-    return PlainRule(estimate_deviation(scene) if deviation is None else float(deviation))
+    sight = Sight(scene.clouds, scene.viewpoints, scene.images)
+    return RobustRule(
+        deviation=estimate_deviation(scene) if deviation is None else float(deviation),
+        up=scene.up,
+        sight=sight if sight.known else None,
+    )
 
 
 def _check_deviation(scene: Scene, deviation: float) -> None:

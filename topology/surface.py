@@ -1,0 +1,253 @@
+"""One object's cloud prepared for the default rule, cleaned and thinned; distances between two of them."""
+
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+from scipy.sparse import coo_matrix
+from scipy.sparse.csgraph import connected_components
+from scipy.spatial import KDTree
+
+from topple.topology.arrays import BoolArray, FloatArray, IntArray
+from topple.topology.hull import Hull
+from topple.topology.tolerances import TOLERANCES
+
+COARSE = 1500
+"""Points a cloud is thinned to, about: an object's surface every 3 mm to 5 mm."""
+LARGEST_CELL = 0.01
+"""Edge of a cell [m] of a table or shelf: what stands before it leaves slivers of it two or three cm wide."""
+FINE = 3000
+"""Points per object that the closest region may have; contact patches beyond that are thinned."""
+PATCH = 8
+"""Neighbours that make a local plane."""
+LINKS = 6
+"""Neighbours through which pieces of a cloud hang together."""
+FILLED = 0.2
+"""Share of the usual number of points around a place of a surface: one seen at 78 degrees from its normal."""
+AROUND = 2.2
+"""Radius, in cells, within which a surface has some fifteen other cells, a line four with fewer points."""
+BESIDE = 1.8
+"""How far, in cells, the edge of a surface may reach beyond its last filled cell."""
+FEW = 5
+"""Mean points below which a separate piece is stray whatever its shape."""
+BREAK = 4.0
+"""A gap of this many typical spacings separates two pieces."""
+
+
+@dataclass(frozen=True, eq=False)
+class SurfaceCloud:
+    """A cloud on two levels: all kept points, and one mean point per cell.
+
+    Attributes:
+        name: Name of the object.
+        points: (N, 3) kept points, grouped by cell [m].
+        starts: (M + 1,) rows of `points` at which the cells begin.
+        coarse: (M, 3) mean point of each cell [m].
+        cell: Edge of the cells [m], 0 where every point is a cell of its own.
+        dropped: Number of stray points left out.
+    """
+
+    name: str
+    points: FloatArray
+    starts: IntArray
+    coarse: FloatArray
+    cell: float
+    dropped: int
+
+    @staticmethod
+    def of(name: str, cloud: FloatArray) -> "SurfaceCloud":
+        """Thin a cloud and drop its stray pieces.
+
+        Args:
+            name: Name of the object.
+            cloud: (N, 3) points [m].
+        """
+        order, starts, cell = _cells(cloud)
+        points = cloud[order]
+        sizes = np.diff(starts)
+        coarse = np.add.reduceat(points, starts[:-1], axis=0) / sizes[:, None]
+        kept = _well_connected(coarse, sizes, cell)
+        kept[kept] = _main_pieces(coarse[kept])
+        if not kept.all():
+            points, sizes, coarse = points[np.repeat(kept, sizes)], sizes[kept], coarse[kept]
+            starts = np.concatenate([[0], np.cumsum(sizes)])
+        return SurfaceCloud(name, points, starts, coarse, cell, len(cloud) - len(points))
+
+    @cached_property
+    def hull(self) -> Hull:
+        """Hull of the mean points: trimmed of noise by half a cell's worth of averaging."""
+        return Hull.of(self.coarse)
+
+    @cached_property
+    def tree(self) -> KDTree:
+        """Search tree of the mean points."""
+        return KDTree(self.coarse)
+
+    @cached_property
+    def spacing(self) -> float:
+        """Typical distance from a mean point to its fourth neighbour [m]."""
+        if len(self.coarse) < 5:
+            return 0.0
+        return float(np.median(self.tree.query(self.coarse, k=5)[0][:, -1]))
+
+    @cached_property
+    def lower(self) -> FloatArray:
+        """(3,) least corner of the box of the kept points [m]."""
+        return self.points.min(axis=0)
+
+    @cached_property
+    def upper(self) -> FloatArray:
+        """(3,) greatest corner of the box of the kept points [m]."""
+        return self.points.max(axis=0)
+
+    @property
+    def size(self) -> int:
+        """Number of mean points: what the matrix counts."""
+        return len(self.coarse)
+
+    def rows_of(self, cells: IntArray) -> FloatArray:
+        """The kept points of some cells, (n, 3) [m]."""
+        sizes = self.starts[cells + 1] - self.starts[cells]
+        first = np.repeat(self.starts[cells] - (np.cumsum(sizes) - sizes), sizes)
+        return self.points[first + np.arange(len(first))]
+
+
+def _cells(cloud: FloatArray) -> tuple[IntArray, IntArray, float]:
+    """Order of the points by cell, where each cell starts, and the cell's edge."""
+    if len(cloud) <= COARSE:
+        return np.arange(len(cloud)), np.arange(len(cloud) + 1), 0.0
+    lower, extent = cloud.min(axis=0), np.ptp(cloud, axis=0)
+    cell = max(float(extent.max()), 1e-9) / 40
+    # Cells of a surface go with the inverse square of their edge: one look at a part settles the edge.
+    probe = cloud[:: -(-len(cloud) // (8 * COARSE))]
+    occupied = len(np.unique(_cell_keys(probe, lower, extent, cell)))
+    cell = min(float(np.clip(cell * (occupied / COARSE) ** 0.5, cell / 6, 2 * cell)), LARGEST_CELL)
+    keys = _cell_keys(cloud, lower, extent, cell)
+    order = np.argsort(keys, kind="stable")
+    ordered = keys[order]
+    starts = np.flatnonzero(np.concatenate([[True], ordered[1:] != ordered[:-1]]))
+    return order, np.append(starts, len(cloud)), cell
+
+
+def _cell_keys(points: FloatArray, lower: FloatArray, extent: FloatArray, cell: float) -> IntArray:
+    index = ((points - lower) / cell).astype(np.int32)
+    counts = (extent / cell).astype(np.int64) + 1
+    return (index[:, 0] * counts[1] + index[:, 1]) * counts[2] + index[:, 2]
+
+
+def _well_connected(coarse: FloatArray, sizes: IntArray, cell: float) -> BoolArray:
+    """Which cells are filled like a surface, or lie beside one that is.
+
+    At a mask's edge pixels show the neighbour, or hang in the air between the two: lines of cells that hold
+    few points.
+    """
+    if cell == 0:
+        return np.ones(len(coarse), dtype=np.bool_)
+    tree = KDTree(coarse)
+    pairs = tree.query_pairs(AROUND * cell, output_type="ndarray")
+    around = sizes.astype(np.float64)
+    for one, other in ((0, 1), (1, 0)):
+        around += np.bincount(pairs[:, one], weights=sizes[pairs[:, other]], minlength=len(coarse))
+    core = around >= FILLED * np.median(around)
+    if not core.any():
+        return np.ones(len(coarse), dtype=np.bool_)
+    return np.asarray(KDTree(coarse[core]).query(coarse)[0]) <= BESIDE * cell
+
+
+def _main_pieces(coarse: FloatArray) -> BoolArray:
+    """Which points belong to a piece of the cloud that is no stray: large enough a share of the whole."""
+    if len(coarse) < 30:
+        return np.ones(len(coarse), dtype=np.bool_)
+    distance, index = KDTree(coarse).query(coarse, k=LINKS + 1)
+    distance = np.asarray(distance)
+    limit = BREAK * float(np.median(distance[:, 4]))
+    rows = np.repeat(np.arange(len(coarse)), LINKS)
+    linked = (distance[:, 1:] <= limit).ravel()
+    graph = coo_matrix(
+        (np.ones(int(linked.sum())), (rows[linked], np.asarray(index)[:, 1:].ravel()[linked])),
+        shape=(len(coarse), len(coarse)),
+    )
+    labels = connected_components(graph, directed=False)[1]
+    sizes = np.bincount(labels)
+    stray = sizes < min(TOLERANCES.stray_share * len(coarse), sizes.max())
+    for label in np.flatnonzero(stray & (sizes >= FEW)):
+        stray[label] = _width(coarse[labels == label]) < limit / BREAK
+    return ~stray[labels]
+
+
+def _width(points: FloatArray) -> float:
+    """Spread (standard deviation) across the longest direction of a piece [m]."""
+    centred = points - points.mean(axis=0)
+    return float(np.sqrt(max(np.linalg.eigvalsh(centred.T @ centred)[1], 0.0) / len(points)))
+
+
+@dataclass(frozen=True, eq=False)
+class Closest:
+    """The nearest regions of two surfaces.
+
+    Attributes:
+        gap: Distance of the surfaces [m], by the closest points that are no strays.
+        pairs: (k, 2, 3) closest points, on the first and on the second surface [m].
+    """
+
+    gap: float
+    pairs: FloatArray
+
+
+def closest(a: SurfaceCloud, b: SurfaceCloud) -> Closest:
+    """Distance of two surfaces and where they are closest.
+
+    The distance from a point to a sampled surface is that to the plane through the nearest samples, as far
+    as they reach: sparse clouds of surfaces in contact do not seem apart by their spacing.
+
+    Args:
+        a: One surface.
+        b: The other.
+    """
+    near_a = np.asarray(b.tree.query(a.coarse)[0])
+    near_b = np.asarray(a.tree.query(b.coarse)[0])
+    slack = 2 * (a.cell + b.cell) + max(a.spacing, b.spacing) * (a.cell == 0 or b.cell == 0)
+    limit = max(float(near_a.min()), float(near_b.min())) + slack
+    fine_a = _at_most(a.rows_of(np.flatnonzero(near_a <= limit)), FINE)
+    fine_b = _at_most(b.rows_of(np.flatnonzero(near_b <= limit)), FINE)
+    rank = min(8, 1 + min(len(a.points), len(b.points)) // 60)  # so many strays may come closer
+    forward, feet = _to_surface(fine_a, fine_b)
+    backward, heads = _to_surface(fine_b, fine_a)
+    first, second = np.argsort(forward, kind="stable")[:64], np.argsort(backward, kind="stable")[:64]
+    pairs = np.concatenate(
+        [np.stack([fine_a[first], feet[first]], axis=1), np.stack([heads[second], fine_b[second]], axis=1)]
+    )
+    return Closest(min(_ranked(forward, rank), _ranked(backward, rank)), pairs)
+
+
+def _ranked(values: FloatArray, rank: int) -> float:
+    """The value that `rank - 1` others fall below."""
+    rank = min(rank, len(values))
+    return float(np.partition(values, rank - 1)[rank - 1])
+
+
+def _at_most(points: FloatArray, count: int) -> FloatArray:
+    return points[:: max(1, -(-len(points) // count))]
+
+
+def _to_surface(points: FloatArray, surface: FloatArray) -> tuple[FloatArray, FloatArray]:
+    """(N,) distances of points to the surface that (M, 3) samples show, and the (N, 3) nearest samples."""
+    count = min(PATCH, len(surface))
+    distance, index = KDTree(surface).query(points, k=count)
+    distance = np.asarray(distance).reshape(len(points), count)
+    index = np.asarray(index).reshape(len(points), count)
+    nearest = surface[index[:, 0]]
+    if count < 3:
+        return distance[:, 0], nearest
+    patch = surface[index]
+    middle = patch.mean(axis=1)
+    spread = patch - middle[:, None]
+    _, axes = np.linalg.eigh(np.einsum("nki,nkj->nij", spread, spread))
+    normal = axes[:, :, 0]
+    height = np.abs(np.einsum("ni,ni->n", points - middle, normal))
+    # Samples reach half their spacing beyond the last one.
+    reach = 0.5 * np.linalg.norm(patch[:, 1:4] - nearest[:, None], axis=2).mean(axis=1)
+    beside = np.sqrt(
+        np.maximum(distance[:, 0] ** 2 - np.einsum("ni,ni->n", points - nearest, normal) ** 2, 0)
+    )
+    return np.minimum(distance[:, 0], np.hypot(height, np.maximum(beside - reach, 0.0))), nearest

@@ -1,0 +1,94 @@
+"""What the cameras saw: whether a place was empty in their sight, or hidden behind something."""
+
+from collections.abc import Mapping
+
+import numpy as np
+
+from topple.topology.arrays import BoolArray, FloatArray, IntArray
+from topple.topology.image import DepthImage
+
+CELL = 0.01
+"""Width of a line of sight where only clouds and camera centres are known [rad]: 1 cm at 1 m."""
+MARGIN = 0.006
+"""How far behind the first surface a place must lie to count as hidden [m]: noise of a depth camera."""
+
+
+class Sight:
+    """The free space of a scene, from its depth images or, without them, from clouds and camera centres."""
+
+    def __init__(
+        self, clouds: Mapping[str, FloatArray], viewpoints: FloatArray, images: tuple[DepthImage, ...] = ()
+    ) -> None:
+        """Remember how far each line of sight goes.
+
+        Args:
+            clouds: Points (N, 3) [m] by name.
+            viewpoints: (k, 3) camera centres [m].
+            images: Depth images, each with its own camera; they replace the camera centres.
+        """
+        self._images = images
+        self._viewpoints = viewpoints if not images else np.zeros((0, 3))
+        everything = np.concatenate(list(clouds.values())) if len(self._viewpoints) else np.zeros((0, 3))
+        self._ranges = [_range_table(everything, viewpoint) for viewpoint in self._viewpoints]
+
+    @property
+    def known(self) -> bool:
+        """Whether any camera is known."""
+        return bool(self._images) or len(self._viewpoints) > 0
+
+    def free(self, places: FloatArray) -> BoolArray:
+        """Which places some camera saw to be empty.
+
+        Args:
+            places: (N, 3) places [m].
+
+        Returns:
+            (N,) True: a line of sight went past the place. False: every camera's was blocked before, or the
+            place is on a surface.
+        """
+        seen = np.zeros(len(places), dtype=np.bool_)
+        for image in self._images:
+            seen |= _free_in(image, places)
+        for viewpoint, table in zip(self._viewpoints, self._ranges, strict=True):
+            key, reach = _directions(places, viewpoint)
+            seen |= table[key] > reach - MARGIN
+        return seen
+
+
+def _directions(points: FloatArray, viewpoint: FloatArray) -> tuple[IntArray, FloatArray]:
+    """Cell of the direction in which a camera sees each point, and how far away."""
+    offset = points - viewpoint
+    reach = np.linalg.norm(offset, axis=1)
+    unit = offset / np.maximum(reach, 1e-12)[:, None]
+    # Two angles: cells narrow towards the poles, where a depth camera hardly ever looks along y.
+    row = ((np.arcsin(np.clip(unit[:, 1], -1, 1)) + np.pi / 2) / CELL).astype(np.int64)
+    column = ((np.arctan2(unit[:, 0], unit[:, 2]) + np.pi) / CELL).astype(np.int64)
+    return row * _columns() + column, reach
+
+
+def _columns() -> int:
+    return int(2 * np.pi / CELL) + 1
+
+
+def _range_table(points: FloatArray, viewpoint: FloatArray) -> FloatArray:
+    """How far the camera sees in each direction; without end where no point is."""
+    table = np.full((int(np.pi / CELL) + 2) * _columns(), np.inf)
+    key, reach = _directions(points, viewpoint)
+    np.minimum.at(table, key, reach)
+    return table
+
+
+def _free_in(image: DepthImage, places: FloatArray) -> BoolArray:
+    """Which places one image saw to be empty: its depth there is greater."""
+    turn, centre = image.pose_camera_to_world[:3, :3], image.pose_camera_to_world[:3, 3]
+    local = (places - centre) @ turn
+    ahead = local[:, 2] > 1e-6
+    pixel = local @ image.K.T
+    scale = np.where(ahead, pixel[:, 2], 1.0)
+    column = np.floor(pixel[:, 0] / scale + 0.5)
+    row = np.floor(pixel[:, 1] / scale + 0.5)
+    height, width = image.depth.shape
+    inside = ahead & (column >= 0) & (column < width) & (row >= 0) & (row < height)
+    depth = np.zeros(len(places))
+    depth[inside] = image.depth[row[inside].astype(np.int64), column[inside].astype(np.int64)]
+    return depth > local[:, 2] + MARGIN
