@@ -29,7 +29,7 @@ class Body:
 
     Attributes:
         name: Its name in the scene.
-        parts: Vertices (V, 3) of each convex part in the body's frame in [m]; together they are what collides.
+        parts: Vertices (V, 3) of each convex part in the body's frame in [m]; together they collide.
         mass: In [kg].
         friction: Coulomb coefficient; PyBullet multiplies those of the two bodies that touch.
         centre_of_mass: (3,) in the body's frame in [m].

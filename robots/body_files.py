@@ -16,8 +16,8 @@ def body_from_files(folder: str | Path, name: str | None = None, *, friction: fl
     """Read a body from a folder with `collision.obj`, and `mesh.obj` and `meta.json` where there are such.
 
     Args:
-        folder: Holds `collision.obj`, one convex part per `o` group; `mesh.obj`, the surface; `meta.json` with
-            `mass_kg` and `rgba`.
+        folder: Holds `collision.obj`, one convex part per `o` group; `mesh.obj`, the surface; and
+            `meta.json` with `mass_kg` and `rgba`.
         name: Name in the scene; None: the folder's.
         friction: Coulomb coefficient.
 

@@ -1,6 +1,7 @@
 """The PyBullet world: a table, bodies made of convex parts, and what touches what."""
 
 import tempfile
+from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from types import TracebackType
@@ -11,6 +12,7 @@ import pybullet
 
 from topple.robots.bodies import Body
 from topple.robots.poses import inverse, pose_from, position_and_quaternion
+from topple.robots.rounding import cores
 from topple.robots.tolerances import TOLERANCES
 from topple.topology.arrays import FloatArray
 from topple.topology.errors import InvalidInput, UnknownObject
@@ -27,14 +29,12 @@ class Physics:
         gravity: In [m/s^2], down along z.
         time_step: In [s].
         iterations: Of the contact solver.
-        margin: By which PyBullet inflates hulls in [m].
         damping: Share of linear and angular speed lost per second: air, and contacts that are soft.
     """
 
     gravity: float = 9.81
     time_step: float = TOLERANCES.time_step
     iterations: int = TOLERANCES.solver_iterations
-    margin: float = TOLERANCES.collision_margin
     damping: float = 0.04
 
 
@@ -155,10 +155,11 @@ class World:
             raise InvalidInput(f"two bodies are called {body.name!r}: give each its own name")
         moments, pose_inertial_to_body = principal_axes(body)
         pose = (np.eye(4) if pose_body_to_world is None else pose_body_to_world) @ pose_inertial_to_body
-        collision, visual = self._shapes(body, pose_inertial_to_body)
+        core = cores(body.parts)
+        collision, visual = self._shapes(core.parts, body, pose_inertial_to_body)
         number: int = pybullet.createMultiBody(
             0.0 if fixed else body.mass, collision, visual, *position_and_quaternion(pose),
-            physicsClientId=self.client,
+            useMaximalCoordinates=True, physicsClientId=self.client,
         )  # fmt: skip
         self.ids[body.name], self._names[number] = number, body.name
         self._bodies[body.name], self._inertial[body.name] = body, pose_inertial_to_body
@@ -166,11 +167,11 @@ class World:
             self._fixed.add(body.name)
         else:
             pybullet.changeDynamics(
-                number, -1, localInertiaDiagonal=moments.tolist(), physicsClientId=self.client
+                number, -1, mass=body.mass, localInertiaDiagonal=moments.tolist(), physicsClientId=self.client
             )
         pybullet.changeDynamics(
             number, -1, lateralFriction=body.friction, rollingFriction=body.rolling,
-            spinningFriction=body.rolling, restitution=0.0, collisionMargin=self.physics.margin,
+            spinningFriction=body.rolling, restitution=0.0, collisionMargin=core.margin,
             linearDamping=self.physics.damping, angularDamping=self.physics.damping,
             physicsClientId=self.client,
         )  # fmt: skip
@@ -316,10 +317,12 @@ class World:
             raise UnknownObject(name, self.ids)
         return self.ids[name]
 
-    def _shapes(self, body: Body, pose_inertial_to_body: FloatArray) -> tuple[int, int]:
+    def _shapes(
+        self, solid: Sequence[FloatArray], body: Body, pose_inertial_to_body: FloatArray
+    ) -> tuple[int, int]:
         """Numbers of the collision and the visual shape, in the frame PyBullet moves."""
         pose = inverse(pose_inertial_to_body)
-        parts = [part @ pose[:3, :3].T + pose[:3, 3] for part in body.parts]
+        parts = [part @ pose[:3, :3].T + pose[:3, 3] for part in solid]
         fans = [np.array([[0, k, k + 1] for k in range(1, len(part) - 1)]) for part in parts]
         seen = body.mesh.vertices @ pose[:3, :3].T + pose[:3, 3]
         collision: int = pybullet.createCollisionShape(
@@ -353,8 +356,8 @@ def principal_axes(body: Body) -> tuple[FloatArray, FloatArray]:
         body: Any body.
 
     Returns:
-        Moments (3,) in [kg m^2], and (4, 4) pose_inertial_to_body at the centre of mass; parallel to the body's
-        frame where that is principal within one percent, so that symmetric bodies keep their axes.
+        Moments (3,) in [kg m^2], and (4, 4) pose_inertial_to_body at the centre of mass; parallel to
+        the body's frame where that is principal within one percent, so that symmetric bodies keep their axes.
     """
     pose = np.eye(4)
     pose[:3, 3] = body.centre_of_mass

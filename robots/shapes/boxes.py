@@ -39,7 +39,7 @@ def box(
     """
     half = np.array(size) / 2
     corners = np.array(list(itertools.product((-1, 1), repeat=3))) * half + [0, 0, half[2]]
-    return Body.of(name, [corners], mass=mass, density=density, color=color, kind=kind)
+    return Body.of(name, [corners], mass=mass, density=density, rolling=CARD.rolling, color=color, kind=kind)
 
 
 def block(name: str = "block", side: float = 0.05, *, color: Color = BEECH) -> Body:
@@ -79,7 +79,7 @@ def can(
     stack = rings(circle(sides), [(diameter / 2, 0.0), (diameter / 2, height)])
     return Body.of(
         name, [disc(stack, (0, 1))], mesh=closed_surface(stack), mass=mass, density=FOOD.density,
-        friction=STEEL.friction, color=color, kind="can",
+        friction=STEEL.friction, rolling=FOOD.rolling, color=color, kind="can",
     )  # fmt: skip
 
 
@@ -113,7 +113,14 @@ def tray(
     rim[3, :, 2] = 0.0  # the walls reach down beside the floor: nothing overlaps
     parts = [floor, *sectors(rim, (0, 1, 2, 3))]
     return Body.of(
-        name, parts, mesh=closed_surface(stack), mass=mass, density=WOOD.density, color=color, kind="tray"
+        name,
+        parts,
+        mesh=closed_surface(stack),
+        mass=mass,
+        density=WOOD.density,
+        rolling=WOOD.rolling,
+        color=color,
+        kind="tray",
     )
 
 

@@ -1,7 +1,7 @@
 """What household things are made of: densities from material tables, friction as measured on dry surfaces.
 
-A contact's coefficient is the product of the two: 0.5 between things and 0.6 on the table, in the middle of what is
-measured for glaze, steel, card and wood.
+A contact's coefficient is the product of the two: 0.5 between things and 0.6 on the table, in the middle of
+what is measured for glaze, steel, card and wood.
 """
 
 from dataclasses import dataclass
@@ -14,18 +14,20 @@ class Material:
     Attributes:
         density: In [kg/m^3].
         friction: Coulomb coefficient of the thing; a contact multiplies two.
-        rolling: Lever of the rolling resistance in [m].
+        rolling: Lever of the rolling resistance in [m]; what has flat sides needs none.
     """
 
     density: float
     friction: float = 0.7
-    rolling: float = 5e-4
+    rolling: float = 0.0
 
 
 STONEWARE = Material(2300.0)  # glazed stoneware and porcelain: 2300 to 2400
 STEEL = Material(7900.0)  # stainless steel 18/10
 WOOD = Material(650.0)  # beech
 CARD = Material(350.0)  # a full packet of sugar is 800, one of cereals 150
-FOOD = Material(1000.0)  # a full can: food near water's density, the tin adds what the head space lacks
+FOOD = Material(
+    1000.0, rolling=5e-4
+)  # a full can: food near water's density, the tin adds what the head space lacks
 PLASTIC = Material(1050.0)  # polystyrene and ABS
 FRUIT = Material(950.0, rolling=1.5e-3)  # most fruit just floats; its skin dents, so it rolls badly
