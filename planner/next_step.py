@@ -1,7 +1,7 @@
 """The next thing to do for a goal: which object, why, and a collision-free transfer of it.
 
-Planning a whole sequence and running one in closed loop ask the same question again and again: of the scene as
-it should be by then, and of the scene as it is seen.
+Planning a whole sequence and running one in closed loop ask the same question again: of the scene as it
+should be by then, and of the scene as it is seen.
 """
 
 from collections.abc import Collection, Mapping, Sequence
@@ -21,7 +21,7 @@ from topple.topology.scene import Scene
 from topple.topology.support import supports
 
 FREE, REMOVE, PLACE = "free", "remove", "place"
-"""free: lift a target clear and put it down; remove: take aside what is in the way; place: where the goal says."""
+"""free: take a target clear, put it down; remove: take away what is in the way; place: as the goal says."""
 
 
 @dataclass(frozen=True, eq=False)

@@ -1,0 +1,72 @@
+"""The built-in scenes, played: an arm does in PyBullet what the planner says, and everything is written down."""
+
+import json
+from collections.abc import Callable
+from pathlib import Path
+
+from topple.planner.files import write_whole
+from topple.planner.order import order
+from topple.planner.plan import plan
+from topple.planner.plan_format import plan_to_json
+from topple.planner.report.record import RunRecord
+from topple.planner.report.run_page import run_page
+from topple.planner.run import ClosedLoop
+from topple.robots.catalog import robot as robot_named
+from topple.robots.scenarios import scenario
+from topple.robots.simulated_arm import SimulatedArm
+
+Progress = Callable[[str], None]
+
+
+def demo(
+    name: str = "dishes",
+    *,
+    seed: int = 0,
+    robot: str = "panda-suction",
+    folder: str | Path = "topple-demo",
+    progress: Progress | None = None,
+) -> RunRecord:
+    """Plays a built-in scene.
+
+    Args:
+        name: One of `topple.robots.scenarios.names()`.
+        seed: Of the scene, the sensor noise and every search.
+        robot: The arm.
+        folder: Where relations.json, order.json, plan.json, run.json and report.html are written.
+        progress: Called with a line before and after each action.
+
+    Returns:
+        The run.
+
+    Raises:
+        InvalidInput: There is no such scene or robot, or the folder cannot be written.
+        NoSafePlan: The goal cannot be planned in the scene as it is first seen.
+    """
+    place = Path(folder)
+    place.mkdir(parents=True, exist_ok=True)
+    arm = robot_named(robot)
+    with scenario(name, seed) as stage:
+        loop = ClosedLoop(
+            stage.world,
+            SimulatedArm(stage.world, arm, stage.pose_base_to_world),
+            stage.cameras,
+            stage.goal,
+            fixed=stage.fixed,
+            seed=seed,
+            progress=progress,
+        )
+        first = loop.look()
+        targets = loop.goal_in(first).targets(first.contents())
+        write_whole(place / "relations.json", _text(first.relations.to_json()))
+        chosen = order(first.scene, targets or None, relations=first.relations, seed=seed)
+        write_whole(place / "order.json", _text(chosen.to_json()))
+        planned = plan(first.scene, stage.goal, arm, base=stage.pose_base_to_world, seed=seed)
+        write_whole(place / "plan.json", plan_to_json(planned))
+        record = loop.run()
+    write_whole(place / "run.json", _text(record.to_json()))
+    write_whole(place / "report.html", run_page(record))
+    return record
+
+
+def _text(document: object) -> str:
+    return json.dumps(document, indent=1) + "\n"
