@@ -10,8 +10,8 @@ class Tolerances:
     Attributes:
         time_step: 240 Hz, Bullet's own: what has fallen 5 cm goes 4 mm a step, as thick as a plate.
         solver_iterations: Contacts of a stack of five converge below 1 percent of their force.
-        margin: Radius of the edges of simulated bodies: contacts are fast and steady while only margins overlap.
-            More would round cutlery away.
+        margin: Radius of the edges of simulated bodies: contacts are fast and steady while only margins
+            overlap. More would round cutlery away.
         margin_share: Share of the thinnest part that the margin may be: a core must remain.
         seam: Parts of one body closer than this meet in a seam, which is no surface.
         contact: Shapes closer than this count as touching: a tenth of a depth camera's noise.
