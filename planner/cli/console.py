@@ -17,7 +17,8 @@ def print_json(document: Mapping[str, Any]) -> None:
     Raises:
         ValueError: If the document holds NaN or infinity.
     """
-    sys.stdout.write(json.dumps(document, ensure_ascii=False, allow_nan=False) + "\n")
+    plain = not (sys.stdout.encoding or "").lower().startswith("utf")
+    sys.stdout.write(json.dumps(document, ensure_ascii=plain, allow_nan=False) + "\n")
     sys.stdout.flush()
 
 

@@ -7,6 +7,7 @@ from types import TracebackType
 
 _PATIENCE = 1.0  # [s] what takes less is not worth a line
 _TICK = 0.25  # [s] between two looks at the clock
+_PAUSE = 2.0  # [s] between two lines of a log
 
 
 class Progress:
@@ -25,6 +26,7 @@ class Progress:
         self._message = ""
         self._shown: str | None = None
         self._started = 0.0
+        self._written = float("-inf")
         self._over = threading.Event()
         self._drawing = threading.Lock()
         self._thread = threading.Thread(target=self._watch, daemon=True)
@@ -69,7 +71,10 @@ class Progress:
             with self._drawing:
                 if self._terminal:
                     sys.stderr.write(f"\r\x1b[Ktopple {self._command}: {message} ({seconds:.0f} s)"[:118])
-                elif message != self._shown:
+                elif message == self._shown or seconds - self._written < _PAUSE:
+                    continue
+                else:
+                    self._written = seconds
                     sys.stderr.write(f"topple {self._command}: {message} ({seconds:.0f} s)\n")
                 self._shown = message
                 sys.stderr.flush()

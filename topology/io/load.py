@@ -48,7 +48,7 @@ def load_scene(
             parts, [fixed] if isinstance(fixed, str) else list(fixed), given_up if up is None else up
         )
     except InvalidInput as error:
-        _name_the_file(error, place)
+        _name_the_file(error, os.fspath(path))
         raise
 
 
@@ -66,6 +66,6 @@ def _read(path: Path) -> Parts:
     return parts_from_rgbd(arrays) if is_rgbd(arrays) else parts_from_clouds(arrays)
 
 
-def _name_the_file(error: InvalidInput, path: Path) -> None:
-    """Put the file's name before the message: the error keeps its type and what it carries."""
+def _name_the_file(error: InvalidInput, path: str) -> None:
+    """Put the path, as it was given, before the message; the error keeps its type and what it carries."""
     error.args = (f"{path}: {error.args[0]}", *error.args[1:])

@@ -80,7 +80,8 @@ def test_files_that_are_not_scenes(refused: Refused, tmp_path: Path) -> None:
 
 def test_unknown_names_are_answered_with_the_known_ones(refused: Refused, tmp_path: Path) -> None:
     path = _npz(tmp_path, **FINE)
-    line = refused("relate", path, "--fixed", "desk")
+    line = refused("relate", f"{tmp_path}/./scene.npz", "--fixed", "desk")
+    assert line.count("scene.npz") == 1
     assert "'desk'" in line
     assert "mug, table" in line
     assert "'cup'" in refused("order", path, "--target", "cup")

@@ -130,6 +130,15 @@ def test_names_are_printed_as_they_are(tmp_path: Path, capsys: pytest.CaptureFix
     assert "Löffel" in out
 
 
+def test_names_the_terminal_cannot_show_are_no_reason_to_stop(tmp_path: Path) -> None:
+    box = _surface((0, 0, 0), (0.1, 0.1, 0.1))
+    np.savez(tmp_path / "scene.npz", **{"Löffel": box, "mug": box + np.array([0.1, 0, 0])})
+    plain = {**os.environ, "PYTHONIOENCODING": "ascii"}
+    document = json.loads(_topple("relate", tmp_path / "scene.npz", "--json", env=plain).stdout)
+    assert document["objects"] == ["Löffel", "mug"]
+    assert "L\\xf6ffel" in _topple("relate", tmp_path / "scene.npz", env=plain).stdout
+
+
 def test_show_writes_a_page_or_a_picture(stack: Path, capsys: pytest.CaptureFixture[str]) -> None:
     page, picture = stack.parent / "page.html", stack.parent / "picture.png"
     assert main(["show", str(stack), "-o", str(page)]) == 0

@@ -26,6 +26,7 @@ def test_what_takes_long_says_each_message_once(
 ) -> None:
     monkeypatch.setattr(module, "_PATIENCE", 0.05)
     monkeypatch.setattr(module, "_TICK", 0.02)
+    monkeypatch.setattr(module, "_PAUSE", 0.1)
     with Progress("relate") as progress:
         for message in ("first.npz", "second.npz"):
             progress(message)
