@@ -164,8 +164,13 @@ class _Planning:
 
     def _one(self, chosen: Order, targets: Sequence[str], action: str) -> str:
         """Take the first object of an order that can be taken now."""
-        needed = set(chosen.order)
-        waiting = {edge.then for edge in chosen.graph.dependencies if edge.first in needed}
+        rank = {name: place for place, name in enumerate(chosen.order)}
+        # within a group of a cycle the order says who starts, so only what comes earlier is waited for
+        waiting = {
+            edge.then
+            for edge in chosen.graph.dependencies
+            if edge.first in rank and edge.then in rank and rank[edge.first] < rank[edge.then]
+        }
         failures: list[str] = []
         for name in chosen.order:
             if name in waiting:

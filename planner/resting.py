@@ -6,9 +6,12 @@ from dataclasses import dataclass
 import numpy as np
 from scipy.spatial import ConvexHull, QhullError
 
-from topple.planner.grasp.surface import centre_of_mass, voxel_means
+from topple.planner.samples import centre_of_mass, voxel_means
 from topple.planner.solids import hull_vertices, level_axes
 from topple.topology.arrays import FloatArray
+
+FLATNESS = 0.2  # thickness over length below which a thing lies flat by itself, as cutlery does
+FLAT_SHARE = 0.5  # of its thickness: what of a bent thing counts as its underside
 
 
 @dataclass(frozen=True)
@@ -23,6 +26,7 @@ class PlacementTolerances:
         drop: Height above the table at which it is let go: depth noise (2 mm) and tracking error (2 mm).
         reach: Distances from the arm's base between which it works freely top-down.
         stray: Points this far below the others of a face still belong to it: noise of the cloud.
+        least_steady: Below this it is taken to fall over: noise of the cloud's middle.
         steady: Distance of the centre of mass from the edge of the face it stands on, where standing is safe.
         most_turn: Largest tilt by which an object may be turned to lie.
     """
@@ -34,6 +38,7 @@ class PlacementTolerances:
     drop: float = 0.004
     reach: tuple[float, float] = (0.30, 0.70)
     stray: float = 0.003
+    least_steady: float = 0.002
     steady: float = 0.015
     most_turn: float = 1.75
 
@@ -73,22 +78,31 @@ def resting_poses(
     Returns:
         Resting poses, at least one: where no face holds it, it keeps the attitude it has.
     """
-    corners = np.vstack([hull_vertices(np.vstack([voxel_means(cloud, 0.004), *parts]))])
+    few = voxel_means(cloud, 0.004)
+    corners = hull_vertices(np.vstack([few, *parts]))
     centre = centre_of_mass(cloud, parts)
     found: list[Rest] = []
-    for down in _face_normals(corners, up):
+    flats = _flat_sides(few)
+    for number, down in enumerate([*flats, *_face_normals(corners, up)]):
         turn = float(np.arccos(np.clip(-down @ up, -1.0, 1.0)))
         heights = corners @ down
-        face = corners[heights > heights.max() - tolerances.stray]
+        stray = FLAT_SHARE * float(np.ptp(heights)) if number < len(flats) else 0.0
+        face = corners[heights > heights.max() - max(tolerances.stray, stray)]
         steadiness = _inset(face, centre, down)
-        if turn <= tolerances.most_turn and steadiness > 0.0:
+        if turn <= tolerances.most_turn and steadiness > tolerances.least_steady:
             found.append(Rest(_rotation_between(down, -up), turn, steadiness))
     if not found:
         return [Rest(np.eye(3), 0.0, 0.0)]
-    wanted = [rest for rest in found if rest.steadiness > 0.3 * tolerances.steady] or found
-    return sorted(wanted, key=lambda rest: rest.turn - 0.15 * min(1.0, rest.steadiness / tolerances.steady))[
-        :3
-    ]
+    found.sort(key=lambda rest: rest.turn - 0.15 * min(1.0, rest.steadiness / tolerances.steady))
+    return found[:3]
+
+
+def _flat_sides(points: FloatArray) -> list[FloatArray]:
+    """Both directions across a flat thing, which lies down on them whatever its bends; else none."""
+    centred = points - points.mean(axis=0)
+    _, _, axes = np.linalg.svd(centred, full_matrices=False)
+    extents = np.ptp(centred @ axes.T, axis=0)
+    return [axes[2], -axes[2]] if len(points) > 3 and extents[2] < FLATNESS * extents[0] else []
 
 
 def _face_normals(corners: FloatArray, up: FloatArray, same: float = 0.14) -> list[FloatArray]:

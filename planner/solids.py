@@ -6,7 +6,7 @@ from typing import Any
 import numpy as np
 from scipy.spatial import ConvexHull, QhullError
 
-from topple.planner.grasp.surface import voxel_means
+from topple.planner.samples import voxel_means
 from topple.robots.convex import hull_of
 from topple.topology.arrays import FloatArray, IntArray
 from topple.topology.errors import InvalidInput
@@ -16,6 +16,8 @@ from topple.topology.scene import Scene
 Solids = Mapping[str, Sequence[FloatArray]]
 """Per object the (V, 3) vertices of its convex parts, in the world [m]."""
 
+GRAIN = 0.003  # cubes whose points are averaged before hulls are drawn: halves 1-2 mm of depth noise [m]
+HOLLOW = 0.006  # hulls may stand out from the points by this: less cuts noise into pieces [m]
 SLAB = 0.05  # a table seen from above is taken to be this thick: fingers must not come out below it [m]
 FLAT = 0.02  # a fixed cloud no thicker than this is a surface, not a body: depth noise is 2-4 mm [m]
 HOVER = 0.006  # a gap below an object up to this is depth noise, above it a side nobody saw [m]
@@ -59,9 +61,23 @@ def solids_of(scene: Scene) -> dict[str, tuple[FloatArray, ...]]:
             found[name] = fixed_parts(cloud, up)
         else:
             gap = hidden_depth(name, scene, up)
-            parts = tuple(convex_parts(np.asarray(voxel_means(cloud, 0.003))))
+            parts = parts_of(cloud, scene)
             found[name] = tuple(drawn_down(part, gap, up) for part in parts)
     return found
+
+
+def parts_of(cloud: FloatArray, scene: Scene) -> tuple[FloatArray, ...]:
+    """Convex parts of what is seen of an object.
+
+    Args:
+        cloud: (N, 3) its points [m].
+        scene: The scene, for the cameras that tell a hollow from a side nobody saw.
+
+    Returns:
+        (V, 3) vertices of each part.
+    """
+    seen_from = scene.viewpoints if len(scene.viewpoints) > 0 else None
+    return convex_parts(voxel_means(cloud, GRAIN), HOLLOW, viewpoints=seen_from)
 
 
 def fixed_parts(cloud: FloatArray, up: FloatArray) -> tuple[FloatArray, ...]:
@@ -76,7 +92,7 @@ def fixed_parts(cloud: FloatArray, up: FloatArray) -> tuple[FloatArray, ...]:
     """
     top = table_top(cloud, up)
     if top is None:
-        return tuple(convex_parts(cloud))
+        return convex_parts(voxel_means(cloud, GRAIN), HOLLOW)
     normal, height = top
     flat = cloud - np.outer(cloud @ normal - height, normal)
     rim = hull_vertices(flat)

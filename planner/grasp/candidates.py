@@ -9,11 +9,12 @@ from topple.planner.grasp.grasp import Grasp
 from topple.planner.grasp.hand import HandShape, hand_shape
 from topple.planner.grasp.pinch import Pinch, frames, pinches
 from topple.planner.grasp.suction import CupShape, cup_shape, patches, seal_score
-from topple.planner.grasp.surface import Surface, surface_of, voxel_means
+from topple.planner.grasp.surface import Surface, surface_of
 from topple.planner.grasp.tolerances import GRASP_TOLERANCES, GraspTolerances
+from topple.planner.samples import voxel_means
+from topple.planner.solids import parts_of
 from topple.topology.arrays import FloatArray
 from topple.topology.errors import InvalidInput, UnknownObject
-from topple.topology.parts import convex_parts
 from topple.topology.scene import Scene
 
 if TYPE_CHECKING:
@@ -67,7 +68,7 @@ def grasp_candidates(
     if hand is None and cup is None:
         raise InvalidInput("nothing to grasp with: give an arm with tools, a hand or a cup")
     up = np.asarray(scene.up, dtype=np.float64)
-    solid = convex_parts(voxel_means(scene.clouds[name], 0.003)) if solids is None else solids.get(name, ())
+    solid = parts_of(scene.clouds[name], scene) if solids is None else solids.get(name, ())
     others, floor = surroundings(name, scene, up, tolerances)
     surface = surface_of(scene.clouds[name], up, scene.viewpoints, solid, others, tolerances)
     found: list[Grasp] = []

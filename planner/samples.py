@@ -1,0 +1,98 @@
+"""Points standing for bodies: clouds thinned evenly, convex parts sampled, and where their mass is."""
+
+from collections.abc import Sequence
+
+import numpy as np
+from scipy.spatial import ConvexHull, QhullError
+
+from topple.topology.arrays import FloatArray
+
+
+def voxel_means(points: FloatArray, spacing: float) -> FloatArray:
+    """Replace the points of each cube of a grid by their mean, which also averages their noise.
+
+    Args:
+        points: (N, 3) points [m].
+        spacing: Edge of the cubes [m].
+
+    Returns:
+        (M, 3) means, M <= N, in the order of the grid.
+    """
+    if len(points) == 0:
+        return np.empty((0, 3))
+    keys = np.floor((points - points.min(axis=0)) / spacing).astype(np.int64)
+    span = keys.max(axis=0) + 1
+    flat = (keys[:, 0] * span[1] + keys[:, 1]) * span[2] + keys[:, 2]
+    _, inverse, counts = np.unique(flat, return_inverse=True, return_counts=True)
+    inverse = inverse.reshape(-1)
+    sums = np.stack([np.bincount(inverse, points[:, k], len(counts)) for k in range(3)], axis=1)
+    return sums / counts[:, None]
+
+
+def sampled(solid: Sequence[FloatArray], spacing: float) -> FloatArray:
+    """Points (N, 3) spread over the surfaces of convex parts, about `spacing` [m] apart."""
+    return sampled_with_normals(solid, spacing)[0]
+
+
+def sampled_with_normals(solid: Sequence[FloatArray], spacing: float) -> tuple[FloatArray, FloatArray]:
+    """Points spread over the surfaces of convex parts.
+
+    Args:
+        solid: (V, 3) vertices of each part [m].
+        spacing: About how far apart [m].
+
+    Returns:
+        (N, 3) points and their (N, 3) outward unit normals; none of parts without volume.
+    """
+    points, normals = [np.empty((0, 3))], [np.empty((0, 3))]
+    for part in solid:
+        try:
+            hull = ConvexHull(part, qhull_options="QJ Pp")
+        except (QhullError, ValueError):
+            continue
+        for corners, equation in zip(part[hull.simplices], hull.equations, strict=True):
+            samples = _triangle_grid(corners, spacing)
+            points.append(samples)
+            normals.append(np.tile(equation[:3], (len(samples), 1)))
+    return np.vstack(points), np.vstack(normals)
+
+
+def _triangle_grid(corners: FloatArray, spacing: float) -> FloatArray:
+    """Points spread evenly over a (3, 3) triangle, its corners' neighbourhood included."""
+    longest = float(np.linalg.norm(corners - np.roll(corners, 1, axis=0), axis=1).max())
+    steps = max(1, int(np.ceil(longest / spacing)))
+    i, j = np.meshgrid(np.arange(steps), np.arange(steps), indexing="ij")
+    u, v = (i + 1.0 / 3.0) / steps, (j + 1.0 / 3.0) / steps
+    inside = u + v < 1.0
+    return (
+        corners[0]
+        + np.outer(u[inside], corners[1] - corners[0])
+        + np.outer(v[inside], corners[2] - corners[0])
+    )
+
+
+def centre_of_mass(points: FloatArray, solid: Sequence[FloatArray] = ()) -> FloatArray:
+    """Estimate where an object's mass is, its density taken as even.
+
+    Args:
+        points: (N, 3) points of its surface [m].
+        solid: Its convex parts, weighed by their volume; empty for none.
+
+    Returns:
+        (3,) the parts' common centre of volume, or the mean of the points where there is no volume.
+    """
+    volumes, centres = [], []
+    for part in solid:
+        try:
+            hull = ConvexHull(part, qhull_options="QJ Pp")
+        except (QhullError, ValueError):
+            continue
+        inner = part.mean(axis=0)
+        corners = part[hull.simplices]
+        pieces = np.abs(np.linalg.det(corners - inner)) / 6.0
+        if pieces.sum() > 0:
+            volumes.append(float(pieces.sum()))
+            centres.append((pieces[:, None] * (corners.sum(axis=1) + inner) / 4.0).sum(axis=0) / pieces.sum())
+    if not volumes:
+        return points.mean(axis=0)
+    return np.average(np.array(centres), axis=0, weights=volumes)
