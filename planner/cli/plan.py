@@ -9,6 +9,7 @@ from topple.planner.cli.main import DONE
 from topple.planner.cli.options import add_common, read_scene, scene_paths
 from topple.planner.cli.progress import Progress
 from topple.planner.cli.robot_options import add_goal, add_robot, base_of, goal_of
+from topple.planner.cli.tables import print_assumptions
 from topple.planner.files import check_writable, write_whole
 
 if TYPE_CHECKING:
@@ -74,7 +75,7 @@ def _print_plan(path: str, plan: "Plan") -> None:
     )
     rows = [_row(number, step, plan.steps) for number, step in enumerate(plan.steps, start=1)]
     print_table(("", "action", "object", "because", "grasp", "after", "motion s"), rows, right=(0, 6))
-    print_text(*(f"Assumed: {assumption.rstrip('.')}." for assumption in plan.assumptions))
+    print_assumptions(plan.assumptions)
 
 
 def _row(number: int, step: "Step", steps: Sequence["Step"]) -> tuple[str, ...]:
