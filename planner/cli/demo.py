@@ -1,0 +1,87 @@
+"""`topple demo`: a built-in scene, looked at, ordered, planned and cleared by an arm in simulation."""
+
+import argparse
+import json
+from pathlib import Path
+from typing import Any
+
+from topple.planner.cli.console import complain, import_quietly, print_json, print_text
+from topple.planner.cli.main import DONE, NO_SAFE_PLAN
+from topple.planner.cli.options import add_common
+from topple.planner.cli.progress import Progress
+from topple.planner.cli.tables import print_order, print_relations, print_run
+from topple.topology.errors import InvalidInput
+
+_FOLDER = "topple-demo"
+_FILES = ("relations.json", "order.json", "plan.json", "run.json", "report.html")
+
+
+def add_arguments(parser: argparse.ArgumentParser) -> None:
+    """Add the options of `topple demo`.
+
+    Args:
+        parser: The sub-command's parser.
+    """
+    parser.add_argument("name", nargs="?", default="dishes", metavar="NAME", help="the scene (dishes)")
+    add_common(parser, scenes=None)
+    parser.add_argument(
+        "--robot",
+        default="panda-suction",
+        metavar="NAME",
+        help="panda, panda-suction or FILE.urdf (panda-suction)",
+    )
+    parser.add_argument(
+        "-o", "--output", default=_FOLDER, metavar="FOLDER", help=f"where everything is written ({_FOLDER})"
+    )
+
+
+def execute(args: argparse.Namespace) -> int:
+    """Play the scene and say what happened.
+
+    Args:
+        args: The parsed arguments.
+
+    Returns:
+        Exit code 0 where the goal was reached with nothing disturbed, else 1.
+
+    Raises:
+        InvalidInput: If there is no such scene or robot, or the folder cannot be written.
+        NoSafePlan: If the goal cannot be planned.
+    """
+    if args.fixed or args.up:
+        complain("--fixed and --up are ignored: a built-in scene knows its table and which way is up")
+    folder = _made(args.output)
+    with Progress("demo") as progress:
+        progress(f"setting up {args.name}")
+        import_quietly("pybullet")
+        from topple.planner.demo import demo
+
+        record = demo(args.name, seed=args.seed, robot=args.robot, folder=folder, progress=progress)
+    run = record.to_json()
+    if args.json:
+        print_json(run)
+    else:
+        _print_demo(args.name, folder, run)
+    complain(*(f"{args.name}: {violation}" for violation in run["violations"]))
+    return DONE if record.success else NO_SAFE_PLAN
+
+
+def _made(name: str) -> Path:
+    folder = Path(name)
+    try:
+        folder.mkdir(parents=True, exist_ok=True)
+    except OSError as error:
+        raise InvalidInput(f"{name}: cannot be made a folder, {error.strerror or error}") from error
+    return folder
+
+
+def _print_demo(name: str, folder: Path, run: dict[str, Any]) -> None:
+    relations = json.loads((folder / "relations.json").read_text(encoding="utf-8"))
+    order = json.loads((folder / "order.json").read_text(encoding="utf-8"))
+    print_relations(name, relations)
+    print_text("")
+    print_order(name, order)
+    print_text("")
+    print_run(name, run)
+    written = [file for file in _FILES if (folder / file).exists()]
+    print_text("", f"Written to {folder}: {', '.join(written)}")

@@ -1,0 +1,110 @@
+"""The documents of the contract as tables for people."""
+
+from collections.abc import Mapping
+from typing import Any
+
+from topple.planner.cli.console import print_table, print_text
+
+Document = Mapping[str, Any]
+
+
+def print_relations(title: str, document: Document) -> None:
+    """Print what `relate` found.
+
+    Args:
+        title: What it was found in.
+        document: A `topple.relations` document.
+    """
+    pairs = document["relations"]
+    near = [
+        pair for pair in pairs if pair["relation"] != "disjoint" or pair.get("kind") or not pair["observed"]
+    ]
+    deviation = document["deviation"] * 1000
+    print_text(f"{title}: {len(document['objects'])} objects, deviation {deviation:.2f} mm")
+    if near:
+        headings = ("a", "relation", "b", "gap mm", "confidence", "matrix", "")
+        print_table(headings, [_pair(pair) for pair in near], right=(3, 4))
+    apart = len(pairs) - len(near)
+    if apart:
+        which = f"The other {apart} of {len(pairs)} pairs" if near else f"All {apart} pairs"
+        print_text(f"{which} are disjoint.")
+
+
+def _pair(pair: Document) -> tuple[str, ...]:
+    notes = (
+        pair.get("kind"),
+        "inferred" if pair.get("inferred") else "",
+        "" if pair["observed"] else "not observed",
+    )
+    gap = f"{'' if pair['gap_exact'] else '> '}{pair['gap'] * 1000:.1f}"
+    matrix = "; ".join(" ".join(str(count) for count in row) for row in pair["matrix"])
+    note = ", ".join(note for note in notes if note)
+    return (pair["a"], pair["relation"], pair["b"], gap, f"{pair['confidence']:.2f}", matrix, note)
+
+
+def print_order(title: str, document: Document, movable: int | None = None) -> None:
+    """Print what `order` found: the steps with their reasons, who carries whom, groups.
+
+    Args:
+        title: What it was found in.
+        document: A `topple.order` document.
+        movable: Number of objects that could be taken, where it is to be told.
+    """
+    from topple.planner.report.words import listed, order_in_words
+
+    steps = order_in_words(document)
+    targets, risk = document["targets"], document["risk"]
+    count = f"{len(steps)} objects" if movable is None else f"{len(steps)} of {movable} movable objects"
+    purpose = f"to free {listed(targets)}" if targets else "to clear everything"
+    print_text(f"{title}: {purpose}, take {count} in this order")
+    rows = [(str(i), name, why, f"{risk.get(name, 0):.2f}") for i, (name, why) in enumerate(steps, start=1)]
+    print_table(("", "take", "because", "risk"), rows, right=(0, 3))
+    if document["supports"]:
+        carried = [(s["supporter"], s["supported"], f"{s['confidence']:.2f}") for s in document["supports"]]
+        print_text("", "Who carries whom:")
+        print_table(("supporter", "supported", "confidence"), carried, right=(2,))
+    for group in document["groups"]:
+        print_text(f"{listed(group)} hold each other: take them together, or hold the others.")
+
+
+def print_run(title: str, document: Document) -> None:
+    """Print what an arm did: a line per action, with what else it moved.
+
+    Args:
+        title: What it was done in.
+        document: A `topple.run` document.
+    """
+    steps = document["steps"]
+    outcome = "done" if document["success"] else "failed"
+    print_text(
+        f"{title}: {document['goal']}, {outcome} after {len(steps)} actions, {document['seconds']:.1f} s"
+    )
+    rows = [_action(i, step) for i, step in enumerate(steps, start=1)]
+    print_table(("", "object", "action", "", "disturbed", "relations", "s"), rows, right=(0, 6))
+
+
+def _action(number: int, step: Document) -> tuple[str, ...]:
+    moved = [f"{name} {m * 1000:.1f} mm {rad * 57.2958:.1f}°" for name, (m, rad) in step["disturbed"].items()]
+    outcome = "done" if step["success"] else "failed"
+    if step["attempts"] > 1:
+        outcome += f", attempt {step['attempts']}"
+    relations = "as predicted" if step["relations_as_predicted"] else "not as predicted"
+    disturbed = ", ".join(moved) or "nothing"
+    return (
+        str(number),
+        step["object"],
+        step["action"],
+        outcome,
+        disturbed,
+        relations,
+        f"{step['seconds']:.1f}",
+    )
+
+
+def print_assumptions(assumptions: list[str]) -> None:
+    """Print what was assumed, a sentence each.
+
+    Args:
+        assumptions: The sentences.
+    """
+    print_text(*(f"Assumed: {assumption.rstrip('.')}." for assumption in assumptions))
