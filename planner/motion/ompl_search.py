@@ -54,9 +54,12 @@ def ompl_path(
         search.setRange(RANGE)
     search.setProblemDefinition(problem)
     search.setup()
-    if not search.solve(seconds) or not problem.hasExactSolution():
+    solved = search.solve(seconds) and problem.hasExactSolution()
+    path: Any = problem.getSolutionPath() if solved else None
+    # the validator and its SpaceInformation hold each other; this lets both go
+    information.setMotionValidator(base.MotionValidator(information))
+    if path is None:
         return None
-    path: Any = problem.getSolutionPath()
     return np.array([_values(path.getState(i), len(start)) for i in range(path.getStateCount())])
 
 

@@ -58,8 +58,8 @@ def _divided(path: FloatArray, count: int) -> FloatArray:
     points: list[FloatArray] = [path[:1]]
     for a, b, step in zip(path[:-1], path[1:], steps, strict=True):
         pieces = max(int(step / spacing), 1)
-        t = np.arange(1, pieces + 1)[:, None] / pieces
-        points.append(a + t * (b - a))
+        t = np.arange(1, pieces)[:, None] / pieces
+        points += [a + t * (b - a), b[None]]
     return np.concatenate(points)
 
 

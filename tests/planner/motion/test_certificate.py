@@ -1,0 +1,104 @@
+import sys
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from topple.planner.motion.bounds import MotionBounds
+from topple.planner.motion.certificate import Certifier
+from topple.planner.motion.collision import Checker
+from topple.robots.catalog import robot
+from topple.robots.separation import Frames
+
+sys.path.insert(0, str(Path(__file__).parent))
+from scenes import box, clutter, densely
+
+
+def edges(count: int, reach: float, seed: int) -> tuple[np.ndarray, np.ndarray]:
+    arm = robot("panda")
+    rng = np.random.default_rng(seed)
+    starts = rng.uniform(arm.lower, arm.upper, (count, 7))
+    return starts, starts + reach * (rng.uniform(arm.lower, arm.upper, (count, 7)) - starts)
+
+
+@pytest.mark.parametrize("seed", range(3))
+def test_a_proven_edge_is_free_when_looked_at_densely_and_a_refused_one_is_not(seed: int) -> None:
+    checker = Checker(robot("panda"), np.eye(4), clutter(seed))
+    starts, ends = edges(40, 0.3, seed)
+    found = Certifier(checker).certify(starts, ends)
+    assert {certificate.proven for certificate in found} == {True, False}
+    for a, b, certificate in zip(starts, ends, found, strict=True):
+        dense = checker.free(densely(np.array([a, b])))
+        if certificate.proven:
+            assert dense.all()
+            assert certificate.clearance > 0
+        else:
+            assert certificate.contact is not None
+            assert certificate.state is not None
+            assert certificate.contact.distance <= 1e-4
+            assert not dense.all() or certificate.contact.distance > -1e-4
+
+
+def test_the_clearance_asked_for_is_kept() -> None:
+    scene = clutter(1)
+    arm = robot("panda")
+    checker = Checker(arm, np.eye(4), scene)
+    wide = Checker(arm, np.eye(4), scene, margin=0.02)
+    starts, ends = edges(60, 0.2, 5)
+    found = Certifier(checker).certify(starts, ends, clearance=0.02)
+    proven = [k for k, certificate in enumerate(found) if certificate.proven]
+    assert len(proven) > 5
+    for k in proven:
+        assert found[k].clearance >= 0.02
+        assert wide.free(densely(np.array([starts[k], ends[k]]), 0.01)).all()
+
+
+def test_a_thin_wire_between_the_samples_is_found() -> None:
+    arm = robot("panda")
+    a, b = arm.home.copy(), arm.home.copy()
+    a[0], b[0] = -0.5, 0.5
+    tips = arm.tool_pose((a + b) / 2)[0, :3, 3]
+    wire = {"wire": [box((tips[0], 0.0123, tips[2]), (0.2, 0.0004, 0.0004))]}
+    checker = Checker(arm, np.eye(4), wire)
+    coarse = Checker(arm, np.eye(4), wire).edge_free(a, b, step=0.5)
+    (found,) = Certifier(checker).certify(a[None], b[None])
+    assert coarse
+    assert not found.proven
+    assert found.contact is not None
+    assert found.contact.b == "wire"
+
+
+def test_an_edge_without_length_is_its_state() -> None:
+    checker = Checker(robot("panda"), np.eye(4), clutter(0))
+    home = checker.arm.home
+    (found,) = Certifier(checker).certify(home[None], home[None])
+    assert found.proven
+    assert Certifier(checker).path(home[None]).proven
+
+
+def test_no_part_moves_farther_than_its_bound() -> None:
+    arm = robot("panda")
+    checker = Checker(arm, np.eye(4), {})
+    model, rng = checker.model, np.random.default_rng(0)
+    middle = rng.uniform(arm.lower, arm.upper, (20, 7))
+    spans = rng.uniform(0, 0.4, (20, 7))
+    frames = Frames(*arm.chain.frames_single(middle))
+    sets = model.sets
+    centres = np.matmul(frames.rotation[:, sets.frame], sets.centre[:, :, None])[..., 0]
+    centres = centres + frames.translation[:, sets.frame]
+    bounds = MotionBounds(model, arm.chain).of(frames, spans.astype(np.float32), centres)
+    before = arm.chain.frames(middle)
+    for _ in range(8):
+        after = arm.chain.frames(middle + rng.choice([-1.0, 1.0], (20, 7)) * spans)
+        for part in model.moving:
+            frame = sets.frame[part]
+            for base in range(frame):
+                moved = seen_from(after, base, frame, model.vertices[part])
+                stood = seen_from(before, base, frame, model.vertices[part])
+                farthest = np.linalg.norm(moved - stood, axis=2).max(axis=1)
+                assert (farthest <= bounds[base, :, part] + 1e-5).all()
+
+
+def seen_from(frames: np.ndarray, base: int, frame: int, vertices: np.ndarray) -> np.ndarray:
+    pose = np.linalg.inv(frames[:, base]) @ frames[:, frame]
+    return np.einsum("mij,vj->mvi", pose[:, :3, :3], vertices) + pose[:, None, :3, 3]
