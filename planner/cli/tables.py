@@ -27,7 +27,7 @@ def print_relations(title: str, document: Document) -> None:
     apart = len(pairs) - len(near)
     if apart:
         which = f"The other {apart} of {len(pairs)} pairs" if near else f"All {apart} pairs"
-        print_text(f"{which} are disjoint.")
+        print_text(f"{which} are disjoint." if apart > 1 else "One pair is disjoint.")
 
 
 def _pair(pair: Document) -> tuple[str, ...]:

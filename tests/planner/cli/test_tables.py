@@ -1,0 +1,53 @@
+"""Tables of documents: everything a person needs is in them."""
+
+import pytest
+
+from topple.planner.cli.tables import print_order, print_relations, print_run
+from topple.planner.report.record import RunRecord, StepRecord
+
+
+def test_a_run_is_a_line_per_action_with_what_it_disturbed(capsys: pytest.CaptureFixture[str]) -> None:
+    steps = (
+        StepRecord("spoon", "remove", True, seconds=4.0),
+        StepRecord("plate", "free", False, attempts=2, disturbed={"can": (0.0123, 0.5)}, seconds=3.21),
+    )
+    record = RunRecord("free plate", "panda", 0, False, ("plate: can was moved 12.3 mm",), steps, 7.5)
+    print_run("dishes", record.to_json())
+    lines = capsys.readouterr().out.splitlines()
+    assert lines[0] == "dishes: free plate, failed after 2 actions, 7.5 s"
+    (spoon,) = [line for line in lines if line.startswith("1 ")]
+    (plate,) = [line for line in lines if line.startswith("2 ")]
+    assert "nothing" in spoon
+    for words in ("failed, attempt 2", "can 12.3 mm 28.6°", "3.2"):
+        assert words in plate
+
+
+def test_relations_leave_out_what_is_apart_but_count_it(capsys: pytest.CaptureFixture[str]) -> None:
+    pair = {"a": "cup", "b": "mug", "relation": "disjoint", "matrix": [[0, 0, 9], [0, 0, 9]], "gap": 0.5}
+    pair |= {"gap_exact": False, "confidence": 1.0, "observed": True}
+    document = {"deviation": 0.002, "objects": ["cup", "mug"], "relations": [pair]}
+    print_relations("scene.npz", document)
+    assert capsys.readouterr().out == "scene.npz: 2 objects, deviation 2.00 mm\nOne pair is disjoint.\n"
+    hidden = {**pair, "observed": False}
+    print_relations("scene.npz", {**document, "relations": [hidden]})
+    out = capsys.readouterr().out
+    assert "not observed" in out
+    assert "> 500.0" in out
+
+
+def test_a_group_is_said_in_words(capsys: pytest.CaptureFixture[str]) -> None:
+    document = {
+        "targets": ["a"],
+        "order": ["b", "a"],
+        "dependencies": [
+            {"first": "a", "then": "b", "reason": "leaning", "confidence": 0.9},
+            {"first": "b", "then": "a", "reason": "leaning", "confidence": 0.9},
+        ],
+        "supports": [],
+        "groups": [["b", "a"]],
+        "risk": {"a": 0.9, "b": 0.9},
+    }
+    print_order("scene.npz", document, movable=5)
+    out = capsys.readouterr().out
+    assert "to free a, take 2 of 5 movable objects" in out
+    assert "b and a hold each other" in out
