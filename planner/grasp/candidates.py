@@ -159,6 +159,8 @@ def _suction_grasps(
             f"{term} {value:.2f}" for term, value in patch.terms.items()
         )
         score = seal_score(patch.terms)
+        if score < tolerances.least_seal:
+            continue
         found.append(
             Grasp(name, "suction", patch.pose_tool_to_world, 0.0, cup.opening, score, reason, patch.terms)
         )

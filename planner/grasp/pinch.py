@@ -15,6 +15,7 @@ BRUSH = (0.006, 0.01)  # beside and below the hand: less room than this halves t
 NORMAL_BIAS = (
     0.15  # normals next to a silhouette average in what lies before it, 3 mm of a can: 9 degrees [rad]
 )
+CENTRAL = 0.03  # around the centre of mass, where a grasp hardly turns in the hand [m]
 SLOPE_LENGTH = 0.01  # below the tips, where the object's widening tells a slope from noise [m]
 
 
@@ -70,17 +71,40 @@ def frames(surface: Surface, up: FloatArray, tilts: Sequence[float], count: int 
     flat = points - np.outer(points @ up, up)
     across_all = _closing_directions(points, up)
     found: list[Frame] = []
-    for index in spread(points, surface.centre, count):
-        origin = points[index]
-        near = np.linalg.norm(flat - flat[index], axis=1) < 0.02
-        closings = _distinct([*_closing_directions(points[near], up), *across_all])
+    for origin in _places(points, surface.centre, up, count):
+        near = points[np.linalg.norm(flat - (origin - up * float(origin @ up)), axis=1) < 0.02]
+        normal = _facing(near, up)
+        closings = _distinct([*_closing_directions(near, up), *across_all])
         for closing in closings:
+            # on a face that leans sideways the pads close along the face, or a thin thing rolls in them
+            along = closing - up * float(closing @ normal) / float(normal @ up)
+            along /= np.linalg.norm(along)
+            across = cross(up, along)
+            across /= np.linalg.norm(across)
+            down = cross(across, along)
             for tilt in tilts:
-                level = cross(up, closing)
-                approach = np.cos(tilt) * -up + np.sin(tilt) * level
-                rotation = np.column_stack([cross(closing, approach), closing, approach])
-                found.append(Frame(origin, rotation, abs(tilt)))
+                approach = np.cos(tilt) * down + np.sin(tilt) * across
+                rotation = np.column_stack([cross(along, approach), along, approach])
+                found.append(Frame(origin, rotation, float(np.arccos(np.clip(-approach @ up, -1.0, 1.0)))))
     return found
+
+
+def _places(points: FloatArray, centre: FloatArray, up: FloatArray, count: int) -> list[FloatArray]:
+    """Points to try: spread over the object, and closer together around its centre of mass."""
+    offsets = points - centre
+    aside = np.linalg.norm(offsets - np.outer(offsets @ up, up), axis=1)
+    central = points[aside < CENTRAL]
+    chosen = [points[index] for index in spread(points, centre, count)]
+    return chosen + [central[index] for index in spread(central, centre, count // 4)]
+
+
+def _facing(points: FloatArray, up: FloatArray) -> FloatArray:
+    """Normal of the face some points lie on, where they lie on one that faces up; up otherwise."""
+    if len(points) < 8:
+        return up
+    values, vectors = np.linalg.eigh(np.cov(points.T))
+    normal = vectors[:, 0] if vectors[:, 0] @ up > 0 else -vectors[:, 0]
+    return normal if values[0] < 0.15 * values[1] and normal @ up > 0.8 else up
 
 
 def cross(a: FloatArray, b: FloatArray) -> FloatArray:

@@ -27,7 +27,9 @@ class GraspTolerances:
         lever: Distance between the pads' line and the centre of mass at which half the score is gone: a
             0.1 kg object then turns in the pads of a 20 N gripper.
         seal_tolerance: Unevenness under a suction cup's lip that its bellows takes up.
-        seal_tilt: Angle between the cup's axis and the surface normal that the bellows takes up.
+        least_seal: Suction scored below this would leak or peel off.
+        least_seal: float = 0.2
+    seal_tilt: Angle between the cup's axis and the surface normal that the bellows takes up.
     """
 
     spacing: float = 0.004
@@ -46,6 +48,7 @@ class GraspTolerances:
     friction: float = 0.5
     lever: float = 0.05
     seal_tolerance: float = 0.0015
+    least_seal: float = 0.2
     seal_tilt: float = 0.35
 
 
