@@ -12,10 +12,30 @@ import numpy as np
 
 from topple.topology.arrays import BoolArray, FloatArray
 
-CELLS = 24
-"""Grid cells along an edge of the cube: 3750 corners, about 1 ms to fill per 100 facets."""
+CELLS = 16
+"""Grid cells along an edge of the cube: 1734 corners; on a ball of 4 cm the bound is off by 0.1 mm."""
+BLOCK = 1 << 18
+"""Numbers a table may hold at once (2 MB)."""
+POINTS = 1 << 13
+"""Points bounded at once: a dozen rows of so many numbers stay in a core's own cache."""
 ROUNDING = 1e-12
 """Relative slack that keeps points exactly on the boundary on the chosen side."""
+
+
+def _grid_directions() -> FloatArray:
+    """(6 * (CELLS + 1)², 3) corners of the grid on the cube's six faces at distance 1."""
+    ticks = np.linspace(-1.0, 1.0, CELLS + 1)
+    s, t = np.meshgrid(ticks, ticks, indexing="ij")
+    directions = np.empty((6, CELLS + 1, CELLS + 1, 3))
+    for face in range(6):
+        axis = face % 3
+        directions[face, ..., axis] = 1.0 if face < 3 else -1.0
+        directions[face, ..., (axis + 1) % 3] = s
+        directions[face, ..., (axis + 2) % 3] = t
+    return directions.reshape(-1, 3)
+
+
+_DIRECTIONS = _grid_directions()
 
 
 @dataclass(frozen=True, eq=False)
@@ -46,33 +66,45 @@ class Gauge:
         if depth.min() <= 0:
             return None
         scaled = normals / depth[:, None]
-        ticks = np.linspace(-1.0, 1.0, CELLS + 1)
-        corners = np.empty((6, CELLS + 1, CELLS + 1))
-        for face in range(6):
-            axis, sign = face % 3, 1.0 if face < 3 else -1.0
-            first, second = scaled[:, (axis + 1) % 3], scaled[:, (axis + 2) % 3]
-            base = sign * scaled[:, axis]
-            across = np.multiply.outer(ticks, second)
-            for row, s in enumerate(ticks):
-                corners[face, row] = (across + (base + s * first)).max(axis=1)
-        return Gauge(centre, corners.ravel())
+        corners = np.empty(len(_DIRECTIONS))
+        step = max(64, BLOCK // len(scaled))
+        for start in range(0, len(corners), step):
+            # Facets along the first axis: the maximum then runs over whole rows at once.
+            table = scaled @ _DIRECTIONS[start : start + step].T
+            table.max(axis=0, out=corners[start : start + step])
+        return Gauge(centre, corners)
 
-    def surely_inside(self, points: FloatArray) -> BoolArray:
+    def surely_inside(self, columns: FloatArray) -> BoolArray:
         """Whether the bound puts a point inside the body or on its boundary.
 
         Args:
-            points: (N, 3) points [m].
+            columns: (3, N) coordinates of points [m], each axis contiguous.
 
         Returns:
             (N,) True: the point is inside, up to rounding. False: not decided.
         """
-        return self._bound(points - self.centre) <= 1 + ROUNDING
+        return self.bound(columns) <= 1 + ROUNDING
+
+    def bound(self, columns: FloatArray) -> FloatArray:
+        """Upper bounds of the gauge.
+
+        Args:
+            columns: (3, N) coordinates of points [m], each axis contiguous.
+
+        Returns:
+            (N,) bounds: at most 1 only inside, and 1 on the boundary where the body is flat or at a corner.
+        """
+        bound = np.empty(columns.shape[1])
+        for start in range(0, len(bound), POINTS):
+            local = columns[:, start : start + POINTS] - self.centre[:, None]
+            bound[start : start + POINTS] = self._bound(local)
+        return bound
 
     def _bound(self, local: FloatArray) -> FloatArray:
-        """(N,) upper bounds of the gauge at points relative to the centre."""
-        columns = [np.ascontiguousarray(local[:, axis]) for axis in range(3)]
-        sizes = [np.abs(column) for column in columns]
-        bound = np.empty(len(local))
+        """(N,) upper bounds of the gauge at points (3, N) relative to the centre."""
+        columns = local
+        sizes = np.abs(local)
+        bound = np.empty(local.shape[1])
         first_wins = (sizes[0] >= sizes[1]) & (sizes[0] >= sizes[2])
         second_wins = ~first_wins & (sizes[1] >= sizes[2])
         for axis, chosen in enumerate((first_wins, second_wins, ~(first_wins | second_wins))):

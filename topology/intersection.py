@@ -39,31 +39,11 @@ def intersection_matrix(
 
 def _counts(points: FloatArray, hull: Hull, deviation: float) -> IntArray:
     """(interior, boundary, exterior) counts of points, every facet for every point in the box."""
-    near = within_box(points, hull.lower, hull.upper, deviation)
+    near = points[_in_box(points.T, hull.lower - deviation, hull.upper + deviation)]
     distance = hull.facet_distance(near)
     interior = int(np.count_nonzero(distance < -deviation))
     boundary = int(np.count_nonzero(distance <= deviation)) - interior
     return np.array([interior, boundary, len(points) - interior - boundary], dtype=np.int64)
-
-
-def within_box(points: FloatArray, lower: FloatArray, upper: FloatArray, margin: float) -> FloatArray:
-    """The points inside an axis-aligned box enlarged by a margin on every side.
-
-    Args:
-        points: (N, 3) points [m].
-        lower: (3,) least corner of the box [m].
-        upper: (3,) greatest corner of the box [m].
-        margin: Enlargement [m].
-
-    Returns:
-        (M, 3) points, M <= N.
-    """
-    for axis in range(3):  # one axis at a time: most points of most clouds fall at the first
-        column = points[:, axis]
-        chosen = (column >= lower[axis] - margin) & (column <= upper[axis] + margin)
-        if not chosen.all():
-            points = points[chosen]
-    return points
 
 
 class Regions:
@@ -93,47 +73,45 @@ class Regions:
         Returns:
             (3,) counts (interior, boundary, exterior).
         """
-        near = within_box(points, self.hull.lower, self.hull.upper, self.deviation)
-        interior, boundary = self._inner_counts(near) if len(near) else (0, 0)
+        columns = points.T
+        near = np.flatnonzero(
+            _in_box(columns, self.hull.lower - self.deviation, self.hull.upper + self.deviation)
+        )
+        interior, boundary = self._inner_counts(columns[:, near]) if len(near) else (0, 0)
         return np.array([interior, boundary, len(points) - interior - boundary], dtype=np.int64)
 
     def _inner_counts(self, near: FloatArray) -> tuple[int, int]:
-        """(interior, boundary) counts of points in the enlarged box."""
+        """(interior, boundary) counts of points (3, N) in the enlarged box."""
         hull, deviation = self.hull, self.deviation
         first = self._barring_facets(near)
-        normals, offsets = np.ascontiguousarray(hull.normals[first].T), hull.offsets[first]
-        alive: list[FloatArray] = []
-        reached: list[BoolArray] = []
+        furthest = np.empty(near.shape[1])
         step = max(256, BLOCK // len(first))
-        for start in range(0, len(near), step):
-            block = near[start : start + step]
-            table = block @ normals
-            table += offsets
-            furthest = table.max(axis=1)
-            kept = furthest <= deviation
-            alive.append(block[kept])
-            reached.append(furthest[kept] >= -deviation)
-        left, on_boundary = np.concatenate(alive), np.concatenate(reached)
+        for start in range(0, len(furthest), step):
+            table = hull.normals[first] @ near[:, start : start + step]
+            table += hull.offsets[first][:, None]
+            table.max(axis=0, out=furthest[start : start + step])
+        kept = np.flatnonzero(furthest <= deviation)
+        left, on_boundary = near[:, kept], furthest[kept] >= -deviation
         interior = boundary = 0
-        if len(left) * len(hull.normals) > WORTH_A_TABLE:
+        if left.shape[1] * len(hull.normals) > WORTH_A_TABLE:
             enlarged, shrunk = self._gauges()
             # A point that reaches a facet's layer is on the boundary if no other facet shuts it out.
             inside = self._surely(enlarged, left) & on_boundary
             boundary = int(np.count_nonzero(inside))
-            left, on_boundary = left[~inside], on_boundary[~inside]
+            left, on_boundary = left[:, ~inside], on_boundary[~inside]
             deep = self._surely(shrunk, left) & ~on_boundary
             interior = int(np.count_nonzero(deep))
-            left = left[~deep]
-        distance = hull.facet_distance(left)
+            left = left[:, ~deep]
+        distance = hull.facet_distance(left.T)
         found = int(np.count_nonzero(distance < -deviation))
         return interior + found, boundary + int(np.count_nonzero(distance <= deviation)) - found
 
     def _barring_facets(self, near: FloatArray) -> IntArray:
         """The facets that a spread of the points is furthest out of."""
-        probes = near[:: -(-len(near) // PROBES)]
-        table = probes @ self.hull.normals.T
-        table += self.hull.offsets
-        return np.unique(table.argmax(axis=1))
+        probes = near[:, :: -(-near.shape[1] // PROBES)]
+        table = self.hull.normals @ probes
+        table += self.hull.offsets[:, None]
+        return np.unique(table.argmax(axis=0))
 
     def _gauges(self) -> tuple[Gauge | None, Gauge | None]:
         """Tables of the hull enlarged and shrunk by δ."""
@@ -147,5 +125,14 @@ class Regions:
         return self._tables
 
     @staticmethod
-    def _surely(gauge: Gauge | None, points: FloatArray) -> BoolArray:
-        return np.zeros(len(points), dtype=np.bool_) if gauge is None else gauge.surely_inside(points)
+    def _surely(gauge: Gauge | None, columns: FloatArray) -> BoolArray:
+        return np.zeros(columns.shape[1], dtype=np.bool_) if gauge is None else gauge.surely_inside(columns)
+
+
+def _in_box(columns: FloatArray, lower: FloatArray, upper: FloatArray) -> BoolArray:
+    """Which points (3, N) lie in a box."""
+    inside = np.ones(columns.shape[1], dtype=np.bool_)
+    for axis in range(3):
+        inside &= columns[axis] >= lower[axis]
+        inside &= columns[axis] <= upper[axis]
+    return inside

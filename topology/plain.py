@@ -58,7 +58,8 @@ class PlainRule:
 
     def prepare(self, name: str, cloud: FloatArray) -> PlainCloud:
         """Build the hull of a cloud (N, 3)."""
-        return PlainCloud(name, cloud, Regions(Hull.of(cloud), self.deviation))
+        by_axis = np.asfortranarray(cloud)  # each coordinate contiguous: box tests read one at a time
+        return PlainCloud(name, by_axis, Regions(Hull.of(by_axis), self.deviation))
 
     def relate(self, a: PlainCloud, b: PlainCloud) -> PairRelation:
         """Relate two clouds; the gap is that of the hulls' corners and facets."""

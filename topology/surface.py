@@ -18,6 +18,8 @@ LARGEST_CELL = 0.01
 """Edge of a cell [m] of a table or shelf: what stands before it leaves slivers of it two or three cm wide."""
 FINE = 3000
 """Points per object that the closest region may have; contact patches beyond that are thinned."""
+CANDIDATES = 400
+"""Points whose distance to the other surface is measured with planes, the nearest to its samples."""
 PATCH = 8
 """Neighbours that make a local plane."""
 LINKS = 6
@@ -210,9 +212,12 @@ def closest(a: SurfaceCloud, b: SurfaceCloud) -> Closest:
     limit = max(float(near_a.min()), float(near_b.min())) + slack
     fine_a = _at_most(a.rows_of(np.flatnonzero(near_a <= limit)), FINE)
     fine_b = _at_most(b.rows_of(np.flatnonzero(near_b <= limit)), FINE)
+    tree_a, tree_b = KDTree(fine_a), KDTree(fine_b)
+    fine_a = _nearest(fine_a, tree_b)
+    fine_b = _nearest(fine_b, tree_a)
     rank = min(8, 1 + min(len(a.points), len(b.points)) // 60)  # so many strays may come closer
-    forward, feet = _to_surface(fine_a, fine_b)
-    backward, heads = _to_surface(fine_b, fine_a)
+    forward, feet = _to_surface(fine_a, tree_b)
+    backward, heads = _to_surface(fine_b, tree_a)
     first, second = np.argsort(forward, kind="stable")[:64], np.argsort(backward, kind="stable")[:64]
     pairs = np.concatenate(
         [np.stack([fine_a[first], feet[first]], axis=1), np.stack([heads[second], fine_b[second]], axis=1)]
@@ -230,10 +235,19 @@ def _at_most(points: FloatArray, count: int) -> FloatArray:
     return points[:: max(1, -(-len(points) // count))]
 
 
-def _to_surface(points: FloatArray, surface: FloatArray) -> tuple[FloatArray, FloatArray]:
-    """(N,) distances of points to the surface that (M, 3) samples show, and the (N, 3) nearest samples."""
+def _nearest(points: FloatArray, tree: KDTree) -> FloatArray:
+    """The points nearest to the samples of a surface: where the surfaces are closest, one of them is."""
+    if len(points) <= CANDIDATES:
+        return points
+    distance = np.asarray(tree.query(points)[0])
+    return points[np.sort(np.argpartition(distance, CANDIDATES)[:CANDIDATES])]
+
+
+def _to_surface(points: FloatArray, tree: KDTree) -> tuple[FloatArray, FloatArray]:
+    """(N,) distances of points to the surface that samples show, and the (N, 3) nearest samples."""
+    surface = np.asarray(tree.data)
     count = min(PATCH, len(surface))
-    distance, index = KDTree(surface).query(points, k=count)
+    distance, index = tree.query(points, k=count)
     distance = np.asarray(distance).reshape(len(points), count)
     index = np.asarray(index).reshape(len(points), count)
     nearest = surface[index[:, 0]]
