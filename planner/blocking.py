@@ -3,6 +3,7 @@
 from dataclasses import dataclass
 
 import numpy as np
+from scipy.ndimage import maximum_filter
 
 from topple.topology.arrays import FloatArray
 
@@ -55,7 +56,8 @@ def overlap(upper: FloatArray, lower: FloatArray) -> Overlap | None:
     ground = _plan(lower, low, size, highest=False)
     height = ceiling - ground
     # Where the lifted one reaches higher, it is the one on top: solids do not pass through each other.
-    on_top = ceiling > _plan(lower, low, size, highest=True)
+    # The neighbouring cells count, since a sampled surface leaves some cells without a point.
+    on_top = ceiling > maximum_filter(_plan(lower, low, size, highest=True), size=3)
     above = on_top & np.isfinite(height) & (height > CLEAR) & (height < LIFT + 0.1)
     cells = np.argwhere(above)
     if len(cells) == 0:

@@ -98,6 +98,19 @@ class DependencyGraph:
             graph.add_edge(edge.first, edge.then, reason=edge.reason, confidence=edge.confidence)
         return graph
 
+    def reduced(self) -> "DependencyGraph":
+        """The same order with direct edges only: none whose ends another path joins, cycles kept whole."""
+        graph = self.graph()
+        condensed = nx.condensation(graph)
+        home = {name: c for c in condensed for name in condensed.nodes[c]["members"]}
+        direct = set(nx.transitive_reduction(condensed).edges)
+        kept = [
+            e
+            for e in self.dependencies
+            if home[e.first] == home[e.then] or (home[e.first], home[e.then]) in direct
+        ]
+        return DependencyGraph(self.names, tuple(kept))
+
     def before(self, name: str) -> frozenset[str]:
         """Everything that must go before an object, directly or not; in a cycle, the cycle too."""
         return frozenset(nx.ancestors(self.graph(), name)) - {name}
@@ -150,7 +163,7 @@ def dependencies(
                 found.append(_lifted(first, then, over, touching, statics))
         for first, missing in statics.unsteady_without([then]).items():
             found.append(_falls(first, then, missing, touching))
-    return DependencyGraph.of(names, found)
+    return DependencyGraph.of(names, found).reduced()
 
 
 def _touching(statics: Statics) -> Mapping[tuple[str, str], float]:

@@ -8,7 +8,7 @@ import numpy as np
 from scipy.spatial import KDTree
 
 from topple.topology.arrays import BoolArray, FloatArray, frozen
-from topple.topology.upright import Upright, thin
+from topple.topology.upright import SPACING, Upright, thin
 
 
 @dataclass(frozen=True)
@@ -23,6 +23,7 @@ class ContactTolerances:
             centimetre which counts as a move.
         patch: A surface is flat over this radius when its normal is taken; the radius of a spoon.
         footprint: Edge of the cells in which a patch keeps one point.
+        smooth: A patch that spreads further across its plane (standard deviation) has an edge in it.
         flat: A fixed cloud this thin (standard deviation) is a table top, and is treated as a plane.
     """
 
@@ -31,9 +32,13 @@ class ContactTolerances:
     patch: float = 0.012
     footprint: float = 0.012
     flat: float = 0.003
+    smooth: float = 0.0015
 
 
 TOLERANCES = ContactTolerances()
+
+SOLE = 0.03
+"""Height [m] above the table up to which an underside is looked at."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -46,6 +51,8 @@ class Contact:
         points: (k, 3) points of the patch [m].
         normals: (k, 3) unit normals, out of `a` into `b`.
         gaps: (k,) distance of the surfaces along the normal [m], negative where they overlap.
+        turns: (k,) angle between the two surfaces there [rad], 0 at an edge or a corner: how far one
+            body must roll on the other until this is where they touch.
         inferred: True where no camera saw the contact and gravity says there must be one.
     """
 
@@ -54,13 +61,22 @@ class Contact:
     points: FloatArray
     normals: FloatArray
     gaps: FloatArray
+    turns: FloatArray
     inferred: bool = False
 
     def only(self, keep: BoolArray) -> "Contact | None":
         """The part of the patch chosen by a (k,) mask, or None where nothing is chosen."""
         if not keep.any():
             return None
-        return Contact(self.a, self.b, self.points[keep], self.normals[keep], self.gaps[keep], self.inferred)
+        return Contact(
+            self.a,
+            self.b,
+            self.points[keep],
+            self.normals[keep],
+            self.gaps[keep],
+            self.turns[keep],
+            self.inferred,
+        )
 
 
 @dataclass(frozen=True, eq=False)
@@ -153,8 +169,21 @@ def _on_plane(ground: str, plane: Plane, name: str, points: FloatArray) -> Conta
         np.floor(low[:, :2] / TOLERANCES.footprint).astype(np.int64), axis=0, return_index=True
     )[1]
     feet = low[np.sort(cells)]
-    gaps = plane.heights(feet)
-    return Contact(ground, name, feet, np.tile(plane.normal, (len(feet), 1)), gaps)
+    # Only undersides say how the body stands: the inner side of a thin wall would blur the normal.
+    sole = _lowest(points[over & (heights < SOLE)], 2 * SPACING)
+    turns = np.zeros(len(feet))
+    for k, near_foot in enumerate(KDTree(sole).query_ball_point(feet, 1.5 * TOLERANCES.patch)):
+        normal, rough = local_normal(sole[near_foot])
+        turns[k] = _turn(normal, plane.normal) if rough < TOLERANCES.smooth else 0.0
+    return Contact(ground, name, feet, np.tile(plane.normal, (len(feet), 1)), plane.heights(feet), turns)
+
+
+def _lowest(points: FloatArray, cell: float) -> FloatArray:
+    """The lowest point of every plan cell."""
+    rising = points[np.argsort(points[:, 2], kind="stable")]
+    cells = np.floor(rising[:, :2] / cell).astype(np.int64)
+    first = np.unique(cells, axis=0, return_index=True)[1]
+    return rising[np.sort(first)]
 
 
 def _between(a: str, b: str, surfaces: Mapping[str, FloatArray], trees: dict[str, KDTree]) -> Contact | None:
@@ -186,6 +215,7 @@ def _patch(
     points: list[FloatArray] = []
     normals: list[FloatArray] = []
     gaps: list[float] = []
+    turns: list[float] = []
     around_a = trees[a].query_ball_point(spots, TOLERANCES.patch)
     around_b = trees[b].query_ball_point(spots, TOLERANCES.patch)
     for spot, near_a, near_b in zip(spots, around_a, around_b, strict=True):
@@ -206,9 +236,11 @@ def _patch(
             points.append(spot)
             normals.append(normal)
             gaps.append(gap)
+            smooth = max(rough_a, rough_b) < TOLERANCES.smooth
+            turns.append(_turn(na, nb) if smooth else 0.0)
     if not points:
         return None
-    return Contact(a, b, np.array(points), np.array(normals), np.array(gaps))
+    return Contact(a, b, np.array(points), np.array(normals), np.array(gaps), np.array(turns))
 
 
 def local_normal(points: FloatArray) -> tuple[FloatArray, float]:
@@ -217,6 +249,11 @@ def local_normal(points: FloatArray) -> tuple[FloatArray, float]:
         return np.array([0.0, 0.0, 1.0]), np.inf
     values, vectors = np.linalg.eigh(np.cov((points - points.mean(axis=0)).T))
     return vectors[:, 0], float(np.sqrt(max(values[0], 0.0)))
+
+
+def _turn(first: FloatArray, second: FloatArray) -> float:
+    """Angle [rad] between two planes given by their unit normals."""
+    return float(np.arccos(min(1.0, abs(float(first @ second)))))
 
 
 def _edge(values: FloatArray, lowest: bool) -> float:

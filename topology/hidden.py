@@ -67,7 +67,9 @@ def hidden_contacts(
             part = candidate.only(candidate.gaps <= level + LEVEL)
             if part is not None:
                 gaps = np.maximum(part.gaps - level, 0.0)
-                found.append(Contact(part.a, part.b, part.points, part.normals, gaps, inferred=True))
+                found.append(
+                    Contact(part.a, part.b, part.points, part.normals, gaps, part.turns, inferred=True)
+                )
     return tuple(found)
 
 
@@ -107,7 +109,7 @@ def _below(
             points, gaps = points[keep], gaps[keep]
         if len(points):
             up = np.tile([0.0, 0.0, 1.0], (len(points), 1))
-            found.append(Contact(other, name, points, up, gaps, inferred=True))
+            found.append(Contact(other, name, points, up, gaps, np.zeros(len(gaps)), inferred=True))
     return found
 
 

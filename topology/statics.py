@@ -25,8 +25,14 @@ TIGHT = 0.0025
 TILT = float(np.tan(np.radians(9.0)))
 """Slope by which an object may sink towards a second support without having moved: a move is 10°."""
 
+ROLL = float(np.radians(9.0))
+"""Angle by which round things may roll on each other towards a contact without having moved."""
+
 WALL = 0.005
 """Thickness [m] taken for the walls of hollow things when their weight is guessed."""
+
+LEVER = 0.03
+"""Lever [m] by which torques are compared with weights: `UNSTEADY` then is 3 mm beyond the last support."""
 
 UNSTEADY = 0.1
 """Missing share of a weight beyond which something moves: contact points are known to millimetres."""
@@ -119,8 +125,7 @@ def weigh(points: FloatArray) -> Weight:
     except (QhullError, ValueError):
         volume = float(np.prod(np.maximum(upper - lower, SPACING)))
     shell = len(points) * SPACING**2 * WALL
-    size = max(float(np.linalg.norm(upper - lower)) / 2, SPACING)
-    return Weight(1e3 * max(min(volume, shell), 1e-7), points.mean(axis=0), size)
+    return Weight(1e3 * max(min(volume, shell), 1e-7), points.mean(axis=0), LEVER)
 
 
 def within_reach(contacts: Collection[Contact], movable: Collection[str]) -> list[Contact]:
@@ -138,23 +143,24 @@ def within_reach(contacts: Collection[Contact], movable: Collection[str]) -> lis
     """
     touching: dict[str, list[FloatArray]] = {name: [] for name in movable}
     for contact in contacts:
-        near = contact.points[contact.gaps <= TIGHT]
+        near = contact.points[(contact.gaps <= TIGHT) & (contact.turns <= ROLL)]
         for name in (contact.a, contact.b):
             if name in touching and len(near):
                 touching[name].append(near)
     pivots = {name: np.concatenate(near) if near else None for name, near in touching.items()}
     usable: list[Contact] = []
     for contact in contacts:
-        keep = contact.gaps <= TIGHT
+        level = contact.turns <= ROLL
+        keep = (contact.gaps <= TIGHT) & level
         for name in (contact.a, contact.b):
             pivot = pivots.get(name)
             if name not in pivots:
                 continue
             if pivot is None:
-                keep |= contact.gaps <= TOLERANCES.catch
+                keep |= (contact.gaps <= TOLERANCES.catch) & level
                 continue
             arms = np.linalg.norm(contact.points[:, None] - pivot[None], axis=2).min(axis=1)
-            keep |= (contact.gaps <= TIGHT + TILT * arms) & (contact.gaps <= TOLERANCES.search)
+            keep |= (contact.gaps <= TIGHT + TILT * arms) & (contact.gaps <= TOLERANCES.search) & level
         part = contact.only(keep)
         if part is not None:
             usable.append(part)
