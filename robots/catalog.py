@@ -7,8 +7,10 @@ from pathlib import Path
 import numpy as np
 
 from topple.robots.arm import Arm
+from topple.robots.compose import composed
 from topple.robots.gripper import ParallelJaw, SuctionCup, Tool, ToolState
 from topple.robots.suction_hand import CUP_JOINT, CUP_LINK, PANDA_CUP, panda_with_cup
+from topple.robots.wsg50 import wsg50_fingers, wsg50_xml
 from topple.topology.arrays import FloatArray
 from topple.topology.errors import InvalidInput
 
@@ -19,6 +21,26 @@ PANDA_VELOCITY = (2.175, 2.175, 2.175, 2.175, 2.61, 2.61, 2.61)  # [rad/s]
 PANDA_ACCELERATION = (15.0, 7.5, 10.0, 12.5, 15.0, 20.0, 20.0)  # [rad/s2]
 PANDA_HOME = (0.0, -0.785, 0.0, -2.356, 0.0, 1.571, 0.785)  # [rad] the maker's ready pose
 PANDA_PADS_IN_HAND = 0.1034  # [m] hand origin to the middle between the finger pads
+
+# KUKA LBR iiwa 7 R800 data sheet: velocities; accelerations are not published, 10 rad/s2 is moderate for the
+# class
+IIWA_VELOCITY = (1.71, 1.71, 1.75, 2.27, 2.44, 3.14, 3.14)  # [rad/s]
+IIWA_ACCELERATION = 10.0  # [rad/s2]
+IIWA_HOME = (0.0, 0.3, 0.0, -1.7, 0.0, 1.14, 0.0)  # [rad] hand down, in front
+IIWA_FLANGE = 0.045  # [m] mounting face on the last link
+# UFACTORY xArm6 with gripper: largest acceleration of the manual; links and pads from the URDF
+XARM_ACCELERATION = 20.0  # [rad/s2]
+XARM_HOME = (0.0, -0.5, -0.9, 0.0, 1.4, 0.0)  # [rad] hand down, in front
+XARM_PAD = 0.026  # [m] inner face of a finger from its joint
+XARM_PADS = 0.148  # [m] gripper base to the middle of the half open pads; they move 6 mm either way
+XARM_JOINTS = (
+    "drive_joint",
+    "left_finger_joint",
+    "left_inner_knuckle_joint",
+    "right_outer_knuckle_joint",
+    "right_finger_joint",
+    "right_inner_knuckle_joint",
+)
 
 
 def robot(name: str | Path) -> Arm:
@@ -112,6 +134,47 @@ def _panda_arm(name: str, urdf: Path, tools: dict[str, Tool]) -> Arm:
     )
 
 
+def _iiwa() -> Arm:
+    source = data_path() / "kuka_iiwa" / "model.urdf"
+    urdf = composed(source, "iiwa", wsg50_xml(data_path(), "lbr_iiwa_link_7", IIWA_FLANGE))
+    fingers = wsg50_fingers()
+    return Arm.from_urdf(
+        urdf,
+        fingers.link,
+        {"fingers": fingers},
+        name="iiwa",
+        velocity=IIWA_VELOCITY,
+        acceleration=IIWA_ACCELERATION,
+        home=IIWA_HOME,
+    )
+
+
+def _xarm6() -> Arm:
+    angle = np.linspace(0.85, 0.0, 18)  # of the drive joint: shut to open
+    # the outer knuckle swings the finger on a circle, and the finger turns back: its pad stays upright
+    pad = 0.035 + 0.035465 * np.cos(angle) - 0.042039 * np.sin(angle) - XARM_PAD
+    jaw = ParallelJaw(
+        joints=XARM_JOINTS,
+        links=("left_finger", "right_finger"),
+        openings=2 * pad,
+        joint_values=np.repeat(angle[:, None], len(XARM_JOINTS), axis=1),
+        force=30.0,  # [N] from the data sheet
+        pad_size=(0.0295, 0.0375),
+        friction=1.0,  # rubber pads
+    )
+    hand = ("left_outer_knuckle", "right_outer_knuckle", "left_inner_knuckle", "right_inner_knuckle")
+    ready = ToolState(jaw.max_opening)
+    tool = Tool("fingers", "xarm_gripper_base_link", _translation(XARM_PADS), jaw, (*jaw.links, *hand), ready)
+    return Arm.from_urdf(
+        data_path() / "xarm" / "xarm6_with_gripper.urdf",
+        "xarm_gripper_base_link",
+        {"fingers": tool},
+        name="xarm6",
+        acceleration=XARM_ACCELERATION,
+        home=XARM_HOME,
+    )
+
+
 def _from_file(path: Path) -> Arm:
     from topple.robots.urdf import read_urdf
 
@@ -121,4 +184,9 @@ def _from_file(path: Path) -> Arm:
     return Arm.from_urdf(path, longest)
 
 
-_MAKERS: dict[str, Callable[[], Arm]] = {"panda": _panda, "panda-suction": _panda_suction}
+_MAKERS: dict[str, Callable[[], Arm]] = {
+    "panda": _panda,
+    "panda-suction": _panda_suction,
+    "iiwa": _iiwa,
+    "xarm6": _xarm6,
+}

@@ -1,12 +1,10 @@
 """A Panda hand with a retractable suction cup on its tool axis, composed from pybullet_data's URDF."""
 
-import hashlib
 import math
-import os
-import tempfile
-import xml.etree.ElementTree as ElementTree
 from dataclasses import dataclass
 from pathlib import Path
+
+from topple.robots.compose import composed
 
 CUP_LINK = "suction_cup"
 CUP_JOINT = "suction_cup_joint"
@@ -63,24 +61,13 @@ PANDA_CUP = CupDesign()
 
 
 def panda_with_cup(data: Path, design: CupDesign) -> Path:
-    """Write the URDF of the Panda with the cup.
+    """Write the URDF of the Panda with the cup and return its path.
 
     Args:
         data: The folder of pybullet_data.
         design: Dimensions of the cup.
-
-    Returns:
-        Path of the file, in the user's own temporary folder; its name carries a digest of its content, so an
-        existing one is right.
     """
-    source = data / "franka_panda" / "panda.urdf"
-    robot = ElementTree.parse(source).getroot()
-    robot.set("name", "panda_suction")
-    for mesh in robot.iter("mesh"):
-        name = str(mesh.get("filename"))
-        mesh.set("filename", str(source.parent / name.removeprefix("package://")))
-    robot.extend(ElementTree.fromstring(f"<robot>{_cup_xml(design)}</robot>"))
-    return _stored(ElementTree.tostring(robot, encoding="unicode"), "panda-suction")
+    return composed(data / "franka_panda" / "panda.urdf", "panda-suction", _cup_xml(design))
 
 
 def _cup_xml(design: CupDesign) -> str:
@@ -107,17 +94,3 @@ def _cylinder_xml(z: float, radius: float, length: float, rgba: str) -> str:
     shape = f"<origin xyz='0 0 {z}'/><geometry><cylinder radius='{radius}' length='{length}'/></geometry>"
     paint = f"<material name='cup_{length}'><color rgba='{rgba}'/></material>"
     return f"<visual>{shape}{paint}</visual><collision>{shape}</collision>"
-
-
-def _stored(text: str, name: str) -> Path:
-    digest = hashlib.sha256(text.encode()).hexdigest()[:12]
-    folder = Path(tempfile.gettempdir()) / f"topple-{os.getuid()}"
-    folder.mkdir(mode=0o700, exist_ok=True)
-    path = folder / f"{name}-{digest}.urdf"
-    # always written anew: what someone else left under this name is not trusted, and a reader never sees a
-    # part
-    handle, partial = tempfile.mkstemp(dir=folder, suffix=".urdf")
-    with os.fdopen(handle, "w", encoding="utf-8") as stream:
-        stream.write(text)
-    os.replace(partial, path)
-    return path

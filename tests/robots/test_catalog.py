@@ -20,7 +20,9 @@ def test_every_arm_is_complete(name: str) -> None:
 
 
 def test_an_unknown_name_lists_the_known_ones() -> None:
-    with pytest.raises(InvalidInput, match="unknown robot 'pander': expected panda, panda-suction"):
+    with pytest.raises(
+        InvalidInput, match="unknown robot 'pander': expected panda, panda-suction, iiwa, xarm6"
+    ):
         robot("pander")
 
 

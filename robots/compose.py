@@ -1,0 +1,41 @@
+"""URDF files made at run time: an arm of pybullet_data with links of ours added, mesh paths made absolute."""
+
+import hashlib
+import os
+import tempfile
+import xml.etree.ElementTree as ElementTree
+from pathlib import Path
+
+
+def composed(source: Path, name: str, addition: str) -> Path:
+    """Write a URDF with links and joints added.
+
+    Args:
+        source: The URDF to add to.
+        name: Name of the robot and of the file.
+        addition: XML of the added elements; mesh paths in it are absolute.
+
+    Returns:
+        Path of the file, in the user's own temporary folder; its name carries a digest of its content.
+    """
+    robot = ElementTree.parse(source).getroot()
+    robot.set("name", name)
+    for mesh in robot.iter("mesh"):
+        inside = str(mesh.get("filename")).removeprefix("package://")
+        mesh.set("filename", str(source.parent / inside))
+    robot.extend(ElementTree.fromstring(f"<robot>{addition}</robot>"))
+    return _stored(ElementTree.tostring(robot, encoding="unicode"), name)
+
+
+def _stored(text: str, name: str) -> Path:
+    digest = hashlib.sha256(text.encode()).hexdigest()[:12]
+    folder = Path(tempfile.gettempdir()) / f"topple-{os.getuid()}"
+    folder.mkdir(mode=0o700, exist_ok=True)
+    path = folder / f"{name}-{digest}.urdf"
+    # always written anew: what someone else left under this name is not trusted, and a reader never sees a
+    # part
+    handle, partial = tempfile.mkstemp(dir=folder, suffix=".urdf")
+    with os.fdopen(handle, "w", encoding="utf-8") as stream:
+        stream.write(text)
+    os.replace(partial, path)
+    return path
