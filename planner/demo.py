@@ -11,27 +11,30 @@ from topple.planner.plan_format import plan_to_json
 from topple.planner.report.record import RunRecord
 from topple.planner.report.run_page import run_page
 from topple.planner.run import ClosedLoop
+from topple.robots import scenarios
 from topple.robots.catalog import robot as robot_named
-from topple.robots.scenarios import scenario
 from topple.robots.simulated_arm import SimulatedArm
+from topple.topology.errors import InvalidInput
 
 Progress = Callable[[str], None]
+
+SCENES: dict[str, Callable[[int], scenarios.Scenario]] = {"dishes": scenarios.dishes}
 
 
 def demo(
     name: str = "dishes",
     *,
     seed: int = 0,
-    robot: str = "panda-suction",
+    robot: str | None = None,
     folder: str | Path = "topple-demo",
     progress: Progress | None = None,
 ) -> RunRecord:
     """Plays a built-in scene.
 
     Args:
-        name: One of `topple.robots.scenarios.names()`.
+        name: One of `SCENES`.
         seed: Of the scene, the sensor noise and every search.
-        robot: The arm.
+        robot: The arm; the one the scene is made for where None.
         folder: Where relations.json, order.json, plan.json, run.json and report.html are written.
         progress: Called with a line before and after each action.
 
@@ -42,23 +45,25 @@ def demo(
         InvalidInput: There is no such scene or robot, or the folder cannot be written.
         NoSafePlan: The goal cannot be planned in the scene as it is first seen.
     """
+    if name not in SCENES:
+        raise InvalidInput(f"no built-in scene {name!r}: choose from {', '.join(SCENES)}")
     place = Path(folder)
     place.mkdir(parents=True, exist_ok=True)
-    arm = robot_named(robot)
-    with scenario(name, seed) as stage:
+    with SCENES[name](seed) as stage:
+        arm = robot_named(robot or stage.robot)
         loop = ClosedLoop(
             stage.world,
             SimulatedArm(stage.world, arm, stage.pose_base_to_world),
             stage.cameras,
             stage.goal,
             fixed=stage.fixed,
+            up=stage.up,
             seed=seed,
             progress=progress,
         )
         first = loop.look()
-        targets = loop.goal_in(first).targets(first.contents())
         write_whole(place / "relations.json", _text(first.relations.to_json()))
-        chosen = order(first.scene, targets or None, relations=first.relations, seed=seed)
+        chosen = order(first.scene, stage.targets, relations=first.relations, seed=seed)
         write_whole(place / "order.json", _text(chosen.to_json()))
         planned = plan(first.scene, stage.goal, arm, base=stage.pose_base_to_world, seed=seed)
         write_whole(place / "plan.json", plan_to_json(planned))

@@ -4,15 +4,23 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from topple.planner.handling import MARGIN
+from topple.planner.motion.collision import Checker
+from topple.planner.motion.planner import MotionFailure, plan_motion
+from topple.planner.motion.trajectory import retime
 from topple.planner.segments import Segment
+from topple.planner.solids import Solids
 from topple.planner.transfer import Transfer
 from topple.robots.simulated_arm import SimulatedArm
 from topple.topology.arrays import FloatArray
 
 PRESS = 0.6  # share of the jaw's continuous force used for a grip: crockery and fruit should survive it
 WATCHED = ("lift", "transfer", "place")  # segments during which the object must be in the hand
+TOUCHDOWN = 1.0  # [N] an object that presses this much on what is below stands on it: the arm goes no further
 OFF_COURSE = 0.03  # [rad] an arm this far from its goal is held up by something
 NOTHING = 0.001  # [m] pads closer than this have nothing between them
+AT_HOME = 0.01  # [rad]
+SPEED = 0.5  # share of the joints' velocity limits on the way home
 SAMPLES = 40  # of the tool's path per segment, for pictures
 
 
@@ -54,6 +62,27 @@ def execute(transfer: Transfer, robot: SimulatedArm) -> Outcome:
     )
 
 
+def withdraw(robot: SimulatedArm, solids: Solids, seed: int) -> None:
+    """Brings the arm home, out of the cameras' view, where there is a free way.
+
+    Args:
+        robot: The arm.
+        solids: Convex parts of everything, in the world [m], as they should be now.
+        seed: Of the search.
+    """
+    home = np.asarray(robot.arm.home)
+    if np.abs(robot.q_target - home).max() < AT_HOME:
+        return
+    base, state = robot.pose_base_to_world, robot.tool_state
+    checker = Checker(robot.arm, base, solids, tool_state=state, margin=MARGIN)
+    near = [frozenset((contact.a, contact.b)) for contact in checker.contacts(robot.q_target)]
+    if near:  # the hand may leave what it is still next to
+        checker = Checker(robot.arm, base, solids, tool_state=state, allow=near, margin=MARGIN)
+    found = plan_motion(checker, robot.q_target, home[None], seed=seed)
+    if not isinstance(found, MotionFailure):
+        robot.follow(retime(robot.arm, found.path, SPEED))
+
+
 def retreat(transfer: Transfer, done: list[Segment], robot: SimulatedArm) -> None:
     """Lets go and backs out along the way the hand came in."""
     robot.release()
@@ -92,10 +121,11 @@ def _drive(segment: Segment, transfer: Transfer, robot: SimulatedArm) -> str | N
             robot.extend(segment.hand.cup_extension)
         if segment.kind != "retreat":
             robot.open(segment.hand.opening)
-    error = robot.follow(segment.trajectory)
+    lowering = segment.kind == "place"
+    error = robot.follow(segment.trajectory, (lambda: robot.load_on(name) > TOUCHDOWN) if lowering else None)
     if segment.kind in WATCHED and not robot.holds(name):
         return f"{name} slipped out of the hand during the {segment.kind}."
-    if error > OFF_COURSE and segment.kind != "place":
+    if error > OFF_COURSE:
         touched = robot.strongest_touch(ignoring=(name,))
         what = f" against {touched[0]}" if touched else ""
         return f"the arm was held up during the {segment.kind}{what}."

@@ -9,12 +9,13 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from topple.planner.errors import NoSafePlan
-from topple.planner.execute import execute
+from topple.planner.execute import execute, withdraw
 from topple.planner.goal import Goal, parse_goal
 from topple.planner.judge import displacements, violations
 from topple.planner.next_step import NextStep, Station, StepChooser
 from topple.planner.report.raster import picture
 from topple.planner.report.record import RunRecord, StepRecord
+from topple.planner.solids import solids_of
 from topple.planner.transfer import scene_after
 from topple.robots.camera import Camera
 from topple.robots.simulated_arm import SimulatedArm
@@ -52,6 +53,7 @@ class Look:
     images: tuple[DepthImage, ...]
     scene: Scene
     relations: Relations
+    picture: bytes
 
 
 @dataclass
@@ -127,7 +129,7 @@ class ClosedLoop:
         """Takes a picture with every camera and relates what is seen."""
         images = tuple(camera.look(self.world, self._rng) for camera in self.cameras)
         scene = Scene.from_images(images, fixed=self.fixed, up=self.up)
-        return Look(images, scene, relate(scene))
+        return Look(images, scene, relate(scene), picture(self.cameras[0].picture(self.world)))
 
     def _chooser(self, look: Look, goal: Goal) -> StepChooser:
         station = Station(self.robot.arm, self.robot.pose_base_to_world, self.robot.q_target)
@@ -146,6 +148,8 @@ class ClosedLoop:
         before = self.world.poses()
         self.robot.touched.clear()
         outcome = execute(transfer, self.robot)
+        predicted_scene = scene_after(look.scene, transfer)
+        withdraw(self.robot, solids_of(predicted_scene), self.seed)
         self.robot.wait(self.limits.settle)
         after = self.world.poses()
         self._attempts[name] += 1
@@ -154,7 +158,7 @@ class ClosedLoop:
             self._done.append((name, chosen.action))
             self._attempts[name] = 0
         seen = self.look()
-        predicted = relate(scene_after(look.scene, transfer))
+        predicted = relate(predicted_scene)
         handled = (name, *self.fixed)
         wrong = [f"{name}: {text}" for text in violations(before, after, self.robot.touched, handled)]
         step = StepRecord(
@@ -167,8 +171,8 @@ class ClosedLoop:
             seconds=time.perf_counter() - started,
             reason=f"{chosen.reason}; {outcome.text}",
             robot_seconds=self.world.time - robot_started,
-            picture_before=_picture(look.images[0]),
-            picture_after=_picture(seen.images[0]),
+            picture_before=look.picture,
+            picture_after=seen.picture,
             scene=look.scene,
             relations=look.relations.to_json(),
             order=chosen.order.to_json(),
@@ -210,7 +214,3 @@ def unexpected(predicted: Relations, observed: Relations) -> list[str]:
         if apart != (now.relation is Relation.DISJOINT) and pair.observed and now.observed:
             found.append(f"{pair.a} and {pair.b}: {pair.relation} expected, {now.relation} seen")
     return found
-
-
-def _picture(image: DepthImage) -> bytes | None:
-    return None if image.rgb is None else picture(image.rgb)

@@ -190,6 +190,11 @@ class SimulatedArm:
         touching = {self._names[point[3]] for point in points if point[9] > 0.0}
         return all(link in touching for link in self.jaw.links)
 
+    def load_on(self, name: str) -> float:
+        """Force in [N] with which everything but the robot presses on an object, taking it off the hand."""
+        points: Any = pybullet.getContactPoints(self.world.ids[name], physicsClientId=self.world.client)
+        return float(sum(point[9] for point in points if point[2] != self.id))
+
     # -- what it does
 
     def step(self, count: int = 1) -> None:
@@ -202,11 +207,12 @@ class SimulatedArm:
         """Holds still for a time in [s]."""
         self.step(max(1, round(seconds / self.world.time_step)))
 
-    def follow(self, trajectory: Motion) -> float:
+    def follow(self, trajectory: Motion, until: Callable[[], bool] | None = None) -> float:
         """Follows a joint trajectory and waits until its end is reached.
 
         Args:
             trajectory: Times, positions and velocities; it should start where the arm is.
+            until: Asked after every step; as soon as it says yes the arm stops (a guarded motion).
 
         Returns:
             The largest joint error at the end in [rad]: above `Control.settled` something is in the way.
@@ -218,6 +224,9 @@ class SimulatedArm:
             v = np.array([np.interp(t, times, column) for column in trajectory.velocities.T])
             self._drive(q, v)
             self._advance()
+            if until is not None and until():
+                self.q_target = q
+                return 0.0
         self.q_target = np.array(trajectory.positions[-1])
         for _ in range(round(self.control.patience / self.world.time_step)):
             if self._error() < self.control.settled:
