@@ -66,7 +66,8 @@ def _pads() -> FloatArray:
 
 
 def _mesh(path: Path, z: float, scale: float) -> str:
-    shape = f"<origin xyz='0 0 {z}'/><geometry><mesh filename='{path}' scale='{scale} {scale} {scale}'/></geometry>"
+    mesh = f"<mesh filename='{path}' scale='{scale} {scale} {scale}'/>"
+    shape = f"<origin xyz='0 0 {z}'/><geometry>{mesh}</geometry>"
     grey = "<material name='wsg50_grey'><color rgba='0.4 0.4 0.42 1'/></material>"
     return f"<visual>{shape}{grey}</visual><collision>{shape}</collision>"
 

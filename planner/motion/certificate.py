@@ -155,7 +155,8 @@ class Certifier:
         """Let python-fcl decide open items: a contact ends the edge, a distance may prove the item."""
         settled = np.zeros(len(open_), dtype=np.bool_)
         order = np.argsort(item[open_], kind="stable")
-        frames = self._chain.frames(middle[np.unique(item[open_])]) if len(open_) else np.empty(0)
+        if len(open_):
+            self._checker.exact.load(self._chain.frames(middle[np.unique(item[open_])]))
         row, current = -1, -1
         for k in order.tolist():
             i, p = int(item[open_[k]]), int(pair[open_[k]])
@@ -164,7 +165,7 @@ class Certifier:
             if edge in work.failed:
                 continue
             a, b = int(self._a[p]), int(self._b[p])
-            self._checker.exact.place(frames[row], {a, b})
+            self._checker.exact.place(row, a, b)
             distance = self._checker.exact.distance(a, b)
             wanted = float(self._margin[p]) + clearance
             if distance > wanted + float(motion[open_[k]]):

@@ -13,7 +13,7 @@ from topple.robots.gripper import ToolState
 from topple.robots.separation import Candidates, Float32Array, Frames, gaps
 from topple.topology.arrays import BoolArray, FloatArray, IntArray
 
-BATCH = 2048  # states per batch: the arrays of one batch stay within a few megabytes
+BATCH = 1024  # states per batch: the arrays of one batch stay within the processor's cache
 EDGE_STEP = 0.05  # [rad] largest joint change between two checked states of an edge, the usual resolution
 
 
@@ -109,7 +109,8 @@ class Checker:
         state, a, b = self._hits(q[:1], every=True)
         if not len(state):
             return ()
-        self.exact.place(self.arm.chain.frames(q[:1])[0], {*a.tolist(), *b.tolist()})
+        self.exact.load(self.arm.chain.frames(q[:1]))
+        self.exact.place(0, *a.tolist(), *b.tolist())
         names = self.model.names
         found = {
             (names[i], names[j]): self.exact.distance(i, j)
@@ -163,7 +164,8 @@ class Checker:
         order = np.lexsort((gap, left.state))
         state, a, b = left.state[order].tolist(), left.a[order].tolist(), left.b[order].tolist()
         margin = (self.model.margin[left.a] + self.model.margin[left.b])[order].tolist()
-        frames = self.arm.chain.frames(q[sorted(set(state))])
+        if state:
+            self.exact.load(self.arm.chain.frames(q[sorted(set(state))]))
         hits: list[tuple[int, int, int]] = []
         current, row, settled = -1, -1, False
         for s, i, j, wanted in zip(state, a, b, margin, strict=True):
@@ -171,7 +173,7 @@ class Checker:
                 current, row, settled = s, row + 1, False
             if settled and not every:
                 continue
-            self.exact.place(frames[row], {i, j})
+            self.exact.place(row, i, j)
             self.exact_checks += 1
             if self.exact.touches(i, j, wanted):
                 hits.append((s, i, j))

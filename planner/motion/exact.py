@@ -19,21 +19,31 @@ class ExactPhase:
         self._fcl: Any = fcl
         self._model = model
         self._objects: list[Any] = [fcl.CollisionObject(_convex(v.tobytes())) for v in model.vertices]
+        self._frames: list[int] = model.sets.frame.tolist()
+        self._rotations: FloatArray = np.empty((0, 0, 3, 3))
+        self._translations: FloatArray = np.empty((0, 0, 3))
+        self._row: list[int] = []
         self._request: Any = fcl.CollisionRequest()
         self._distance_request: Any = fcl.DistanceRequest()
 
-    def place(self, frames: FloatArray, parts: set[int]) -> None:
-        """Move parts to where they are in one state.
+    def load(self, frames: FloatArray) -> None:
+        """Take the states the next questions are about.
 
         Args:
-            frames: (n + 1, 4, 4) poses of the chain frames in the base.
-            parts: Indices of the parts.
+            frames: (r, n + 1, 4, 4) poses of the chain frames in the base, one row a state.
         """
+        self._rotations = np.ascontiguousarray(frames[..., :3, :3])
+        self._translations = np.ascontiguousarray(frames[..., :3, 3])
+        self._row = [-1] * len(self._objects)
+
+    def place(self, row: int, *parts: int) -> None:
+        """Move parts to where they are in a loaded state."""
         for part in parts:
-            frame = self._model.sets.frame[part]
-            if frame > 0:
-                pose = frames[frame]
-                self._objects[part].setTransform(self._fcl.Transform(pose[:3, :3], pose[:3, 3]))
+            frame = self._frames[part]
+            if frame > 0 and self._row[part] != row:
+                self._objects[part].setRotation(self._rotations[row, frame])
+                self._objects[part].setTranslation(self._translations[row, frame])
+                self._row[part] = row
 
     def touches(self, a: int, b: int, margin: float = 0.0) -> bool:
         """Whether two placed parts touch or, with a margin, come closer than it."""
