@@ -1,9 +1,11 @@
 """Where the arm should stand: reach over what is to be handled, and room to put it down."""
 
 import numpy as np
+from scipy.spatial import KDTree
 
 from topple.planner.free_space import FreeSpace, free_space
 from topple.planner.resting import PLACEMENT_TOLERANCES
+from topple.planner.samples import voxel_means
 from topple.planner.solids import Solids, level_axes, solids_of, table_top, up_of
 from topple.robots.arm import Arm
 from topple.topology.arrays import FloatArray
@@ -57,7 +59,7 @@ def choose_base(
         for distance in DISTANCES
         for k in range(DIRECTIONS)
     ]
-    standing = [pose for pose in poses if _stands_free(pose, scene, axes)]
+    standing = _standing(poses, scene, axes, up)
     reached: list[tuple[float, FloatArray]] = []
     for pose, reach in zip(standing, _reach(standing, names, scene, arm, up), strict=True):
         if reach > 0.0:
@@ -89,13 +91,17 @@ def _pose(
     return pose
 
 
-def _stands_free(pose: FloatArray, scene: Scene, axes: FloatArray) -> bool:
-    foot = axes @ pose[:3, 3]
-    return all(
-        bool(np.all(np.linalg.norm(scene.clouds[name] @ axes.T - foot, axis=1) > FOOT))
+def _standing(poses: list[FloatArray], scene: Scene, axes: FloatArray, up: FloatArray) -> list[FloatArray]:
+    """The poses at which nothing but a table is where the arm's foot would be."""
+    things = [
+        voxel_means(scene.clouds[name], 0.01) @ axes.T
         for name in scene.names
-        if name not in scene.fixed or table_top(scene.clouds[name], pose[:3, 2]) is None
-    )
+        if name not in scene.fixed or table_top(scene.clouds[name], up) is None
+    ]
+    if not things:
+        return poses
+    tree = KDTree(np.vstack(things))
+    return [pose for pose in poses if tree.query(axes @ pose[:3, 3])[0] > FOOT]
 
 
 def _reach(

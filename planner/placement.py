@@ -13,6 +13,8 @@ from topple.topology.arrays import FloatArray, frozen
 from topple.topology.errors import UnknownObject
 from topple.topology.scene import Scene
 
+KEPT = 80  # best places of each attitude and heading that are compared
+
 
 @dataclass(frozen=True, eq=False)
 class Placement:
@@ -101,40 +103,39 @@ def _at_rest(
         outline = np.unique(np.round(turned @ axes.T / space.cell), axis=0) * space.cell
         room = space.at(places[:, None, :] + outline[None, :, :]).min(axis=1)
         lift = space.height + tolerances.drop - float((turned @ space.normal).min())
-        for place, gap in zip(places, room, strict=True):
-            if gap > tolerances.gap:
-                target = axes.T @ place
+        scores = _scores(places, room, rest, axes @ middle, base, k / yaws, tolerances)
+        for index in np.argsort(-scores, kind="stable")[:KEPT]:
+            if room[index] > tolerances.gap:
+                target = axes.T @ places[index]
                 target = target + up * (lift - float(target @ space.normal)) / float(up @ space.normal)
                 pose = np.eye(4)
                 pose[:3, :3], pose[:3, 3] = rotation, target - rotation @ middle
-                found.append(_scored(pose, rest, float(gap), place, axes @ middle, base, k, yaws, tolerances))
+                turned_by, gap = np.degrees(rest.turn), 1e3 * float(room[index])
+                words = f"turned {turned_by:.0f} deg onto a face, {gap:.0f} mm free"
+                found.append(Placement(pose, float(scores[index]), words, tolerances.drop))
     return found
 
 
-def _scored(
-    pose: FloatArray,
+def _scores(
+    places: FloatArray,
+    room: FloatArray,
     rest: Rest,
-    gap: float,
-    place: FloatArray,
     before: FloatArray,
     base: FloatArray | None,
-    yaw: int,
-    yaws: int,
+    turn: float,
     tolerances: PlacementTolerances,
-) -> Placement:
-    room = min(1.0, gap / tolerances.good_gap)
-    way = 1.0 / (1.0 + float(np.linalg.norm(place - before)) / 0.5)
-    easy = 1.0
+) -> FloatArray:
+    """Score (N,) of places: room around, a short way, an easy reach, little turning, a steady stand."""
+    way = 1.0 / (1.0 + np.linalg.norm(places - before, axis=1) / 0.5)
+    easy = np.ones(len(places))
     if base is not None:
         comfortable = 0.5 * (tolerances.reach[0] + tolerances.reach[1])
-        easy = 1.0 - min(1.0, abs(float(np.linalg.norm(place - base)) - comfortable) / comfortable)
-    heading = 1.0 - min(yaw, yaws - yaw) / yaws
-    upright = 1.0 - rest.turn / np.pi
-    steady = min(1.0, rest.steadiness / tolerances.steady)
-    score = 0.3 * room + 0.15 * way + 0.15 * easy + 0.1 * heading + 0.15 * upright + 0.15 * steady
-    return Placement(
-        pose, score, f"turned {np.degrees(rest.turn):.0f} deg onto a face, {1e3 * gap:.0f} mm free"
-    )
+        far = np.linalg.norm(places - base, axis=1)
+        easy = 1.0 - np.minimum(1.0, np.abs(far - comfortable) / comfortable)
+    stand = 1.0 - rest.turn / np.pi + min(1.0, rest.steadiness / tolerances.steady)
+    heading = 1.0 - min(turn, 1.0 - turn)
+    score = 0.3 * np.minimum(1.0, room / tolerances.good_gap) + 0.15 * way + 0.15 * easy
+    return np.where(room > tolerances.gap, score + 0.1 * heading + 0.15 * stand, -1.0)
 
 
 def _spread_out(found: list[Placement], middle: FloatArray, limit: int) -> list[Placement]:
