@@ -9,6 +9,7 @@ import numpy as np
 from topple.topology.broadphase import near_pairs
 from topple.topology.cloud import estimate_deviation
 from topple.topology.errors import InvalidInput
+from topple.topology.inferred import infer_contacts
 from topple.topology.pairs import PairRelation, Relations, Rule
 from topple.topology.plain import PlainRule
 from topple.topology.robust import RobustRule
@@ -35,7 +36,8 @@ def relate(scene: Scene, deviation: float | None = None, plain: bool = False) ->
     Raises:
         InvalidInput: The deviation is no positive length below the size of the objects.
     """
-    return _relate_by(_rule(scene, deviation, plain), scene)
+    relations = _relate_by(_rule(scene, deviation, plain), scene)
+    return relations if plain else infer_contacts(scene, relations)
 
 
 def relate_all(

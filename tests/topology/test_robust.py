@@ -60,8 +60,9 @@ def test_a_stray_point_changes_the_plain_relation_only():
         [box((0.06, 0.08, 0.1), [0, 0, 0.066], noise=0.0), [[0.0, 0.0, 0.012], [0.02, 0.02, 0.0]]]
     )
     ground = box((0.3, 0.3, 0.02), [0, 0, 0.0], noise=0.0)
-    assert between(cloud, ground, plain=True).relation is not Relation.DISJOINT
-    assert between(cloud, ground, deviation=0.002).relation is Relation.DISJOINT
+    scene = Scene({"cloud": cloud, "ground": ground})
+    assert relate(scene, plain=True).pairs[0].relation is not Relation.DISJOINT
+    assert relate(scene, deviation=0.002).pairs[0].relation is Relation.DISJOINT
 
 
 def test_a_ball_below_the_rim_is_within_the_bowl():

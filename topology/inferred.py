@@ -1,0 +1,85 @@
+"""Contacts that no camera saw and gravity demands: what floats in the clouds is held by something."""
+
+from collections.abc import Mapping
+from dataclasses import replace
+
+import numpy as np
+
+from topple.topology.arrays import FloatArray, IntArray
+from topple.topology.pairs import PairRelation, Relations
+from topple.topology.relation import Relation
+from topple.topology.scene import Scene
+from topple.topology.tolerances import TOLERANCES
+
+_HELD_BY = frozenset({Relation.WITHIN, Relation.PARTIAL_WITHIN, Relation.CROSS})
+
+
+def infer_contacts(scene: Scene, relations: Relations) -> Relations:
+    """Add the hidden contacts that hold objects with nothing seen below them.
+
+    Who holds them follows from static equilibrium and from the space the cameras saw to be empty. Where
+    everything rests on something seen, nothing is computed.
+
+    Args:
+        scene: The scene; one that does not know where up is stays as it is.
+        relations: Its relations.
+
+    Returns:
+        The relations, with disjoint pairs that must be in contact turned into `touch`, marked inferred.
+    """
+    if scene.up is None or len(scene.clouds) < 2:
+        return relations
+    floating = floating_objects(scene, relations)
+    if not floating:
+        return relations
+    from topple.topology.support import supports  # statics is heavy, and needed by few scenes
+
+    for support in supports(scene, relations):
+        pair = relations.between(support.supporter, support.supported)
+        hidden = pair.relation is Relation.DISJOINT and pair.gap <= TOLERANCES.reach
+        if support.supported in floating and hidden:
+            relations = relations.with_pair(_touching(pair, support.confidence))
+    return relations
+
+
+def floating_objects(scene: Scene, relations: Relations) -> frozenset[str]:
+    """Movable objects that touch nothing lower than themselves and are in nothing.
+
+    Args:
+        scene: The scene, with `up`.
+        relations: Its relations.
+    """
+    up = np.asarray(scene.up)
+    return frozenset(
+        name
+        for name in scene.movable
+        if not any(_holds(pair, scene.clouds, up, scene.fixed) for pair in relations.of(name))
+    )
+
+
+def _holds(
+    pair: PairRelation, clouds: Mapping[str, FloatArray], up: FloatArray, fixed: frozenset[str]
+) -> bool:
+    """Whether b may carry a: a is in b, or touches it and lies higher."""
+    if pair.relation in _HELD_BY:
+        return True
+    if pair.relation is not Relation.TOUCH:
+        return False
+    return pair.b in fixed or float(np.median(clouds[pair.b] @ up)) < float(np.median(clouds[pair.a] @ up))
+
+
+def _touching(pair: PairRelation, confidence: float) -> PairRelation:
+    """The pair in contact at a place no point shows: each cloud is given that one on its boundary."""
+    matrix: IntArray = pair.matrix.copy()
+    for row in matrix:
+        if row[1] == 0:
+            row[1:] += (1, -1)
+    return replace(
+        pair,
+        relation=Relation.TOUCH,
+        matrix=matrix,
+        confidence=float(np.clip(confidence, 0.5, 0.9)),
+        observed=False,
+        kind=None,
+        inferred=True,
+    )
