@@ -111,7 +111,13 @@ class StepChooser:
     def _take_off(self, targets: Sequence[str], action: str) -> NextStep:
         """The first object of the safe order for some targets that can be taken now."""
         chosen = self._ordered(targets)
-        waiting = {edge.then for edge in chosen.graph.dependencies if edge.first in chosen.order}
+        rank = {name: place for place, name in enumerate(chosen.order)}
+        # within a cycle's group the order says who starts, so only what comes earlier is waited for
+        waiting = {
+            edge.then
+            for edge in chosen.graph.dependencies
+            if edge.first in rank and edge.then in rank and rank[edge.first] < rank[edge.then]
+        }
         failures: list[str] = []
         for name in (name for name in chosen.order if name not in waiting):
             found = self._transfer(name, None)

@@ -8,22 +8,18 @@ import numpy as np
 
 from topple.planner.base import choose_base
 from topple.planner.errors import NoSafePlan
-from topple.planner.goal import Goal, Place, parse_goal
-from topple.planner.order import Order, order
-from topple.planner.placement import Placement, placements
-from topple.planner.plan_data import step_data
+from topple.planner.goal import Goal, parse_goal
+from topple.planner.next_step import NextStep, Station, StepChooser
+from topple.planner.plan_data import objects_data, step_data
 from topple.planner.plan_format import DependencyData, Plan, Step
-from topple.planner.solids import solids_of
-from topple.planner.stacking import placements_on
-from topple.planner.transfer import Transfer, TransferFailure, plan_transfer, scene_after
+from topple.planner.transfer import scene_after
 from topple.robots.arm import Arm
 from topple.robots.catalog import robot as robot_named
 from topple.topology.arrays import FloatArray
-from topple.topology.relate import relate
 from topple.topology.scene import Scene
-from topple.topology.support import supports
 
 Progress = Callable[[str], None]
+MOST_STEPS = 3  # for each object: a plan that handles one more often goes in circles
 
 
 def plan(
@@ -76,6 +72,7 @@ def plan(
         order=[step.object for step in planning.steps],
         dependencies=planning.dependencies(),
         steps=planning.steps,
+        objects=objects_data(scene, solids_of(scene)),
         assumptions=list(scene.assumptions),
         seconds=round(planning.seconds, 3),
         tried=dict(planning.tried),
@@ -101,117 +98,35 @@ class _Planning:
     )
 
     def run(self) -> None:
-        self._free(self.goal.free, "free")
-        relations = relate(self.scene)
-        for container, inside in self.goal.contents(relations, self.scene.fixed).items():
-            self._free(inside, "free", avoid=container)
-        for place in self.goal.places:
-            if place.how == "on":
-                self._free(self._resting_on(place), "remove")
-            self._place(place)
+        done: list[tuple[str, str]] = []
+        for _ in range(MOST_STEPS * len(self.scene.movable)):
+            station = Station(self.arm, self.pose_base_to_world, self.q)
+            chosen = StepChooser(self.scene, self.goal, station, done=done, seed=self.seed).choose()
+            if chosen is None:
+                return
+            self._take(chosen)
+            done.append((chosen.transfer.object, chosen.action))
+        again = ", ".join(sorted({step.object for step in self.steps[-3:]}))
+        words = f"no end after {len(self.steps)} steps: the last ones move {again} again and again"
+        raise NoSafePlan(words, (words,))
 
     def dependencies(self) -> list[DependencyData]:
         handled = {step.object for step in self.steps}
         return [edge for pair, edge in sorted(self.reasons.items()) if set(pair) <= handled]
 
-    def _resting_on(self, place: Place) -> tuple[str, ...]:
-        """What stands on a supporter and is not what shall stand there."""
-        settled = {other.object for other in self.goal.places if other.where == place.where}
-        return tuple(
-            support.supported
-            for support in supports(self.scene)
-            if support.supporter == place.where
-            and support.kind == "rests"
-            and support.supported not in settled
-        )
-
-    def _free(self, targets: Sequence[str], action: str, avoid: str | None = None) -> None:
-        """Take targets, and what has to go before them, to free places on the table."""
-        left = [name for name in targets if not self._handled(name)]
-        while left:
-            chosen = self._ordered(left)
-            name = self._one(chosen, left, action)
-            left = [other for other in left if other != name]
-
-    def _place(self, place: Place) -> None:
-        """Take an object where the goal wants it, after what has to go before it."""
-        while True:
-            chosen = self._ordered([place.object])
-            if len(chosen.order) == 1:
-                break
-            self._one(chosen, [], "remove")
-        solids = solids_of(self.scene)
-        places = placements_on(place.object, self.scene, place.where, place.how, solids)
-        if not places:
-            words = f"{place.object} would not stay {place.how} {place.where}"
-            raise NoSafePlan(words, (words,))
-        found = self._transfer(place.object, places)
-        if isinstance(found, TransferFailure):
-            raise NoSafePlan(str(found), (str(found),))
-        self._take(found, "place", f"{place.object} shall be {place.how} {place.where}", chosen)
-
-    def _ordered(self, targets: Sequence[str]) -> Order:
-        chosen = order(self.scene, targets, seed=self.seed)
-        if chosen.unresolved:
-            cycles = tuple("cycle: " + " before ".join([*cycle, cycle[0]]) for cycle in chosen.unresolved)
-            raise NoSafePlan(f"no safe order frees {', '.join(targets)}: {cycles[0]}", cycles)
-        for edge in chosen.graph.dependencies:
+    def _take(self, chosen: NextStep) -> None:
+        for edge in chosen.order.graph.dependencies:
             self.reasons.setdefault(
                 (edge.first, edge.then),
                 DependencyData(edge.first, edge.then, str(edge.reason), round(float(edge.confidence), 4)),
             )
-        return chosen
-
-    def _one(self, chosen: Order, targets: Sequence[str], action: str) -> str:
-        """Take the first object of an order that can be taken now."""
-        rank = {name: place for place, name in enumerate(chosen.order)}
-        # within a group of a cycle the order says who starts, so only what comes earlier is waited for
-        waiting = {
-            edge.then
-            for edge in chosen.graph.dependencies
-            if edge.first in rank and edge.then in rank and rank[edge.first] < rank[edge.then]
-        }
-        failures: list[str] = []
-        for name in chosen.order:
-            if name in waiting:
-                continue
-            found = self._transfer(name, None)
-            if isinstance(found, Transfer):
-                is_target = name in targets
-                why = "nothing has to go before it" if is_target else self._why(name, chosen)
-                self._take(found, action if is_target else "remove", why, chosen)
-                return name
-            failures.append(str(found))
-        if not failures:
-            failures = [f"each of {', '.join(chosen.order)} has to go before another one"]
-        raise NoSafePlan("; ".join(failures), tuple(failures))
-
-    def _why(self, name: str, chosen: Order) -> str:
-        after = [
-            f"{edge.then} ({edge.reason})"
-            for edge in chosen.graph.dependencies
-            if edge.first == name and edge.then in chosen.order
-        ]
-        return f"has to go before {', '.join(after)}" if after else "is in the way"
-
-    def _transfer(self, name: str, places: list[Placement] | None) -> Transfer | TransferFailure:
-        solids = solids_of(self.scene)
-        if places is None:
-            places = placements(name, self.scene, solids, pose_base_to_world=self.pose_base_to_world)
-        return plan_transfer(
-            name, self.scene, solids, self.arm, self.pose_base_to_world, self.q, places, seed=self.seed
-        )
-
-    def _take(self, transfer: Transfer, action: str, reason: str, chosen: Order) -> None:
+        transfer = chosen.transfer
         names = [step.object for step in self.steps]
         before = {first for first, then in self.reasons if then == transfer.object}
         after = [index for index, name in enumerate(names) if name in before or name == transfer.object]
-        self.steps.append(step_data(transfer, action, reason, after))
+        self.steps.append(step_data(transfer, chosen.action, chosen.reason, after))
         self.tried.update(transfer.tried)
         self.seconds += transfer.seconds
         self.scene, self.q = scene_after(self.scene, transfer), transfer.q_end
         if self.progress is not None:
-            self.progress(f"{len(self.steps)}. {action} {transfer.object}: {reason}")
-
-    def _handled(self, name: str) -> bool:
-        return any(step.object == name and step.action == "free" for step in self.steps)
+            self.progress(f"{len(self.steps)}. {chosen.action} {transfer.object}: {chosen.reason}")
