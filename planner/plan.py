@@ -12,6 +12,7 @@ from topple.planner.goal import Goal, parse_goal
 from topple.planner.next_step import NextStep, Station, StepChooser
 from topple.planner.plan_data import objects_data, step_data
 from topple.planner.plan_format import DependencyData, Plan, Step
+from topple.planner.solids import solids_of
 from topple.planner.transfer import scene_after
 from topple.robots.arm import Arm
 from topple.robots.catalog import robot as robot_named
