@@ -10,7 +10,6 @@ from topple.planner.cli.main import DONE, NO_SAFE_PLAN
 from topple.planner.cli.options import add_common
 from topple.planner.cli.progress import Progress
 from topple.planner.cli.tables import print_order, print_relations, print_run
-from topple.topology.errors import InvalidInput
 
 _FOLDER = "topple-demo"
 _FILES = ("relations.json", "order.json", "plan.json", "run.json", "report.html")
@@ -26,9 +25,8 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     add_common(parser, scenes=None)
     parser.add_argument(
         "--robot",
-        default="panda-suction",
         metavar="NAME",
-        help="panda, panda-suction or FILE.urdf (panda-suction)",
+        help="panda, panda-suction, iiwa, xarm6 or FILE.urdf (the one the scene is made for)",
     )
     parser.add_argument(
         "-o", "--output", default=_FOLDER, metavar="FOLDER", help=f"where everything is written ({_FOLDER})"
@@ -50,7 +48,7 @@ def execute(args: argparse.Namespace) -> int:
     """
     if args.fixed or args.up:
         complain("--fixed and --up are ignored: a built-in scene knows its table and which way is up")
-    folder = _made(args.output)
+    folder = Path(args.output)
     with Progress("demo") as progress:
         progress(f"setting up {args.name}")
         import_quietly("pybullet")
@@ -64,15 +62,6 @@ def execute(args: argparse.Namespace) -> int:
         _print_demo(args.name, folder, run)
     complain(*(f"{args.name}: {violation}" for violation in run["violations"]))
     return DONE if record.success else NO_SAFE_PLAN
-
-
-def _made(name: str) -> Path:
-    folder = Path(name)
-    try:
-        folder.mkdir(parents=True, exist_ok=True)
-    except OSError as error:
-        raise InvalidInput(f"{name}: cannot be made a folder, {error.strerror or error}") from error
-    return folder
 
 
 def _print_demo(name: str, folder: Path, run: dict[str, Any]) -> None:

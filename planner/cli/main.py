@@ -19,6 +19,7 @@ COMMANDS = {
     "relate": "decide how every two objects lie to each other",
     "order": "say in which order to take things, and why",
     "plan": "plan grasps, placements and motions of the whole sequence",
+    "demo": "play a built-in scene: look, order, plan and clear it with an arm in simulation",
     "show": "draw a scene with its relations and its order",
 }
 

@@ -47,7 +47,10 @@ def add_robot(parser: argparse.ArgumentParser) -> None:
         parser: The sub-command's parser.
     """
     parser.add_argument(
-        "--robot", default="panda", metavar="NAME", help="panda, panda-suction or FILE.urdf (panda)"
+        "--robot",
+        default="panda",
+        metavar="NAME",
+        help="panda, panda-suction, iiwa, xarm6 or FILE.urdf (panda)",
     )
     parser.add_argument(
         "--base",

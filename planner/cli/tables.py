@@ -1,11 +1,15 @@
 """The documents of the contract as tables for people."""
 
 from collections.abc import Mapping
+from math import degrees, radians
 from typing import Any
 
 from topple.planner.cli.console import print_table, print_text
 
 Document = Mapping[str, Any]
+
+# Less than a tenth of what counts as disturbed is left out of the table; the JSON has it all.
+_NOTICED, _NOTICED_DEGREES = 0.001, 1.0
 
 
 def print_relations(title: str, document: Document) -> None:
@@ -84,7 +88,11 @@ def print_run(title: str, document: Document) -> None:
 
 
 def _action(number: int, step: Document) -> tuple[str, ...]:
-    moved = [f"{name} {m * 1000:.1f} mm {rad * 57.2958:.1f}°" for name, (m, rad) in step["disturbed"].items()]
+    moved = [
+        f"{name} {metres * 1000:.1f} mm {degrees(turn):.1f}°"
+        for name, (metres, turn) in step["disturbed"].items()
+        if metres > _NOTICED or turn > radians(_NOTICED_DEGREES)
+    ]
     outcome = "done" if step["success"] else "failed"
     if step["attempts"] > 1:
         outcome += f", attempt {step['attempts']}"

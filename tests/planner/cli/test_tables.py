@@ -8,7 +8,7 @@ from topple.planner.report.record import RunRecord, StepRecord
 
 def test_a_run_is_a_line_per_action_with_what_it_disturbed(capsys: pytest.CaptureFixture[str]) -> None:
     steps = (
-        StepRecord("spoon", "remove", True, seconds=4.0),
+        StepRecord("spoon", "remove", True, disturbed={"can": (0.0004, 0.001)}, seconds=4.0),
         StepRecord("plate", "free", False, attempts=2, disturbed={"can": (0.0123, 0.5)}, seconds=3.21),
     )
     record = RunRecord("free plate", "panda", 0, False, ("plate: can was moved 12.3 mm",), steps, 7.5)
