@@ -7,8 +7,8 @@ import numpy as np
 
 from topple.topology.arrays import BoolArray, FloatArray
 
-POINTS = 24  # points a path is divided into; all their connections are candidates for edges
-TRIES = 6  # alternatives checked with the best path in one batch
+POINTS = 16  # points a path is divided into; 24 give paths 2 % shorter in twice the time
+TRIES = 16  # alternatives checked with the best path in one batch
 ROUNDS = 40  # batches before what is known must do
 
 EdgesFree = Callable[[FloatArray, FloatArray], BoolArray]
