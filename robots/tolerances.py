@@ -9,7 +9,8 @@ class Tolerances:
 
     Attributes:
         time_step: 240 Hz, Bullet's own: what has fallen 5 cm goes 4 mm a step, as thick as a plate.
-        solver_iterations: Contacts of a stack of five converge below 1 percent of their force.
+        solver_iterations: With 60 a stack of eight blocks sways, with 100 it stands; at rest the solver stops
+            early, so that they cost little.
         margin: Radius of the edges of simulated bodies: contacts are fast and steady while only margins
             overlap. More would round cutlery away.
         margin_share: Share of the thinnest part that the margin may be: a core must remain.
@@ -26,7 +27,7 @@ class Tolerances:
     """
 
     time_step: float = 1 / 240
-    solver_iterations: int = 60
+    solver_iterations: int = 100
     margin: float = 1e-3
     margin_share: float = 0.3
     seam: float = 2e-4

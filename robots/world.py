@@ -1,7 +1,6 @@
 """The PyBullet world: a table, bodies made of convex parts, and what touches what."""
 
 import tempfile
-from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from types import TracebackType
@@ -12,7 +11,7 @@ import pybullet
 
 from topple.robots.bodies import Body
 from topple.robots.poses import inverse, pose_from, position_and_quaternion
-from topple.robots.rounding import cores
+from topple.robots.rounding import Core, cores
 from topple.robots.tolerances import TOLERANCES
 from topple.topology.arrays import FloatArray
 from topple.topology.errors import InvalidInput, UnknownObject
@@ -156,7 +155,7 @@ class World:
         moments, pose_inertial_to_body = principal_axes(body)
         pose = (np.eye(4) if pose_body_to_world is None else pose_body_to_world) @ pose_inertial_to_body
         core = cores(body.parts)
-        collision, visual = self._shapes(core.parts, body, pose_inertial_to_body)
+        collision, visual = self._shapes(core, body, pose_inertial_to_body)
         number: int = pybullet.createMultiBody(
             0.0 if fixed else body.mass, collision, visual, *position_and_quaternion(pose),
             useMaximalCoordinates=True, physicsClientId=self.client,
@@ -171,7 +170,7 @@ class World:
             )
         pybullet.changeDynamics(
             number, -1, lateralFriction=body.friction, rollingFriction=body.rolling,
-            spinningFriction=body.rolling, restitution=0.0, collisionMargin=core.margin,
+            spinningFriction=body.rolling, restitution=0.0,
             linearDamping=self.physics.damping, angularDamping=self.physics.damping,
             physicsClientId=self.client,
         )  # fmt: skip
@@ -317,12 +316,10 @@ class World:
             raise UnknownObject(name, self.ids)
         return self.ids[name]
 
-    def _shapes(
-        self, solid: Sequence[FloatArray], body: Body, pose_inertial_to_body: FloatArray
-    ) -> tuple[int, int]:
+    def _shapes(self, core: Core, body: Body, pose_inertial_to_body: FloatArray) -> tuple[int, int]:
         """Numbers of the collision and the visual shape, in the frame PyBullet moves."""
         pose = inverse(pose_inertial_to_body)
-        parts = [part @ pose[:3, :3].T + pose[:3, 3] for part in solid]
+        parts = [part @ pose[:3, :3].T + pose[:3, 3] for part in core.parts]
         fans = [np.array([[0, k, k + 1] for k in range(1, len(part) - 1)]) for part in parts]
         seen = body.mesh.vertices @ pose[:3, :3].T + pose[:3, 3]
         collision: int = pybullet.createCollisionShape(
@@ -332,6 +329,7 @@ class World:
             pybullet.GEOM_MESH, fileName=self._obj([seen], [body.mesh.faces]), rgbaColor=body.color,
             specularColor=[0.1, 0.1, 0.1], physicsClientId=self.client,
         )  # fmt: skip
+        _set_margin(collision, core.margin, self.client)
         return collision, visual
 
     def _obj(self, parts: list[FloatArray], faces: list[Any]) -> str:
@@ -347,6 +345,17 @@ class World:
             first += len(part)
         path.write_text("\n".join(lines) + "\n", encoding="ascii")
         return str(path)
+
+
+def _set_margin(shape: int, margin: float, client: int) -> None:
+    """Set the collision margin of every part of a shape.
+
+    PyBullet passes a margin on to a shape's parts only for its slower kind of body, so one is made for a
+    moment; the parts are shared by all bodies of the shape.
+    """
+    body: int = pybullet.createMultiBody(0.0, shape, physicsClientId=client)
+    pybullet.changeDynamics(body, -1, collisionMargin=margin, physicsClientId=client)
+    pybullet.removeBody(body, physicsClientId=client)
 
 
 def principal_axes(body: Body) -> tuple[FloatArray, FloatArray]:

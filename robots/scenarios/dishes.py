@@ -16,8 +16,8 @@ RIM = 0.022  # [m] height of the plate's rim
 def dishes(seed: int = 0, *, noise: Noise | None = None) -> Scenario:
     """Make the scene.
 
-    Cutlery lies with its head in the well and its handle across the rim; the can stands on the edge of its bottom
-    and leans its side on the rim, between two handles.
+    Cutlery lies with its head in the well and its handle across the rim; the can stands on the edge of its
+    bottom and leans its side on the rim, between two handles.
 
     Args:
         seed: Any number.

@@ -77,8 +77,8 @@ def settled(
     Args:
         name: Name of the scenario.
         seed: Any number; the same one gives the same scene.
-        layout: Fills a world that has a table, lets it settle and returns goal and targets; raises Unlucky where
-            something fell or lies elsewhere than it should.
+        layout: Fills a world that has a table, lets it settle and returns goal and targets; raises Unlucky
+            where something fell or lies elsewhere than it should.
         robot: Name of the robot that can do it.
         noise: Faults of the cameras; None: those of a Kinect.
 
