@@ -3,10 +3,20 @@
 import numpy as np
 
 from topple.planner.motion.trajectory import Trajectory
-from topple.planner.plan_format import GraspData, HandState, Motion, PlacementData, SegmentData, Step
+from topple.planner.plan_format import (
+    GraspData,
+    HandState,
+    Motion,
+    ObjectData,
+    PlacementData,
+    SegmentData,
+    Step,
+)
 from topple.planner.segments import Segment
+from topple.planner.solids import Solids
 from topple.planner.transfer import Transfer
 from topple.robots.gripper import ToolState
+from topple.topology.scene import Scene
 
 DIGITS = 6  # micrometres and microradians: below what any arm can tell
 
@@ -41,6 +51,22 @@ def step_data(transfer: Transfer, action: str, reason: str, after: list[int]) ->
         ),
         segments=[segment_data(segment) for segment in transfer.segments],
     )
+
+
+def objects_data(scene: Scene, solids: Solids) -> list[ObjectData]:
+    """The objects of a scene as a plan keeps them.
+
+    Args:
+        scene: The scene.
+        solids: Their convex parts.
+
+    Returns:
+        One entry for each object.
+    """
+    return [
+        ObjectData(name, name in scene.fixed, [np.round(part, DIGITS).tolist() for part in solids[name]])
+        for name in scene.names
+    ]
 
 
 def segment_data(segment: Segment) -> SegmentData:

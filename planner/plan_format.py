@@ -85,6 +85,14 @@ class DependencyData(msgspec.Struct, frozen=True):
     confidence: float
 
 
+class ObjectData(msgspec.Struct, frozen=True):
+    """What the plan took an object for before anything moved: convex parts, vertices in the world [m]."""
+
+    name: str
+    fixed: bool
+    parts: list[Matrix]
+
+
 class Plan(msgspec.Struct, frozen=True, kw_only=True):
     """A whole sequence.
 
@@ -101,6 +109,7 @@ class Plan(msgspec.Struct, frozen=True, kw_only=True):
         order: What is handled, first to last.
         dependencies: Why that order.
         steps: What is done.
+        objects: Everything that was kept clear of.
         assumptions: What was assumed and not seen.
         seconds: Duration of the motions [s].
         tried: What was dropped on the way, with counts.
@@ -118,6 +127,7 @@ class Plan(msgspec.Struct, frozen=True, kw_only=True):
     order: list[str]
     dependencies: list[DependencyData]
     steps: list[Step]
+    objects: list[ObjectData] = []
     assumptions: list[str] = []
     seconds: float = 0.0
     tried: dict[str, int] = {}

@@ -1,0 +1,58 @@
+"""A plan as a behaviour tree: BehaviorTree.CPP, version 4."""
+
+import xml.etree.ElementTree as ElementTree
+
+from topple.planner.plan_format import Plan, SegmentData, Step
+
+ACTIONS = {
+    "move": ("FollowTrajectory", ("step", "segment", "holding")),
+    "approach": ("FollowTrajectory", ("step", "segment", "holding")),
+    "lift": ("FollowTrajectory", ("step", "segment", "holding")),
+    "transfer": ("FollowTrajectory", ("step", "segment", "holding")),
+    "place": ("FollowTrajectory", ("step", "segment", "holding")),
+    "retreat": ("FollowTrajectory", ("step", "segment", "holding")),
+    "grasp": ("Grasp", ("object", "tool", "opening", "cup_extension")),
+    "release": ("Release", ("object", "tool", "opening", "cup_extension")),
+}
+"""Per kind of segment the action node and its input ports; trajectories are looked up in plan.json."""
+
+
+def behavior_tree(plan: Plan) -> str:
+    """Write the tree: a sequence of steps, each a sequence of actions.
+
+    Args:
+        plan: The plan.
+
+    Returns:
+        XML with a model of the action nodes, so that editors can open it.
+    """
+    root = ElementTree.Element("root", BTCPP_format="4", main_tree_to_execute="Plan")
+    tree = ElementTree.SubElement(root, "BehaviorTree", ID="Plan")
+    sequence = ElementTree.SubElement(tree, "Sequence", name=plan.goal)
+    for number, step in enumerate(plan.steps):
+        branch = ElementTree.SubElement(sequence, "Sequence", name=f"{step.action} {step.object}")
+        for index, segment in enumerate(step.segments):
+            _action(branch, number, index, step, segment)
+    model = ElementTree.SubElement(root, "TreeNodesModel")
+    for identifier, ports in dict(ACTIONS.values()).items():
+        node = ElementTree.SubElement(model, "Action", ID=identifier)
+        for port in ports:
+            ElementTree.SubElement(node, "input_port", name=port)
+    ElementTree.indent(root)
+    return '<?xml version="1.0" encoding="UTF-8"?>\n' + ElementTree.tostring(root, encoding="unicode") + "\n"
+
+
+def _action(branch: ElementTree.Element, number: int, index: int, step: Step, segment: SegmentData) -> None:
+    identifier, ports = ACTIONS[segment.kind]
+    values = {
+        "step": str(number),
+        "segment": str(index),
+        "holding": segment.holding or "",
+        "object": step.object,
+        "tool": segment.tool,
+        "opening": f"{segment.hand.opening:g}",
+        "cup_extension": f"{segment.hand.cup_extension:g}",
+    }
+    node = ElementTree.SubElement(branch, "Action", ID=identifier, name=f"{segment.kind} {step.object}")
+    for port in ports:
+        node.set(port, values[port])

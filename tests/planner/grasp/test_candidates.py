@@ -1,0 +1,120 @@
+import numpy as np
+import pytest
+
+from topple.planner.grasp import Grasp, grasp_candidates
+from topple.planner.grasp.hand import hand_shape
+from topple.robots.bodies import Body
+from topple.robots.catalog import robot
+from topple.robots.shapes.boxes import box, can
+from topple.robots.shapes.cutlery import spoon
+from topple.robots.shapes.tableware import plate
+from topple.topology.errors import InvalidInput, UnknownObject
+from topple.topology.scene import Scene
+
+ARM = robot("panda-suction")
+VIEWS = [[0.5, 0.5, 0.7], [-0.5, 0.5, 0.7], [0.0, -0.6, 0.7]]
+
+
+def seen(body: Body, place: tuple[float, float, float] = (0.0, 0.0, 0.0), noise: float = 0.001) -> np.ndarray:
+    rng = np.random.default_rng(0)
+    points = body.surface(6000, rng) + np.array(place)
+    return points + rng.normal(0.0, noise, points.shape)
+
+
+def table() -> np.ndarray:
+    axis = np.arange(-0.4, 0.4, 0.006)
+    x, y = np.meshgrid(axis, axis)
+    return np.column_stack([x.ravel(), y.ravel(), np.zeros(x.size)])
+
+
+def on_table(**clouds: np.ndarray) -> Scene:
+    return Scene({"table": table(), **clouds}, fixed=["table"], up=[0, 0, 1], viewpoints=VIEWS)
+
+
+def tips(grasp: Grasp) -> np.ndarray:
+    return grasp.pose_tool_to_world[:3, 3] + hand_shape(ARM).tip * grasp.approach
+
+
+def test_a_can_is_pinched_across_its_diameter() -> None:
+    best = next(g for g in grasp_candidates("can", on_table(can=seen(can())), ARM) if g.kind == "pinch")
+    assert 0.062 < best.width < 0.072
+    assert np.linalg.norm(best.pose_tool_to_world[:2, 3]) < 0.01
+    assert best.opening <= hand_shape(ARM).max_opening
+
+
+def test_a_spoon_in_the_air_is_pinched_across_its_handle_near_its_middle() -> None:
+    cloud = seen(spoon(), (0.0, 0.0, 0.03))
+    grasps = grasp_candidates("spoon", on_table(spoon=cloud), ARM)
+    best = grasps[0]
+    assert best.kind == "pinch"
+    assert best.width < 0.03
+    assert abs(best.pose_tool_to_world[0, 1]) > 0.9 or abs(best.pose_tool_to_world[1, 1]) > 0.9
+    assert np.linalg.norm(best.pose_tool_to_world[:2, 3] - cloud.mean(axis=0)[:2]) < 0.05
+
+
+def test_fingers_never_go_below_the_table() -> None:
+    for grasp in grasp_candidates("spoon", on_table(spoon=seen(spoon(), (0.0, 0.0, 0.03))), ARM):
+        assert tips(grasp)[2] > 0.0
+
+
+def test_a_plate_is_taken_by_suction_at_its_middle() -> None:
+    best = grasp_candidates("plate", on_table(plate=seen(plate())), ARM)[0]
+    assert best.kind == "suction"
+    assert np.linalg.norm(best.pose_tool_to_world[:2, 3]) < 0.03
+    assert best.approach[2] < -0.98
+
+
+def test_no_suction_where_something_lies_on_the_patch() -> None:
+    scene = on_table(plate=seen(plate()), can=seen(can(), (0.0, 0.0, 0.008)))
+    for grasp in grasp_candidates("plate", scene, ARM):
+        assert grasp.kind != "suction" or np.linalg.norm(grasp.pose_tool_to_world[:2, 3]) > 0.04
+
+
+def test_walls_on_both_sides_leave_only_grasps_that_pass_between_them() -> None:
+    wide = box("a", (0.20, 0.04, 0.12))
+    scene = on_table(
+        bar=seen(box("bar", (0.20, 0.02, 0.05))),
+        left=seen(wide, (0.0, 0.036, 0.0)),
+        right=seen(wide, (0.0, -0.036, 0.0)),
+    )
+    assert not [g for g in grasp_candidates("bar", scene, ARM) if g.tool == "fingers" and g.opening < 0.06]
+
+
+def test_a_thing_wider_than_the_hand_is_not_pinched() -> None:
+    scene = on_table(block=seen(box("block", (0.12, 0.12, 0.12))))
+    assert all(grasp.kind == "suction" for grasp in grasp_candidates("block", scene, ARM))
+
+
+def test_candidates_are_best_first_and_the_same_every_time() -> None:
+    scene = on_table(can=seen(can()))
+    first, again = (grasp_candidates("can", scene, ARM) for _ in range(2))
+    scores = [grasp.score for grasp in first]
+    assert scores == sorted(scores, reverse=True)
+    assert all(
+        np.array_equal(a.pose_tool_to_world, b.pose_tool_to_world) for a, b in zip(first, again, strict=True)
+    )
+
+
+def test_grasps_move_with_the_scene() -> None:
+    a = grasp_candidates("can", on_table(can=seen(can())), ARM)[0]
+    b = grasp_candidates("can", on_table(can=seen(can(), (0.1, -0.05, 0.0))), ARM)[0]
+    assert a.kind == b.kind
+    moved = b.pose_tool_to_world[:3, 3] - a.pose_tool_to_world[:3, 3]
+    assert np.linalg.norm(moved - [0.1, -0.05, 0.0]) < 0.01
+
+
+def test_unknown_names_and_unknown_up_are_refused() -> None:
+    with pytest.raises(UnknownObject, match="cup"):
+        grasp_candidates("cup", on_table(can=seen(can())), ARM)
+    with pytest.raises(InvalidInput, match="up"):
+        grasp_candidates("can", Scene({"can": seen(can())}), ARM)
+
+
+def test_a_pose_that_is_no_rotation_is_refused() -> None:
+    with pytest.raises(InvalidInput, match="rotation"):
+        Grasp("can", "pinch", np.diag([2.0, 1.0, 1.0, 1.0]), 0.05, 0.06, 0.5)
+
+
+def test_half_a_turn_twice_is_the_same_grasp() -> None:
+    grasp = grasp_candidates("can", on_table(can=seen(can())), ARM)[0]
+    assert np.allclose(grasp.turned().turned().pose_tool_to_world, grasp.pose_tool_to_world)
