@@ -47,20 +47,23 @@ class BroadPhase:
         centres = self.centres(frames)
         by_axis = np.ascontiguousarray(centres.transpose(2, 0, 1))
         offset: Float32Array = np.subtract(by_axis[..., None], self._middle)
-        beyond = np.abs(offset) - self._half
+        beyond = np.abs(offset)
+        beyond -= self._half
         np.maximum(beyond, 0, out=beyond)
         beyond *= beyond
-        state, m, s = np.nonzero(beyond.sum(axis=0) <= self._squared)
-        apart = by_axis[:, :, self._first] - by_axis[:, :, self._second]
-        pair_state, k = np.nonzero((apart * apart).sum(axis=0) <= self._apart)
-        near: Float32Array = offset[:, state, m, s]
-        direction = self._direction(near, s)
+        near = np.flatnonzero(beyond[0] + beyond[1] + beyond[2] <= self._squared)
+        state, m, s = np.unravel_index(near, offset.shape[1:])
+        apart = by_axis.take(self._first, axis=2) - by_axis.take(self._second, axis=2)
+        x, y, z = apart
+        pair = np.flatnonzero(x * x + y * y + z * z <= self._apart)
+        pair_state, k = np.divmod(pair, apart.shape[2])
+        direction = self._direction(offset.reshape(3, -1).take(near, axis=1), s)
         part = model.standing[s]
         return Candidates(
             np.concatenate([state, pair_state]),
             np.concatenate([model.moving[m], model.moving_pairs[k, 0]]),
             np.concatenate([part, model.moving_pairs[k, 1]]),
-            np.concatenate([direction, apart[:, pair_state, k].T]),
+            np.concatenate([direction, apart.reshape(3, -1).take(pair, axis=1).T]),
             np.concatenate([self._margin[part], np.zeros(len(k), dtype=np.float32)]),
         )
 

@@ -14,6 +14,7 @@ from topple.robots.separation import Candidates, Float32Array, Frames, gaps
 from topple.topology.arrays import BoolArray, FloatArray, IntArray
 
 BATCH = 1024  # states per batch: the arrays of one batch stay within the processor's cache
+SMALL = 96  # states that cost little more than a few: such a batch is not divided
 EDGE_STEP = 0.05  # [rad] largest joint change between two checked states of an edge, the usual resolution
 
 
@@ -188,5 +189,7 @@ def _phases(count: IntArray) -> list[tuple[IntArray, FloatArray]]:
     first = np.repeat(np.cumsum(count) - count, count)
     index = np.arange(len(edge)) - first
     t = index / np.maximum(count[edge] - 1, 1)
+    if len(edge) <= SMALL:
+        return [(edge, t)]
     coarse = (index % 8 == 4) | (count[edge] <= 8)
     return [(edge[coarse], t[coarse]), (edge[~coarse], t[~coarse])]

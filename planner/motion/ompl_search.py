@@ -5,6 +5,7 @@ from typing import Any
 import numpy as np
 
 from topple.planner.motion.collision import Checker
+from topple.robots.arm import Arm
 from topple.topology.arrays import FloatArray
 
 RANGE = 1.0  # [rad] longest branch; beats OMPL's default of 20 % of the space in clutter
@@ -38,16 +39,18 @@ def ompl_path(
 
     util.setLogLevel(util.LogLevel.LOG_NONE)
     util.RNG.setSeed(seed + 1)
-    space = _space(base, checker)
+    space = state_space(base, checker.arm)
     information: Any = base.SpaceInformation(space)
-    information.setStateValidityChecker(lambda state: bool(checker.free(_values(state, len(start))[None])[0]))
+    information.setStateValidityChecker(
+        lambda state: bool(checker.free(values_of(state, len(start))[None])[0])
+    )
     information.setMotionValidator(_edge_validator(base, information, checker))
     information.setup()
     problem: Any = base.ProblemDefinition(information)
-    problem.addStartState(_state(space, start))
+    problem.addStartState(state_of(space, start))
     region: Any = base.GoalStates(information)
     for goal in goals:
-        region.addState(_state(space, goal))
+        region.addState(state_of(space, goal))
     problem.setGoal(region)
     search: Any = getattr(geometric, planner)(information)
     if hasattr(search, "setRange"):
@@ -60,27 +63,30 @@ def ompl_path(
     information.setMotionValidator(base.MotionValidator(information))
     if path is None:
         return None
-    return np.array([_values(path.getState(i), len(start)) for i in range(path.getStateCount())])
+    return np.array([values_of(path.getState(i), len(start)) for i in range(path.getStateCount())])
 
 
-def _space(base: Any, checker: Checker) -> Any:
-    n = len(checker.arm.joints)
+def state_space(base: Any, arm: Arm) -> Any:
+    """The box of an arm's joint limits as an OMPL space."""
+    n = len(arm.joints)
     space, bounds = base.RealVectorStateSpace(n), base.RealVectorBounds(n)
-    for i, (lower, upper) in enumerate(zip(checker.arm.lower, checker.arm.upper, strict=True)):
+    for i, (lower, upper) in enumerate(zip(arm.lower, arm.upper, strict=True)):
         bounds.setLow(i, float(lower))
         bounds.setHigh(i, float(upper))
     space.setBounds(bounds)
     return space
 
 
-def _state(space: Any, values: FloatArray) -> Any:
+def state_of(space: Any, values: FloatArray) -> Any:
+    """An OMPL state with the given values (n,)."""
     state = space.allocState()
     for i, value in enumerate(values):
         state[i] = float(value)
     return state
 
 
-def _values(state: Any, n: int) -> FloatArray:
+def values_of(state: Any, n: int) -> FloatArray:
+    """The n values of an OMPL state, which has no length of its own."""
     return np.array([state[i] for i in range(n)])
 
 
@@ -92,6 +98,6 @@ def _edge_validator(base: Any, information: Any, checker: Checker) -> Any:
             super().__init__(information)
 
         def checkMotion(self, a: Any, b: Any) -> bool:
-            return bool(checker.edge_free(_values(a, n), _values(b, n)))
+            return bool(checker.edge_free(values_of(a, n), values_of(b, n)))
 
     return EdgeValidator()

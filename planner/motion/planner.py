@@ -2,6 +2,7 @@
 
 import time
 from dataclasses import dataclass, field
+from itertools import pairwise
 
 import numpy as np
 
@@ -12,7 +13,7 @@ from topple.planner.motion.shortcut import length, shortcut
 from topple.topology.arrays import BoolArray, FloatArray, frozen
 from topple.topology.errors import InvalidInput
 
-DIRECT = 16  # goals, nearest first, that are tried by a straight edge
+DIRECT = (0, 1, 4, 8, 16)  # goals tried by a straight edge, in these batches, the nearest first
 ATTEMPTS = 4  # searches with different seeds before a path that could not be certified is returned
 OWN_SHARE = 0.7  # of the time left, for our own search; the rest is OMPL's
 
@@ -101,10 +102,11 @@ def plan_motion(
     """
     begun = time.monotonic()
     start, goals = _validated(checker, start, goals)
-    failure = _refused(checker, start, goals)
-    if failure is not None:
-        return failure
-    free = np.flatnonzero(checker.free(goals) & _within(checker, goals))
+    inside = _within(checker, goals)
+    clear = checker.free(np.concatenate([start[None], goals]))
+    free = np.flatnonzero(clear[1:] & inside)
+    if not clear[0] or not len(free):
+        return _refused(checker, start, goals[inside])
     order = free[np.argsort(np.linalg.norm(goals[free] - start, axis=1), kind="stable")]
     query = _Query(
         checker, start, goals[order], seed, begun + budget, Certifier(checker) if certified else None
@@ -134,8 +136,8 @@ class _Query:
 
     def direct(self) -> _Found | None:
         """The first goal that a straight edge reaches."""
-        for first in range(0, min(len(self.goals), DIRECT), 4):
-            goals = self.goals[first : first + 4]
+        for first, last in pairwise(DIRECT):
+            goals = self.goals[first:last]
             starts = np.broadcast_to(self.start, goals.shape)
             for goal in goals[self.checker.edges_free(starts, goals)]:
                 path = np.array([self.start, goal])
@@ -205,18 +207,14 @@ def _within(checker: Checker, states: FloatArray) -> BoolArray:
     return np.logical_and.reduce(inside, axis=1)
 
 
-def _refused(checker: Checker, start: FloatArray, goals: FloatArray) -> MotionFailure | None:
+def _refused(checker: Checker, start: FloatArray, goals: FloatArray) -> MotionFailure:
+    """Why there is nothing to plan: start or goals touch something, or no goal is within the limits."""
     found = checker.contacts(start)
     if found:
         return MotionFailure("start", f"at the start {_says(found)}", found, found[0].distance)
     if not len(goals):
-        return MotionFailure("goals", "there are no goals")
-    inside = _within(checker, goals)
-    if not inside.any():
-        return MotionFailure("goals", "all goals lie outside the joint limits")
-    if checker.free(goals[inside]).any():
-        return None
-    touching = [checker.contacts(goal) for goal in goals[inside]]
+        return MotionFailure("goals", "there is no goal within the joint limits")
+    touching = [checker.contacts(goal) for goal in goals]
     least = max(touching, key=lambda contacts: contacts[0].distance)
     reason = f"in all {len(goals)} goals something touches; at best {_says(least)}"
     return MotionFailure("goals", reason, least, least[0].distance)
