@@ -1,0 +1,169 @@
+"""Bodies from observed clouds: convex parts of what was seen, drawn down where nobody could look."""
+
+from collections.abc import Sequence
+
+import numpy as np
+from numpy.typing import ArrayLike
+from scipy import ndimage
+
+from topple.robots.bodies import DENSITY, FRICTION, GREY, ROLLING, Body, Color
+from topple.robots.convex import hull_of
+from topple.robots.tolerances import TOLERANCES
+from topple.topology.arrays import BoolArray, FloatArray, IntArray
+from topple.topology.checks import as_direction, as_points
+from topple.topology.cloud import clean
+
+CELL = 0.006  # [m] of the grid on which a part's shadow is compared with what was seen under it
+OPEN = (
+    0.3  # share of the shadow that must be seen from above for the part to hover: noise and gaps stay below
+)
+BESIDE = 2  # cells around the shadow in which things count as under it: an edge hides a strip of the size
+HOLLOW = 0.006  # [m] hulls may stand out from the points by this: less cuts noise into pieces
+GRAIN = 0.003  # [m] cubes whose points are averaged before parts are cut: halves 1 to 2 mm of depth noise
+
+
+def body_from_cloud(
+    name: str,
+    points: ArrayLike,
+    up: ArrayLike,
+    floor: float | None = None,
+    *,
+    viewpoints: ArrayLike | None = None,
+    seen_below: ArrayLike | None = None,
+    density: float = DENSITY,
+    friction: float = FRICTION,
+    color: Color = GREY,
+) -> tuple[Body, FloatArray]:
+    """Make a body of what cameras saw of a thing.
+
+    Cameras look from above, so undersides are missing. Each convex part of the cloud is drawn straight down
+    to what was seen under it or right beside, else to the floor; where most of what lies under it was seen,
+    there is room and it stays in the air, as a spoon's handle does.
+
+    Args:
+        name: Its name in the scene.
+        points: (N, 3) points in the world in [m].
+        up: (3,) direction against gravity.
+        floor: Height along `up` in [m] of what it rests on; None: its own lowest point.
+        viewpoints: (k, 3) camera centres in [m], which tell a hollow from a side nobody saw.
+        seen_below: (M, 3) points of the other things, in the world in [m].
+        density: In [kg/m^3].
+        friction: Coulomb coefficient.
+        color: Red, green, blue, opacity in 0..1.
+
+    Returns:
+        The body, and its pose (4, 4) body to world: axes as the world's, origin in the middle of the points.
+    """
+    from topple.topology.parts import convex_parts
+
+    cloud, upward = as_points(points, f"the cloud of {name!r}"), as_direction(up, "up")
+    cloud = clean(cloud)
+    origin = cloud.mean(axis=0)
+    seen = None if viewpoints is None or len(np.atleast_2d(viewpoints)) == 0 else np.atleast_2d(viewpoints)
+    pieces = (
+        [cloud] if len(cloud) < 12 else convex_parts(_averaged(cloud), HOLLOW, viewpoints=_as_centres(seen))
+    )
+    ground = float((cloud @ upward).min()) if floor is None else floor
+    below = np.zeros((0, 3)) if seen_below is None else as_points(seen_below, "seen_below")
+    solid = [_completed(piece, upward, ground, below) - origin for piece in pieces]
+    pose = np.eye(4)
+    pose[:3, 3] = origin
+    body = Body.of(
+        name, solid, density=density, friction=friction, color=color, kind="cloud", rolling=ROLLING
+    )
+    return body, pose
+
+
+def _as_centres(viewpoints: ArrayLike | None) -> FloatArray | None:
+    return None if viewpoints is None else as_points(viewpoints, "viewpoints")
+
+
+def _averaged(cloud: FloatArray) -> FloatArray:
+    """Means (M, 3) of the points in cubes of the grain; the cloud itself if that leaves too few."""
+    cells = np.floor(cloud / GRAIN).astype(np.int64)
+    _, which, count = np.unique(cells, axis=0, return_inverse=True, return_counts=True)
+    sums = np.zeros((len(count), 3))
+    np.add.at(sums, which.ravel(), cloud)
+    return sums / count[:, None] if len(count) >= 12 else cloud
+
+
+def _completed(part: FloatArray, up: FloatArray, floor: float, below: FloatArray) -> FloatArray:
+    """(V, 3) vertices of a part drawn down to the floor or to what was seen under it."""
+    heights = part @ up
+    rest, open_below = _under(part, up, below[below @ up < np.quantile(heights, 0.5)], floor)
+    depth = np.full(len(part), TOLERANCES.thinnest) if open_below else heights - rest
+    drawn = part - np.maximum(depth, TOLERANCES.thinnest)[:, None] * up
+    return hull_of(np.concatenate([part, drawn]))[0]
+
+
+def _under(part: FloatArray, up: FloatArray, below: FloatArray, floor: float) -> tuple[float, bool]:
+    """Height along up in [m] of what a part stands on, and whether most of that was seen under it."""
+    if len(below) == 0:
+        return floor, False
+    aside = _level_axes(up)
+    shadow = _cells_of_hull(part @ aside.T)
+    lower = shadow.min(axis=0) - BESIDE
+    under = np.zeros(shadow.max(axis=0) + BESIDE + 1 - lower, dtype=bool)
+    under[tuple((shadow - lower).T)] = True
+    square = np.ones((2 * BESIDE + 1, 2 * BESIDE + 1), dtype=bool)
+    wide: BoolArray = np.asarray(ndimage.binary_dilation(under, square), dtype=bool)
+    places = np.floor(below @ aside.T / CELL).astype(np.int64) - lower
+    within = ((places >= 0) & (places < under.shape)).all(axis=1)
+    row, column = (places[within, axis].astype(np.intp) for axis in (0, 1))
+    near = wide[row, column]
+    if not near.any():
+        return floor, False
+    seen = np.zeros_like(under)
+    seen[row, column] = True
+    rest = max(floor, float(np.quantile(below[within][near] @ up, 0.8)))
+    return rest, int((seen & under).sum()) >= OPEN * len(shadow)
+
+
+def _level_axes(up: FloatArray) -> FloatArray:
+    """(2, 3) level directions, square to each other and to up."""
+    first = np.cross(up, [1.0, 0.0, 0.0] if abs(up[0]) < 0.9 else [0.0, 1.0, 0.0])
+    first /= np.linalg.norm(first)
+    return np.stack([first, np.cross(up, first)])
+
+
+def _cells_of_hull(flat: FloatArray) -> IntArray:
+    """Grid cells (C, 2) whose middles lie in the hull of points (V, 2); at least those of the points."""
+    from scipy.spatial import Delaunay, QhullError
+
+    own = np.floor(flat / CELL).astype(np.int64)
+    lower, upper = own.min(axis=0), own.max(axis=0)
+    grid = np.stack(np.meshgrid(*(np.arange(a, b + 1) for a, b in zip(lower, upper, strict=True))), axis=-1)
+    cells: IntArray = grid.reshape(-1, 2)
+    try:
+        inside = Delaunay(flat).find_simplex((cells + 0.5) * CELL) >= 0
+    except QhullError:  # a line
+        return np.unique(own, axis=0)
+    return np.unique(np.concatenate([cells[inside], own]), axis=0)
+
+
+def bodies_from_clouds(
+    clouds: Sequence[tuple[str, FloatArray]],
+    up: ArrayLike,
+    floor: float,
+    viewpoints: ArrayLike | None = None,
+    table: ArrayLike | None = None,
+) -> list[tuple[Body, FloatArray]]:
+    """Bodies of all clouds of a scene, each one completed down to the floor where nothing is seen under it.
+
+    Args:
+        clouds: Name and points (N, 3) in [m] of everything that can move.
+        up: (3,) direction against gravity.
+        floor: Height along `up` in [m] of the table.
+        viewpoints: (k, 3) camera centres in [m].
+        table: (T, 3) points of the table in [m]: where it is seen, nothing is over it.
+
+    Returns:
+        Body and pose (4, 4) body to world of each cloud.
+    """
+    found: list[tuple[Body, FloatArray]] = []
+    for name, points in clouds:
+        others = [other for another, other in clouds if another != name]
+        others += [] if table is None else [as_points(table, "the table's cloud")]
+        below = np.concatenate(others) if others else None
+        found.append(body_from_cloud(name, points, up, floor, viewpoints=viewpoints, seen_below=below))
+    return found
