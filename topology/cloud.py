@@ -11,6 +11,8 @@ from topple.topology.tolerances import TOLERANCES
 
 NEIGHBOURS = 12
 """Points of a local plane: enough to fit one, few enough to stay on one face."""
+REGION = 20000
+"""Points of a dense cloud that are looked at, all from one place: noise hardly varies over an object."""
 PROBES = 300
 """Points per cloud at which spacing and noise are measured."""
 
@@ -56,6 +58,9 @@ def noise_and_spacing(points: FloatArray) -> tuple[float, float]:
     """
     if len(points) < 6:
         return 0.0, 0.0
+    if len(points) > REGION:
+        middle = points[len(points) // 2]
+        points = points[np.argpartition(((points - middle) ** 2).sum(axis=1), REGION)[:REGION]]
     probes = points[:: -(-len(points) // PROBES)]
     tree = KDTree(points)
     distance, index = tree.query(probes, k=min(NEIGHBOURS, len(points)))

@@ -9,6 +9,7 @@ exterior. Shares that noise alone explains count as none. The relation then foll
 from dataclasses import dataclass, field
 
 import numpy as np
+from scipy.spatial import KDTree
 
 from topple.topology.arrays import BoolArray, FloatArray, IntArray
 from topple.topology.cavity import surrounded
@@ -83,7 +84,8 @@ class RobustRule:
             held |= surrounded(a.coarse[chosen], wall, up, 2 * self.deviation)
         inside[chosen[held]] = True
         if step > 1:  # the points between follow the nearest one that was looked at
-            inside[candidates] = np.repeat(held, step)[: len(candidates)]
+            nearest = KDTree(a.coarse[chosen]).query(a.coarse[candidates])[1]
+            inside[candidates] = held[nearest]
         if np.count_nonzero(inside) < self._least(a.size):
             inside[:] = False
         return inside

@@ -18,6 +18,8 @@ LARGEST_CELL = 0.01
 """Edge of a cell [m] of a table or shelf: what stands before it leaves slivers of it two or three cm wide."""
 FINE = 3000
 """Points per object that the closest region may have; contact patches beyond that are thinned."""
+PROBES = 32
+"""Points that bound the distance of two surfaces before all are looked at."""
 CANDIDATES = 400
 """Points whose distance to the other surface is measured with planes, the nearest to its samples."""
 PATCH = 8
@@ -206,10 +208,11 @@ def closest(a: SurfaceCloud, b: SurfaceCloud) -> Closest:
         a: One surface.
         b: The other.
     """
-    near_a = np.asarray(b.tree.query(a.coarse)[0])
-    near_b = np.asarray(a.tree.query(b.coarse)[0])
     slack = 2 * (a.cell + b.cell) + max(a.spacing, b.spacing) * (a.cell == 0 or b.cell == 0)
-    limit = max(float(near_a.min()), float(near_b.min())) + slack
+    bound = float(np.min(b.tree.query(_at_most(a.coarse, PROBES))[0])) * (1 + 1e-9)
+    near_a = _distances(a.coarse, b, bound + slack)
+    limit = float(near_a.min()) + slack
+    near_b = _distances(b.coarse, a, limit)
     fine_a = _at_most(a.rows_of(np.flatnonzero(near_a <= limit)), FINE)
     fine_b = _at_most(b.rows_of(np.flatnonzero(near_b <= limit)), FINE)
     tree_a, tree_b = KDTree(fine_a), KDTree(fine_b)
@@ -223,6 +226,17 @@ def closest(a: SurfaceCloud, b: SurfaceCloud) -> Closest:
         [np.stack([fine_a[first], feet[first]], axis=1), np.stack([heads[second], fine_b[second]], axis=1)]
     )
     return Closest(min(_ranked(forward, rank), _ranked(backward, rank)), pairs)
+
+
+def _distances(points: FloatArray, other: SurfaceCloud, limit: float) -> FloatArray:
+    """(N,) distances to the nearest mean point of a surface, infinite beyond a limit."""
+    lower, upper = other.tree.mins, other.tree.maxes
+    apart = np.maximum(np.maximum(lower - points, points - upper), 0.0)
+    chosen = np.flatnonzero(np.einsum("ni,ni->n", apart, apart) <= limit**2)
+    distance = np.full(len(points), np.inf)
+    within = np.nextafter(limit, np.inf)  # the search leaves out its bound itself
+    distance[chosen] = np.asarray(other.tree.query(points[chosen], distance_upper_bound=within)[0])
+    return distance
 
 
 def _ranked(values: FloatArray, rank: int) -> float:

@@ -27,7 +27,7 @@ def relation_of(a, b):
 
 
 @given(st.integers(0, 10**6), st.sampled_from([1, 5, 300, 20000]))
-@settings(max_examples=60, deadline=None)
+@settings(max_examples=30, deadline=None)
 def test_prepared_regions_count_like_the_plain_way(seed, count):
     rng = np.random.default_rng(seed)
     a, b = surface(rng), surface(rng, count)
