@@ -9,7 +9,7 @@ from scipy.spatial import ConvexHull, QhullError
 from topple.planner.placement import Placement
 from topple.planner.resting import PLACEMENT_TOLERANCES, PlacementTolerances, Rest, about, resting_poses
 from topple.planner.samples import centre_of_mass, sampled, voxel_means
-from topple.planner.solids import Solids, level_axes, solids_of, table_top, up_of
+from topple.planner.solids import Solids, hull_vertices, level_axes, solids_of, table_top, up_of
 from topple.topology.arrays import FloatArray, IntArray
 from topple.topology.errors import UnknownObject
 from topple.topology.scene import Scene
@@ -81,7 +81,7 @@ def placements_on(
     solids = solids_of(scene) if solids is None else solids
     axes = np.stack(level_axes(up))
     heights = heights_of(scene, up, leave_out=name)
-    outline = scene.clouds[where] @ axes.T
+    outline = hull_vertices(scene.clouds[where] @ axes.T)
     low, high = outline.min(axis=0), outline.max(axis=0)
     middle, steps = (low + high) / 2.0, np.linspace(-0.3, 0.3, 7)
     offsets = np.stack(np.meshgrid(steps, steps), axis=-1).reshape(-1, 2) * (high - low)
@@ -93,11 +93,12 @@ def placements_on(
         for k in range(YAWS):
             rotation = about(up, 2.0 * np.pi * k / YAWS) @ rest.rotation
             turned = (body - centre) @ rotation.T
-            for offset in offsets:
-                landing = _landing(turned, middle + offset, heights, axes, up, target)
+            level, height = _underside(turned @ axes.T, turned @ up)
+            landings = _landings(level, height, middle + offsets, heights, target)
+            for offset, landing in zip(offsets, landings, strict=True):
                 if landing is None:
                     continue
-                score = _score(landing, how, rest, offset, outline - middle, turned @ axes.T)
+                score = _score(landing, how, rest, offset, outline - middle, level)
                 if score is not None:
                     after = axes.T @ (middle + offset) + up * (landing.height + tolerances.drop)
                     pose = np.eye(4)
@@ -159,19 +160,32 @@ class _Landing:
     depth: float  # of its lowest point below the target's highest
 
 
-def _landing(
-    turned: FloatArray, place: FloatArray, heights: Heights, axes: FloatArray, up: FloatArray, target: int
-) -> _Landing | None:
-    level, height = turned @ axes.T, turned @ up
-    top, owner = heights.look_up(place + level)
-    gap = height - top
-    least = float(gap.min())
-    if not np.isfinite(least):
-        return None
-    touching = gap < least + CONTACT
+def _underside(level: FloatArray, height: FloatArray) -> tuple[FloatArray, FloatArray]:
+    """The lowest of an object's points in each cell of the grid: (M, 2) level offsets and (M,) heights."""
+    cells, index = np.unique(np.round(level / CELL), axis=0, return_inverse=True)
+    lowest = np.full(len(cells), np.inf)
+    np.minimum.at(lowest, index.reshape(-1), height)
+    return cells * CELL, lowest
+
+
+def _landings(
+    level: FloatArray, height: FloatArray, places: FloatArray, heights: Heights, target: int
+) -> list[_Landing | None]:
+    """Where an object lowered over each of (N, 2) places comes to lie; None where nothing is below."""
+    top, owner = heights.look_up((places[:, None, :] + level[None, :, :]).reshape(-1, 2))
+    top, owner = top.reshape(len(places), -1), owner.reshape(len(places), -1)
     highest = float(heights.top[heights.owner == target].max(initial=-np.inf))
-    on_target = float(np.mean(owner[touching] == target))
-    return _Landing(-least, level[touching], on_target, highest - (float(height.min()) - least))
+    found: list[_Landing | None] = []
+    for gap, owners in zip(height - top, owner, strict=True):
+        least = float(gap.min())
+        if not np.isfinite(least):
+            found.append(None)
+            continue
+        touching = gap < least + CONTACT
+        on_target = float(np.mean(owners[touching] == target))
+        depth = highest - (float(height.min()) - least)
+        found.append(_Landing(-least, level[touching], on_target, depth))
+    return found
 
 
 def _score(

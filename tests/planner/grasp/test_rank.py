@@ -19,7 +19,7 @@ def scene() -> Scene:
     clouds = {
         "table": np.column_stack([x.ravel(), y.ravel(), np.zeros(x.size)]),
         "lower": box("lower", (0.05, 0.05, 0.05)).surface(3000, rng),
-        "upper": box("upper", (0.05, 0.05, 0.05)).surface(3000, rng) + [0.0, 0.0, 0.0505],
+        "upper": box("upper", (0.05, 0.05, 0.05)).surface(3000, rng) + np.array([0.0, 0.0, 0.0505]),
     }
     return Scene(clouds, fixed=["table"], up=[0, 0, 1])
 
