@@ -1,12 +1,12 @@
 """Seeded piles of household things, as truth to measure against: settled, seen, and lifted from."""
 
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 
 import numpy as np
 import pybullet
 
-from topple.planner.whatif import FRICTIONS, label, set_friction, take_away
+from topple.planner.whatif import FRICTIONS, Move, label, set_friction, take_away
 from topple.robots import shapes
 from topple.robots.bodies import Body
 from topple.robots.world import World
@@ -140,7 +140,7 @@ def _rotation(axis: FloatArray, angle: float) -> FloatArray:
 def truth(pile: Pile) -> dict[str, dict[str, int | None]]:
     """Lift every object in turn, at every friction: then -> first -> 1, 0 or None (too close to call)."""
     with pile.world() as world:
-        moves: dict[str, list[dict[str, object]]] = {name: [] for name in pile.poses}
+        moves: dict[str, list[Mapping[str, Move]]] = {name: [] for name in pile.poses}
         for between, table in FRICTIONS:
             set_friction(world, between, table)
             for name in pile.poses:

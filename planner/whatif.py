@@ -1,13 +1,18 @@
 """Take something away in simulation: what moves?"""
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
+from typing import TYPE_CHECKING
 
 import numpy as np
 import pybullet
 
 from topple.robots.poses import angle_between
 from topple.robots.world import World
+from topple.topology.arrays import FloatArray
+
+if TYPE_CHECKING:
+    from topple.planner.rebuild import Rebuilt
 
 SPEED = 0.08
 """Speed of the straight lift [m/s]."""
@@ -20,6 +25,9 @@ SETTLE = 1.0
 
 STILL = 5e-4
 """Speed [m/s] (ten times as many [rad/s] for turns) below which nothing will move a centimetre any more."""
+
+SLOW = 48
+"""Steps at the start in which every speed is taken away: overlaps dissolve, nothing is thrown."""
 
 FRICTIONS = ((0.5, 0.6), (0.4, 0.4), (0.75, 0.75))
 """Friction between objects and with the table, in each of which the question is asked."""
@@ -79,14 +87,13 @@ def take_away(world: World, name: str, seconds: float = SETTLE) -> dict[str, Mov
     after = world.poses()
     world.restore(kept)
     pybullet.removeState(kept.number, physicsClientId=client)
-    return {
-        other: Move(
-            float(np.linalg.norm(_centre(world, other, after[other]) - _centre(world, other, pose))),
-            angle_between(pose, after[other]),
-        )
-        for other, pose in before.items()
-        if other != name
-    }
+    return {other: _move(world, other, pose, after[other]) for other, pose in before.items() if other != name}
+
+
+def _move(world: World, name: str, before: FloatArray, after: FloatArray) -> Move:
+    """How far a body got from one pose to another."""
+    shift = _centre(world, name, after) - _centre(world, name, before)
+    return Move(float(np.linalg.norm(shift)), angle_between(before, after))
 
 
 def _is_clear(world: World, name: str) -> bool:
@@ -102,18 +109,81 @@ def _is_clear(world: World, name: str) -> bool:
 
 def _at_rest(world: World, besides: str) -> bool:
     """Whether nothing moves but one body."""
-    still = STILL
     for name in world.movable:
         if name != besides:
             linear, angular = pybullet.getBaseVelocity(world.ids[name], physicsClientId=world.client)
-            if np.linalg.norm(linear) > still or np.linalg.norm(angular) > 10 * still:
+            if np.linalg.norm(linear) > STILL or np.linalg.norm(angular) > 10 * STILL:
                 return False
     return True
 
 
-def _centre(world: World, name: str, pose: np.ndarray) -> np.ndarray:
+def _centre(world: World, name: str, pose: FloatArray) -> FloatArray:
     """Centre of mass of a body in the world [m]."""
     return np.asarray(pose[:3, :3] @ world.body(name).centre_of_mass + pose[:3, 3])
+
+
+@dataclass(frozen=True)
+class Trial:
+    """One way the world may be, within what the clouds leave open.
+
+    Attributes:
+        between: Friction between objects.
+        table: Friction with what is fixed.
+        jitter: Standard deviation [m] of where each body really is, along each axis.
+        seed: Seed of the jitter.
+    """
+
+    between: float
+    table: float
+    jitter: float
+    seed: int
+
+
+@dataclass(frozen=True, eq=False)
+class Outcome:
+    """What one trial showed.
+
+    Attributes:
+        sagged: name -> how far it moved before anything was taken: how wrong its rebuilt body is.
+        moves: then -> name -> how far it moved when `then` was taken away.
+    """
+
+    sagged: Mapping[str, Move]
+    moves: Mapping[str, Mapping[str, Move]]
+
+
+def try_out(rebuilt: "Rebuilt", trial: Trial, names: Sequence[str]) -> Outcome:
+    """Rebuild a scene in simulation, let it come to rest, and take objects away, one at a time.
+
+    Args:
+        rebuilt: The bodies.
+        trial: Friction and jitter.
+        names: Objects to take away.
+
+    Returns:
+        What moved.
+    """
+    rng = np.random.default_rng(trial.seed)
+    offsets = {name: rng.normal(0.0, trial.jitter, 3) for name in rebuilt.bodies}
+    with rebuilt.world(offsets if trial.jitter > 0 else None) as world:
+        set_friction(world, trial.between, trial.table)
+        before = world.poses()
+        _come_to_rest(world)
+        after = world.poses()
+        sagged = {name: _move(world, name, before[name], after[name]) for name in before}
+        return Outcome(sagged, {name: take_away(world, name) for name in names})
+
+
+def _come_to_rest(world: World) -> None:
+    """Settle slowly: bodies that overlap a little are pushed apart without being thrown."""
+    for _ in range(SLOW):
+        world.step()
+        for number in (world.ids[name] for name in world.movable):
+            pybullet.resetBaseVelocity(number, (0, 0, 0), (0, 0, 0), physicsClientId=world.client)
+    for _ in range(20):
+        world.step(12)
+        if _at_rest(world, ""):
+            break
 
 
 def set_friction(world: World, between: float, table: float) -> None:

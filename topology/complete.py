@@ -7,15 +7,18 @@ import numpy as np
 from scipy.interpolate import LinearNDInterpolator
 from scipy.spatial import ConvexHull, KDTree, QhullError
 
-from topple.topology.arrays import BoolArray, FloatArray
+from topple.topology.arrays import FloatArray
 from topple.topology.sight import Sight
 from topple.topology.upright import SPACING, Upright, thin
 
-CONVEX = 0.006
-"""A surface point this deep [m] inside the hull belongs to a cavity: noise and wall curvature stay above."""
+BARE = 0.01
+"""A place on the hull this far [m] from every point has no surface near it: twice a cloud's spacing."""
 
-CAVITY = 0.12
-"""Share of points in cavities from which a body counts as hollow."""
+SAMPLES = 400
+"""Places on a hull that are looked at: a mouth of a tenth of its surface is 40 of them."""
+
+MOUTH = 0.1
+"""Share of the hull's surface that is mouth from which a body counts as hollow: a mug's is a sixth."""
 
 CLOSED = 0.6
 """Share of the underside with points on it from which a cloud without viewpoints counts as whole."""
@@ -73,7 +76,7 @@ def complete_body(points: FloatArray, sight: Sight | None) -> FloatArray:
         return points
     if sight is None and _is_closed(points, hull):
         return points
-    hollow = _cavity_share(points, hull) > CAVITY
+    hollow = _mouth_share(points, hull, sight) > MOUTH
     box = bounding_box(points, upright_only=hollow)
     mirrored = _turned(points, box) if hollow else 2 * box.centre - points
     extra = [_believable(mirrored, points, sight)]
@@ -84,6 +87,12 @@ def complete_body(points: FloatArray, sight: Sight | None) -> FloatArray:
     if hull is not None:
         extra.append(_believable(_underside(known, hull), known, sight, partly=True))
     return np.concatenate([points, *extra])
+
+
+def is_hollow(points: FloatArray, sight: Sight | None) -> bool:
+    """Whether a body has a cavity: its hull has a mouth, with none of the (N, 3) points [m] near it."""
+    hull = _hull(points)
+    return hull is not None and _mouth_share(points, hull, sight) > MOUTH
 
 
 def bounding_box(points: FloatArray, upright_only: bool = False) -> Box:
@@ -257,8 +266,19 @@ def _is_closed(points: FloatArray, hull: ConvexHull) -> bool:
     return bool((distance < 2.5 * SPACING).mean() > CLOSED)
 
 
-def _cavity_share(points: FloatArray, hull: ConvexHull) -> float:
-    """Share of the points that lie deep inside the hull."""
-    depth: FloatArray = -(points @ hull.equations[:, :3].T + hull.equations[:, 3]).max(axis=1)
-    deep: BoolArray = depth > CONVEX
-    return float(np.mean(deep))
+def _mouth_share(points: FloatArray, hull: ConvexHull, sight: Sight | None) -> float:
+    """Share of the hull's surface that is a mouth: no points near it, and seen through if anybody looked."""
+    corners = points[hull.simplices]
+    areas = np.linalg.norm(np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0]), axis=1)
+    which = np.searchsorted(np.cumsum(areas) / areas.sum(), (np.arange(SAMPLES) + 0.5) / SAMPLES)
+    # A low-discrepancy sequence: the same places for the same hull, without a seed.
+    u = (np.arange(SAMPLES) * 0.7548776662466927) % 1.0
+    v = (np.arange(SAMPLES) * 0.5698402909980532) % 1.0
+    flip = u + v > 1
+    u, v = np.where(flip, 1 - u, u)[:, None], np.where(flip, 1 - v, v)[:, None]
+    first, second, third = corners[np.minimum(which, len(corners) - 1)].transpose(1, 0, 2)
+    spots = first + u * (second - first) + v * (third - first)
+    bare = KDTree(points).query(spots)[0] > BARE
+    if sight is not None:
+        bare[bare] = sight.empty(spots[bare])
+    return float(bare.mean())

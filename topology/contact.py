@@ -1,6 +1,6 @@
 """Where objects touch: contact patches with normals, between clouds and with flat fixed surfaces."""
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from itertools import combinations
 
@@ -171,10 +171,10 @@ def _on_plane(ground: str, plane: Plane, name: str, points: FloatArray) -> Conta
     feet = low[np.sort(cells)]
     # Only undersides say how the body stands: the inner side of a thin wall would blur the normal.
     sole = _lowest(points[over & (heights < SOLE)], 2 * SPACING)
-    turns = np.zeros(len(feet))
-    for k, near_foot in enumerate(KDTree(sole).query_ball_point(feet, 1.5 * TOLERANCES.patch)):
-        normal, rough = local_normal(sole[near_foot])
-        turns[k] = _turn(normal, plane.normal) if rough < TOLERANCES.smooth else 0.0
+    around = KDTree(sole).query_ball_point(feet, 1.5 * TOLERANCES.patch)
+    normals, rough = local_normals(sole, list(around))
+    leaning = np.arccos(np.minimum(1.0, np.abs(normals @ plane.normal)))
+    turns = np.where(rough < TOLERANCES.smooth, leaning, 0.0)
     return Contact(ground, name, feet, np.tile(plane.normal, (len(feet), 1)), plane.heights(feet), turns)
 
 
@@ -199,7 +199,8 @@ def _between(a: str, b: str, surfaces: Mapping[str, FloatArray], trees: dict[str
     for name in (a, b):
         if name not in trees:
             trees[name] = KDTree(surfaces[name])
-    distances, nearest = trees[a].query(candidates, distance_upper_bound=TOLERANCES.search)
+    answer = trees[a].query(candidates, distance_upper_bound=TOLERANCES.search)
+    distances, nearest = np.asarray(answer[0]), np.asarray(answer[1])
     close = np.isfinite(distances)
     if not close.any():
         return None
@@ -216,14 +217,15 @@ def _patch(
     normals: list[FloatArray] = []
     gaps: list[float] = []
     turns: list[float] = []
-    around_a = trees[a].query_ball_point(spots, TOLERANCES.patch)
-    around_b = trees[b].query_ball_point(spots, TOLERANCES.patch)
-    for spot, near_a, near_b in zip(spots, around_a, around_b, strict=True):
-        if len(near_a) < 3 or len(near_b) < 3:
+    around_a: list[list[int]] = list(trees[a].query_ball_point(spots, TOLERANCES.patch))
+    around_b: list[list[int]] = list(trees[b].query_ball_point(spots, TOLERANCES.patch))
+    normals_a, spreads_a = local_normals(first, around_a)
+    normals_b, spreads_b = local_normals(second, around_b)
+    for k, spot in enumerate(spots):
+        rough_a, rough_b = float(spreads_a[k]), float(spreads_b[k])
+        if not np.isfinite(rough_a) or not np.isfinite(rough_b):
             continue
-        pa, pb = first[near_a], second[near_b]
-        na, rough_a = local_normal(pa)
-        nb, rough_b = local_normal(pb)
+        pa, pb, na, nb = first[around_a[k]], second[around_b[k]], normals_a[k], normals_b[k]
         normal = na if rough_a <= rough_b else nb
         # b lies on the side of the contact where its points are.
         if (pb.mean(axis=0) - pa.mean(axis=0)) @ normal < 0:
@@ -243,12 +245,33 @@ def _patch(
     return Contact(a, b, np.array(points), np.array(normals), np.array(gaps), np.array(turns))
 
 
-def local_normal(points: FloatArray) -> tuple[FloatArray, float]:
-    """Unit normal of the plane through some points, and their spread across it [m]."""
-    if len(points) < 3:
-        return np.array([0.0, 0.0, 1.0]), np.inf
-    values, vectors = np.linalg.eigh(np.cov((points - points.mean(axis=0)).T))
-    return vectors[:, 0], float(np.sqrt(max(values[0], 0.0)))
+def local_normals(points: FloatArray, groups: Sequence[Sequence[int]]) -> tuple[FloatArray, FloatArray]:
+    """Planes through groups of points.
+
+    Args:
+        points: (N, 3) points [m].
+        groups: k lists of indices into the points.
+
+    Returns:
+        (k, 3) unit normals and (k,) spreads [m] across the planes; straight up and infinite for groups
+        of fewer than three points.
+    """
+    sizes = np.array([len(group) for group in groups])
+    normals = np.tile([0.0, 0.0, 1.0], (len(groups), 1))
+    spreads = np.full(len(groups), np.inf)
+    whole = np.flatnonzero(sizes >= 3)
+    if len(whole) == 0:
+        return normals, spreads
+    members = points[np.concatenate([np.asarray(groups[k], dtype=np.int64) for k in whole])]
+    counts = sizes[whole]
+    starts = np.concatenate([[0], np.cumsum(counts)[:-1]])
+    means = np.add.reduceat(members, starts) / counts[:, None]
+    centred = members - np.repeat(means, counts, axis=0)
+    outer = np.add.reduceat(centred[:, :, None] * centred[:, None, :], starts)
+    values, vectors = np.linalg.eigh(outer / (counts - 1)[:, None, None])
+    normals[whole] = vectors[:, :, 0]
+    spreads[whole] = np.sqrt(np.maximum(values[:, 0], 0.0))
+    return normals, spreads
 
 
 def _turn(first: FloatArray, second: FloatArray) -> float:

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 from scipy.spatial import ConvexHull, QhullError
 
-from topple.topology.arrays import FloatArray
+from topple.topology.arrays import BoolArray, FloatArray
 from topple.topology.complete import complete
 from topple.topology.contact import TOLERANCES, Contact, find_contacts
 from topple.topology.equilibrium import Weight, balance
@@ -27,6 +27,9 @@ TILT = float(np.tan(np.radians(9.0)))
 
 ROLL = float(np.radians(9.0))
 """Angle by which round things may roll on each other towards a contact without having moved."""
+
+AROUND = np.stack([np.cos(np.arange(12) * np.pi / 6), np.sin(np.arange(12) * np.pi / 6)], axis=1)
+"""Directions in which a flat patch keeps its outermost point."""
 
 WALL = 0.005
 """Thickness [m] taken for the walls of hollow things when their weight is guessed."""
@@ -49,6 +52,7 @@ class Statics:
         weights: The movable objects' weights; only their ratios matter.
         unexplained: name -> missing share of the weight while everything is in place: what the
             clouds leave open.
+        sight: What the cameras saw to be empty, or None where nobody knows.
     """
 
     upright: Upright
@@ -56,6 +60,7 @@ class Statics:
     contacts: tuple[Contact, ...]
     weights: Mapping[str, Weight]
     unexplained: Mapping[str, float]
+    sight: Sight | None = None
 
     @staticmethod
     def of(scene: "Scene") -> "Statics":
@@ -84,7 +89,7 @@ class Statics:
             contacts += hidden_contacts(upright, surfaces, usable, weights, wanting, sight)
             unexplained = balance(weights, within_reach(contacts, weights)).deficit
         return Statics(
-            upright, surfaces, contacts, MappingProxyType(weights), MappingProxyType(dict(unexplained))
+            upright, surfaces, contacts, MappingProxyType(weights), MappingProxyType(dict(unexplained)), sight
         )
 
     def unsteady_without(self, away: Collection[str], friction: float | None = None) -> dict[str, float]:
@@ -161,7 +166,18 @@ def within_reach(contacts: Collection[Contact], movable: Collection[str]) -> lis
                 continue
             arms = np.linalg.norm(contact.points[:, None] - pivot[None], axis=2).min(axis=1)
             keep |= (contact.gaps <= TIGHT + TILT * arms) & (contact.gaps <= TOLERANCES.search) & level
-        part = contact.only(keep)
+        part = contact.only(keep & _outline(contact, keep))
         if part is not None:
             usable.append(part)
     return usable
+
+
+def _outline(contact: Contact, keep: BoolArray) -> BoolArray:
+    """The points that matter of a flat patch: forces inside its outline are sums of forces on it."""
+    count = int(keep.sum())
+    if count <= 2 * len(AROUND) or np.ptp(contact.normals[keep], axis=0).max() > 1e-6:
+        return np.ones(len(keep), dtype=np.bool_)
+    reach = np.where(keep[:, None], contact.points[:, :2] @ AROUND.T, -np.inf)
+    chosen = np.zeros(len(keep), dtype=np.bool_)
+    chosen[np.argmax(reach, axis=0)] = True
+    return chosen
