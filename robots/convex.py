@@ -57,7 +57,7 @@ def reduced(vertices: FloatArray, tolerance: float = REDUCTION) -> tuple[FloatAr
     return kept, error
 
 
-@lru_cache(maxsize=512)
+@lru_cache(maxsize=4096)
 def _reduced(data: bytes, tolerance: float) -> tuple[FloatArray, float]:
     vertices = np.frombuffer(data).reshape(-1, 3)
     if len(vertices) <= 16:

@@ -64,7 +64,7 @@ class ExactPhase:
         return max((float(contact.penetration_depth) for contact in result.contacts), default=0.0)
 
 
-@lru_cache(maxsize=1024)
+@lru_cache(maxsize=4096)
 def _convex(data: bytes) -> Any:
     import fcl
 

@@ -2,14 +2,16 @@
 
 from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass
+from functools import lru_cache
 
 import numpy as np
 
 from topple.robots.arm import Arm
+from topple.robots.convex import hull_of
 from topple.robots.gripper import ToolState
 from topple.robots.poses import inverse
 from topple.robots.separation import ConvexSets
-from topple.topology.arrays import BoolArray, FloatArray, IntArray
+from topple.topology.arrays import BoolArray, FloatArray, IntArray, frozen
 from topple.topology.errors import InvalidInput
 
 
@@ -156,9 +158,12 @@ def _moved(pose: FloatArray, points: FloatArray) -> FloatArray:
 
 def _checked(part: FloatArray, name: str) -> FloatArray:
     """Hull vertices of a part that came from outside."""
-    from topple.robots.convex import hull_of
-
     points: FloatArray = np.asarray(part, dtype=float)
     if points.ndim != 2 or points.shape[1] != 3 or not len(points) or not np.isfinite(points).all():
         raise InvalidInput(f"{name!r}: expected finite points (V, 3), found an array {points.shape}")
-    return hull_of(points)[0]
+    return _hull_vertices(points.tobytes())
+
+
+@lru_cache(maxsize=4096)  # an object's parts come again with every checker of its scene
+def _hull_vertices(data: bytes) -> FloatArray:
+    return frozen(hull_of(np.frombuffer(data).reshape(-1, 3))[0])
