@@ -88,6 +88,11 @@ class Prepared(Protocol):
         ...
 
 
+def box_distance(a: Prepared, b: Prepared) -> float:
+    """Distance of two clouds' axis-aligned boxes [m], 0 where they overlap: no points are closer."""
+    return float(np.linalg.norm(np.maximum(np.maximum(a.lower - b.upper, b.lower - a.upper), 0.0)))
+
+
 class Rule(Protocol):
     """A way to relate two clouds."""
 
@@ -238,12 +243,11 @@ class Relations:
         if (i, j) in self.near:
             return self.near[i, j]
         a, b = self.prepared[i], self.prepared[j]
-        apart = np.maximum(np.maximum(a.lower - b.upper, b.lower - a.upper), 0.0)
         return PairRelation(
             a=self.objects[i],
             b=self.objects[j],
             relation=Relation.DISJOINT,
             matrix=np.array([[0, 0, a.size], [0, 0, b.size]], dtype=np.int64),
-            gap=float(np.linalg.norm(apart)),
+            gap=box_distance(a, b),
             gap_exact=False,
         )

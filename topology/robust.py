@@ -13,7 +13,7 @@ from scipy.spatial import KDTree
 
 from topple.topology.arrays import BoolArray, FloatArray, IntArray
 from topple.topology.cavity import surrounded
-from topple.topology.pairs import PairRelation
+from topple.topology.pairs import PairRelation, box_distance
 from topple.topology.relation import Relation, classify, kind_of
 from topple.topology.surface import Closest, SurfaceCloud, closest
 from topple.topology.tolerances import TOLERANCES
@@ -61,7 +61,8 @@ class RobustRule:
             b=b.name,
             relation=relation,
             matrix=matrix,
-            gap=-depth if depth > 0 else near.gap,
+            # A patch reaches half its spacing beyond the last sample; what is apart is not that close.
+            gap=-depth if depth > 0 else near.gap if touching else max(near.gap, box_distance(a, b)),
             confidence=self._confidence(relation, near.gap, matrix, observed),
             observed=observed,
             kind=kind_of(matrix),
