@@ -118,9 +118,15 @@ class Handling:
             allow += _pairs(self._links(grasp), [o for o in self.others if o not in self.scene.fixed])
         return self._checker(self.others, self.closed(grasp), attached=self._attached(grasp), allow=allow)
 
-    def carrying(self, grasp: Grasp, margin: float) -> Checker:
-        """The object in the hand, everything else in the way, at a margin."""
-        return self._checker(self.others, self.closed(grasp), attached=self._attached(grasp), margin=margin)
+    def carrying(self, grasp: Grasp, margin: float, into: str | None = None) -> Checker:
+        """The object in the hand, everything else in the way at a margin, but for what it is put into."""
+        return self._checker(
+            self.others,
+            self.closed(grasp),
+            attached=self._attached(grasp),
+            allow=[] if into is None else _pairs([self.name], [into]),
+            margin=margin,
+        )
 
     def leaving(self, grasp: Grasp) -> Checker:
         """The open hand drawing back from the object at its new place.
@@ -284,7 +290,8 @@ class Handling:
         Returns:
             Up to `most` ends, best placements first.
         """
-        grasp, checker, found = state.grasp, self.carrying(state.grasp, 0.0), list[End]()
+        grasp, found = state.grasp, list[End]()
+        checker = self.carrying(grasp, 0.0, places[0].into if places else None)
         targets = [place.pose_before_to_after @ grasp.pose_tool_to_world for place in places]
         for place, target, states in zip(
             places, targets, self._inverse([grasp] * len(places), targets, near), strict=True

@@ -25,12 +25,14 @@ class Placement:
         score: 0..1, higher is better.
         rest: How it stands there, in words.
         drop: How far it falls when it is let go [m].
+        into: What it is put on or into, whose inferred body it may enter: its seen surface was kept clear of.
     """
 
     pose_before_to_after: FloatArray
     score: float
     rest: str = ""
     drop: float = 0.0
+    into: str | None = None
 
     def __post_init__(self) -> None:
         object.__setattr__(self, "pose_before_to_after", frozen(self.pose_before_to_after))

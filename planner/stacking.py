@@ -18,6 +18,7 @@ CELL = 0.005  # grid of heights: half a finger's thickness [m]
 CONTACT = 0.005  # cells this close to touching carry: depth noise of both surfaces [m]
 INSET = 0.2  # on: the centre of mass keeps this share of the smaller half width from the carrying face's edge
 YAWS = 8
+DROPS = {"within": (0.005, 0.02, 0.04)}  # into a container also from higher up: fingers need room beside [m]
 
 
 @dataclass(frozen=True, eq=False)
@@ -99,13 +100,14 @@ def placements_on(
                 if landing is None:
                     continue
                 score = _score(landing, how, rest, offset, outline - middle, level)
-                if score is not None:
-                    after = axes.T @ (middle + offset) + up * (landing.height + tolerances.drop)
+                for drop in () if score is None else DROPS[how] if how in DROPS else (tolerances.drop,):
+                    after = axes.T @ (middle + offset) + up * (landing.height + drop)
                     pose = np.eye(4)
                     pose[:3, :3], pose[:3, 3] = rotation, after - rotation @ centre
                     turn = np.degrees(rest.turn)
                     words = f"{how} {where}, turned {turn:.0f} deg onto a face"
-                    found.append(Placement(pose, score - 0.01 * min(k, YAWS - k), words, tolerances.drop))
+                    value = (score or 0.0) - 0.01 * min(k, YAWS - k) - 3.0 * drop
+                    found.append(Placement(pose, value, words, drop, where))
     return sorted(found, key=lambda placement: -placement.score)[:limit]
 
 
