@@ -5,6 +5,7 @@ from collections.abc import Sequence
 import numpy as np
 from numpy.typing import ArrayLike
 from scipy import ndimage
+from scipy.spatial import ConvexHull, QhullError
 
 from topple.robots.bodies import DENSITY, FRICTION, GREY, ROLLING, Body, Color
 from topple.robots.convex import hull_of
@@ -93,7 +94,9 @@ def _completed(part: FloatArray, up: FloatArray, floor: float, below: FloatArray
     rest, open_below = _under(part, up, below[below @ up < np.quantile(heights, 0.5)], floor)
     depth = np.full(len(part), TOLERANCES.thinnest) if open_below else heights - rest
     drawn = part - np.maximum(depth, TOLERANCES.thinnest)[:, None] * up
-    return hull_of(np.concatenate([part, drawn]))[0]
+    solid = np.concatenate([part, drawn])
+    sunk = np.maximum(floor - solid @ up, 0.0)  # noise that reaches below what it rests on
+    return hull_of(solid + sunk[:, None] * up)[0]
 
 
 def _under(part: FloatArray, up: FloatArray, below: FloatArray, floor: float) -> tuple[float, bool]:
@@ -128,14 +131,13 @@ def _level_axes(up: FloatArray) -> FloatArray:
 
 def _cells_of_hull(flat: FloatArray) -> IntArray:
     """Grid cells (C, 2) whose middles lie in the hull of points (V, 2); at least those of the points."""
-    from scipy.spatial import Delaunay, QhullError
-
     own = np.floor(flat / CELL).astype(np.int64)
     lower, upper = own.min(axis=0), own.max(axis=0)
     grid = np.stack(np.meshgrid(*(np.arange(a, b + 1) for a, b in zip(lower, upper, strict=True))), axis=-1)
     cells: IntArray = grid.reshape(-1, 2)
     try:
-        inside = Delaunay(flat).find_simplex((cells + 0.5) * CELL) >= 0
+        edges = ConvexHull(flat).equations
+        inside = ((cells + 0.5) * CELL @ edges[:, :2].T + edges[:, 2]).max(axis=1) <= 0
     except QhullError:  # a line
         return np.unique(own, axis=0)
     return np.unique(np.concatenate([cells[inside], own]), axis=0)
@@ -161,9 +163,10 @@ def bodies_from_clouds(
         Body and pose (4, 4) body to world of each cloud.
     """
     found: list[tuple[Body, FloatArray]] = []
+    thin = {name: _averaged(as_points(points, f"the cloud of {name!r}")) for name, points in clouds}
+    ground = [] if table is None else [_averaged(as_points(table, "the table's cloud"))]
     for name, points in clouds:
-        others = [other for another, other in clouds if another != name]
-        others += [] if table is None else [as_points(table, "the table's cloud")]
+        others = ground + [other for another, other in thin.items() if another != name]
         below = np.concatenate(others) if others else None
         found.append(body_from_cloud(name, points, up, floor, viewpoints=viewpoints, seen_below=below))
     return found

@@ -65,7 +65,7 @@ def pear(name: str = "pear", *, diameter: float = 0.066, length: float = 0.095) 
     neck = [(0.85 * r, 0.5 * length), (0.5 * r, 0.75 * length), (0.42 * r, 0.93 * length), (0.2 * r, length)]
     stack = [rings(circle(SIDES), half) for half in (belly, neck)]
     whole = _on_its_side(np.concatenate([stack[0], stack[1][1:]]))
-    return _fruit(name, whole, [whole[:4], whole[3:]], "pear", (0.75, 0.8, 0.25, 1.0), None)
+    return _fruit(name, whole, [whole[:4], whole[3:5], whole[4:]], "pear", (0.75, 0.8, 0.25, 1.0), None)
 
 
 def banana(name: str = "banana", *, length: float = 0.19, thickness: float = 0.036) -> Body:
