@@ -95,14 +95,18 @@ class SurfaceCloud:
         return float(np.median(self.tree.query(self.coarse, k=5)[0][:, -1]))
 
     @cached_property
+    def _box(self) -> tuple[FloatArray, FloatArray]:
+        return self.points.min(axis=0), self.points.max(axis=0)
+
+    @property
     def lower(self) -> FloatArray:
         """(3,) least corner of the box of the kept points [m]."""
-        return self.points.min(axis=0)
+        return self._box[0]
 
-    @cached_property
+    @property
     def upper(self) -> FloatArray:
         """(3,) greatest corner of the box of the kept points [m]."""
-        return self.points.max(axis=0)
+        return self._box[1]
 
     @property
     def size(self) -> int:
