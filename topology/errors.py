@@ -22,4 +22,9 @@ class UnknownObject(InvalidInput):
     def __init__(self, name: str, known: Iterable[str], role: str = "object") -> None:
         self.name = name
         self.known = tuple(sorted(known))
+        self._role = role
         super().__init__(f"unknown {role} {name!r}: the scene has {', '.join(self.known) or 'no objects'}")
+
+    def __reduce__(self) -> tuple[object, ...]:
+        """Pickle by its parts, so that it can come back from another process."""
+        return (UnknownObject, (self.name, self.known, self._role))
