@@ -1,7 +1,7 @@
 """In which order to take things: the fewest removals that free the targets, and why."""
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from itertools import pairwise
 from types import MappingProxyType
 from typing import TYPE_CHECKING, Any
@@ -100,15 +100,28 @@ def order(
     """
     wanted = _check_targets(scene, targets)
     statics = Statics.of(scene)
-    graph = dependencies(scene, relations, statics)
+    graph = dependencies(scene, relations, statics, direct=not verify)
+    doubts: dict[tuple[str, str], float] = {}
+    notes: dict[str, Any] = {}
+    if verify:
+        from topple.planner.verify_order import ask, confirmed  # pybullet is not wanted without it
+
+        votes = ask(statics, seed, budget)
+        doubts = {(e.first, e.then): e.confidence / 2 for e in graph.dependencies}
+        for pair, share in votes.moved.items():
+            doubts[pair] = max(doubts.get(pair, 0.0), share / 2)
+        graph = confirmed(graph, votes).reduced()
+        notes = {"trials": votes.trials, "budget_exhausted": not votes.complete}
     heights = {name: float(statics.surfaces[name][:, 2].max()) for name in graph.names}
-    return arrange(
+    found = arrange(
         graph,
         wanted,
         heights,
         supports(scene, relations, statics),
         (*scene.assumptions, *_assumed(scene, statics)),
+        doubts,
     )
+    return replace(found, verified=verify and not notes["budget_exhausted"], notes=MappingProxyType(notes))
 
 
 def arrange(
@@ -117,6 +130,7 @@ def arrange(
     heights: Mapping[str, float],
     carried: tuple[Support, ...] = (),
     assumptions: tuple[str, ...] = (),
+    doubts: Mapping[tuple[str, str], float] | None = None,
 ) -> Order:
     """Order the objects of a dependency graph.
 
@@ -126,6 +140,8 @@ def arrange(
         heights: name -> height of its top [m]: of several objects that could go, the highest goes.
         carried: Supports to report.
         assumptions: Sentences to report.
+        doubts: (first, then) -> chance that there is a dependency after all: of several objects that
+            could go, the one that would move the least goes.
 
     Returns:
         The order with fewest removals: the targets and their ancestors, cycles as groups.
@@ -139,12 +155,29 @@ def arrange(
     risk_of = _risks(graph, needed)
     steps: list[str] = []
     groups: list[tuple[str, ...]] = []
-    for c in nx.lexicographical_topological_sort(condensed, key=lambda c: (-top[c], members[c])):
-        cycle = members[c]
+    doubts = {} if doubts is None else doubts
+    waits = {c: int(condensed.in_degree(c)) for c in condensed}
+    while waits:
+        left = {name for c in waits for name in members[c]}
+        worst = {
+            c: max(
+                (doubts.get((x, y), 0.0) for y in members[c] for x in left.difference(members[c])),
+                default=0.0,
+            )
+            for c, count in waits.items()
+            if count == 0
+        }
+        chosen = min(worst, key=lambda c: (round(worst[c], 6), -top[c], members[c]))
+        cycle = members[chosen]
         if len(cycle) > 1:
             cycle = _least_bad(part.subgraph(cycle), heights)
             groups.append(tuple(cycle))
+        for name in cycle:
+            risk_of[name] = max(risk_of[name], worst[chosen])
         steps.extend(cycle)
+        del waits[chosen]
+        for after in condensed.successors(chosen):
+            waits[after] -= 1
     return Order(
         targets=tuple(targets),
         order=tuple(steps),
