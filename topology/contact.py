@@ -221,14 +221,19 @@ def _patch(
     around_b: list[list[int]] = list(trees[b].query_ball_point(spots, TOLERANCES.patch))
     normals_a, spreads_a = local_normals(first, around_a)
     normals_b, spreads_b = local_normals(second, around_b)
+    apart = second.mean(axis=0) - first.mean(axis=0)
     for k, spot in enumerate(spots):
         rough_a, rough_b = float(spreads_a[k]), float(spreads_b[k])
         if not np.isfinite(rough_a) or not np.isfinite(rough_b):
             continue
         pa, pb, na, nb = first[around_a[k]], second[around_b[k]], normals_a[k], normals_b[k]
         normal = na if rough_a <= rough_b else nb
-        # b lies on the side of the contact where its points are.
-        if (pb.mean(axis=0) - pa.mean(axis=0)) @ normal < 0:
+        # b lies on the side of the contact where its points are; two faces that lie flat on each
+        # other have none there, and the rest of the bodies tells.
+        offset = float((pb.mean(axis=0) - pa.mean(axis=0)) @ normal)
+        if abs(offset) < TOLERANCES.smooth:
+            offset = float(apart @ normal)
+        if offset < 0:
             normal = -normal
         if rough_a <= rough_b:
             gap = _edge(pb @ normal, lowest=True) - float((pa @ normal).mean())
