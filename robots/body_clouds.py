@@ -18,6 +18,7 @@ CELL = 0.006  # [m] of the grid on which a part's shadow is compared with what w
 OPEN = (
     0.3  # share of the shadow that must be seen from above for the part to hover: noise and gaps stay below
 )
+GAP = 0.006  # [m] between a part and what it stands on: depth noise and a strip that an edge hides
 BESIDE = 2  # cells around the shadow in which things count as under it: an edge hides a strip of the size
 HOLLOW = 0.006  # [m] hulls may stand out from the points by this: less cuts noise into pieces
 GRAIN = 0.003  # [m] cubes whose points are averaged before parts are cut: halves 1 to 2 mm of depth noise
@@ -66,7 +67,7 @@ def body_from_cloud(
     )
     ground = float((cloud @ upward).min()) if floor is None else floor
     below = np.zeros((0, 3)) if seen_below is None else as_points(seen_below, "seen_below")
-    solid = [_completed(piece, upward, ground, below) - origin for piece in pieces]
+    solid = [piece - origin for piece in _completed(pieces, upward, ground, below)]
     pose = np.eye(4)
     pose[:3, 3] = origin
     body = Body.of(
@@ -88,15 +89,23 @@ def _averaged(cloud: FloatArray) -> FloatArray:
     return sums / count[:, None] if len(count) >= 12 else cloud
 
 
-def _completed(part: FloatArray, up: FloatArray, floor: float, below: FloatArray) -> FloatArray:
-    """(V, 3) vertices of a part drawn down to the floor or to what was seen under it."""
-    heights = part @ up
-    rest, open_below = _under(part, up, below[below @ up < np.quantile(heights, 0.5)], floor)
-    depth = np.full(len(part), TOLERANCES.thinnest) if open_below else heights - rest
-    drawn = part - np.maximum(depth, TOLERANCES.thinnest)[:, None] * up
-    solid = np.concatenate([part, drawn])
-    sunk = np.maximum(floor - solid @ up, 0.0)  # noise that reaches below what it rests on
-    return hull_of(solid + sunk[:, None] * up)[0]
+def _completed(
+    pieces: Sequence[FloatArray], up: FloatArray, floor: float, below: FloatArray
+) -> list[FloatArray]:
+    """Parts (V, 3) drawn down to the floor or to what was seen under them; one at least stands."""
+    found = [_under(part, up, below[below @ up < np.median(part @ up)], floor) for part in pieces]
+    lowest = int(np.argmin([float((part @ up).min()) for part in pieces]))
+    stands = any(not hovers or (part @ up).min() - rest < GAP
+                 for part, (rest, hovers) in zip(pieces, found, strict=True))  # fmt: skip
+    solids: list[FloatArray] = []
+    for index, (part, (rest, hovers)) in enumerate(zip(pieces, found, strict=True)):
+        drops = not hovers or (index == lowest and not stands)
+        depth = part @ up - rest if drops else np.zeros(len(part))
+        drawn = part - np.maximum(depth, TOLERANCES.thinnest)[:, None] * up
+        solid = np.concatenate([part, drawn])
+        sunk = np.maximum(floor - solid @ up, 0.0)  # noise that reaches below what it rests on
+        solids.append(hull_of(solid + sunk[:, None] * up)[0])
+    return solids
 
 
 def _under(part: FloatArray, up: FloatArray, below: FloatArray, floor: float) -> tuple[float, bool]:
@@ -118,7 +127,8 @@ def _under(part: FloatArray, up: FloatArray, below: FloatArray, floor: float) ->
         return floor, False
     seen = np.zeros_like(under)
     seen[row, column] = True
-    rest = max(floor, float(np.quantile(below[within][near] @ up, 0.8)))
+    rest = float(np.quantile(below[within][near] @ up, 0.8))
+    rest = rest if rest > floor + GAP else floor  # the floor itself, with its noise
     return rest, int((seen & under).sum()) >= OPEN * len(shadow)
 
 

@@ -18,6 +18,7 @@ CELLS = 24  # rays along an edge of a body's box at most: large boxes get a coar
 DEEPEST = 8  # parts of other bodies a ray may meet before the one it is meant for
 STEP = 2e-4  # [m] behind a surface where the ray goes on
 LARGEST = 5.0  # [m] what is larger is ground, and cut to the others' surroundings
+NAMELESS = frozenset(("", "baseLink", "base_link", "base", "link0"))  # what anything is called
 AROUND = 0.25  # [m] of ground kept beyond the others
 DIRECTIONS = np.array([d for d in itertools.product((-1, 0, 1), repeat=3) if 0 < np.abs(d).sum() < 3], float)
 
@@ -78,7 +79,7 @@ def _names(client: int, bodies: list[int], given: Mapping[int, str]) -> dict[int
     called: dict[int, str] = {}
     for body in bodies:
         link, model = (text.decode() for text in pybullet.getBodyInfo(body, physicsClientId=client))
-        own = given.get(body) or model or (link if link not in ("", "baseLink") else "") or f"body_{body}"
+        own = given.get(body) or model or (link if link not in NAMELESS else "") or f"body_{body}"
         called[body] = own if own not in called.values() else f"{own}_{body}"
     return called
 

@@ -1,0 +1,72 @@
+"""Built-in scenes are settled, within reach, different from seed to seed and the same for the same seed."""
+
+import numpy as np
+import pytest
+
+from topple.robots.scenarios import SCENARIOS, scenario_called
+from topple.robots.scenarios.scenario import BASE, touching
+from topple.topology.errors import InvalidInput
+from topple.topology.scene import Scene
+
+
+@pytest.mark.parametrize("name", list(SCENARIOS))
+@pytest.mark.parametrize("seed", [1])
+def test_a_scene_stays_put_is_within_reach_and_seen(name: str, seed: int) -> None:
+    with scenario_called(name, seed) as scenario:
+        world = scenario.world
+        before = world.poses()
+        world.step(240)
+        for thing, pose in world.poses().items():
+            assert np.linalg.norm((pose - before[thing])[:3, 3]) < 2e-3
+            assert 0.2 < np.linalg.norm(pose[:2, 3] - BASE[:2]) < 0.85
+        rng = np.random.default_rng(0)
+        images = [camera.look(world, rng) for camera in scenario.cameras]
+        seen = Scene.from_images(images, fixed=scenario.fixed, up=scenario.up)
+        assert set(scenario.targets) <= set(seen.names)
+        assert set(scenario.fixed) <= set(world.fixed)
+
+
+@pytest.mark.parametrize("name", ["dishes", "tower", "sort"])
+def test_seeds_decide(name: str) -> None:
+    def layout(seed: int) -> dict[str, list[float]]:
+        with scenario_called(name, seed) as scenario:
+            return {thing: pose[:3, 3].tolist() for thing, pose in scenario.world.poses().items()}
+
+    assert layout(5) == layout(5)
+    assert layout(5) != layout(6)
+
+
+@pytest.mark.parametrize("seed", range(3))
+def test_dishes_lie_on_the_plate_and_the_can_leans_on_it(seed: int) -> None:
+    with scenario_called("dishes", seed) as scenario:
+        touches = touching(scenario.world)
+        for name in ("spoon_1", "spoon_2", "fork", "can", "table"):
+            assert frozenset((name, "plate")) in touches
+        for name in ("spoon_1", "spoon_2", "fork"):
+            assert frozenset((name, "table")) not in touches
+        assert frozenset(("can", "table")) in touches
+        assert 0.2 < scenario.world.pose("can")[2, 2] < 0.9
+        assert scenario.goal == "free plate" and scenario.targets == ("plate",)
+
+
+def test_things_of_the_lemon_scene_are_in_the_bowl_and_the_lemon_is_not() -> None:
+    with scenario_called("lemon", 3) as scenario:
+        world = scenario.world
+        bowl = world.pose("bowl")[:2, 3]
+        for name in set(world.movable) - {"bowl"}:
+            away = np.linalg.norm(world.pose(name)[:2, 3] - bowl)
+            assert (away > 0.15) == (name == "lemon")
+
+
+def test_no_tower_stands_already() -> None:
+    for seed in range(4):
+        with scenario_called("tower", seed) as scenario:
+            poses = scenario.world.poses()
+            for above, below in (("red", "green"), ("green", "blue")):
+                offset = poses[above][:3, 3] - poses[below][:3, 3]
+                assert not (np.linalg.norm(offset[:2]) < 0.03 and offset[2] > 0.03)
+
+
+def test_an_unknown_scene_is_refused_with_the_known_ones() -> None:
+    with pytest.raises(InvalidInput, match="dishes, lemon, tower, pile, sort"):
+        scenario_called("kitchen")
