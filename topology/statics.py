@@ -28,6 +28,9 @@ TILT = float(np.tan(np.radians(9.0)))
 ROLL = float(np.radians(9.0))
 """Angle by which round things may roll on each other towards a contact without having moved."""
 
+GUESSED = 0.3
+"""The same where bodies were completed: a centre of mass half guessed is known to a centimetre."""
+
 AROUND = np.stack([np.cos(np.arange(12) * np.pi / 6), np.sin(np.arange(12) * np.pi / 6)], axis=1)
 """Directions in which a flat patch keeps its outermost point."""
 
@@ -101,16 +104,17 @@ class Statics:
 
         Returns:
             name -> share of its weight that nothing carries any more, only for those for whom it
-            grew beyond `UNSTEADY`.
+            grew beyond `UNSTEADY` (`GUESSED` where hidden sides were completed).
         """
         left = {name: weight for name, weight in self.weights.items() if name not in away}
         contacts = [c for c in self.contacts if c.a not in away and c.b not in away]
         usable = within_reach(contacts, left)
         found = balance(left, usable) if friction is None else balance(left, usable, friction)
+        limit = UNSTEADY if self.sight is None else GUESSED
         return {
             name: missing
             for name, missing in found.deficit.items()
-            if missing > self.unexplained.get(name, 0.0) + UNSTEADY
+            if missing > self.unexplained.get(name, 0.0) + limit
         }
 
 
