@@ -267,7 +267,7 @@ def local_normals(points: FloatArray, groups: Sequence[Sequence[int]]) -> tuple[
     whole = np.flatnonzero(sizes >= 3)
     if len(whole) == 0:
         return normals, spreads
-    members = points[np.concatenate([np.asarray(groups[k], dtype=np.int64) for k in whole])]
+    members = points[np.concatenate([np.asarray(g, dtype=np.int64) for g in groups if len(g) >= 3])]
     counts = sizes[whole]
     starts = np.concatenate([[0], np.cumsum(counts)[:-1]])
     means = np.add.reduceat(members, starts) / counts[:, None]
