@@ -24,6 +24,8 @@ REACHED = (
     0.25,
     0.38,
 )  # [m] from the origin along x and y: farther things are out of the arm's comfortable reach
+WATCHED = 2.0  # [s] for which a settled scene is watched
+CREEP = 0.001  # [m] that nothing may move in that time
 ATTEMPTS = 60  # layouts tried for one seed: one in three works out where most does go wrong
 
 
@@ -99,6 +101,7 @@ def settled(
         try:
             world.add_table(size=TABLE, centre=TABLE_CENTRE)
             goal, targets = layout(world, rng)
+            _watch(world)
         except Unlucky as error:
             reason = str(error)
             world.close()
@@ -165,6 +168,19 @@ def settle(world: World, seconds: float = 4.0) -> None:
     for name, pose in world.poses().items():
         if pose[2, 3] < -0.01 or (np.abs(pose[:2, 3]) > REACHED).any():
             raise Unlucky(f"{name} fell or rolled away")
+
+
+def _watch(world: World) -> None:
+    """See that nothing creeps: what slides a millimetre in two seconds would be blamed on the robot.
+
+    Raises:
+        Unlucky: If something does.
+    """
+    before = world.poses()
+    world.step(round(WATCHED / world.time_step))
+    for name, pose in world.poses().items():
+        if np.linalg.norm((pose - before[name])[:3, 3]) > CREEP:
+            raise Unlucky(f"{name} creeps")
 
 
 def overlap(world: World) -> float:
