@@ -210,7 +210,8 @@ def _lifted(
     """The edge for an object that hangs over another."""
     confidence = float(np.clip(0.5 + (over.evasion - MOVED) / 0.04, 0.5, 0.99))
     inner, outer = statics.surfaces[first], statics.surfaces[then]
-    if over.share > 0.5 and inner[:, 2].min() < outer[:, 2].max() - 0.01:
+    sunk = np.quantile(inner[:, 2], 0.1) < np.quantile(outer[:, 2], 0.95) - MOVED
+    if over.share > 0.5 and sunk:
         return Dependency(first, then, "contained", confidence)
     up = touching.get((then, first))
     if up is not None and up > 0.7:
