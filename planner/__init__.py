@@ -6,7 +6,9 @@ from typing import TYPE_CHECKING, Any
 if TYPE_CHECKING:
     from topple.planner.dependency import Dependency, DependencyGraph, dependencies
     from topple.planner.errors import NoSafePlan
+    from topple.planner.grasp.rank import rank_grasps
     from topple.planner.order import Order, order
+    from topple.planner.plan import plan
 
 __all__ = [
     "Dependency",
@@ -28,7 +30,7 @@ _HOME = {
     "dependencies": "dependency",
     "order": "order",
     "plan": "plan",
-    "rank_grasps": "grasp",
+    "rank_grasps": "grasp.rank",
     "run": "run",
 }
 
