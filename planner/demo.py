@@ -1,7 +1,9 @@
-"""The built-in scenes, played: an arm does in PyBullet what the planner says, and everything is written down."""
+"""The built-in scenes, played by an arm in PyBullet, and everything written down."""
 
 import json
 from collections.abc import Callable
+from concurrent.futures import ProcessPoolExecutor
+from multiprocessing import get_context
 from pathlib import Path
 
 from topple.planner.files import write_whole
@@ -11,14 +13,11 @@ from topple.planner.plan_format import plan_to_json
 from topple.planner.report.record import RunRecord
 from topple.planner.report.run_page import run_page
 from topple.planner.run import ClosedLoop
-from topple.robots import scenarios
 from topple.robots.catalog import robot as robot_named
+from topple.robots.scenarios import scenario_called
 from topple.robots.simulated_arm import SimulatedArm
-from topple.topology.errors import InvalidInput
 
 Progress = Callable[[str], None]
-
-SCENES: dict[str, Callable[[int], scenarios.Scenario]] = {"dishes": scenarios.dishes}
 
 
 def demo(
@@ -32,7 +31,7 @@ def demo(
     """Plays a built-in scene.
 
     Args:
-        name: One of `SCENES`.
+        name: One of `topple.robots.scenarios.SCENARIOS`.
         seed: Of the scene, the sensor noise and every search.
         robot: The arm; the one the scene is made for where None.
         folder: Where relations.json, order.json, plan.json, run.json and report.html are written.
@@ -45,15 +44,13 @@ def demo(
         InvalidInput: There is no such scene or robot, or the folder cannot be written.
         NoSafePlan: The goal cannot be planned in the scene as it is first seen.
     """
-    if name not in SCENES:
-        raise InvalidInput(f"no built-in scene {name!r}: choose from {', '.join(SCENES)}")
     place = Path(folder)
     place.mkdir(parents=True, exist_ok=True)
-    with SCENES[name](seed) as stage:
-        arm = robot_named(robot or stage.robot)
+    with scenario_called(name, seed) as stage:
+        robot = robot or stage.robot
         loop = ClosedLoop(
             stage.world,
-            SimulatedArm(stage.world, arm, stage.pose_base_to_world),
+            SimulatedArm(stage.world, robot_named(robot), stage.pose_base_to_world),
             stage.cameras,
             stage.goal,
             fixed=stage.fixed,
@@ -65,9 +62,13 @@ def demo(
         write_whole(place / "relations.json", _text(first.relations.to_json()))
         chosen = order(first.scene, stage.targets, relations=first.relations, seed=seed)
         write_whole(place / "order.json", _text(chosen.to_json()))
-        planned = plan(first.scene, stage.goal, arm, base=stage.pose_base_to_world, seed=seed)
-        write_whole(place / "plan.json", plan_to_json(planned))
-        record = loop.run()
+        # the plan of the whole sequence is made on the other core while the arm already works
+        with ProcessPoolExecutor(1, get_context("spawn")) as other:
+            planned = other.submit(
+                plan, first.scene, stage.goal, robot, base=stage.pose_base_to_world, seed=seed
+            )
+            record = loop.run(first)
+            write_whole(place / "plan.json", plan_to_json(planned.result()))
     write_whole(place / "run.json", _text(record.to_json()))
     write_whole(place / "report.html", run_page(record))
     return record

@@ -6,12 +6,13 @@ should be by then, and of the scene as it is seen.
 
 from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass
+from functools import cached_property
 
 from topple.planner.errors import NoSafePlan
 from topple.planner.goal import Goal, Place
 from topple.planner.order import Order, order
 from topple.planner.placement import Placement, placements
-from topple.planner.solids import solids_of
+from topple.planner.solids import Solids, solids_of
 from topple.planner.stacking import placements_on
 from topple.planner.transfer import Transfer, TransferFailure, plan_transfer
 from topple.robots.arm import Arm
@@ -83,7 +84,10 @@ class StepChooser:
         self.scene, self.goal, self.station, self.done, self.seed = scene, goal, station, done, seed
         self.relations = relate(scene) if relations is None else relations
         self.given_up = given_up or {}
-        self._solids = solids_of(scene)
+
+    @cached_property
+    def _solids(self) -> Solids:
+        return solids_of(self.scene)
 
     def unmet(self) -> tuple[str, ...]:
         """What is still missing for the goal, in words."""

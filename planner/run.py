@@ -93,8 +93,11 @@ class ClosedLoop:
         self._done: list[tuple[str, str]] = []
         self._attempts: Counter[str] = Counter()
 
-    def run(self) -> RunRecord:
+    def run(self, look: Look | None = None) -> RunRecord:
         """Acts until the goal holds, nothing more can be done, or the budget is spent.
+
+        Args:
+            look: What is seen at the start; a fresh look where None.
 
         Returns:
             Every step with what it disturbed, and whether the goal holds without a violation.
@@ -103,7 +106,7 @@ class ClosedLoop:
             InvalidInput: The goal is none, or names what no camera sees.
         """
         started = time.perf_counter()
-        look = self.look()
+        look = self.look() if look is None else look
         goal = parse_goal(self.goal, look.scene)
         budget = self.limits.actions * max(1, len(look.scene.movable))
         steps: list[StepRecord] = []

@@ -1,5 +1,6 @@
 """What a scene's clouds fill: convex parts of every object, hidden undersides added, tables as slabs."""
 
+import hashlib
 from collections.abc import Mapping, Sequence
 from typing import Any
 
@@ -22,7 +23,12 @@ SLAB = 0.05  # a table seen from above is taken to be this thick: fingers must n
 FLAT = 0.02  # a fixed cloud no thicker than this is a surface, not a body: depth noise is 2-4 mm [m]
 HOVER = 0.006  # a gap below an object up to this is depth noise, above it a side nobody saw [m]
 ENOUGH = 4000  # points that settle a table's plane to a tenth of a millimetre
+REMEMBERED = (
+    128  # clouds whose parts are kept: a scene is filled again after each step, with most clouds unchanged
+)
 CELL = 0.01  # grid on which what lies below an object is looked up [m]
+
+_PARTS: dict[bytes, tuple[FloatArray, ...]] = {}
 
 
 def up_of(scene: Scene) -> FloatArray:
@@ -78,7 +84,12 @@ def parts_of(cloud: FloatArray, scene: Scene) -> tuple[FloatArray, ...]:
         (V, 3) vertices of each part.
     """
     seen_from = scene.viewpoints if len(scene.viewpoints) > 0 else None
-    return convex_parts(voxel_means(cloud, GRAIN), HOLLOW, viewpoints=seen_from)
+    key = hashlib.blake2b(cloud.tobytes() + (b"" if seen_from is None else seen_from.tobytes())).digest()
+    if key not in _PARTS:
+        if len(_PARTS) >= REMEMBERED:
+            _PARTS.pop(next(iter(_PARTS)))
+        _PARTS[key] = convex_parts(voxel_means(cloud, GRAIN), HOLLOW, viewpoints=seen_from)
+    return _PARTS[key]
 
 
 def fixed_parts(cloud: FloatArray, up: FloatArray) -> tuple[FloatArray, ...]:
