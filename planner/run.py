@@ -30,7 +30,7 @@ from topple.topology.scene import Scene
 log = logging.getLogger(__name__)
 
 FINE = 0.0015  # [m] between the points kept of an object: below a camera's own spacing at a metre
-COARSE = 0.005  # [m] between those of a table: finer than what stands on it
+COARSE = 0.008  # [m] between those of a table: finer than the foot of what stands on it
 
 Progress = Callable[[str], None]
 
@@ -165,7 +165,7 @@ class ClosedLoop:
             self._done.append((name, chosen.action))
             self._attempts[name] = 0
         seen = self.look()
-        predicted = relate(predicted_scene)
+        predicted = look.relations.updated(name, predicted_scene.clouds[name])
         handled = (name, *self.fixed)
         wrong = [f"{name}: {text}" for text in violations(before, after, self.robot.touched, handled)]
         step = StepRecord(
