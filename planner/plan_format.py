@@ -4,6 +4,7 @@ from typing import Any
 
 import msgspec
 
+from topple.planner.segments import KINDS
 from topple.topology.errors import InvalidInput
 
 FORMAT = "topple.plan"
@@ -194,12 +195,20 @@ def _check(plan: Plan, name: str) -> None:
             if not 0 <= before < i:
                 raise InvalidInput(f"{name} is no plan: `{here}.after[{k}]` is {before}, no earlier step")
         for j, segment in enumerate(step.segments):
+            if segment.kind not in KINDS:
+                raise InvalidInput(
+                    f"{name} is no plan: `{here}.segments[{j}].kind` is {segment.kind!r}, "
+                    f"expected one of {', '.join(KINDS)}"
+                )
             if segment.motion is not None:
                 rows = len(segment.motion.times)
                 _matrix(segment.motion.positions, rows, count, f"{here}.segments[{j}].motion.positions", name)
                 _matrix(
                     segment.motion.velocities, rows, count, f"{here}.segments[{j}].motion.velocities", name
                 )
+    for i, thing in enumerate(plan.objects):
+        for k, part in enumerate(thing.parts):
+            _matrix(part, max(len(part), 1), 3, f"$.objects[{i}].parts[{k}]", name)
 
 
 def _matrix(matrix: Matrix, rows: int, columns: int, where: str, name: str) -> None:

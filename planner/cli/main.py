@@ -20,6 +20,7 @@ COMMANDS = {
     "order": "say in which order to take things, and why",
     "plan": "plan grasps, placements and motions of the whole sequence",
     "demo": "play a built-in scene: look, order, plan and clear it with an arm in simulation",
+    "export": "hand a plan on: PDDL, behaviour tree, DOT, GraphML, MoveIt scene",
     "show": "draw a scene with its relations and its order",
 }
 

@@ -1,0 +1,88 @@
+"""`topple export`: a plan in the formats of task planners, behaviour trees, MoveIt and graph viewers."""
+
+import argparse
+import sys
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from topple.planner.cli.console import print_json, print_text
+from topple.planner.cli.main import DONE
+from topple.planner.cli.options import add_common
+from topple.planner.files import check_writable, write_whole
+
+if TYPE_CHECKING:
+    from topple.planner.plan_format import Plan
+
+_PDDL_FILES = ("domain.pddl", "problem.pddl")
+
+
+def add_arguments(parser: argparse.ArgumentParser) -> None:
+    """Add the options of `topple export`.
+
+    Args:
+        parser: The sub-command's parser.
+    """
+    parser.add_argument("plan", metavar="PLAN", help="plan.json of topple plan; - reads it from stdin")
+    parser.add_argument(
+        "--to", required=True, metavar="FORMAT", help="pddl, bt, dot, graphml, moveit or json"
+    )
+    parser.add_argument(
+        "-o",
+        "--output",
+        metavar="FILE",
+        help="where to write it (stdout); for pddl a folder gets domain.pddl and problem.pddl",
+    )
+    add_common(parser, scenes=None)
+
+
+def execute(args: argparse.Namespace) -> int:
+    """Read a plan, and write it in the other format.
+
+    Args:
+        args: The parsed arguments.
+
+    Returns:
+        Exit code 0.
+
+    Raises:
+        InvalidInput: If the file holds no plan, there is no such format, or the output cannot be written.
+    """
+    from topple.planner.export import export
+
+    folder = Path(args.output) if args.to == "pddl" and args.output and Path(args.output).is_dir() else None
+    if args.output is not None and folder is None:
+        check_writable(args.output)
+    plan = _read(args.plan)
+    text = export(plan, args.to)
+    written: list[str] = []
+    if folder is not None:
+        from topple.planner.export.pddl import domain_and_problem
+
+        for name, content in zip(_PDDL_FILES, domain_and_problem(plan), strict=True):
+            written.append(str(write_whole(folder / name, content)))
+    elif args.output is not None:
+        written.append(str(write_whole(args.output, text)))
+    if args.json:
+        print_json(
+            {
+                "format": "topple.export",
+                "format_version": 1,
+                "plan": args.plan,
+                "to": args.to,
+                "written": written,
+                "text": text,
+            }
+        )
+    elif written:
+        print_text(f"Written: {', '.join(written)}")
+    else:
+        print_text(text.removesuffix("\n"))
+    return DONE
+
+
+def _read(path: str) -> "Plan":
+    from topple.planner.plan_format import plan_from_json
+
+    if path == "-":
+        return plan_from_json(sys.stdin.buffer.read(), "stdin")
+    return plan_from_json(Path(path).read_bytes(), path)

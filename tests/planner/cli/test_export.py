@@ -1,0 +1,173 @@
+"""`topple export`: a real plan in every format, read back by other programs' parsers, and the refusals."""
+
+import io
+import json
+import xml.etree.ElementTree as ElementTree
+from pathlib import Path
+
+import networkx as nx
+import numpy as np
+import pytest
+
+from topple.planner.cli.main import main
+from topple.planner.plan import plan
+from topple.planner.plan_format import plan_from_json, plan_to_json
+from topple.robots.catalog import robot
+from topple.topology.scene import Scene
+
+
+def _cube(size: float, height: float) -> np.ndarray:
+    """Surface points of a cube that stands on a height."""
+    rng = np.random.default_rng(1)
+    points = rng.uniform(-size / 2, size / 2, (1500, 3))
+    points[np.arange(1500), rng.integers(3, size=1500)] = rng.choice([-size / 2, size / 2], 1500)
+    return points + np.array([0, 0, height + size / 2])
+
+
+@pytest.fixture(scope="module")
+def plan_file(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """The plan that frees a cube under another one."""
+    table = np.random.default_rng(0).uniform(-0.6, 0.6, (5000, 3)) * [1, 1, 0]
+    clouds = {"table": table, "under it": _cube(0.05, 0.0), "on top": _cube(0.04, 0.0505)}
+    base = np.eye(4)
+    base[0, 3] = -0.5
+    found = plan(Scene(clouds, fixed=["table"], up=(0, 0, 1)), ["under it"], robot("panda"), base=base)
+    place = tmp_path_factory.mktemp("plan") / "plan.json"
+    place.write_bytes(plan_to_json(found))
+    return place
+
+
+def _exported(capsys: pytest.CaptureFixture[str], plan_file: Path, to: str, *more: object) -> str:
+    assert main(["export", str(plan_file), "--to", to, *(str(argument) for argument in more)]) == 0
+    return capsys.readouterr().out
+
+
+def test_dot_has_the_edge(plan_file: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    text = _exported(capsys, plan_file, "dot")
+    assert text.startswith("digraph plan {")
+    assert '"1 on top" -> "2 under it"' in text
+
+
+def test_graphml_is_read_by_networkx(plan_file: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    graph = nx.parse_graphml(_exported(capsys, plan_file, "graphml"))
+    assert list(graph.edges) == [("1 on top", "2 under it")]
+
+
+def test_the_tree_has_a_branch_for_each_step(plan_file: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    root = ElementTree.fromstring(_exported(capsys, plan_file, "bt").encode())
+    assert root.get("BTCPP_format") == "4"
+    branches = root.findall("./BehaviorTree/Sequence/Sequence")
+    assert [branch.get("name") for branch in branches] == ["remove on top", "free under it"]
+    modelled = {node.get("ID") for node in root.findall("./TreeNodesModel/Action")}
+    assert {node.get("ID") for node in root.iter("Action")} == modelled
+
+
+def test_the_moveit_scene_has_every_object(plan_file: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    lines = _exported(capsys, plan_file, "moveit").splitlines()
+    assert [line[2:] for line in lines if line.startswith("* ")] == ["table", "under it", "on top"]
+    assert lines[-1] == "."
+
+
+def test_json_is_the_same_plan(plan_file: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    assert plan_from_json(_exported(capsys, plan_file, "json")) == plan_from_json(plan_file.read_bytes())
+
+
+def test_pddl_goes_to_one_file_or_two(plan_file: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    both = _exported(capsys, plan_file, "pddl")
+    assert both.count("(define") == 2
+    assert both.count("(") == both.count(")")
+    _exported(capsys, plan_file, "pddl", "-o", plan_file.parent)
+    domain, problem = ((plan_file.parent / f"{name}.pddl").read_text() for name in ("domain", "problem"))
+    assert domain.count("(define (domain") == 1
+    assert problem.count("(define (problem") == 1
+    assert f"{domain}\n;; problem\n{problem}".strip() == both.strip()
+
+
+def test_a_file_is_written_and_said(plan_file: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    place = plan_file.parent / "tree.xml"
+    assert str(place) in _exported(capsys, plan_file, "bt", "-o", place)
+    assert place.read_text() == _exported(capsys, plan_file, "bt")
+
+
+def test_json_holds_the_text(plan_file: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    document = json.loads(_exported(capsys, plan_file, "dot", "--json"))
+    assert document["format"] == "topple.export"
+    assert document["to"] == "dot"
+    assert document["text"] == _exported(capsys, plan_file, "dot")
+
+
+def test_a_plan_may_come_through_a_pipe(
+    plan_file: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    expected = _exported(capsys, plan_file, "dot")
+    monkeypatch.setattr("sys.stdin", io.TextIOWrapper(io.BytesIO(plan_file.read_bytes())))
+    assert main(["export", "-", "--to", "dot"]) == 0
+    assert capsys.readouterr().out == expected
+
+
+@pytest.mark.parametrize(
+    ("where", "value", "words"),
+    [
+        (("robot",), 7, "$.robot"),
+        (("format",), "other", "$.format"),
+        (("steps", 0, "grasp", "width"), "wide", "$.steps[0].grasp.width"),
+        (("steps", 1, "after"), [5], "$.steps[1].after[0]"),
+        (("steps", 0, "segments", 1, "kind"), "dance", "$.steps[0].segments[1].kind"),
+        (("objects", 1, "parts", 0, 0), [1.0], "$.objects[1].parts[0][0]"),
+        (("pose_base_to_world",), [[1.0]], "$.pose_base_to_world"),
+    ],
+)
+def test_a_bad_field_is_named(
+    plan_file: Path,
+    tmp_path: Path,
+    capsys: pytest.CaptureFixture[str],
+    where: tuple[str | int, ...],
+    value: object,
+    words: str,
+) -> None:
+    document = json.loads(plan_file.read_bytes())
+    inner = document
+    for key in where[:-1]:
+        inner = inner[key]
+    inner[where[-1]] = value
+    broken = tmp_path / "broken.json"
+    broken.write_text(json.dumps(document))
+    for to in ("moveit", "bt"):
+        assert main(["export", str(broken), "--to", to]) == 2
+        out, err = capsys.readouterr()
+        assert out == ""
+        assert words in err
+        assert len(err.splitlines()) == 1
+
+
+@pytest.mark.parametrize(
+    ("content", "words"),
+    [(b"", "no JSON"), (b"\xff\xfe{", "no JSON"), (b"[1, 2]", "no plan"), (b"{}", "goal")],
+)
+def test_what_is_no_plan_is_refused(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str], content: bytes, words: str
+) -> None:
+    (tmp_path / "plan.json").write_bytes(content)
+    assert main(["export", str(tmp_path / "plan.json"), "--to", "dot"]) == 2
+    assert words in capsys.readouterr().err
+
+
+@pytest.mark.parametrize(
+    ("more", "words"),
+    [
+        (["--to", "png"], "expected json, dot"),
+        (["--to", "dot", "-o", "no/such/folder/plan.dot"], "does not exist"),
+        (["--to", "dot", "-o", "."], "it is a folder"),
+        ([], "--to"),
+    ],
+)
+def test_wrong_use_is_code_2(
+    plan_file: Path, capsys: pytest.CaptureFixture[str], more: list[str], words: str
+) -> None:
+    assert main(["export", str(plan_file), *more]) == 2
+    assert words in capsys.readouterr().err
+
+
+def test_a_missing_plan_is_code_2(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    assert main(["export", str(tmp_path / "none.json"), "--to", "dot"]) == 2
+    assert "none.json" in capsys.readouterr().err
