@@ -29,7 +29,7 @@ from topple.topology.scene import Scene
 
 log = logging.getLogger(__name__)
 
-FINE = 0.0015  # [m] between the points kept of an object: below a camera's own spacing at a metre
+FINE = 0.002  # [m] between the points kept of an object: what three cameras at a metre see apart
 COARSE = 0.008  # [m] between those of a table: finer than the foot of what stands on it
 
 Progress = Callable[[str], None]

@@ -9,7 +9,7 @@ from scipy.spatial import ConvexHull, QhullError
 
 from topple.planner.samples import voxel_means
 from topple.robots.convex import hull_of
-from topple.topology.arrays import FloatArray, IntArray
+from topple.topology.arrays import FloatArray
 from topple.topology.errors import InvalidInput
 from topple.topology.parts import convex_parts
 from topple.topology.scene import Scene
@@ -18,7 +18,7 @@ Solids = Mapping[str, Sequence[FloatArray]]
 """Per object the (V, 3) vertices of its convex parts, in the world [m]."""
 
 GRAIN = 0.003  # cubes whose points are averaged before hulls are drawn: halves 1-2 mm of depth noise [m]
-HOLLOW = 0.006  # hulls may stand out from the points by this: less cuts noise into pieces [m]
+HOLLOW = 0.008  # hulls may stand out from the points by this: less cuts noise into pieces [m]
 SLAB = 0.05  # a table seen from above is taken to be this thick: fingers must not come out below it [m]
 FLAT = 0.02  # a fixed cloud no thicker than this is a surface, not a body: depth noise is 2-4 mm [m]
 HOVER = 0.006  # a gap below an object up to this is depth noise, above it a side nobody saw [m]
@@ -149,10 +149,12 @@ def hidden_depth(name: str, scene: Scene, up: FloatArray) -> float:
     Returns:
         The depth, 0 where it is seen to stand on something or nothing lies below.
     """
-    x, y = level_axes(up)
+    axes = np.stack(level_axes(up))
     own = scene.clouds[name]
-    cells = np.floor(np.stack([own @ x, own @ y], axis=1) / CELL).astype(np.int64)
-    bottom = _lowest(cells, own @ up)
+    cells = np.floor(own @ axes.T / CELL).astype(np.int64)
+    corner, size = cells.min(axis=0), np.ptp(cells, axis=0) + 1
+    bottom = np.full(tuple(size), np.inf)
+    np.minimum.at(bottom, tuple((cells - corner).T), own @ up)
     gap = np.inf
     for other, cloud in scene.clouds.items():
         if other == name:
@@ -161,31 +163,13 @@ def hidden_depth(name: str, scene: Scene, up: FloatArray) -> float:
         if top is not None:
             gap = min(gap, float(np.quantile(own @ top[0], 0.02)) - top[1])
             continue
-        below = cloud[cloud @ up < np.max(own @ up)]
-        heights = _highest_below(
-            np.floor(np.stack([below @ x, below @ y], axis=1) / CELL).astype(np.int64), below @ up, bottom
-        )
-        gap = min([gap, *heights])
+        places = np.floor(cloud @ axes.T / CELL).astype(np.int64) - corner
+        shared = np.all((places >= 0) & (places < size), axis=1)
+        room = bottom[tuple(places[shared].T)] - cloud[shared] @ up
+        below = room[np.isfinite(room) & (room > -CELL)]  # points above the object do not count
+        if len(below) > 0:
+            gap = min(gap, max(0.0, float(below.min())))
     return float(gap) if HOVER < gap < np.inf else 0.0
-
-
-def _lowest(cells: IntArray, heights: FloatArray) -> dict[tuple[int, int], float]:
-    found: dict[tuple[int, int], float] = {}
-    for (i, j), height in zip(cells.tolist(), heights.tolist(), strict=True):
-        found[i, j] = min(height, found.get((i, j), np.inf))
-    return found
-
-
-def _highest_below(
-    cells: IntArray, heights: FloatArray, bottom: Mapping[tuple[int, int], float]
-) -> list[float]:
-    """Gaps between an object's bottom and points below it, by cells; points above it do not count."""
-    gaps: list[float] = []
-    for (i, j), height in zip(cells.tolist(), heights.tolist(), strict=True):
-        over = bottom.get((i, j))
-        if over is not None and height < over + CELL:
-            gaps.append(max(0.0, over - height))
-    return gaps
 
 
 def drawn_down(part: FloatArray, depth: float, up: FloatArray) -> FloatArray:
