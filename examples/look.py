@@ -1,0 +1,39 @@
+"""What three depth cameras see of the built-in dishes scene, as a scene file.
+
+    python examples/look.py scene.npz
+
+One cloud (N, 3) in [m] per object under the object's name; beside them what topple cannot see: which way is
+up, what never moves, where the cameras were and where the robot stands. A camera driver and a segmentation of
+your own would write the same.
+"""
+
+import sys
+
+import numpy as np
+
+from topple.robots.scenarios import scenario_called
+from topple.topology import Scene
+from topple.topology.cloud import thinned
+
+SPACING = 0.003  # [m] between the points that are kept, about the resolution of a Kinect at this distance
+TABLE_SPACING = 0.008  # [m] the same for the table, which is flat and large
+
+
+def main(path: str, seed: int = 0) -> None:
+    """Look once with the noise of a Kinect, thin the clouds and write the file."""
+    rng = np.random.default_rng(seed)
+    with scenario_called("dishes", seed) as stage:
+        images = [camera.look(stage.world, rng) for camera in stage.cameras]
+        scene = Scene.from_images(images, fixed=stage.fixed, up=stage.up)
+        base = stage.pose_base_to_world
+    clouds = {
+        name: thinned(points, TABLE_SPACING if name in scene.fixed else SPACING).astype(np.float32)
+        for name, points in scene.clouds.items()
+    }
+    about = {"up": scene.up, "fixed": sorted(scene.fixed), "viewpoints": scene.viewpoints, "robot_base": base}
+    np.savez_compressed(path, **clouds, **about)
+    print(f"{path}: {', '.join(f'{len(points)} points of {name}' for name, points in clouds.items())}")
+
+
+if __name__ == "__main__":
+    main(sys.argv[1] if len(sys.argv) > 1 else "scene.npz")
