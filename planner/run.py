@@ -57,7 +57,7 @@ class Look:
     images: tuple[DepthImage, ...]
     scene: Scene
     relations: Relations
-    picture: bytes
+    picture: bytes | None
 
 
 @dataclass
@@ -136,7 +136,7 @@ class ClosedLoop:
         """Takes a picture with every camera and relates what is seen."""
         images = tuple(camera.look(self.world, self._rng) for camera in self.cameras)
         scene = _thinned(Scene.from_images(images, fixed=self.fixed, up=self.up))
-        return Look(images, scene, relate(scene), picture(self.cameras[0].picture(self.world)))
+        return Look(images, scene, relate(scene), _seen(images[0]))
 
     def _chooser(self, look: Look, goal: Goal) -> StepChooser:
         station = Station(self.robot.arm, self.robot.pose_base_to_world, self.robot.q_target)
@@ -221,6 +221,10 @@ def unexpected(predicted: Relations, observed: Relations) -> list[str]:
         if apart != (now.relation is Relation.DISJOINT) and pair.observed and now.observed:
             found.append(f"{pair.a} and {pair.b}: {pair.relation} expected, {now.relation} seen")
     return found
+
+
+def _seen(image: DepthImage) -> bytes | None:
+    return None if image.rgb is None else picture(image.rgb)
 
 
 def _thinned(scene: Scene) -> Scene:

@@ -23,6 +23,12 @@ if TYPE_CHECKING:
 WEIGHTS = {"antipodality": 0.3, "balance": 0.3, "clearance": 0.15, "depth": 0.15, "upright": 0.1}
 """Exponents of a pinch's terms: one that is nil spoils the grasp alone."""
 
+CUP_TURNS: tuple[FloatArray, ...] = tuple(
+    np.array([[np.cos(a), -np.sin(a), 0, 0], [np.sin(a), np.cos(a), 0, 0], [0, 0, 1, 0], [0, 0, 0, 1]])
+    for a in (0.0, np.pi / 4, np.pi / 2, -np.pi / 4)
+)
+"""Turns (4, 4) of the hand about the cup's axis; the arm tries each with half a turn more as well."""
+
 
 def grasp_candidates(
     name: str,
@@ -38,8 +44,9 @@ def grasp_candidates(
     """Find where an object can be taken hold of in its present surroundings.
 
     Pinches are looked for at points spread over the object, across its narrow sides, straight down and
-    tilted; suction on smooth patches that face up. Hands that would meet the object, its neighbours or the
-    table on the way in are left out; what the arm can reach is not asked here.
+    tilted; suction on smooth patches that face up, and where that is sure to hold, no pinch is looked for.
+    Hands that would meet the object, its neighbours or the table on the way in are left out; what the arm
+    can reach is not asked here.
 
     Args:
         name: The object.
@@ -72,10 +79,11 @@ def grasp_candidates(
     others, floor = surroundings(name, scene, up, tolerances)
     surface = surface_of(scene.clouds[name], up, scene.viewpoints, solid, others, tolerances)
     found: list[Grasp] = []
-    if hand is not None:
-        found += _pinch_grasps(name, surface, others, floor, up, hand, tolerances)
     if cup is not None:
         found += _suction_grasps(name, scene.clouds[name], surface, others, up, cup, tolerances)
+    sealed = sum(grasp.score >= tolerances.sure for grasp in found)
+    if hand is not None and sealed < tolerances.enough_sealed:
+        found += _pinch_grasps(name, surface, others, floor, up, hand, tolerances)
     return _varied(found, limit)
 
 
@@ -161,9 +169,9 @@ def _suction_grasps(
         score = seal_score(patch.terms)
         if score < tolerances.least_seal:
             continue
-        found.append(
-            Grasp(name, "suction", patch.pose_tool_to_world, 0.0, cup.opening, score, reason, patch.terms)
-        )
+        for turn in CUP_TURNS:  # a cup is round: how the hand is turned about it matters to the arm alone
+            pose = patch.pose_tool_to_world @ turn
+            found.append(Grasp(name, "suction", pose, 0.0, cup.opening, score, reason, patch.terms))
     return found
 
 

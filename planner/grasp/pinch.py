@@ -199,7 +199,13 @@ def pinches(
         float(frame.origin @ up - floor),
         *_in_reach(own, foreign, top, hand, tolerances),
     )
-    found = [pinch for depth in tolerances.depths if (pinch := _at_depth(look, depth, hand, tolerances))]
+    found: list[Pinch] = []
+    for depth in tolerances.depths:
+        pinch = _at_depth(look, depth, hand, tolerances)
+        if pinch is not None:
+            found.append(pinch)
+        elif found:
+            break  # what stops the fingers at one depth stops them further down, too
     if not found:
         return []
     best = max(found, key=lambda pinch: sum(pinch.terms.values()))

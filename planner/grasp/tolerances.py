@@ -28,8 +28,9 @@ class GraspTolerances:
             0.1 kg object then turns in the pads of a 20 N gripper.
         seal_tolerance: Unevenness under a suction cup's lip that its bellows takes up.
         least_seal: Suction scored below this would leak or peel off.
-        least_seal: float = 0.2
-    seal_tilt: Angle between the cup's axis and the surface normal that the bellows takes up.
+        sure: Score from which a suction grasp is sure to hold: a good seal near the centre of mass.
+        enough_sealed: With so many sure suction grasps no pinch is looked for.
+        seal_tilt: Angle between the cup's axis and the surface normal that the bellows takes up.
     """
 
     spacing: float = 0.004
@@ -49,6 +50,8 @@ class GraspTolerances:
     lever: float = 0.05
     seal_tolerance: float = 0.0015
     least_seal: float = 0.2
+    sure: float = 0.6
+    enough_sealed: int = 4
     seal_tilt: float = 0.35
 
 
