@@ -15,7 +15,7 @@ from topple.robots.scenarios import scenario_called
 from topple.topology import Scene
 from topple.topology.cloud import thinned
 
-SPACING = 0.003  # [m] between the points that are kept, about the resolution of a Kinect at this distance
+SPACING = 0.002  # [m] between the points that are kept of an object: what three cameras at a metre see apart
 TABLE_SPACING = 0.008  # [m] the same for the table, which is flat and large
 
 
