@@ -1,6 +1,8 @@
 """What to do: dependency graph, safe order, grasps, motions, plans, runs and the command line."""
 
+import sys
 from importlib import import_module
+from types import ModuleType
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
@@ -9,6 +11,7 @@ if TYPE_CHECKING:
     from topple.planner.grasp.rank import rank_grasps
     from topple.planner.order import Order, order
     from topple.planner.plan import plan
+    from topple.planner.run import run
 
 __all__ = [
     "Dependency",
@@ -42,3 +45,14 @@ def __getattr__(name: str) -> Any:
     value = getattr(import_module(f"topple.planner.{_HOME[name]}"), name)
     globals()[name] = value
     return value
+
+
+class _Package(ModuleType):
+    """A package in which `order`, `plan` and `run` stay functions after their modules were imported."""
+
+    def __setattr__(self, name: str, value: object) -> None:
+        if not (name in _HOME and isinstance(value, ModuleType)):
+            super().__setattr__(name, value)
+
+
+sys.modules[__name__].__class__ = _Package

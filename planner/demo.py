@@ -6,7 +6,7 @@ from concurrent.futures import ProcessPoolExecutor
 from multiprocessing import get_context
 from pathlib import Path
 
-from topple.planner.files import write_whole
+from topple.planner.files import make_folder, write_whole
 from topple.planner.order import order
 from topple.planner.plan import plan
 from topple.planner.plan_format import plan_to_json
@@ -44,9 +44,8 @@ def demo(
         InvalidInput: There is no such scene or robot, or the folder cannot be written.
         NoSafePlan: The goal cannot be planned in the scene as it is first seen.
     """
-    place = Path(folder)
-    place.mkdir(parents=True, exist_ok=True)
     with scenario_called(name, seed) as stage:
+        place = make_folder(folder)
         robot = robot or stage.robot
         loop = ClosedLoop(
             stage.world,

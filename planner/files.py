@@ -32,6 +32,25 @@ def check_writable(path: str | os.PathLike[str]) -> Path:
     return place
 
 
+def make_folder(path: str | os.PathLike[str]) -> Path:
+    """Make a folder for output files, with those above it; one already there is fine.
+
+    Args:
+        path: The folder.
+
+    Returns:
+        The path.
+
+    Raises:
+        InvalidInput: If it cannot be made.
+    """
+    try:
+        Path(path).mkdir(parents=True, exist_ok=True)
+    except OSError as error:
+        raise InvalidInput(f"{path}: cannot be made a folder, {error.strerror or error}") from error
+    return Path(path)
+
+
 def write_whole(path: str | os.PathLike[str], content: str | bytes) -> Path:
     """Write a file so that a reader finds the old content or the new one, never a part.
 

@@ -4,7 +4,7 @@ import logging
 import time
 from collections import Counter
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 
@@ -13,11 +13,14 @@ from topple.planner.execute import execute, withdraw
 from topple.planner.goal import Goal, parse_goal
 from topple.planner.judge import displacements, violations
 from topple.planner.next_step import NextStep, Station, StepChooser
+from topple.planner.rehearsal import Rehearsal
 from topple.planner.report.raster import picture
 from topple.planner.report.record import RunRecord, StepRecord
 from topple.planner.solids import solids_of
 from topple.planner.transfer import scene_after
+from topple.robots.arm import Arm
 from topple.robots.camera import Camera
+from topple.robots.catalog import robot as robot_named
 from topple.robots.simulated_arm import SimulatedArm
 from topple.robots.world import World
 from topple.topology.arrays import FloatArray
@@ -33,6 +36,48 @@ FINE = 0.002  # [m] between the points kept of an object: what three cameras at 
 COARSE = 0.008  # [m] between those of a table: finer than the foot of what stands on it
 
 Progress = Callable[[str], None]
+
+
+def run(
+    scene: Scene,
+    goal: str | Sequence[str],
+    robot: Arm | str = "panda",
+    *,
+    base: FloatArray | None = None,
+    seed: int = 0,
+    progress: Progress | None = None,
+) -> RunRecord:
+    """Rebuilds a scene in PyBullet and acts out a goal in it, looking again after every action.
+
+    Args:
+        scene: What was seen, with `up` and a flat fixed object to stand on.
+        goal: In words, or names of objects to free.
+        robot: The arm, or its name.
+        base: (4, 4) pose_base_to_scene; the scene's `robot_base`, or else searched for.
+        seed: Of sensor noise and every search.
+        progress: Called with a line before and after each action.
+
+    Returns:
+        Every step with what it disturbed; `notes` say where the base stands and how far bodies sagged.
+
+    Raises:
+        InvalidInput: The goal is none, names what is not there, or the scene has no up or no table.
+        NoBase: The arm reaches nothing from anywhere.
+    """
+    arm = robot_named(robot) if isinstance(robot, str) else robot
+    parse_goal(goal, scene)
+    with Rehearsal.of(scene, arm, base) as stage:
+        loop = ClosedLoop(
+            stage.world,
+            SimulatedArm(stage.world, arm, stage.pose_base_to_world),
+            stage.cameras,
+            goal,
+            fixed=tuple(sorted(stage.world.fixed)),
+            seed=seed,
+            progress=progress,
+        )
+        record = loop.run()
+    return replace(record, notes=(*scene.assumptions, *stage.notes()))
 
 
 @dataclass(frozen=True)

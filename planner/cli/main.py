@@ -19,7 +19,9 @@ COMMANDS = {
     "relate": "decide how every two objects lie to each other",
     "order": "say in which order to take things, and why",
     "plan": "plan grasps, placements and motions of the whole sequence",
+    "run": "rebuild a scene in simulation and do it with an arm, looking again after every action",
     "demo": "play a built-in scene: look, order, plan and clear it with an arm in simulation",
+    "bench": "measure relations, orders and motions on this machine, each with a baseline beside it",
     "export": "hand a plan on: PDDL, behaviour tree, DOT, GraphML, MoveIt scene",
     "show": "draw a scene with its relations and its order",
 }

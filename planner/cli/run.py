@@ -1,0 +1,63 @@
+"""`topple run`: a scene rebuilt in PyBullet, and an arm that does in it what the goal says."""
+
+import argparse
+
+from topple.planner.cli.console import complain, import_quietly, print_json, print_text
+from topple.planner.cli.main import DONE, NO_SAFE_PLAN
+from topple.planner.cli.options import add_common, read_scene, scene_paths
+from topple.planner.cli.progress import Progress
+from topple.planner.cli.robot_options import add_goal, add_robot, base_of, goal_of
+from topple.planner.cli.tables import print_run
+from topple.planner.files import check_writable, write_whole
+
+
+def add_arguments(parser: argparse.ArgumentParser) -> None:
+    """Add the options of `topple run`.
+
+    Args:
+        parser: The sub-command's parser.
+    """
+    add_common(parser, scenes="one")
+    add_goal(parser)
+    add_robot(parser)
+    parser.add_argument("--report", metavar="FILE", help="where to write the report, e.g. out.html")
+
+
+def execute(args: argparse.Namespace) -> int:
+    """Rebuild the scene, act, and say what happened.
+
+    Args:
+        args: The parsed arguments.
+
+    Returns:
+        Exit code 0 where the goal was reached with nothing disturbed, else 1.
+
+    Raises:
+        InvalidInput: If the scene cannot be read, the goal or the robot is none, or the report cannot be
+            written.
+    """
+    (path,) = scene_paths(args, many=False)
+    goal = goal_of(args)
+    place = None if args.report is None else check_writable(args.report)
+    with Progress("run") as progress:
+        progress(f"reading {path}")
+        scene = read_scene(args, path)
+        import_quietly("pybullet")
+        from topple.planner.run import run
+
+        progress(f"{path}: rebuilding the scene")
+        record = run(scene, goal, args.robot, base=base_of(args, scene), seed=args.seed, progress=progress)
+        if place is not None:
+            from topple.planner.report.run_page import run_page
+
+            write_whole(place, run_page(record))
+    document = record.to_json()
+    if args.json:
+        print_json(document)
+    else:
+        print_run(path, document)
+        print_text(*(f"Note: {note.rstrip('.')}." for note in record.notes))
+        if place is not None:
+            print_text(f"Written: {place}")
+    complain(*(f"{path}: {violation}" for violation in record.violations))
+    return DONE if record.success else NO_SAFE_PLAN

@@ -1,0 +1,165 @@
+"""A world rebuilt from a scene: bodies from the observed clouds, a table, and cameras to look again."""
+
+from dataclasses import dataclass
+from types import TracebackType
+
+import numpy as np
+
+from topple.planner.base import choose_base
+from topple.planner.solids import table_top, up_of
+from topple.robots.arm import Arm
+from topple.robots.bodies import Body
+from topple.robots.body_clouds import bodies_from_clouds
+from topple.robots.camera import Camera
+from topple.robots.poses import inverse
+from topple.robots.scenarios.scenario import around
+from topple.robots.world import World
+from topple.topology.arrays import FloatArray
+from topple.topology.errors import InvalidInput
+from topple.topology.scene import Scene
+
+RELAX = 150  # rounds of relaxing: hulls drawn around noisy clouds overlap by some millimetres
+STEPS = (
+    4  # simulation steps a round, after which everything is brought to a halt: overlaps part, nothing flies
+)
+SAGGED = 0.01  # [m] a body that moves this far until it rests was not understood
+EDGE = 0.02  # [m] a table reaches beyond what was seen of it
+
+
+@dataclass(frozen=True, eq=False)
+class Rehearsal:
+    """A world in which a scene can be acted out, to be used with `with`.
+
+    Attributes:
+        world: The bodies at rest, z up, the table at height 0.
+        cameras: Three around the objects.
+        pose_base_to_world: (4, 4) where the arm stands.
+        pose_scene_to_world: (4, 4) from the frame of the scene's clouds.
+        base_searched: Whether the base was searched for.
+        sagged: How far each body moved until it was at rest, name to [m]: what the clouds left open.
+    """
+
+    world: World
+    cameras: tuple[Camera, ...]
+    pose_base_to_world: FloatArray
+    pose_scene_to_world: FloatArray
+    base_searched: bool
+    sagged: dict[str, float]
+
+    def __enter__(self) -> "Rehearsal":
+        return self
+
+    def __exit__(
+        self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
+    ) -> None:
+        self.world.close()
+
+    def notes(self) -> tuple[str, ...]:
+        """What a reader of the run should know: where the base stands and what sagged, in sentences."""
+        x, y, z = (inverse(self.pose_scene_to_world) @ self.pose_base_to_world)[:3, 3]
+        how = "searched" if self.base_searched else "given"
+        said = [f"the arm's base stands at {x:.3f} {y:.3f} {z:.3f} m in the scene ({how})"]
+        moved = {name: way for name, way in self.sagged.items() if way > SAGGED}
+        if moved:
+            words = ", ".join(f"{name} {1e3 * way:.0f} mm" for name, way in sorted(moved.items()))
+            said.append(f"bodies rebuilt from the clouds moved before they were at rest: {words}")
+        return tuple(said)
+
+    @classmethod
+    def of(cls, scene: Scene, arm: Arm, base: FloatArray | None = None) -> "Rehearsal":
+        """Rebuild a scene.
+
+        Args:
+            scene: The scene, with `up` and at least one flat fixed object.
+            arm: The arm that is to act in it.
+            base: (4, 4) pose_base_to_scene; the scene's `robot_base`, or else searched for.
+
+        Raises:
+            InvalidInput: The scene does not know up, or nothing flat and level in it is fixed.
+            NoBase: The arm reaches nothing from anywhere.
+        """
+        table, to_world = _levelled(scene)
+        level = _in_world(scene, to_world)
+        given = base if base is not None else scene.robot_base
+        pose_base = choose_base(level, arm) if given is None else to_world @ given
+        world = World()
+        try:
+            ground = level.clouds[table]
+            low, high = ground[:, :2].min(axis=0) - EDGE, ground[:, :2].max(axis=0) + EDGE
+            size, centre = high - low, (high + low) / 2.0
+            world.add_table(
+                table,
+                size=(float(size[0]), float(size[1])),
+                centre=(float(centre[0]), float(centre[1])),
+            )
+            for name in sorted(level.fixed - {table}):
+                _add(world, level, name, ground, fixed=True)
+            placed = _add_movable(world, level, ground)
+            relax(world)
+        except BaseException:
+            world.close()
+            raise
+        sagged = {
+            name: float(np.linalg.norm(world.pose(name)[:3, 3] - pose[:3, 3]))
+            for name, pose in placed.items()
+        }
+        middle = np.mean([level.clouds[name].mean(axis=0) for name in level.movable], axis=0)
+        cameras = around((float(middle[0]), float(middle[1]), 0.03))
+        return cls(world, cameras, pose_base, to_world, given is None, sagged)
+
+
+def relax(world: World) -> None:
+    """Lets overlapping bodies part slowly, without the speed that parting gives them, then settle."""
+    for _ in range(RELAX):
+        world.step(STEPS)
+        for name in world.movable:
+            world.place(name, world.pose(name))
+    world.settle(3.0)
+
+
+def _levelled(scene: Scene) -> tuple[str, FloatArray]:
+    """The table's name and the (4, 4) pose_scene_to_world that lays it at height 0 under the objects."""
+    up = up_of(scene)
+    tables = {name: top for name in scene.fixed if (top := table_top(scene.clouds[name], up)) is not None}
+    if not tables:
+        raise InvalidInput("no fixed object is flat and level: name the table with --fixed NAME")
+    table = max(tables, key=lambda name: len(scene.clouds[name]))
+    normal, height = tables[table]
+    x = np.cross([0.0, 1.0, 0.0] if abs(normal[1]) < 0.9 else [0.0, 0.0, 1.0], normal)
+    x /= np.linalg.norm(x)
+    pose = np.eye(4)
+    pose[:3, :3] = np.stack([x, np.cross(normal, x), normal])
+    names = scene.movable or scene.names
+    middle = np.mean([scene.clouds[name].mean(axis=0) for name in names], axis=0)
+    pose[:2, 3] = -(pose[:2, :3] @ middle)
+    pose[2, 3] = -height
+    return table, pose
+
+
+def _in_world(scene: Scene, to_world: FloatArray) -> Scene:
+    def turned(points: FloatArray) -> FloatArray:
+        return points @ to_world[:3, :3].T + to_world[:3, 3]
+
+    return Scene(
+        {name: turned(cloud) for name, cloud in scene.clouds.items()},
+        sorted(scene.fixed),
+        np.array([0.0, 0.0, 1.0]),
+        turned(scene.viewpoints) if len(scene.viewpoints) else None,
+        assumptions=scene.assumptions,
+    )
+
+
+def _add_movable(world: World, level: Scene, ground: FloatArray) -> dict[str, FloatArray]:
+    clouds = [(name, level.clouds[name]) for name in level.movable]
+    placed: dict[str, FloatArray] = {}
+    for body, pose in bodies_from_clouds(clouds, [0.0, 0.0, 1.0], 0.0, level.viewpoints, ground):
+        world.add(body, pose)
+        placed[body.name] = pose
+    return placed
+
+
+def _add(world: World, level: Scene, name: str, ground: FloatArray, *, fixed: bool) -> None:
+    cloud = [(name, level.clouds[name])]
+    body: Body
+    for body, pose in bodies_from_clouds(cloud, [0.0, 0.0, 1.0], 0.0, level.viewpoints, ground):
+        world.add(body, pose, fixed=fixed)
