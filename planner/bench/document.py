@@ -1,0 +1,70 @@
+"""A bench as the contract's document: the rows, and the machine they were measured on."""
+
+import importlib
+import os
+import platform
+from importlib.metadata import version
+from pathlib import Path
+from typing import Any
+
+from topple.planner.bench.row import Progress
+from topple.topology.errors import InvalidInput
+
+BENCHES = ("relate", "order", "motion")
+"""Names; each is a module of this package with a function `rows(quick, seed, progress)`."""
+
+_LIBRARIES = ("topple", "numpy", "scipy", "pybullet", "python-fcl", "ompl")
+
+
+def bench(
+    name: str, *, quick: bool = False, seed: int = 0, progress: Progress | None = None
+) -> dict[str, Any]:
+    """Run a bench.
+
+    Args:
+        name: One of `BENCHES`.
+        quick: Smaller and fewer cases: below two minutes.
+        seed: Seed of everything that is drawn.
+        progress: Called with a few words before each part.
+
+    Returns:
+        A `topple.bench` document.
+
+    Raises:
+        InvalidInput: There is no such bench.
+    """
+    if name not in BENCHES:
+        raise InvalidInput(f"there is no bench {name!r}: expected one of {', '.join(BENCHES)}")
+    rows = importlib.import_module(f"topple.planner.bench.{name}").rows
+    measured = rows(quick=quick, seed=seed, progress=progress or (lambda text: None))
+    return {
+        "format": "topple.bench",
+        "format_version": 1,
+        "bench": name,
+        "quick": quick,
+        "seed": seed,
+        "machine": machine(),
+        "rows": measured,
+    }
+
+
+def machine() -> dict[str, Any]:
+    """What the figures were measured on: processor, cores, threads of the linear algebra, versions."""
+    return {
+        "system": platform.platform(),
+        "processor": _processor(),
+        "cores": os.cpu_count(),
+        "blas_threads": os.environ.get("OMP_NUM_THREADS"),
+        "python": platform.python_version(),
+        "libraries": {library: version(library) for library in _LIBRARIES},
+    }
+
+
+def _processor() -> str:
+    """The processor's name, as the kernel gives it where it does."""
+    try:
+        lines = Path("/proc/cpuinfo").read_text(encoding="utf-8").splitlines()
+    except OSError:
+        lines = []
+    named = (line.partition(":")[2].strip() for line in lines if line.startswith("model name"))
+    return next(named, "") or platform.processor() or platform.machine()

@@ -1,0 +1,100 @@
+"""`topple bench`: the figures of the README on this machine, each with a baseline beside it."""
+
+import argparse
+import os
+from collections.abc import Mapping, Sequence
+from typing import Any
+
+from topple.planner.cli.console import complain, import_quietly, print_json, print_table, print_text
+from topple.planner.cli.main import DONE
+from topple.planner.cli.options import add_common
+from topple.planner.cli.progress import Progress
+
+MISSED = 1
+"""Exit code where a figure misses its bar."""
+
+_THREADS = ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS")
+_HEADINGS = ("what", "value", "baseline", "its value", "ratio", "bar", "")
+
+
+def add_arguments(parser: argparse.ArgumentParser) -> None:
+    """Add the options of `topple bench`.
+
+    Args:
+        parser: The sub-command's parser.
+    """
+    parser.add_argument(
+        "name", nargs="?", metavar="NAME", help="relate, order or motion (all, one after the other)"
+    )
+    parser.add_argument("--quick", action="store_true", help="smaller and fewer cases: below two minutes")
+    add_common(parser, scenes=None)
+
+
+def execute(args: argparse.Namespace) -> int:
+    """Measure and print.
+
+    Args:
+        args: The parsed arguments.
+
+    Returns:
+        Exit code 0 where every bar is cleared, else 1.
+
+    Raises:
+        InvalidInput: If there is no such bench.
+    """
+    if args.fixed or args.up:
+        complain("--fixed and --up are ignored: a bench makes its own scenes")
+    for variable in _THREADS:  # one thread on both sides: CPU times of idle ones would count as work
+        os.environ.setdefault(variable, "1")
+    import_quietly("pybullet")
+    from topple.planner.bench.document import BENCHES, bench
+
+    code = DONE
+    for name in BENCHES if args.name is None else (args.name,):
+        with Progress(f"bench {name}") as progress:
+            document = bench(name, quick=args.quick, seed=args.seed, progress=progress)
+        if args.json:
+            print_json(document)
+        else:
+            _print(document)
+        if any(row["ok"] is False for row in document["rows"]):
+            code = MISSED
+    return code
+
+
+def _print(document: Mapping[str, Any]) -> None:
+    rows: Sequence[Mapping[str, Any]] = document["rows"]
+    machine = document["machine"]
+    size = "quick" if document["quick"] else "full"
+    print_text(
+        f"topple bench {document['bench']}, {size}, seed {document['seed']}: "
+        f"{machine['processor']}, {machine['cores']} cores"
+    )
+    print_table(_HEADINGS, [_cells(row) for row in rows], right=(1, 3, 4))
+    held = [row for row in rows if row["bar"] is not None]
+    missed = sum(row["ok"] is False for row in held)
+    print_text(
+        f"{len(held) - missed} of {len(held)} bars cleared" + (f", {missed} missed." if missed else ".")
+    )
+
+
+def _cells(row: Mapping[str, Any]) -> tuple[str, ...]:
+    value = _figure(row["value"], row["unit"])
+    if "interval" in row:
+        low, high = row["interval"]
+        value += f" [{low:.3g}, {high:.3g}]"
+    verdict = {None: "", True: "ok", False: "MISSED"}[row["ok"]]
+    return (
+        row["what"],
+        value,
+        row["baseline"] or "",
+        "" if row["baseline_value"] is None else _figure(row["baseline_value"], row["unit"]),
+        "" if row["ratio"] is None else f"{row['ratio']:.3g}x",
+        row["bar"] or "",
+        verdict,
+    )
+
+
+def _figure(value: float, unit: str) -> str:
+    text = f"{value:,.0f}" if abs(value) >= 1000 else f"{value:.3g}"
+    return f"{text} {unit}".rstrip()

@@ -1,0 +1,183 @@
+"""`topple bench`: the contract's document, exit codes, and that small configurations run. Never a time."""
+
+import json
+
+import numpy as np
+import pytest
+
+from topple.planner.bench import motion, order, relate
+from topple.planner.bench.clock import cpu_medians
+from topple.planner.bench.clouds import household
+from topple.planner.bench.document import bench, machine
+from topple.planner.bench.guesses import Guess, box_above, guesses, naive, top_height
+from topple.planner.bench.plain_numpy import plain_numpy
+from topple.planner.bench.row import Row, faster, longer
+from topple.planner.bench.scores import Score, f1_interval, is_safe, score, share_interval
+from topple.planner.cli.main import main
+from topple.topology.scene import Scene
+
+KEYS = {"what", "value", "unit", "baseline", "baseline_value", "ratio", "bar", "ok"}
+TINY_RELATE = relate.Extent(
+    (relate.Size(300, 1, 0.001, 1000),),
+    crowds=(3, 5),
+    tracked=6,
+    points=100,
+    crowds_by_default=False,
+    frame=False,
+    repeats=1,
+)
+ABOVE = {"a": {"b": 1, "c": 0}, "b": {"a": 0, "c": 0}, "c": {"a": None, "b": 0}}  # b lies on a
+
+
+def _box(lower: tuple[float, ...], upper: tuple[float, ...]) -> np.ndarray:
+    return np.random.default_rng(0).uniform(lower, upper, (400, 3))
+
+
+@pytest.fixture
+def stack() -> Scene:
+    """A box on a box, a third beside them."""
+    clouds = {
+        "low": _box((0, 0, 0), (0.1, 0.1, 0.1)),
+        "top": _box((0.02, 0.02, 0.1), (0.08, 0.08, 0.15)),
+        "beside": _box((0.3, 0, 0), (0.4, 0.1, 0.12)),
+        "table": _box((-1, -1, -0.02), (1, 1, 0)),
+    }
+    return Scene(clouds, fixed=["table"], up=(0, 0, 1))
+
+
+@pytest.mark.parametrize(
+    ("row", "ok"),
+    [
+        (Row("x", 0.94, "", bar=">= 0.93"), True),
+        (Row("x", 0.92, "", bar=">= 0.93"), False),
+        (Row("x", 0, "pairs", bar="0"), True),
+        (Row("x", 1, "pairs", bar="0"), False),
+        (Row("x", 1.0, "s"), None),
+        (faster("x", 1.0, "y", 12.0, ">= 12x"), True),
+        (faster("x", 1.0, "y", 11.0, ">= 12x"), False),
+        (longer("x", 1.1, "y", 1.0, "<= 1.2x"), True),
+        (longer("x", 1.3, "y", 1.0, "<= 1.2x"), False),
+        (longer("x", 1.0, "y", 16.0, "<= 1/15"), True),
+        (longer("x", 1.0, "y", 14.0, "<= 1/15"), False),
+        (Row("x", 100.0, "s", bar=">= 2x"), False),
+    ],
+)
+def test_a_bar_is_cleared_or_missed(row: Row, ok: bool | None) -> None:
+    assert row.ok is ok
+    assert set(row.to_json()) == KEYS
+    assert row.to_json()["ok"] is ok
+
+
+def test_a_bar_nobody_can_read_is_no_bar() -> None:
+    with pytest.raises(ValueError, match="is no bar"):
+        assert Row("x", 1.0, "", bar="good").ok
+
+
+def test_calls_take_turns() -> None:
+    said: list[str] = []
+    assert len(cpu_medians([lambda: said.append("a"), lambda: said.append("b")], 2)) == 2
+    assert said == ["a", "b", "a", "b"]
+
+
+def test_relate_prints_the_contracts_document(
+    monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    monkeypatch.setattr(relate, "QUICK", TINY_RELATE)
+    code = main(["bench", "relate", "--quick", "--json"])
+    document = json.loads(capsys.readouterr().out)
+    assert document["format"] == "topple.bench"
+    assert document["format_version"] == 1
+    assert document["bench"] == "relate"
+    assert document["machine"]["cores"] >= 1
+    assert all(set(row) == KEYS for row in document["rows"])
+    assert code == int(any(row["ok"] is False for row in document["rows"]))
+    (same,) = (row for row in document["rows"] if "another matrix" in row["what"])
+    assert same["value"] == 0
+
+
+def test_a_missed_bar_is_code_1_and_said(
+    monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    def missing(quick: bool, seed: int, progress: object) -> list[dict[str, object]]:
+        return [Row("speed", 1.0, "s", "another", 2.0, 2.0, ">= 3x").to_json(), Row("count", 4, "").to_json()]
+
+    monkeypatch.setattr(motion, "rows", missing)
+    assert main(["bench", "motion", "--quick"]) == 1
+    out = capsys.readouterr().out
+    assert "MISSED" in out
+    assert "0 of 1 bars cleared, 1 missed" in out
+
+
+@pytest.mark.parametrize("argv", [["bench", "nonsense"], ["bench", "relate", "--seed", "-1"]])
+def test_wrong_use_is_code_2(argv: list[str], capsys: pytest.CaptureFixture[str]) -> None:
+    assert main(argv) == 2
+    assert capsys.readouterr().out == ""
+
+
+def test_machines_are_told_apart_without_their_names() -> None:
+    assert {"system", "processor", "cores", "python", "libraries"} <= machine().keys()
+    json.dumps(machine())
+
+
+def test_order_runs_on_one_small_pile(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(order, "QUICK", order.Extent(1, views=(0,), verified=False))
+    monkeypatch.setattr(order, "FIRST_PILE", 502)
+    document = bench("order", quick=True)
+    assert all(set(row) - {"interval"} == KEYS for row in document["rows"])
+    assert {row["baseline"] for row in document["rows"]} >= set(guesses())
+    for row in document["rows"]:
+        if "interval" in row:
+            low, high = row["interval"]
+            assert low <= row["value"] + 1e-9
+            assert high >= row["value"] - 1e-9
+
+
+def test_plain_numpy_leaves_no_point_out() -> None:
+    scene = household(200, 1)
+    for (a, b), matrix in plain_numpy(scene.clouds, 0.002).items():
+        assert matrix.sum(axis=1).tolist() == [len(scene.clouds[a]), len(scene.clouds[b])]
+
+
+def test_the_rules_of_thumb_take_the_top_of_a_stack_first(stack: Scene) -> None:
+    assert box_above(stack).pairs == {("top", "low")}
+    assert naive(stack).pairs == {("top", "low")}
+    assert top_height(stack).order == ("top", "beside", "low")
+    for guess in guesses().values():
+        assert set(guess(stack, 0).order) == set(stack.movable)
+
+
+def test_a_perfect_answer_scores_all() -> None:
+    found = score(Guess(frozenset({("b", "a")}), ("b", "a", "c")), ABOVE, "abc")
+    assert found == Score(right=1, safe=1, piles=1, lean=3, targets=3)
+    assert found.f1 == found.precision == found.recall == 1.0
+
+
+def test_what_is_wrong_is_counted_once() -> None:
+    found = score(Guess(frozenset({("a", "b"), ("a", "c")}), ("a", "b", "c")), ABOVE, "abc")
+    assert (found.right, found.false, found.missed, found.safe, found.lean) == (0, 1, 1, 0, 2)
+
+
+def test_the_unseen_is_left_out() -> None:
+    assert score(Guess(frozenset(), ("a", "c")), ABOVE, "ac") == Score(safe=1, piles=1, lean=2, targets=2)
+
+
+def test_an_order_has_to_take_everything() -> None:
+    assert not is_safe(Guess(frozenset(), ("b", "a")), ABOVE, "abc")
+
+
+def test_a_group_excuses_a_true_cycle_only() -> None:
+    cycle = {"a": {"b": 1}, "b": {"a": 1}}
+    together = Guess(frozenset(), ("a", "b"), groups=(("a", "b"),))
+    assert is_safe(together, cycle, "ab")
+    assert not is_safe(Guess(frozenset(), ("a", "b")), cycle, "ab")
+    assert not is_safe(together, {"a": {"b": 1}, "b": {"a": 0}}, "ab")
+
+
+def test_intervals_hold_the_figure() -> None:
+    scores = [Score(right=3, false=1), Score(right=2, missed=2), Score(right=5)]
+    low, high = f1_interval(scores)
+    assert low <= sum(scores, Score()).f1 <= high
+    assert share_interval(0, 0) == (0.0, 100.0)
+    low, high = share_interval(26, 26)
+    assert 85 < low < 100
+    assert high == pytest.approx(100)
