@@ -69,6 +69,13 @@ def test_the_plate_comes_after_all_that_is_on_it(outputs: dict[str, str]) -> Non
     assert taken[-1] == "plate"
 
 
+def test_the_python_block_relates_orders_and_plans(outputs: dict[str, str]) -> None:
+    (printed,) = (output.splitlines() for step, output in outputs.items() if step.startswith("from topple"))
+    assert printed[0] == "partial within"
+    assert "plate" in printed[5]
+    assert "('free', 'can', " in printed[-1]
+
+
 def test_the_table_of_commands_names_all_there_are() -> None:
     assert set(re.findall(r"^\| `topple (\w+) ", README, re.MULTILINE)) == set(COMMANDS)
 
