@@ -26,6 +26,7 @@ from topple.robots.world import World
 from topple.topology.arrays import FloatArray
 from topple.topology.cloud import thinned
 from topple.topology.image import DepthImage
+from topple.topology.inferred import infer_contacts
 from topple.topology.relate import Relations, relate
 from topple.topology.relation import Relation
 from topple.topology.scene import Scene
@@ -210,7 +211,8 @@ class ClosedLoop:
             self._done.append((name, chosen.action))
             self._attempts[name] = 0
         seen = self.look()
-        predicted = look.relations.updated(name, predicted_scene.clouds[name])
+        moved = look.relations.updated(name, predicted_scene.clouds[name])
+        predicted = infer_contacts(predicted_scene, moved)
         handled = (name, *self.fixed)
         wrong = [f"{name}: {text}" for text in violations(before, after, self.robot.touched, handled)]
         step = StepRecord(

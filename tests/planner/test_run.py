@@ -27,7 +27,7 @@ def block(x: float, y: float, z: float, side: float) -> FloatArray:
         for axis in range(3)
         for end in (-side / 2, side / 2)
     ]
-    return np.concatenate(faces) + [x, y, z + side / 2]
+    return np.concatenate(faces) + np.array([x, y, z + side / 2])
 
 
 @pytest.fixture(scope="module")
