@@ -1,6 +1,9 @@
 """`topple bench`: the contract's document, exit codes, and that small configurations run. Never a time."""
 
 import json
+import subprocess
+import sys
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -17,6 +20,7 @@ from topple.planner.cli.main import main
 from topple.topology.scene import Scene
 
 KEYS = {"what", "value", "unit", "baseline", "baseline_value", "ratio", "bar", "ok"}
+TABLE = Path(__file__).resolve().parents[3] / "benchmarks" / "table.py"
 TINY_RELATE = relate.Extent(
     (relate.Size(300, 1, 0.001, 1000),),
     crowds=(3, 5),
@@ -181,3 +185,17 @@ def test_intervals_hold_the_figure() -> None:
     low, high = share_interval(26, 26)
     assert 85 < low < 100
     assert high == pytest.approx(100)
+
+
+def test_a_document_becomes_a_markdown_table(tmp_path: Path) -> None:
+    rows = [longer("update", 1.0, "all again", 20.0, "<= 1/15"), Row("F1", 0.9, "", interval=(0.8, 1.0))]
+    document = {"bench": "relate", "quick": True, "machine": machine(), "rows": [r.to_json() for r in rows]}
+    (tmp_path / "figures.jsonl").write_text(json.dumps(document) + "\n")
+    printed = subprocess.run(
+        [sys.executable, str(TABLE), str(tmp_path / "figures.jsonl")],
+        check=True,
+        capture_output=True,
+        text=True,
+    ).stdout.splitlines()
+    assert "| update | 1 s | all again | 20 s | 0.05x | <= 1/15 | ok |" in printed
+    assert "| F1 | 0.9 [0.8, 1] |  |  |  |  |  |" in printed
