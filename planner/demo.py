@@ -3,9 +3,11 @@
 import json
 from collections.abc import Callable
 from concurrent.futures import ProcessPoolExecutor
+from dataclasses import replace
 from multiprocessing import get_context
 from pathlib import Path
 
+from topple.planner.errors import NoSafePlan
 from topple.planner.files import make_folder, write_whole
 from topple.planner.order import order
 from topple.planner.plan import plan
@@ -42,7 +44,6 @@ def demo(
 
     Raises:
         InvalidInput: There is no such scene or robot, or the folder cannot be written.
-        NoSafePlan: The goal cannot be planned in the scene as it is first seen.
     """
     with scenario_called(name, seed) as stage:
         place = make_folder(folder)
@@ -67,7 +68,13 @@ def demo(
                 plan, first.scene, stage.goal, robot, base=stage.pose_base_to_world, seed=seed
             )
             record = loop.run(first)
-            write_whole(place / "plan.json", plan_to_json(planned.result()))
+            try:
+                write_whole(place / "plan.json", plan_to_json(planned.result()))
+            except (
+                NoSafePlan
+            ) as error:  # the arm, which looks again after each action, may still have done it
+                note = f"the whole sequence could not be planned from the first look: {error}"
+                record = replace(record, notes=(*record.notes, note))
     write_whole(place / "run.json", _text(record.to_json()))
     write_whole(place / "report.html", run_page(record))
     return record

@@ -100,7 +100,15 @@ class Handling:
     # -- what is checked against what
 
     def _links(self, grasp: Grasp) -> tuple[str, ...]:
-        return self.arm.tools[grasp.tool].links
+        """Links that may be next to the object: what holds it, and the fingers that stand open around a cup.
+
+        The search for suction kept the open hand clear of the object's cloud; the hulls drawn around the
+        cloud bridge its hollows, a plate's for one, and would bar it.
+        """
+        links = self.arm.tools[grasp.tool].links
+        if grasp.tool == "suction" and self.arm.jaw is not None:
+            return (*links, *self.arm.jaw.links)
+        return links
 
     def approaching(self, grasp: Grasp, lenient: bool) -> Checker:
         """The open hand around the object: what holds may touch it."""

@@ -8,6 +8,7 @@ import numpy as np
 
 from topple.planner.grasp.candidates import grasp_candidates
 from topple.planner.grasp.grasp import Grasp
+from topple.planner.grasp.hand import hand_shape
 from topple.planner.handling import MARGIN, Handling, Reached
 from topple.planner.motion.planner import MotionFailure, plan_motion
 from topple.planner.motion.trajectory import retime
@@ -144,6 +145,7 @@ def plan_transfer(
     if name not in scene.clouds:
         raise UnknownObject(name, scene.names)
     bodies = solids_of(scene) if bodies is None else bodies
+    searched = grasps is None
     if grasps is None:
         grasps = grasp_candidates(name, scene, arm, solids=bodies)
     if places is None:
@@ -154,7 +156,11 @@ def plan_transfer(
         return TransferFailure(name, {"no free place within reach": 1}, None)
     handling = Handling(name, scene, bodies, arm, np.asarray(pose_base_to_world), seed)
     search = _Search(handling, tuple(places), np.asarray(q_start), hand or arm.open_hand, seed, limits)
-    return search.run(grasps)
+    found = search.run(grasps)
+    by_cup_alone = searched and all(grasp.tool == "suction" for grasp in grasps) and "fingers" in arm.tools
+    if isinstance(found, TransferFailure) and by_cup_alone:
+        return search.run(grasp_candidates(name, scene, hand=hand_shape(arm), solids=bodies))
+    return found
 
 
 class _Search:

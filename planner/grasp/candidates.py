@@ -15,6 +15,7 @@ from topple.planner.samples import voxel_means
 from topple.planner.solids import parts_of
 from topple.topology.arrays import FloatArray
 from topple.topology.errors import InvalidInput, UnknownObject
+from topple.topology.hull import Hull
 from topple.topology.scene import Scene
 
 if TYPE_CHECKING:
@@ -83,7 +84,9 @@ def grasp_candidates(
         found += _suction_grasps(name, scene.clouds[name], surface, others, up, cup, tolerances)
     sealed = sum(grasp.score >= tolerances.sure for grasp in found)
     if hand is not None and sealed < tolerances.enough_sealed:
-        found += _pinch_grasps(name, surface, others, floor, up, hand, tolerances)
+        pinched = _pinch_grasps(name, surface, others, floor, up, hand, tolerances)
+        hulls = [Hull.of(part) for part in solid]
+        found += [grasp for grasp in pinched if not _pierces(grasp, hand, hulls, tolerances)]
     return _varied(found, limit)
 
 
@@ -140,6 +143,20 @@ def _pinch_grasps(
                 _as_grasp(name, pinch) for pinch in pinches(frame, surface, near, floor, up, hand, tolerances)
             ]
     return found
+
+
+def _pierces(grasp: Grasp, hand: HandShape, hulls: Sequence[Hull], tolerances: GraspTolerances) -> bool:
+    """Whether the open fingers would stand in the object: its cloud may have a hole where it has none."""
+    corners: list[FloatArray] = []
+    for x0, x1, y0, y1, front in hand.footprints(grasp.opening)[: 2 * len(hand.finger)]:
+        grid = np.meshgrid(
+            np.linspace(x0, x1, 3), np.linspace(y0, y1, 3), front - np.linspace(0.0, hand.pad_length, 3)
+        )
+        corners.append(np.column_stack([axis.ravel() for axis in grid]))
+    pose = grasp.pose_tool_to_world
+    points = np.vstack(corners) @ pose[:3, :3].T + pose[:3, 3]
+    inside = (points @ hull.normals.T + hull.offsets < -tolerances.into_solid for hull in hulls)
+    return any(bool(deep.all(axis=1).any()) for deep in inside)
 
 
 def _as_grasp(name: str, pinch: Pinch) -> Grasp:

@@ -16,6 +16,7 @@ NORMAL_BIAS = (
     0.15  # normals next to a silhouette average in what lies before it, 3 mm of a can: 9 degrees [rad]
 )
 CENTRAL = 0.03  # around the centre of mass, where a grasp hardly turns in the hand [m]
+SLOPED = 0.2  # a level top has normals square to the closing direction, give or take 10 degrees of noise
 SLOPE_LENGTH = 0.01  # below the tips, where the object's widening tells a slope from noise [m]
 
 
@@ -199,13 +200,7 @@ def pinches(
         float(frame.origin @ up - floor),
         *_in_reach(own, foreign, top, hand, tolerances),
     )
-    found: list[Pinch] = []
-    for depth in tolerances.depths:
-        pinch = _at_depth(look, depth, hand, tolerances)
-        if pinch is not None:
-            found.append(pinch)
-        elif found:
-            break  # what stops the fingers at one depth stops them further down, too
+    found = [pinch for depth in tolerances.depths if (pinch := _at_depth(look, depth, hand, tolerances))]
     if not found:
         return []
     best = max(found, key=lambda pinch: sum(pinch.terms.values()))
@@ -356,6 +351,8 @@ def _antipodality(
             mean = seen.mean(axis=0)
             angle = float(np.arccos(np.clip(side * mean[1] / np.linalg.norm(mean), -1.0, 1.0)))
             angle = max(0.0, angle - NORMAL_BIAS)
+        elif float(np.median(facing @ np.array([0.0, side, 0.0]))) > SLOPED:
+            return 0.0  # a seen face, and too flat a slope to press on: pads would slide off its wedge
         else:
             angle = 0.25 * cone + _outline_angle(own[window], side)
         widening = float((side * beyond).max()) - side * edge if len(beyond) > 0 else 0.0

@@ -23,6 +23,8 @@ class GraspTolerances:
         steep_tilts: Tried where those find fewer than `enough` grasps.
         enough: So many grasps leave the arm a choice.
         reach: Only points this close to a grasp can touch the hand.
+        into_solid: A finger this deep in the object's own hull would be driven into it: twice the depth
+            noise, and more than hulls stand out from a surface between its points.
         friction: Coefficient assumed between pad and object (rubber on glazed ceramics or steel: 0.5-0.8).
         lever: Distance between the pads' line and the centre of mass at which half the score is gone: a
             0.1 kg object then turns in the pads of a 20 N gripper.
@@ -46,6 +48,7 @@ class GraspTolerances:
     steep_tilts: tuple[float, ...] = (0.52, -0.52)
     enough: int = 20
     reach: float = 0.16
+    into_solid: float = 0.005
     friction: float = 0.5
     lever: float = 0.05
     seal_tolerance: float = 0.0015
