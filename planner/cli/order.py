@@ -3,7 +3,7 @@
 import argparse
 from typing import TYPE_CHECKING
 
-from topple.planner.cli.console import complain, print_json
+from topple.planner.cli.console import complain, import_quietly, print_json
 from topple.planner.cli.main import DONE, NO_SAFE_PLAN
 from topple.planner.cli.options import add_common, add_target, for_each_scene
 from topple.planner.cli.progress import Progress
@@ -22,6 +22,15 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     """
     add_common(parser, scenes="many")
     add_target(parser)
+    parser.add_argument(
+        "--verify", action="store_true", help="check the dependencies in simulation: take every object away"
+    )
+    parser.add_argument(
+        "--budget",
+        type=_seconds,
+        metavar="S",
+        help="seconds --verify may take; the best answer so far counts",
+    )
 
 
 def execute(args: argparse.Namespace) -> int:
@@ -33,12 +42,16 @@ def execute(args: argparse.Namespace) -> int:
     Returns:
         Exit code 0, 1 where a cycle allows no safe order, or 2 where a scene cannot be read.
     """
+    if args.budget is not None and not args.verify:
+        args.parser.error("--budget bounds --verify: give both or neither")
+    if args.verify:
+        import_quietly("pybullet")
     from topple.planner.order import order
 
     with Progress("order") as progress:
 
         def act(path: str, scene: "Scene") -> int:
-            found = order(scene, args.target, seed=args.seed)
+            found = order(scene, args.target, seed=args.seed, verify=args.verify, budget=args.budget)
             progress.clear()
             document = found.to_json()
             if args.json:
@@ -49,6 +62,13 @@ def execute(args: argparse.Namespace) -> int:
             return _judge(path, found)
 
         return for_each_scene(args, act, progress)
+
+
+def _seconds(text: str) -> float:
+    seconds = float(text)
+    if not 0.0 < seconds < float("inf"):
+        raise argparse.ArgumentTypeError(f"{text} is no time, expected seconds above 0")
+    return seconds
 
 
 def _judge(path: str, found: "Order") -> int:

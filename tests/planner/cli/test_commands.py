@@ -61,6 +61,35 @@ def test_relate_prints_the_contracts_keys(stack: Path, capsys: pytest.CaptureFix
     assert found["above", "beside"] == "disjoint"
 
 
+def test_an_order_checked_by_simulation_is_the_same_on_a_plain_stack(stack: Path) -> None:
+    argv = [
+        "order",
+        str(stack),
+        "--fixed",
+        "table",
+        "--up",
+        "0",
+        "0",
+        "1",
+        "--json",
+        "--verify",
+        "--budget",
+        "60",
+    ]
+    done = subprocess.run(
+        [sys.executable, "-m", "topple.planner.cli.main", *argv], capture_output=True, text=True
+    )
+    found = json.loads(done.stdout)
+    assert done.returncode == 0
+    assert found["verified"] is True and found["trials"] > 0
+    assert [(e["first"], e["then"]) for e in found["dependencies"]] == [("above", "below")]
+
+
+def test_a_budget_without_a_check_is_refused(stack: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    assert main(["order", str(stack), "--budget", "5"]) == 2
+    assert "--verify" in capsys.readouterr().err
+
+
 def test_order_prints_the_contracts_keys(stack: Path, capsys: pytest.CaptureFixture[str]) -> None:
     (document,) = _json(capsys, "order", stack, "--json", "--target", "below")
     assert document["format"] == "topple.order"
