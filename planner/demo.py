@@ -9,8 +9,10 @@ from pathlib import Path
 
 from topple.planner.errors import NoSafePlan
 from topple.planner.files import make_folder, write_whole
+from topple.planner.goal import parse_goal
+from topple.planner.next_step import Station
 from topple.planner.order import order
-from topple.planner.plan import plan
+from topple.planner.plan import plan, plan_as_done
 from topple.planner.plan_format import plan_to_json
 from topple.planner.report.record import RunRecord
 from topple.planner.report.run_page import run_page
@@ -64,17 +66,18 @@ def demo(
         write_whole(place / "order.json", _text(chosen.to_json()))
         # the plan of the whole sequence is made on the other core while the arm already works
         with ProcessPoolExecutor(1, get_context("spawn")) as other:
-            planned = other.submit(
-                plan, first.scene, stage.goal, robot, base=stage.pose_base_to_world, seed=seed
-            )
+            base = stage.pose_base_to_world
+            planned = other.submit(plan, first.scene, stage.goal, robot, base=base, seed=seed)
             record = loop.run(first)
             try:
-                write_whole(place / "plan.json", plan_to_json(planned.result()))
-            except (
-                NoSafePlan
-            ) as error:  # the arm, which looks again after each action, may still have done it
+                whole = planned.result()
+            except NoSafePlan as error:  # what the first look hides, later ones may show
                 note = f"the whole sequence could not be planned from the first look: {error}"
                 record = replace(record, notes=(*record.notes, note))
+                arm, goal = robot_named(robot), parse_goal(stage.goal, first.scene)
+                station = Station(arm, base, arm.home)
+                whole = plan_as_done(first.scene, goal, station, loop.followed, seed)
+        write_whole(place / "plan.json", plan_to_json(whole))
     write_whole(place / "run.json", _text(record.to_json()))
     write_whole(place / "report.html", run_page(record))
     return record

@@ -62,22 +62,28 @@ def plan(
     start = np.asarray(arm.home if q_start is None else q_start, dtype=np.float64)
     planning = _Planning(scene, wanted, arm, pose, start, seed, progress)
     planning.run()
-    return Plan(
-        goal=wanted.text,
-        robot=arm.name,
-        joints=list(arm.joints),
-        seed=seed,
-        pose_base_to_world=pose.tolist(),
-        base_searched=given is None,
-        q_start=start.tolist(),
-        order=[step.object for step in planning.steps],
-        dependencies=planning.dependencies(),
-        steps=planning.steps,
-        objects=objects_data(scene, solids_of(scene)),
-        assumptions=list(scene.assumptions),
-        seconds=round(planning.seconds, 3),
-        tried=dict(planning.tried),
-    )
+    return planning.plan(scene, start, given is None, scene.assumptions)
+
+
+def plan_as_done(scene: Scene, goal: Goal, station: Station, steps: Sequence[NextStep], seed: int) -> Plan:
+    """The plan a closed loop followed: each step planned from a look of its own.
+
+    Args:
+        scene: What was seen at the start.
+        goal: What was wanted.
+        station: The arm as it stood at the start, and before each step again.
+        steps: What was chosen and done, in order.
+        seed: Of every search.
+
+    Returns:
+        The plan; an assumption says that the arm goes home between the steps.
+    """
+    arm, pose, start = station.arm, station.pose_base_to_world, station.q
+    planning = _Planning(scene, goal, arm, pose, start, seed, None)
+    for chosen in steps:
+        planning.take(chosen)
+    note = "each step was planned from a look of its own; between steps the arm goes home"
+    return planning.plan(scene, start, False, (*scene.assumptions, note))
 
 
 @dataclass
@@ -105,17 +111,38 @@ class _Planning:
             chosen = StepChooser(self.scene, self.goal, station, done=done, seed=self.seed).choose()
             if chosen is None:
                 return
-            self._take(chosen)
+            self.take(chosen)
             done.append((chosen.transfer.object, chosen.action))
         again = ", ".join(sorted({step.object for step in self.steps[-3:]}))
         words = f"no end after {len(self.steps)} steps: the last ones move {again} again and again"
         raise NoSafePlan(words, (words,))
 
+    def plan(
+        self, scene: Scene, q_start: FloatArray, base_searched: bool, assumptions: Sequence[str]
+    ) -> Plan:
+        """What was planned, as data; `scene` is how it was at the start."""
+        return Plan(
+            goal=self.goal.text,
+            robot=self.arm.name,
+            joints=list(self.arm.joints),
+            seed=self.seed,
+            pose_base_to_world=self.pose_base_to_world.tolist(),
+            base_searched=base_searched,
+            q_start=q_start.tolist(),
+            order=[step.object for step in self.steps],
+            dependencies=self.dependencies(),
+            steps=self.steps,
+            objects=objects_data(scene, solids_of(scene)),
+            assumptions=list(assumptions),
+            seconds=round(self.seconds, 3),
+            tried=dict(self.tried),
+        )
+
     def dependencies(self) -> list[DependencyData]:
         handled = {step.object for step in self.steps}
         return [edge for pair, edge in sorted(self.reasons.items()) if set(pair) <= handled]
 
-    def _take(self, chosen: NextStep) -> None:
+    def take(self, chosen: NextStep) -> None:
         for edge in chosen.order.graph.dependencies:
             self.reasons.setdefault(
                 (edge.first, edge.then),

@@ -122,6 +122,8 @@ class ClosedLoop:
         seed: Seed of sensor noise and of every search.
         limits: When to give up.
         progress: Called with a line before and after each action.
+
+    After `run`, `followed` holds the steps that were done, with their transfers.
     """
 
     world: World
@@ -137,6 +139,7 @@ class ClosedLoop:
     def __post_init__(self) -> None:
         self._rng = np.random.default_rng(self.seed)
         self._done: list[tuple[str, str]] = []
+        self.followed: list[NextStep] = []
         self._attempts: Counter[str] = Counter()
 
     def run(self, look: Look | None = None) -> RunRecord:
@@ -209,6 +212,7 @@ class ClosedLoop:
         attempts = self._attempts[name]
         if outcome.success:
             self._done.append((name, chosen.action))
+            self.followed.append(chosen)
             self._attempts[name] = 0
         seen = self.look()
         moved = look.relations.updated(name, predicted_scene.clouds[name])
