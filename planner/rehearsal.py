@@ -1,5 +1,6 @@
 """A world rebuilt from a scene: bodies from the observed clouds, a table, and cameras to look again."""
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from types import TracebackType
 
@@ -8,7 +9,6 @@ import numpy as np
 from topple.planner.base import choose_base
 from topple.planner.solids import table_top, up_of
 from topple.robots.arm import Arm
-from topple.robots.bodies import Body
 from topple.robots.body_clouds import bodies_from_clouds
 from topple.robots.camera import Camera
 from topple.robots.poses import inverse
@@ -92,9 +92,8 @@ class Rehearsal:
                 size=(float(size[0]), float(size[1])),
                 centre=(float(centre[0]), float(centre[1])),
             )
-            for name in sorted(level.fixed - {table}):
-                _add(world, level, name, ground, fixed=True)
-            placed = _add_movable(world, level, ground)
+            _add(world, level, sorted(level.fixed - {table}), ground, fixed=True)
+            placed = _add(world, level, level.movable, ground, fixed=False)
             relax(world)
         except BaseException:
             world.close()
@@ -149,17 +148,13 @@ def _in_world(scene: Scene, to_world: FloatArray) -> Scene:
     )
 
 
-def _add_movable(world: World, level: Scene, ground: FloatArray) -> dict[str, FloatArray]:
-    clouds = [(name, level.clouds[name]) for name in level.movable]
+def _add(
+    world: World, level: Scene, names: Sequence[str], ground: FloatArray, *, fixed: bool
+) -> dict[str, FloatArray]:
+    """Bodies of the named clouds into the world; name to the (4, 4) pose each was put in with."""
+    clouds = [(name, level.clouds[name]) for name in names]
     placed: dict[str, FloatArray] = {}
     for body, pose in bodies_from_clouds(clouds, [0.0, 0.0, 1.0], 0.0, level.viewpoints, ground):
-        world.add(body, pose)
+        world.add(body, pose, fixed=fixed)
         placed[body.name] = pose
     return placed
-
-
-def _add(world: World, level: Scene, name: str, ground: FloatArray, *, fixed: bool) -> None:
-    cloud = [(name, level.clouds[name])]
-    body: Body
-    for body, pose in bodies_from_clouds(cloud, [0.0, 0.0, 1.0], 0.0, level.viewpoints, ground):
-        world.add(body, pose, fixed=fixed)

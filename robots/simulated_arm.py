@@ -8,7 +8,7 @@ import numpy as np
 import pybullet
 
 from topple.robots.arm import Arm
-from topple.robots.gripper import ParallelJaw, SuctionCup, ToolState
+from topple.robots.gripper import ToolState
 from topple.robots.poses import pose_from, position_and_quaternion
 from topple.robots.vacuum import Vacuum
 from topple.robots.world import World
@@ -102,13 +102,7 @@ class SimulatedArm:
         self._arm_joints = [self._index[name] for name in arm.joints]
         self._arm_forces = [self._limit[name] for name in arm.joints]
         self.q_target = np.array(arm.home if q is None else q, dtype=float)
-        self.jaw: ParallelJaw | None = None
-        self.cup: SuctionCup | None = None
-        for tool in arm.tools.values():
-            if isinstance(tool.gripper, ParallelJaw):
-                self.jaw = tool.gripper
-            else:
-                self.cup = tool.gripper
+        self.jaw, self.cup = arm.jaw, arm.cup
         self._opening = self.jaw.max_opening if self.jaw else 0.0
         self._extension = 0.0
         self._grip_force = self.jaw.force if self.jaw else 0.0
