@@ -16,7 +16,7 @@ from topple.planner.next_step import NextStep, Station, StepChooser
 from topple.planner.rehearsal import Rehearsal
 from topple.planner.report.raster import picture
 from topple.planner.report.record import RunRecord, StepRecord
-from topple.planner.solids import solids_of
+from topple.planner.solids import solids_of, table_top, up_of
 from topple.planner.transfer import scene_after
 from topple.robots.arm import Arm
 from topple.robots.camera import Camera
@@ -24,7 +24,7 @@ from topple.robots.catalog import robot as robot_named
 from topple.robots.simulated_arm import SimulatedArm
 from topple.robots.world import World
 from topple.topology.arrays import FloatArray
-from topple.topology.cloud import thinned
+from topple.topology.cloud import clean, thinned
 from topple.topology.image import DepthImage
 from topple.topology.inferred import infer_contacts
 from topple.topology.relate import Relations, relate
@@ -279,7 +279,8 @@ def _seen(image: DepthImage) -> bytes | None:
 
 
 def _thinned(scene: Scene) -> Scene:
-    """The scene with as many points as decisions need: three cameras see a table by the hundred thousand."""
+    """The scene without strays and with as many points as decisions need: tables have them by the hundred thousand."""
     for name, cloud in scene.clouds.items():
-        scene = scene.with_cloud(name, thinned(cloud, COARSE if name in scene.fixed else FINE))
+        flat = name in scene.fixed and table_top(cloud, up_of(scene)) is not None
+        scene = scene.with_cloud(name, clean(thinned(cloud, COARSE if flat else FINE)))
     return scene
