@@ -279,7 +279,7 @@ def _seen(image: DepthImage) -> bytes | None:
 
 
 def _thinned(scene: Scene) -> Scene:
-    """The scene without strays and with as many points as decisions need: tables have them by the hundred thousand."""
+    """The scene without strays, and with as many points as decisions need: a table comes with 300 000."""
     for name, cloud in scene.clouds.items():
         flat = name in scene.fixed and table_top(cloud, up_of(scene)) is not None
         scene = scene.with_cloud(name, clean(thinned(cloud, COARSE if flat else FINE)))

@@ -16,7 +16,7 @@ REGION = 20000
 PROBES = 300
 """Points per cloud at which spacing and noise are measured."""
 STRAY = 2.5
-"""Times the usual distance at which a neighbour is too far: sides seen at 80 degrees are 2.4 times as sparse."""
+"""Usual distances that make a neighbour too far: sides seen at 80 degrees are 2.4 times as sparse."""
 
 
 def deduplicated(points: FloatArray) -> FloatArray:
