@@ -1,12 +1,13 @@
 """What a scene's clouds fill: convex parts of every object, hidden undersides added, tables as slabs."""
 
 import hashlib
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from typing import Any
 
 import numpy as np
 from scipy.spatial import ConvexHull, QhullError
 
+from topple.planner.plates import plates_of
 from topple.planner.samples import voxel_means
 from topple.robots.convex import hull_of
 from topple.topology.arrays import FloatArray
@@ -84,16 +85,26 @@ def parts_of(cloud: FloatArray, scene: Scene) -> tuple[FloatArray, ...]:
         (V, 3) vertices of each part.
     """
     seen_from = scene.viewpoints if len(scene.viewpoints) > 0 else None
-    key = hashlib.blake2b(cloud.tobytes() + (b"" if seen_from is None else seen_from.tobytes())).digest()
+    key = b"" if seen_from is None else seen_from.tobytes()
+    return _remembered(
+        cloud, key, lambda: convex_parts(voxel_means(cloud, GRAIN), HOLLOW, viewpoints=seen_from)
+    )
+
+
+def _remembered(
+    cloud: FloatArray, more: bytes, make: Callable[[], tuple[FloatArray, ...]]
+) -> tuple[FloatArray, ...]:
+    """The parts of a cloud, made once."""
+    key = hashlib.blake2b(cloud.tobytes() + more).digest()
     if key not in _PARTS:
         if len(_PARTS) >= REMEMBERED:
             _PARTS.pop(next(iter(_PARTS)))
-        _PARTS[key] = convex_parts(voxel_means(cloud, GRAIN), HOLLOW, viewpoints=seen_from)
+        _PARTS[key] = make()
     return _PARTS[key]
 
 
 def fixed_parts(cloud: FloatArray, up: FloatArray) -> tuple[FloatArray, ...]:
-    """Parts of something that never moves: a slab under a flat cloud, else its convex parts.
+    """Parts of something that never moves: a slab under a flat cloud, else plates and convex parts.
 
     Args:
         cloud: (N, 3) points [m].
@@ -104,7 +115,7 @@ def fixed_parts(cloud: FloatArray, up: FloatArray) -> tuple[FloatArray, ...]:
     """
     top = table_top(cloud, up)
     if top is None:
-        return convex_parts(voxel_means(cloud, GRAIN), HOLLOW)
+        return _remembered(cloud, b"fixed", lambda: plates_of(voxel_means(cloud, 2 * GRAIN), HOLLOW))
     normal, height = top
     flat = cloud - np.outer(cloud @ normal - height, normal)
     rim = hull_vertices(flat)
