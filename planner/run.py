@@ -26,7 +26,6 @@ from topple.robots.world import World
 from topple.topology.arrays import FloatArray
 from topple.topology.cloud import clean, thinned
 from topple.topology.image import DepthImage
-from topple.topology.inferred import infer_contacts
 from topple.topology.relate import Relations, relate
 from topple.topology.relation import Relation
 from topple.topology.scene import Scene
@@ -215,8 +214,7 @@ class ClosedLoop:
             self.followed.append(chosen)
             self._attempts[name] = 0
         seen = self.look()
-        moved = look.relations.updated(name, predicted_scene.clouds[name])
-        predicted = infer_contacts(predicted_scene, moved)
+        predicted = look.relations.updated(name, predicted_scene.clouds[name])
         handled = (name, *self.fixed)
         wrong = [f"{name}: {text}" for text in violations(before, after, self.robot.touched, handled)]
         step = StepRecord(

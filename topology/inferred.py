@@ -30,14 +30,13 @@ def infer_contacts(scene: Scene, relations: Relations) -> Relations:
     if scene.up is None or len(scene.clouds) < 2:
         return relations
     floating = floating_objects(scene, relations)
-    if not floating:
+    if not any(_may_touch(pair) for name in floating for pair in relations.of(name)):
         return relations
     from topple.topology.support import supports  # statics is heavy, and needed by few scenes
 
     for support in supports(scene, relations):
         pair = relations.between(support.supporter, support.supported)
-        hidden = pair.relation is Relation.DISJOINT and pair.gap <= TOLERANCES.reach
-        if support.supported in floating and hidden:
+        if support.supported in floating and _may_touch(pair):
             relations = relations.with_pair(_touching(pair, support.confidence))
     return relations
 
@@ -66,6 +65,11 @@ def _holds(
     if pair.relation is not Relation.TOUCH:
         return False
     return pair.b in fixed or float(np.median(clouds[pair.b] @ up)) < float(np.median(clouds[pair.a] @ up))
+
+
+def _may_touch(pair: PairRelation) -> bool:
+    """Whether two objects that seem apart are near enough to meet where no camera looks."""
+    return pair.relation is Relation.DISJOINT and pair.gap <= TOLERANCES.reach
 
 
 def _touching(pair: PairRelation, confidence: float) -> PairRelation:

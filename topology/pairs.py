@@ -4,13 +4,16 @@ from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field, replace
 from functools import cached_property
 from itertools import combinations
-from typing import Any, Protocol
+from typing import TYPE_CHECKING, Any, Protocol
 
 import numpy as np
 
 from topple.topology.arrays import FloatArray, IntArray
 from topple.topology.errors import InvalidInput, UnknownObject
 from topple.topology.relation import Relation, converse_matrix
+
+if TYPE_CHECKING:
+    from topple.topology.scene import Scene
 
 FORMAT = "topple.relations"
 FORMAT_VERSION = 1
@@ -114,6 +117,14 @@ class Rule(Protocol):
         """Relate two prepared clouds."""
         ...
 
+    def after(self, name: str, cloud: FloatArray) -> "Rule":
+        """The rule for a scene in which one object's cloud is another."""
+        ...
+
+    def conclude(self, scene: "Scene", relations: "Relations") -> "Relations":
+        """Add what follows from all pairs together."""
+        ...
+
 
 @dataclass(frozen=True, eq=False)
 class Relations:
@@ -126,12 +137,14 @@ class Relations:
         rule: The rule that was used.
         near: Pairs that were looked at closely, under their positions (i, j) in `objects`, i < j.
         prepared: What the rule derived from each cloud, in the order of `objects`.
+        scene: What was related.
     """
 
     objects: tuple[str, ...]
     rule: Rule
     near: Mapping[tuple[int, int], PairRelation]
     prepared: tuple[Prepared, ...] = field(repr=False)
+    scene: "Scene" = field(repr=False)
 
     @property
     def deviation(self) -> float:
@@ -200,9 +213,10 @@ class Relations:
         return replace(self, near={**self.near, key: pair})
 
     def updated(self, name: str, cloud: FloatArray) -> "Relations":
-        """Copy for a scene in which one object's cloud changed: only its own pairs are looked at again.
+        """Relations of the scene in which one object's cloud changed, as `relate` would find them.
 
-        The deviation stays; pairs inferred from gravity that involve other objects stay too.
+        Only the object's own pairs are looked at again, and those that were inferred from gravity. The
+        deviation stays, and so does what a camera once saw of pairs that did not move.
 
         Args:
             name: Name of the object.
@@ -213,16 +227,19 @@ class Relations:
             InvalidInput: The cloud is no cloud.
         """
         moved = self._position(name)
-        new = self.rule.prepare(name, cloud)
+        scene = self.scene.with_cloud(name, cloud)
+        rule = self.rule.after(name, scene.clouds[name])
+        new = rule.prepare(name, scene.clouds[name])
         prepared = (*self.prepared[:moved], new, *self.prepared[moved + 1 :])
-        near = {key: pair for key, pair in self.near.items() if moved not in key}
-        lower = np.array([other.lower for other in prepared]) - self.rule.reach
-        upper = np.array([other.upper for other in prepared]) + self.rule.reach
-        for other in np.flatnonzero(((lower <= new.upper) & (upper >= new.lower)).all(axis=1)):
-            if other != moved:
-                i, j = sorted((moved, int(other)))
-                near[i, j] = self.rule.relate(prepared[i], prepared[j])
-        return replace(self, near=near, prepared=prepared)
+        inferred = {key for key, pair in self.near.items() if pair.inferred and moved not in key}
+        near = {key: pair for key, pair in self.near.items() if moved not in key and key not in inferred}
+        lower = np.array([other.lower for other in prepared]) - rule.reach
+        upper = np.array([other.upper for other in prepared]) + rule.reach
+        meeting = np.flatnonzero(((lower <= new.upper) & (upper >= new.lower)).all(axis=1)).tolist()
+        own = {(min(moved, other), max(moved, other)) for other in meeting if other != moved}
+        for i, j in sorted(own | inferred):
+            near[i, j] = rule.relate(prepared[i], prepared[j])
+        return rule.conclude(scene, replace(self, rule=rule, near=near, prepared=prepared, scene=scene))
 
     def to_json(self) -> dict[str, Any]:
         """The relations as plain JSON data: format "topple.relations", version 1."""

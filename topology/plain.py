@@ -7,8 +7,9 @@ import numpy as np
 from topple.topology.arrays import FloatArray
 from topple.topology.hull import Hull
 from topple.topology.intersection import Regions
-from topple.topology.pairs import PairRelation
+from topple.topology.pairs import PairRelation, Relations
 from topple.topology.relation import classify, kind_of
+from topple.topology.scene import Scene
 
 
 @dataclass(frozen=True, eq=False)
@@ -72,6 +73,14 @@ class PlainRule:
             gap=hull_gap(a.regions.hull, b.regions.hull),
             kind=kind_of(matrix),
         )
+
+    def after(self, name: str, cloud: FloatArray) -> "PlainRule":
+        """The same rule: it looks at two clouds and nothing else."""
+        return self
+
+    def conclude(self, scene: Scene, relations: Relations) -> Relations:
+        """Nothing follows from all pairs together."""
+        return relations
 
 
 def hull_gap(a: Hull, b: Hull) -> float:

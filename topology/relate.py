@@ -9,7 +9,6 @@ import numpy as np
 from topple.topology.broadphase import near_pairs
 from topple.topology.cloud import estimate_deviation
 from topple.topology.errors import InvalidInput
-from topple.topology.inferred import infer_contacts
 from topple.topology.pairs import PairRelation, Relations, Rule
 from topple.topology.plain import PlainRule
 from topple.topology.robust import RobustRule
@@ -36,8 +35,8 @@ def relate(scene: Scene, deviation: float | None = None, plain: bool = False) ->
     Raises:
         InvalidInput: The deviation is no positive length below the size of the objects.
     """
-    relations = _relate_by(_rule(scene, deviation, plain), scene)
-    return relations if plain else infer_contacts(scene, relations)
+    rule = _rule(scene, deviation, plain)
+    return rule.conclude(scene, _relate_by(rule, scene))
 
 
 def relate_all(
@@ -92,4 +91,4 @@ def _relate_by(rule: Rule, scene: Scene) -> Relations:
     near: dict[tuple[int, int], PairRelation] = {}
     for i, j in near_pairs(lower, upper, rule.reach).tolist():
         near[i, j] = rule.relate(prepared[i], prepared[j])
-    return Relations(tuple(scene.clouds), rule, near, prepared)
+    return Relations(tuple(scene.clouds), rule, near, prepared, scene)

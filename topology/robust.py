@@ -6,15 +6,17 @@ instead of its hull: a point is interior to an object that surrounds it, on its 
 exterior. Shares that noise alone explains count as none. The relation then follows from Table 1 as before.
 """
 
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 from scipy.spatial import KDTree
 
 from topple.topology.arrays import BoolArray, FloatArray, IntArray
 from topple.topology.cavity import surrounded
-from topple.topology.pairs import PairRelation, box_distance
+from topple.topology.inferred import infer_contacts
+from topple.topology.pairs import PairRelation, Relations, box_distance
 from topple.topology.relation import Relation, classify, kind_of
+from topple.topology.scene import Scene
 from topple.topology.surface import Closest, SurfaceCloud, closest
 from topple.topology.tolerances import TOLERANCES
 from topple.topology.visibility import Sight
@@ -67,6 +69,14 @@ class RobustRule:
             observed=observed,
             kind=kind_of(matrix),
         )
+
+    def after(self, name: str, cloud: FloatArray) -> "RobustRule":
+        """The rule that knows what the cameras see once one object's cloud is another."""
+        return self if self.sight is None else replace(self, sight=self.sight.after(name, cloud))
+
+    def conclude(self, scene: Scene, relations: Relations) -> Relations:
+        """Add the hidden contacts that gravity demands."""
+        return infer_contacts(scene, relations)
 
     def _interior(self, a: SurfaceCloud, b: SurfaceCloud) -> BoolArray:
         """Which mean points of A lie in B's solid or hollow: in its hull, with B standing higher around."""

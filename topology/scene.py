@@ -192,7 +192,7 @@ class Scene:
         if found is None:
             return self
         up, note = found
-        return self._changed(up=up, assumptions=(*self.assumptions, note))
+        return self._changed(up=as_direction(up, "up"), assumptions=(*self.assumptions, note))
 
     def with_cloud(self, name: str, points: ArrayLike) -> "Scene":
         """Give an object a new cloud, or add one.
@@ -207,8 +207,9 @@ class Scene:
         Raises:
             InvalidInput: If the cloud is not what it should be.
         """
+        clouds = {**self.clouds, as_name(name): as_points(points, f"cloud {name!r}")}
         meshes = {other: mesh for other, mesh in self.meshes.items() if other != name}
-        return self._changed(clouds={**self.clouds, name: points}, meshes=meshes)
+        return self._changed(clouds=MappingProxyType(clouds), meshes=MappingProxyType(meshes))
 
     def without(self, name: str) -> "Scene":
         """Take an object out of the scene.
@@ -225,30 +226,19 @@ class Scene:
         """
         if name not in self.clouds:
             raise UnknownObject(name, self.clouds)
+        clouds = {other: points for other, points in self.clouds.items() if other != name}
+        if not clouds:
+            raise InvalidInput(f"without {name!r} the scene has no objects: expected at least one")
+        meshes = {other: mesh for other, mesh in self.meshes.items() if other != name}
         return self._changed(
-            clouds={other: points for other, points in self.clouds.items() if other != name},
-            fixed=[other for other in self._fixed_in_order() if other != name],
-            meshes={other: mesh for other, mesh in self.meshes.items() if other != name},
+            clouds=MappingProxyType(clouds), fixed=self.fixed - {name}, meshes=MappingProxyType(meshes)
         )
 
-    def _changed(
-        self,
-        clouds: Mapping[str, ArrayLike] | None = None,
-        fixed: Iterable[str] | None = None,
-        meshes: Mapping[str, Mesh] | None = None,
-        up: ArrayLike | None = None,
-        assumptions: Iterable[str] | None = None,
-    ) -> "Scene":
-        return Scene(
-            self.clouds if clouds is None else clouds,
-            self._fixed_in_order() if fixed is None else fixed,
-            self.up if up is None else up,
-            self.viewpoints,
-            self.images,
-            self.meshes if meshes is None else meshes,
-            self.robot_base,
-            self.assumptions if assumptions is None else assumptions,
-        )
+    def _changed(self, **checked: object) -> "Scene":
+        """Copy with other attributes, which have been checked; the rest needs no second look."""
+        changed = object.__new__(Scene)
+        changed.__dict__.update(self.__dict__ | checked)
+        return changed
 
     def _fixed_in_order(self) -> list[str]:
         return [name for name in self.clouds if name in self.fixed]

@@ -1,6 +1,7 @@
 """What the cameras saw: whether a place was empty in their sight, or hidden behind something."""
 
 from collections.abc import Mapping
+from copy import copy
 
 import numpy as np
 
@@ -28,8 +29,33 @@ class Sight:
         """
         self._images = images
         self._viewpoints = viewpoints if not images else np.zeros((0, 3))
-        everything = np.concatenate(list(clouds.values())) if len(self._viewpoints) else np.zeros((0, 3))
-        self._ranges = [_range_table(everything, viewpoint) for viewpoint in self._viewpoints]
+        self._seen = {
+            name: tuple(_nearest(cloud, viewpoint) for viewpoint in self._viewpoints)
+            for name, cloud in clouds.items()
+        }
+        self._tables = self._ranges()
+
+    def after(self, name: str, cloud: FloatArray) -> "Sight":
+        """The free space once one object's cloud is another; depth images stay what they are.
+
+        Args:
+            name: Name of the object.
+            cloud: (N, 3) its new points [m].
+        """
+        if self._images:
+            return self
+        changed = copy(self)
+        changed._seen = {**self._seen, name: tuple(_nearest(cloud, each) for each in self._viewpoints)}
+        changed._tables = changed._ranges()
+        return changed
+
+    def _ranges(self) -> list[FloatArray]:
+        """How far each camera sees in each direction; without end where no point is."""
+        tables = [np.full((int(np.pi / CELL) + 2) * _columns(), np.inf) for _ in self._viewpoints]
+        for views in self._seen.values():
+            for table, (cells, reach) in zip(tables, views, strict=True):
+                table[cells] = np.minimum(table[cells], reach)
+        return tables
 
     @property
     def known(self) -> bool:
@@ -49,7 +75,7 @@ class Sight:
         seen = np.zeros(len(places), dtype=np.bool_)
         for image in self._images:
             seen |= _free_in(image, places)
-        for viewpoint, table in zip(self._viewpoints, self._ranges, strict=True):
+        for viewpoint, table in zip(self._viewpoints, self._tables, strict=True):
             key, reach = _directions(places, viewpoint)
             seen |= table[key] > reach - MARGIN
         return seen
@@ -70,12 +96,14 @@ def _columns() -> int:
     return int(2 * np.pi / CELL) + 1
 
 
-def _range_table(points: FloatArray, viewpoint: FloatArray) -> FloatArray:
-    """How far the camera sees in each direction; without end where no point is."""
-    table = np.full((int(np.pi / CELL) + 2) * _columns(), np.inf)
+def _nearest(points: FloatArray, viewpoint: FloatArray) -> tuple[IntArray, FloatArray]:
+    """Directions in which a camera has points before it, each once, and how far away the nearest one is."""
     key, reach = _directions(points, viewpoint)
-    np.minimum.at(table, key, reach)
-    return table
+    first = int(key.min())
+    table = np.full(int(key.max()) - first + 1, np.inf)
+    np.minimum.at(table, key - first, reach)
+    cells = np.flatnonzero(np.isfinite(table))
+    return cells + first, table[cells]
 
 
 def _free_in(image: DepthImage, places: FloatArray) -> BoolArray:

@@ -28,6 +28,17 @@ def random_scene(seed, count=6):
     return Scene(clouds)
 
 
+def standing_scene(rng):
+    """Boxes on and above each other, of which a camera overhead sees the upper halves."""
+    clouds = {"table": np.c_[rng.uniform(-0.3, 0.3, (3000, 2)), rng.normal(0, 0.0005, 3000)]}
+    for number in range(5):
+        size = rng.uniform(0.04, 0.08, 3)
+        at = rng.uniform(-0.1, 0.1, 2)
+        points = box(rng, size, [*at, size[2] / 2 + rng.choice([0.0, 0.05])], count=600)
+        clouds[f"box {number}"] = points[points[:, 2] > points[:, 2].mean()]
+    return Scene(clouds, fixed=["table"], up=[0, 0, 1], viewpoints=[[0.2, 0.1, 0.9]])
+
+
 def slow_plain_relation(a, b, deviation=0.002):
     return classify(intersection_matrix(a, Hull.of(a), b, Hull.of(b), deviation))
 
@@ -90,6 +101,38 @@ def test_an_update_equals_relating_the_new_scene(plain):
         other = updated.between(pair.a, pair.b)
         assert other.relation is pair.relation
         np.testing.assert_array_equal(other.matrix, pair.matrix)
+
+
+@given(st.integers(0, 10**6))
+@settings(max_examples=4, deadline=None)
+def test_an_update_infers_what_relating_the_new_scene_infers(seed):
+    rng = np.random.default_rng(seed)
+    scene = standing_scene(rng)
+    relations = relate(scene)
+    for _ in range(2):
+        name = rng.choice(scene.movable)
+        step = np.array([*rng.uniform(-0.05, 0.05, 2), rng.choice([0.0, 0.04, 0.15])])
+        scene = scene.with_cloud(name, scene.clouds[name] + step)
+        relations = relations.updated(name, scene.clouds[name])
+        fresh = relate(scene, deviation=relations.deviation)
+        for pair in fresh.pairs:
+            other = relations.between(pair.a, pair.b)
+            assert (other.relation, other.inferred) == (pair.relation, pair.inferred)
+            assert (other.gap, other.gap_exact) == (pair.gap, pair.gap_exact)
+            np.testing.assert_array_equal(other.matrix, pair.matrix)
+            if name in (pair.a, pair.b):
+                assert (other.observed, other.confidence) == (pair.observed, pair.confidence)
+
+
+def test_an_update_forgets_the_contact_that_held_an_object_in_its_old_place():
+    scene = standing_scene(np.random.default_rng(0))
+    relations = relate(scene)
+    held = next(pair for pair in relations.pairs if pair.inferred)
+    lifted = held.a if held.b in scene.fixed else held.b
+    there = scene.clouds[lifted] + [0.0, 0.0, 0.2]
+    assert not relations.updated(lifted, there).between(held.a, held.b).inferred
+    again = relations.updated(lifted, there).updated(lifted, scene.clouds[lifted])
+    assert again.between(held.a, held.b).inferred
 
 
 def test_a_replaced_pair_is_seen_from_both_sides():
