@@ -1,27 +1,31 @@
-"""Bodies for simulation from a scene at rest: what the cameras saw, completed, as convex parts."""
+"""Bodies for simulation from a scene at rest: what was seen, completed, and fitted to stay at rest."""
 
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
+from scipy.spatial import ConvexHull, QhullError
 
+from topple.planner.seating import Shape, floor_cut, part, seat
 from topple.robots.bodies import Body
+from topple.robots.body_clouds import Piece, shell, solid
 from topple.robots.world import World
 from topple.topology.arrays import FloatArray
 from topple.topology.complete import is_hollow
 from topple.topology.contact import Plane
-from topple.topology.parts import convex_parts
 from topple.topology.statics import Statics
 
-SKIN = 0.001
-"""A rebuilt body is this much [m] smaller on each side: a hull over noisy points is too large by about
-one standard deviation of their noise, and bodies that overlap push each other apart."""
+DENSITY = 700.0
+"""Density [kg/m³] of what nobody weighed: between full cans and half empty boxes."""
 
-THINNEST = 0.002
-"""Least thickness [m] of a rebuilt part."""
+SLAB = 0.03
+"""Thickness [m] of a flat fixed surface that is not the floor."""
 
-PARTS = 24
-"""Most convex parts of a hollow body: a bowl's wall in a ring of twelve and its bottom."""
+FILLED = 0.006
+"""A hull that has points of other things this deep [m] inside it is not filled by its own."""
+
+INTRUDERS = 6
+"""Such points it takes: a few are what masks get wrong at edges."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -32,7 +36,7 @@ class Rebuilt:
         bodies: Movable bodies, by name.
         grounds: Fixed bodies.
         poses: name -> (4, 4) pose_body_to_upright.
-        planes: Heights of the table tops [m].
+        floor: Height [m] of the surface everything stands on.
     """
 
     bodies: Mapping[str, Body]
@@ -51,6 +55,16 @@ class Rebuilt:
         world.add_table(
             "the floor", height=self.floor, size=(3.0, 3.0), centre=(float(middle[0]), float(middle[1]))
         )
+        self.add_to(world, offsets)
+        return world
+
+    def add_to(self, world: World, offsets: Mapping[str, FloatArray] | None = None) -> None:
+        """Put all bodies, but no floor, into a world whose z axis is up.
+
+        Args:
+            world: The world.
+            offsets: name -> (3,) displacement [m] of where a body is thought to be.
+        """
         for ground in self.grounds:
             world.add(ground, self.poses[ground.name], fixed=True)
         for name, body in self.bodies.items():
@@ -58,7 +72,6 @@ class Rebuilt:
             if offsets is not None and name in offsets:
                 pose[:3, 3] += offsets[name]
             world.add(body, pose)
-        return world
 
 
 def rebuild(statics: Statics) -> Rebuilt:
@@ -68,48 +81,68 @@ def rebuild(statics: Statics) -> Rebuilt:
         statics: The scene at rest.
 
     Returns:
-        One body per object; flat fixed surfaces become the floor.
+        One body per object; the largest flat fixed surface is the floor.
     """
+    upright = statics.upright
+    shapes = {name: _shape(name, statics) for name in upright.movable}
+    grounds = {name: _ground(statics.surfaces[name], upright.floor) for name in upright.fixed}
+    grounds = {name: shape for name, shape in grounds.items() if shape}
+    shapes = {name: floor_cut(shape, upright.floor) for name, shape in shapes.items()}
+    part({**shapes, **grounds})
+    lowest = {name: float(upright.clouds[name][:, 2].min()) for name in shapes}
+    centres: dict[str, FloatArray] = {}
+    for name in sorted(shapes, key=lowest.__getitem__):
+        centre = _centre(shapes[name], statics, name)
+        centres[name] = seat(name, shapes, grounds, upright.floor, centre, statics.sight)
+    part(shapes)
     bodies: dict[str, Body] = {}
-    grounds: list[Body] = []
     poses: dict[str, FloatArray] = {}
-    for name, points in statics.surfaces.items():
-        fixed = name in statics.upright.fixed
-        if fixed and Plane.of(points) is not None:
-            continue
-        origin = points.mean(axis=0)
-        parts = [
-            _shrunk(part - origin)
-            for part in _parts(points, is_hollow(statics.upright.clouds[name], statics.sight))
-        ]
-        body = Body.of(name, parts, mass=None if fixed else statics.weights[name].mass * DENSITY / 1e3)
+    for name, shape in {**shapes, **grounds}.items():
+        origin = statics.surfaces[name].mean(axis=0)
+        fixed = name in grounds
+        mass = None if fixed else statics.weights[name].mass * DENSITY / 1e3
+        body = Body.of(name, [piece.corners - origin for piece in shape], mass=mass, kind="cloud")
+        bodies[name] = body if fixed else replace(body, centre_of_mass=centres[name] - origin)
         poses[name] = np.eye(4)
         poses[name][:3, 3] = origin
-        if fixed:
-            grounds.append(body)
-        else:
-            bodies[name] = body
-    return Rebuilt(bodies, tuple(grounds), poses, statics.upright.floor)
+    movable = {name: bodies[name] for name in shapes}
+    return Rebuilt(movable, tuple(bodies[name] for name in grounds), poses, upright.floor)
 
 
-DENSITY = 700.0
-"""Density [kg/m³] of what nobody weighed."""
+def _shape(name: str, statics: Statics) -> Shape:
+    """The pieces of a body: thin ones where it is hollow, or where other things are in its hull."""
+    surface, seen = statics.surfaces[name], statics.upright.clouds[name]
+    if is_hollow(seen, statics.sight) or _intruded(solid(seen, seen)[0], name, statics):
+        return shell(surface, seen, statics.upright.viewpoints)
+    return solid(surface, seen)
 
 
-def _parts(points: FloatArray, hollow: bool) -> list[FloatArray]:
-    """Convex parts of a surface: one for a body without a cavity."""
-    if not hollow:
-        return [points]
-    return list(convex_parts(points, viewpoints=np.zeros((0, 3)), most=PARTS))
+def _intruded(whole: Piece, name: str, statics: Statics) -> bool:
+    """Whether points of other things lie deep in a hull."""
+    others = [points for other, points in statics.upright.clouds.items() if other != name]
+    if not others:
+        return False
+    try:
+        planes = ConvexHull(whole.corners).equations
+    except (QhullError, ValueError):
+        return False
+    reach = (np.concatenate(others) @ planes[:, :3].T + planes[:, 3]).max(axis=1)
+    return int((reach < -FILLED).sum()) >= INTRUDERS
 
 
-def _shrunk(part: FloatArray) -> FloatArray:
-    """The part with `SKIN` taken off each side along its own axes, never thinner than `THINNEST`."""
-    centre = part.mean(axis=0)
-    axes = np.linalg.eigh(np.cov((part - centre).T))[1] if len(part) > 3 else np.eye(3)
-    local = (part - centre) @ axes
-    lower, upper = local.min(axis=0), local.max(axis=0)
-    extent = upper - lower
-    wanted = np.maximum(extent - 2 * SKIN, np.minimum(np.maximum(extent, 1e-4), THINNEST))
-    middle = (lower + upper) / 2
-    return ((local - middle) * (wanted / np.maximum(extent, 1e-4)) + middle) @ axes.T + centre
+def _centre(shape: Shape, statics: Statics, name: str) -> FloatArray:
+    """(3,) centre of mass: that of the hull of a solid, that of the surface of a shell [m]."""
+    if len(shape) > 1:
+        return statics.surfaces[name].mean(axis=0)
+    return Body.of(name, [shape[0].corners], mass=1.0).centre_of_mass
+
+
+def _ground(surface: FloatArray, floor: float) -> Shape:
+    """Pieces of something fixed; none for the floor itself."""
+    plane = Plane.of(surface)
+    if plane is None:
+        return shell(surface, surface, None)
+    if abs(float(np.median(surface[:, 2])) - floor) < SLAB / 2:
+        return []
+    slab = np.concatenate([surface, surface - np.array([0.0, 0.0, SLAB])])
+    return [Piece(slab[ConvexHull(slab).vertices], surface)]

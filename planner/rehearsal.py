@@ -1,27 +1,26 @@
 """A world rebuilt from a scene: bodies from the observed clouds, a table, and cameras to look again."""
 
-from collections.abc import Sequence
 from dataclasses import dataclass
 from types import TracebackType
 
 import numpy as np
 
 from topple.planner.base import choose_base
+from topple.planner.rebuild import rebuild
 from topple.planner.solids import table_top, up_of
 from topple.robots.arm import Arm
-from topple.robots.body_clouds import bodies_from_clouds
 from topple.robots.camera import Camera
 from topple.robots.poses import inverse
 from topple.robots.scenarios.scenario import around
 from topple.robots.world import World
 from topple.topology.arrays import FloatArray
+from topple.topology.cloud import clean
 from topple.topology.errors import InvalidInput
 from topple.topology.scene import Scene
+from topple.topology.statics import Statics
 
-RELAX = 150  # rounds of relaxing: hulls drawn around noisy clouds overlap by some millimetres
-STEPS = (
-    4  # simulation steps a round, after which everything is brought to a halt: overlaps part, nothing flies
-)
+RELAX = 40  # rounds of relaxing: what overlaps by millimetres is apart after a quarter of a second
+STEPS = 2  # simulation steps a round, after which everything is brought to a halt: nothing flies
 SAGGED = 0.01  # [m] a body that moves this far until it rests was not understood
 EDGE = 0.02  # [m] a table reaches beyond what was seen of it
 
@@ -92,15 +91,15 @@ class Rehearsal:
                 size=(float(size[0]), float(size[1])),
                 centre=(float(centre[0]), float(centre[1])),
             )
-            _add(world, level, sorted(level.fixed - {table}), ground, fixed=True)
-            placed = _add(world, level, level.movable, ground, fixed=False)
+            rebuilt = rebuild(Statics.of(level))
+            rebuilt.add_to(world)
             relax(world)
         except BaseException:
             world.close()
             raise
         sagged = {
-            name: float(np.linalg.norm(world.pose(name)[:3, 3] - pose[:3, 3]))
-            for name, pose in placed.items()
+            name: float(np.linalg.norm(world.pose(name)[:3, 3] - rebuilt.poses[name][:3, 3]))
+            for name in world.movable
         }
         middle = np.mean([level.clouds[name].mean(axis=0) for name in level.movable], axis=0)
         cameras = around((float(middle[0]), float(middle[1]), 0.03))
@@ -140,21 +139,9 @@ def _in_world(scene: Scene, to_world: FloatArray) -> Scene:
         return points @ to_world[:3, :3].T + to_world[:3, 3]
 
     return Scene(
-        {name: turned(cloud) for name, cloud in scene.clouds.items()},
+        {name: clean(turned(cloud)) for name, cloud in scene.clouds.items()},
         sorted(scene.fixed),
         np.array([0.0, 0.0, 1.0]),
         turned(scene.viewpoints) if len(scene.viewpoints) else None,
         assumptions=scene.assumptions,
     )
-
-
-def _add(
-    world: World, level: Scene, names: Sequence[str], ground: FloatArray, *, fixed: bool
-) -> dict[str, FloatArray]:
-    """Bodies of the named clouds into the world; name to the (4, 4) pose each was put in with."""
-    clouds = [(name, level.clouds[name]) for name in names]
-    placed: dict[str, FloatArray] = {}
-    for body, pose in bodies_from_clouds(clouds, [0.0, 0.0, 1.0], 0.0, level.viewpoints, ground):
-        world.add(body, pose, fixed=fixed)
-        placed[body.name] = pose
-    return placed

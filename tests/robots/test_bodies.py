@@ -8,16 +8,13 @@ import trimesh
 
 from topple.robots import shapes
 from topple.robots.bodies import Body, body_from_mesh
-from topple.robots.body_clouds import bodies_from_clouds, body_from_cloud
 from topple.robots.body_files import body_from_files
-from topple.robots.camera import Camera
 from topple.robots.rounding import cores
 from topple.robots.scenarios.scenario import pose_at
 from topple.robots.world import World
 from topple.topology.errors import InvalidInput
 
 YCB = Path(__file__).resolve().parents[2].parent / "shared" / "data" / "ycb"
-UP = np.array([0.0, 0.0, 1.0])
 
 
 def cuboid(size: tuple[float, float, float]) -> np.ndarray:
@@ -105,55 +102,3 @@ def test_a_folder_without_parts_is_refused_by_name(tmp_path: Path) -> None:
     (tmp_path / "collision.obj").write_text("o part0\nv 0 0 0\n")
     with pytest.raises(InvalidInput, match="no part of four vertices"):
         body_from_files(tmp_path)
-
-
-@pytest.mark.parametrize("kind", ["box", "can", "orange", "block"])
-def test_a_cloud_seen_from_above_is_completed_down_to_the_table(kind: str) -> None:
-    made = getattr(shapes, kind)()
-    with World() as world:
-        world.add_table()
-        world.add(made, pose_at(0, 0, 0))
-        image = Camera.looking_at((0.4, -0.3, 0.5), (0, 0, 0.03)).look(world, np.random.default_rng(0))
-    clouds = image.clouds()
-    body, pose = body_from_cloud(
-        kind, clouds[kind], UP, 0.0, viewpoints=image.viewpoint[None], seen_below=clouds["table"]
-    )
-    assert body.lower[2] + pose[2, 3] == pytest.approx(0.0, abs=1e-6)
-    np.testing.assert_allclose(body.upper + pose[:3, 3], made.upper, atol=0.02)
-    with World() as world:
-        world.add_table()
-        world.add(body, pose)
-        world.settle(2.0)
-        moved = world.pose(kind)
-        assert np.linalg.norm((moved - pose)[:3, 3]) < 0.01
-        assert moved[2, 2] > np.cos(np.radians(10))
-
-
-def test_an_arm_above_a_table_that_is_seen_stays_in_the_air() -> None:
-    rng = np.random.default_rng(0)
-    foot = shapes.block(side=0.06).surface(2500, rng)
-    arm = shapes.bar(size=(0.16, 0.03, 0.02)).surface(1500, rng) + np.array([0.1, 0, 0.04])
-    x, y = np.meshgrid(np.linspace(-0.2, 0.3, 120), np.linspace(-0.2, 0.2, 100))
-    table = np.stack([x.ravel(), y.ravel(), np.zeros(x.size)], axis=1)
-    everywhere = np.zeros((0, 3))
-    body, pose = body_from_cloud(
-        "crane", np.concatenate([foot, arm]), UP, 0.0, viewpoints=everywhere, seen_below=table
-    )
-    assert body.lower[2] + pose[2, 3] == pytest.approx(0.0, abs=1e-3)
-    beyond = [part for part in body.parts if (part + pose[:3, 3])[:, 0].min() > 0.025]
-    assert beyond and min((part + pose[:3, 3])[:, 2].min() for part in beyond) > 0.03
-
-
-def test_a_cloud_of_one_point_is_a_grain() -> None:
-    body, pose = body_from_cloud("grain", [[0.1, 0.2, 0.3]], UP)
-    np.testing.assert_allclose(pose[:3, 3], [0.1, 0.2, 0.3])
-    assert 0 < body.mass < 1e-3
-
-
-def test_clouds_of_a_stack_become_bodies_on_each_other() -> None:
-    rng = np.random.default_rng(0)
-    low, high = shapes.box("low", (0.1, 0.1, 0.05)), shapes.block("high")
-    clouds = [("low", low.surface(2000, rng)), ("high", high.surface(1500, rng) + np.array([0, 0, 0.05]))]
-    bodies = dict((body.name, (body, pose)) for body, pose in bodies_from_clouds(clouds, UP, 0.0))
-    body, pose = bodies["high"]
-    assert body.lower[2] + pose[2, 3] == pytest.approx(0.05, abs=0.004)

@@ -1,0 +1,270 @@
+"""Rebuilt bodies made to fit each other: parted where they overlap, set down on what carries them.
+
+What was seen stays where it is; what was invented for the sides nobody saw gives way, and reaches as far down
+as there is room, since the scene was at rest.
+"""
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from scipy.spatial import ConvexHull, QhullError
+
+from topple.robots.body_clouds import Piece
+from topple.robots.convex import hull_of
+from topple.topology.arrays import BoolArray, FloatArray
+from topple.topology.sight import Sight
+
+CELL = 0.006
+"""Edge [m] of the plan cells in which an underside is held against what lies below it: a spoon has five."""
+
+CLEAR = 0.0003
+"""Overlap [m] that the simulation itself takes away without anything moving."""
+
+SLACK = 0.003
+"""Cells of an underside this much [m] further from what lies below than the closest rest on it: noise."""
+
+NEAR = 0.006
+"""A gap [m] up to which a seen underside is set down on what lies below: the noise of two surfaces, twice."""
+
+SEEN_WEIGHT = 3.0
+"""Cutting a millimetre of what was seen is worse by this than cutting one of what was invented."""
+
+LEVEL_BONUS = 0.002
+"""Things lie on each other: a level cut is preferred to one that saves less than this [m]."""
+
+STEPS = (0.006, 0.012, 0.025, 0.05)
+"""Further gaps [m] that are closed under a hidden underside until the weight lies over what carries it."""
+
+FAR = 0.25
+"""No gap larger than this [m] is closed: things are not taller than that out of sight."""
+
+INSIDE = 0.004
+"""The weight must lie this far [m] inside the outline of what carries it, as pushes and noise shift it."""
+
+Shape = list[Piece]
+
+
+def part(shapes: Mapping[str, Shape]) -> None:
+    """Cut overlapping pieces of different bodies apart, in place.
+
+    Args:
+        shapes: name -> its pieces; the lists are changed.
+    """
+    names = list(shapes)
+    for i, one in enumerate(names):
+        for two in names[i + 1 :]:
+            a, b = shapes[one], shapes[two]
+            for k, other in _meeting(a, b):
+                cut = _cut(a[k], b[other])
+                if cut is not None:
+                    a[k], b[other] = cut
+
+
+def _meeting(a: Sequence[Piece], b: Sequence[Piece]) -> list[tuple[int, int]]:
+    """Pairs of pieces whose boxes overlap."""
+    low = [np.array([p.corners.min(axis=0) for p in each]) for each in (a, b)]
+    high = [np.array([p.corners.max(axis=0) for p in each]) for each in (a, b)]
+    over = (low[0][:, None] < high[1][None] - CLEAR) & (low[1][None] < high[0][:, None] - CLEAR)
+    return [(int(k), int(other)) for k, other in np.argwhere(over.all(axis=2))]
+
+
+def _cut(a: Piece, b: Piece) -> tuple[Piece, Piece] | None:
+    """Both pieces on their own sides of a plane that takes least of what was seen; None if they are apart."""
+    directions = np.concatenate([_DIRECTIONS, _normals(a.corners), -_normals(b.corners)])
+    high, low = (a.corners @ directions.T).max(axis=0), (b.corners @ directions.T).min(axis=0)
+    depth = high - low
+    if depth.min() < CLEAR:
+        return None
+    seen_high = (a.seen @ directions.T).max(axis=0) if len(a.seen) else high - depth / 2
+    seen_low = (b.seen @ directions.T).min(axis=0) if len(b.seen) else low + depth / 2
+    cost = depth + SEEN_WEIGHT * np.maximum(seen_high - seen_low, 0.0)
+    best = int(np.argmin(cost - LEVEL_BONUS * (np.abs(directions[:, 2]) > 0.999)))
+    if cost[best] > (1 + SEEN_WEIGHT) * 0.02:
+        return None  # one is round the other: no plane parts them
+    first, last = max(seen_high[best], low[best]), min(seen_low[best], high[best])
+    limit = (first + last) / 2 if first > last else float(np.clip((low[best] + high[best]) / 2, first, last))
+    kept = clipped(a.corners, directions[best], limit), clipped(b.corners, -directions[best], -limit)
+    if kept[0] is None or kept[1] is None:
+        return None
+    return Piece(kept[0], a.seen), Piece(kept[1], b.seen)
+
+
+def clipped(corners: FloatArray, normal: FloatArray, limit: float) -> FloatArray | None:
+    """The part of a convex set on the near side of a plane.
+
+    Args:
+        corners: (V, 3) [m].
+        normal: (3,) unit vector.
+        limit: Keeps the points p with normal · p <= limit [m].
+
+    Returns:
+        (W, 3) corners, or None where nothing with a volume is left.
+    """
+    beyond = corners @ normal - limit
+    inside, outside = beyond <= 0, beyond > 0
+    if not outside.any():
+        return corners
+    if not inside.any():
+        return None
+    near, far = corners[inside], corners[outside]
+    share = (beyond[inside][:, None] / (beyond[inside][:, None] - beyond[outside][None]))[..., None]
+    across = (near[:, None] + share * (far[None] - near[:, None])).reshape(-1, 3)
+    every = np.concatenate([near, across])
+    try:
+        hull = ConvexHull(every)
+    except (QhullError, ValueError):
+        return None
+    return every[hull.vertices] if hull.volume > 1e-9 else None
+
+
+def _normals(corners: FloatArray) -> FloatArray:
+    """(F, 3) outward normals of a hull's larger faces."""
+    try:
+        hull = ConvexHull(corners)
+    except (QhullError, ValueError):
+        return np.zeros((0, 3))
+    normals: FloatArray = hull.equations[:, :3]
+    kept = np.unique(np.round(normals, 2), axis=0, return_index=True)[1]
+    return normals[kept]
+
+
+def _around() -> FloatArray:
+    """Up, down and sixteen level directions, in which things usually stand apart."""
+    angle = np.arange(16) * np.pi / 8
+    level = np.stack([np.cos(angle), np.sin(angle), np.zeros(16)], axis=1)
+    return np.concatenate([[[0.0, 0, 1], [0.0, 0, -1]], level])
+
+
+_DIRECTIONS = _around()
+
+
+@dataclass(frozen=True, eq=False)
+class _Under:
+    """What lies below an object, cell by cell.
+
+    Attributes:
+        cells: (M, 2) middles of the plan cells [m].
+        bottom: (M,) height of its own underside [m].
+        piece: (M,) which of its pieces that is.
+        top: (M,) height of the highest thing below [m].
+    """
+
+    cells: FloatArray
+    bottom: FloatArray
+    piece: FloatArray
+    top: FloatArray
+
+    @property
+    def gap(self) -> FloatArray:
+        """(M,) room below [m]."""
+        return self.bottom - self.top
+
+
+def seat(
+    name: str, shapes: Mapping[str, Shape], grounds: Mapping[str, Shape], floor: float,
+    centre: FloatArray, sight: Sight | None,
+) -> FloatArray:  # fmt: skip
+    """Set a body down on what lies below it, in place, and say where its weight is.
+
+    The closest cells of the underside are drawn down to what they face. Where nobody saw the underside, more
+    cells follow until the weight lies over the outline of what carries it.
+
+    Args:
+        name: The body.
+        shapes: name -> pieces of everything that moves; this body's are changed.
+        grounds: name -> pieces of what is fixed.
+        floor: Height [m] of the surface everything stands on.
+        centre: (3,) its centre of mass as its shape has it [m].
+        sight: What was seen to be empty, or None where the cloud is whole.
+
+    Returns:
+        (3,) the centre of mass [m]: where it was, or over the nearest place at which it is carried.
+    """
+    others = [p for other, shape in (*shapes.items(), *grounds.items()) if other != name for p in shape]
+    under = _look_below(shapes[name], others, floor)
+    if under is None:
+        return centre
+    gap = np.maximum(under.gap, 0.0)
+    free = np.ones(len(gap), dtype=bool)
+    if sight is not None:
+        middle = np.column_stack([under.cells, under.bottom - gap / 2])
+        free = ~sight.empty(middle) | (gap < NEAR)
+    free &= gap < (NEAR if sight is None else FAR)
+    if not free.any():
+        return centre
+    least = float(gap[free].min())
+    chosen = free & (gap <= least + SLACK)
+    for step in STEPS if sight is not None else ():
+        if _outside(centre[:2], under.cells[chosen]) <= -INSIDE:
+            break
+        chosen = free & (gap <= least + step)
+    for k in np.unique(under.piece[chosen]):
+        mine = chosen & (under.piece == k)
+        feet = np.column_stack([under.cells[mine], under.top[mine]])
+        shapes[name][int(k)] = shapes[name][int(k)].having(feet)
+    return centre if sight is None else _carried(centre, under.cells[chosen])
+
+
+def _carried(centre: FloatArray, cells: FloatArray) -> FloatArray:
+    """A centre of mass, moved level until it lies over the outline of what carries it."""
+    middle = (cells.min(axis=0) + cells.max(axis=0)) / 2
+    for share in np.linspace(0.0, 1.0, 11):
+        place = (1 - share) * centre[:2] + share * middle
+        if _outside(place, cells) <= -INSIDE:
+            return np.append(place, centre[2])
+    return np.append(middle, centre[2])
+
+
+def _outside(point: FloatArray, cells: FloatArray) -> float:
+    """How far a point lies outside the outline of the middles of plan cells [m], negative inside."""
+    corners = (cells[:, None] + _CORNERS).reshape(-1, 2)
+    planes = ConvexHull(corners).equations
+    return float((planes[:, :2] @ point + planes[:, 2]).max())
+
+
+_CORNERS = np.array([[-1, -1], [-1, 1], [1, -1], [1, 1]]) * 1e-3
+"""A single cell has an outline, too."""
+
+
+def _look_below(shape: Shape, others: Sequence[Piece], floor: float) -> _Under | None:
+    """Hold the underside of a body against everything below it."""
+    corners = np.concatenate([piece.corners for piece in shape])
+    lower, upper = corners[:, :2].min(axis=0), corners[:, :2].max(axis=0)
+    x = np.arange(lower[0] + CELL / 2, upper[0] + CELL / 2, CELL)
+    y = np.arange(lower[1] + CELL / 2, upper[1] + CELL / 2, CELL)
+    cells = np.stack(np.meshgrid(x, y, indexing="ij"), axis=-1).reshape(-1, 2)
+    bottoms = np.stack([_column(piece.corners, cells)[0] for piece in shape])
+    piece = np.argmin(bottoms, axis=0)
+    bottom = bottoms.min(axis=0)
+    within = np.isfinite(bottom)
+    if not within.any():
+        return None
+    cells, piece, bottom = cells[within], piece[within], bottom[within]
+    top = np.full(len(cells), floor)
+    for other in others:
+        low, high = other.corners[:, :2].min(axis=0), other.corners[:, :2].max(axis=0)
+        if (low < upper).all() and (high > lower).all():
+            reach = _column(other.corners, cells)[1]
+            top = np.where(np.isfinite(reach) & (reach <= bottom + NEAR), np.maximum(top, reach), top)
+    return _Under(cells, bottom, piece, top)
+
+
+def _column(corners: FloatArray, cells: FloatArray) -> tuple[FloatArray, FloatArray]:
+    """Lowest and highest point of a convex set over plan cells [m]: inf and -inf beside it."""
+    planes: FloatArray = ConvexHull(corners).equations
+    reach = cells @ planes[:, :2].T + planes[:, 3]
+    down, up = planes[:, 2] < -1e-6, planes[:, 2] > 1e-6
+    low = (-reach[:, down] / planes[down, 2]).max(axis=1)
+    high = (-reach[:, up] / planes[up, 2]).min(axis=1)
+    hit: BoolArray = (low <= high) & (reach[:, ~(down | up)] <= 0).all(axis=1)
+    return np.where(hit, low, np.inf), np.where(hit, high, -np.inf)
+
+
+def floor_cut(shape: Shape, floor: float) -> Shape:
+    """Pieces without what reaches below the floor: noise; pieces that lie below it altogether stay."""
+    kept: Shape = []
+    for piece in shape:
+        corners = clipped(piece.corners, np.array([0.0, 0.0, -1.0]), -floor)
+        kept.append(piece if corners is None else Piece(hull_of(corners)[0], piece.seen))
+    return kept
