@@ -81,7 +81,7 @@ def _touching(pair: PairRelation, confidence: float) -> PairRelation:
     return replace(
         pair,
         relation=Relation.TOUCH,
-        matrix=matrix,
+        counts=matrix,
         confidence=float(np.clip(confidence, 0.5, 0.9)),
         observed=False,
         kind=None,

@@ -39,7 +39,7 @@ def intersection_matrix(
 
 def _counts(points: FloatArray, hull: Hull, deviation: float) -> IntArray:
     """(interior, boundary, exterior) counts of points, every facet for every point in the box."""
-    near = points[_in_box(points.T, hull.lower - deviation, hull.upper + deviation)]
+    near = points[in_box(points.T, hull.lower - deviation, hull.upper + deviation)]
     distance = hull.facet_distance(near)
     interior = int(np.count_nonzero(distance < -deviation))
     boundary = int(np.count_nonzero(distance <= deviation)) - interior
@@ -75,21 +75,47 @@ class Regions:
         """
         columns = points.T
         near = np.flatnonzero(
-            _in_box(columns, self.hull.lower - self.deviation, self.hull.upper + self.deviation)
+            in_box(columns, self.hull.lower - self.deviation, self.hull.upper + self.deviation)
         )
         interior, boundary = self._inner_counts(columns[:, near]) if len(near) else (0, 0)
         return np.array([interior, boundary, len(points) - interior - boundary], dtype=np.int64)
 
-    def _inner_counts(self, near: FloatArray) -> tuple[int, int]:
-        """(interior, boundary) counts of points (3, N) in the enlarged box."""
-        hull, deviation = self.hull, self.deviation
-        first = self._barring_facets(near)
+    def holds(self, near: FloatArray) -> bool:
+        """Whether a point lies in the interior.
+
+        Args:
+            near: (3, N) points in the box of the hull [m].
+        """
+        return near.shape[1] > 0 and bool((self._not_barred(near, -self.deviation) < -self.deviation).any())
+
+    def meets(self, near: FloatArray) -> bool:
+        """Whether a point lies in the interior or on the boundary.
+
+        Args:
+            near: (3, N) points in the box of the hull, enlarged by δ [m].
+        """
+        return near.shape[1] > 0 and bool((self._not_barred(near, self.deviation) <= self.deviation).any())
+
+    def _not_barred(self, near: FloatArray, limit: float) -> FloatArray:
+        """Facet distances of the points (3, N) that the barring facets leave within a limit."""
+        kept = np.flatnonzero(self._beyond_barring(near) <= limit)
+        return self.hull.facet_distance(near[:, kept].T)
+
+    def _beyond_barring(self, near: FloatArray) -> FloatArray:
+        """(N,) largest directed distance of points (3, N) to a few facets that bar the way to most."""
+        hull, first = self.hull, self._barring_facets(near)
         furthest = np.empty(near.shape[1])
         step = max(256, BLOCK // len(first))
         for start in range(0, len(furthest), step):
             table = hull.normals[first] @ near[:, start : start + step]
             table += hull.offsets[first][:, None]
             table.max(axis=0, out=furthest[start : start + step])
+        return furthest
+
+    def _inner_counts(self, near: FloatArray) -> tuple[int, int]:
+        """(interior, boundary) counts of points (3, N) in the enlarged box."""
+        hull, deviation = self.hull, self.deviation
+        furthest = self._beyond_barring(near)
         kept = np.flatnonzero(furthest <= deviation)
         left, on_boundary = near[:, kept], furthest[kept] >= -deviation
         interior = boundary = 0
@@ -129,8 +155,17 @@ class Regions:
         return np.zeros(columns.shape[1], dtype=np.bool_) if gauge is None else gauge.surely_inside(columns)
 
 
-def _in_box(columns: FloatArray, lower: FloatArray, upper: FloatArray) -> BoolArray:
-    """Which points (3, N) lie in a box."""
+def in_box(columns: FloatArray, lower: FloatArray, upper: FloatArray) -> BoolArray:
+    """Which points lie in a box or on its boundary.
+
+    Args:
+        columns: (3, N) points [m], each axis contiguous.
+        lower: (3,) least corner [m].
+        upper: (3,) greatest corner [m].
+
+    Returns:
+        (N,) truth values.
+    """
     inside = np.ones(columns.shape[1], dtype=np.bool_)
     for axis in range(3):
         inside &= columns[axis] >= lower[axis]

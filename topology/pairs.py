@@ -1,8 +1,8 @@
 """What `relate` answers: one relation for every unordered pair of objects."""
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass, field, replace
-from functools import cached_property
+from functools import cached_property, partial
 from itertools import combinations
 from typing import TYPE_CHECKING, Any, Protocol
 
@@ -27,8 +27,8 @@ class PairRelation:
         a: Name of the first object.
         b: Name of the second object.
         relation: Relation of a to b.
-        matrix: (2, 3) counts [[A∩B°, A∩∂B, A∩B⁻], [A°∩B, ∂A∩B, A⁻∩B]].
-        gap: Smallest distance of the two surfaces [m], negative by the depth of overlap.
+        counts: The matrix, or what counts it: rules that know the relation sooner leave it until asked for.
+        distance: The gap, or what measures it.
         gap_exact: False where `gap` is only a lower bound, the distance of the boxes of a far pair.
         confidence: How sure the relation is, 0 to 1.
         observed: False where no camera saw the space between the two, so that a gap proves nothing.
@@ -39,19 +39,34 @@ class PairRelation:
     a: str
     b: str
     relation: Relation
-    matrix: IntArray
-    gap: float
+    counts: IntArray | Callable[[], IntArray] = field(repr=False)
+    distance: float | Callable[[], float] = field(repr=False)
     gap_exact: bool = True
     confidence: float = 1.0
     observed: bool = True
     kind: str | None = None
     inferred: bool = False
 
+    @cached_property
+    def matrix(self) -> IntArray:
+        """(2, 3) counts [[A∩B°, A∩∂B, A∩B⁻], [A°∩B, ∂A∩B, A⁻∩B]]."""
+        return self.counts() if callable(self.counts) else self.counts
+
+    @cached_property
+    def gap(self) -> float:
+        """Smallest distance of the two surfaces [m], negative by the depth of overlap."""
+        return self.distance() if callable(self.distance) else self.distance
+
     @property
     def converse(self) -> "PairRelation":
         """The same pair told from b: "b converse a"."""
         return replace(
-            self, a=self.b, b=self.a, relation=self.relation.converse, matrix=converse_matrix(self.matrix)
+            self,
+            a=self.b,
+            b=self.a,
+            relation=self.relation.converse,
+            counts=partial(_converse_counts, self),
+            distance=partial(_same_gap, self),
         )
 
     def to_json(self) -> dict[str, Any]:
@@ -70,6 +85,14 @@ class PairRelation:
         if self.kind is not None:
             entry["kind"] = self.kind
         return entry
+
+
+def _converse_counts(pair: PairRelation) -> IntArray:
+    return converse_matrix(pair.matrix)
+
+
+def _same_gap(pair: PairRelation) -> float:
+    return pair.gap
 
 
 class Prepared(Protocol):
@@ -264,7 +287,7 @@ class Relations:
             a=self.objects[i],
             b=self.objects[j],
             relation=Relation.DISJOINT,
-            matrix=np.array([[0, 0, a.size], [0, 0, b.size]], dtype=np.int64),
-            gap=box_distance(a, b),
+            counts=np.array([[0, 0, a.size], [0, 0, b.size]], dtype=np.int64),
+            distance=box_distance(a, b),
             gap_exact=False,
         )

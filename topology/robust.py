@@ -62,9 +62,9 @@ class RobustRule:
             a=a.name,
             b=b.name,
             relation=relation,
-            matrix=matrix,
+            counts=matrix,
             # A patch reaches half its spacing beyond the last sample; what is apart is not that close.
-            gap=-depth if depth > 0 else near.gap if touching else max(near.gap, box_distance(a, b)),
+            distance=-depth if depth > 0 else near.gap if touching else max(near.gap, box_distance(a, b)),
             confidence=self._confidence(relation, near.gap, matrix, observed),
             observed=observed,
             kind=kind_of(matrix),
