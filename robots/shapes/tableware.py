@@ -18,6 +18,7 @@ def plate(
     *,
     diameter: float = 0.25,
     height: float = 0.022,
+    well: float = 0.0065,
     sides: int = 24,
     mass: float | None = None,
     color: Color = WHITE,
@@ -28,18 +29,19 @@ def plate(
         name: Name in the scene.
         diameter: Over the rim in [m]; dinner plates have 24 to 28 cm.
         height: Of the rim in [m].
+        well: Height of the well's surface in [m]: plates stack at this distance.
         sides: Corners of the circle; mesh and parts share them.
         mass: In [kg]; None: 4 mm of stoneware, 0.5 kg at 25 cm.
         color: Red, green, blue, opacity.
 
     Returns:
-        The plate: one part for well and foot, one a sector for the flange. The parts fill the 2 mm deep
+        The plate: one part for well and foot, one a sector for the flange. The parts fill the
         hollow inside the foot ring: nothing gets in there, and a disc rests steadier than a ring of pieces.
     """
     r, h = diameter / 2, height
     profile = [
-        (0.51 * r, 0.0020), (0.52 * r, 0.0), (0.58 * r, 0.0), (0.625 * r, 0.0030),
-        (r, h - 0.0030), (0.996 * r, h), (0.74 * r, 0.0065 + 0.4 * (h - 0.0065)), (0.625 * r, 0.0065),
+        (0.51 * r, well - 0.0045), (0.52 * r, 0.0), (0.58 * r, 0.0), (0.625 * r, well - 0.0035),
+        (r, h - 0.0030), (0.996 * r, h), (0.74 * r, well + 0.4 * (h - well)), (0.625 * r, well),
     ]  # fmt: skip
     stack = rings(circle(sides), profile)
     parts = [disc(stack, (2, 3, 7)), *sectors(stack, (3, 4, 5, 6, 7))]
