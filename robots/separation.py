@@ -72,12 +72,25 @@ class Frames:
     """Poses of the n + 1 chain frames in m states, single precision.
 
     Attributes:
-        rotation: (m, n + 1, 3, 3).
-        translation: (m, n + 1, 3) in [m].
+        poses: (n + 1, 3, 4, m) rotations beside translations in [m], as `Chain.frames_single` gives them.
     """
 
-    rotation: Float32Array
-    translation: Float32Array
+    poses: Float32Array
+
+    def points(self, frame: IntArray, points: Float32Array) -> Float32Array:
+        """Where points are.
+
+        Args:
+            frame: (P,) the frame that carries each.
+            points: (P, 3) in that frame.
+
+        Returns:
+            (3, P, m) in the base.
+        """
+        carried = self.poses[frame]
+        placed = np.einsum("pijm,pj->ipm", carried[:, :, :3], points)
+        placed += carried[:, :, 3].transpose(1, 0, 2)
+        return placed
 
 
 @dataclass(frozen=True, eq=False)
@@ -103,7 +116,9 @@ class Candidates:
         return Candidates(self.state[keep], self.a[keep], self.b[keep], self.direction[keep], self.need[keep])
 
 
-def gaps(sets: ConvexSets, frames: Frames, candidates: Candidates, iterations: int = 4) -> Float32Array:
+def gaps(
+    sets: ConvexSets, frames: Frames, candidates: Candidates, iterations: int = 4, few: int = 0
+) -> Float32Array:
     """Lower bounds of the distances of part pairs, improved until they are enough or the iterations end.
 
     Args:
@@ -111,27 +126,30 @@ def gaps(sets: ConvexSets, frames: Frames, candidates: Candidates, iterations: i
         frames: Where the frames are in each state.
         candidates: The pairs, and the gap each needs.
         iterations: Directions to try.
+        few: Stop where no more than this many pairs are open.
 
     Returns:
         (T,) in [m]: a pair is at least this far apart; at or below zero nothing is proven.
     """
     best = np.full(len(candidates.state), -np.inf, dtype=np.float32)
     open_ = np.arange(len(best))
-    a, b = (_Placed.of(sets, frames, candidates.state, part) for part in (candidates.a, candidates.b))
+    both = _Placed.of(sets, frames, candidates)
     slack = sets.slack.take(candidates.a) + sets.slack.take(candidates.b)
     enough = candidates.need + slack
     direction = _units(candidates.direction)
-    point = a.centres() - b.centres()
+    point: Float32Array | None = None
     for iteration in range(iterations):
-        corner = a.support(-direction) - b.support(direction)
+        corner = both.difference(direction)
         gap = np.einsum("ij,ij->i", corner, direction)
         best[open_] = np.maximum(best[open_], gap - slack)
         keep = np.flatnonzero(gap <= enough)
-        if not len(keep) or iteration == iterations - 1:
+        if len(keep) <= few or iteration == iterations - 1:
             break
+        if point is None:
+            point = both.between_centres()
         if len(keep) < len(gap):
             open_, slack, enough = open_[keep], slack[keep], enough[keep]
-            point, corner, a, b = point[keep], corner[keep], a.subset(keep), b.subset(keep)
+            point, corner, both = point[keep], corner[keep], both.subset(keep)
         point = _closest_on_segment(point, corner)
         direction = _units(point)
     return best
@@ -139,35 +157,39 @@ def gaps(sets: ConvexSets, frames: Frames, candidates: Candidates, iterations: i
 
 @dataclass(frozen=True, eq=False)
 class _Placed:
-    """One part for each of T pairs, with the pose of its frame."""
+    """The parts of T pairs, all first ones before all second ones, with the poses of their frames."""
 
     sets: ConvexSets
     part: IntArray
-    rotation: Float32Array
-    translation: Float32Array
+    pose: Float32Array
 
     @staticmethod
-    def of(sets: ConvexSets, frames: Frames, state: IntArray, part: IntArray) -> "_Placed":
-        index = state * frames.rotation.shape[1] + sets.frame.take(part)
-        rotation = frames.rotation.reshape(-1, 3, 3).take(index, axis=0)
-        return _Placed(sets, part, rotation, frames.translation.reshape(-1, 3).take(index, axis=0))
+    def of(sets: ConvexSets, frames: Frames, candidates: Candidates) -> "_Placed":
+        part = np.concatenate([candidates.a, candidates.b])
+        state = np.concatenate([candidates.state, candidates.state])
+        return _Placed(sets, part, frames.poses[sets.frame.take(part), :, :, state])
 
     def subset(self, keep: IntArray) -> "_Placed":
-        rotation, translation = self.rotation.take(keep, axis=0), self.translation.take(keep, axis=0)
-        return _Placed(self.sets, self.part.take(keep), rotation, translation)
+        keep = np.concatenate([keep, keep + len(self.part) // 2])
+        return _Placed(self.sets, self.part.take(keep), self.pose.take(keep, axis=0))
 
-    def centres(self) -> Float32Array:
-        return self._in_base(self.sets.centre.take(self.part, axis=0))
+    def between_centres(self) -> Float32Array:
+        """From the second part's centre to the first one's, (T, 3) in the base."""
+        return self._difference(self.sets.centre.take(self.part, axis=0))
 
-    def support(self, direction: Float32Array) -> Float32Array:
-        """The vertex of each part that lies farthest along a direction, (T, 3) in the base."""
-        local = np.einsum("ti,tij->tj", direction, self.rotation)
+    def difference(self, direction: Float32Array) -> Float32Array:
+        """The point of A - B that lies farthest back along a direction, (T, 3) in the base."""
+        outward = np.concatenate([-direction, direction])
+        local = np.einsum("ti,tij->tj", outward, self.pose[:, :, :3])
         along = np.einsum("ti,tiv->tv", local, self.sets.vertices.take(self.part, axis=0))
         farthest = self.part * along.shape[1] + along.argmax(axis=1)
-        return self._in_base(self.sets.corners.take(farthest, axis=0))
+        return self._difference(self.sets.corners.take(farthest, axis=0))
 
-    def _in_base(self, points: Float32Array) -> Float32Array:
-        return np.einsum("tij,tj->ti", self.rotation, points) + self.translation
+    def _difference(self, points: Float32Array) -> Float32Array:
+        placed = np.einsum("tij,tj->ti", self.pose[:, :, :3], points)
+        placed += self.pose[:, :, 3]
+        half = len(placed) // 2
+        return placed[:half] - placed[half:]
 
 
 def _units(vectors: Float32Array) -> Float32Array:

@@ -20,6 +20,7 @@ class MotionBounds:
         self._sets = model.sets
         self._revolute = chain.revolute
         self._axes = chain.axes.astype(np.float32)
+        self._beyond = [np.flatnonzero(model.sets.frame > j) for j in range(chain.size)]
 
     def of(self, frames: Frames, spans: Float32Array, centres: Float32Array) -> Float32Array:
         """Bounds in m states.
@@ -27,33 +28,33 @@ class MotionBounds:
         Args:
             frames: Where the frames are in the m middle states.
             spans: (m, n) by how much each joint may differ from the middle state.
-            centres: (m, P, 3) sphere centres of all parts in the base.
+            centres: (3, P, m) sphere centres of all parts in the base.
 
         Returns:
-            (n + 1, m, P) in [m]: entry f bounds the motion of a part as seen from frame f, 0 where the part
+            (n + 1, P, m) in [m]: entry f bounds the motion of a part as seen from frame f, 0 where the part
             is carried by that frame or one nearer the base.
         """
         count, joints = spans.shape
-        parts = len(self._sets.frame)
-        result = np.zeros((joints + 1, count, parts), dtype=np.float32)
-        moved = np.zeros((count, parts), dtype=np.float32)
-        axes = np.einsum("mjab,jb->mja", frames.rotation[:, 1:], self._axes)
+        result = np.zeros((joints + 1, len(self._sets.frame), count), dtype=np.float32)
+        axes = np.einsum("jabm,jb->jam", frames.poses[1:, :, :3], self._axes)
         for j in range(joints - 1, -1, -1):
-            span = spans[:, j, None]
+            # parts are not sorted by frame: those beyond the joint are picked
+            beyond = self._beyond[j]
+            span = spans[:, j]
+            moved = result[j + 1, beyond]
             if self._revolute[j]:
-                arms = centres - frames.translation[:, j + 1, None, :]
-                along = np.einsum("mpa,ma->mp", arms, axes[:, j])
-                squared = np.einsum("mpa,mpa->mp", arms, arms) - along * along
-                radius = np.sqrt(np.maximum(squared, 0)) + self._sets.radius
-                more = moved + span * (radius + moved)
+                arms = centres[:, beyond] - frames.poses[j + 1, :, 3][:, None]
+                along = np.einsum("apm,am->pm", arms, axes[j])
+                squared = np.einsum("apm,apm->pm", arms, arms) - along * along
+                radius = np.sqrt(np.maximum(squared, 0)) + self._sets.radius[beyond, None]
+                moved += span * (radius + moved)
             else:
-                more = moved + span
-            moved = np.where(self._sets.frame > j, more, np.float32(0))
-            result[j] = moved
+                moved += span
+            result[j, beyond] = moved
         return result
 
     def relative(self, bounds: Float32Array, state: IntArray, a: IntArray, b: IntArray) -> Float32Array:
         """Bounds (T,) on how much the distance of parts a and b changes, from `of`'s result."""
         near = np.minimum(self._sets.frame[a], self._sets.frame[b])
         far = np.where(self._sets.frame[a] > self._sets.frame[b], a, b)
-        return bounds[near, state, far]
+        return bounds[near, far, state]

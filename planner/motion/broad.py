@@ -14,25 +14,19 @@ class BroadPhase:
         sets, moving, standing = model.sets, model.moving, model.standing
         self._model = model
         self._frame = sets.frame[moving]
-        self._centre = sets.centre[moving][:, :, None]
-        # coordinates first: the arrays stay contiguous over states x parts
-        self._middle = ((sets.lower + sets.upper) / 2)[standing].T[:, None, None, :].copy()
-        self._half = ((sets.upper - sets.lower) / 2)[standing].T[:, None, None, :].copy()
+        self._centre = sets.centre[moving]
+        # coordinates first, states last: the arrays stay contiguous
+        self._middle = ((sets.lower + sets.upper) / 2)[standing].T[:, None, :, None].copy()
+        self._half = ((sets.upper - sets.lower) / 2)[standing].T[:, None, :, None].copy()
         margin = model.margin.astype(np.float32)
         reach = sets.radius[moving][:, None] + margin[standing][None, :]
-        self._reach = np.where(model.standing_pairs, reach, -1.0).astype(np.float32)
-        self._squared = np.where(model.standing_pairs, reach**2, -1.0).astype(np.float32)
+        self._squared = np.where(model.standing_pairs, reach**2, -1.0).astype(np.float32)[:, :, None]
         self._margin = margin
         first, second = model.moving_pairs.T
         position = np.full(len(sets.frame), -1)
         position[moving] = np.arange(len(moving))
         self._first, self._second = position[first], position[second]
-        self._apart = ((sets.radius[first] + sets.radius[second]) ** 2).astype(np.float32)
-
-    def centres(self, frames: Frames) -> Float32Array:
-        """Sphere centres of the moving parts, (m, M, 3) in the base."""
-        turned = np.matmul(frames.rotation[:, self._frame], self._centre)[..., 0]
-        return turned + frames.translation[:, self._frame]
+        self._apart = ((sets.radius[first] + sets.radius[second]) ** 2).astype(np.float32)[:, None]
 
     def candidates(self, frames: Frames) -> Candidates:
         """The pairs to look at more closely.
@@ -41,22 +35,23 @@ class BroadPhase:
             frames: Where the frames are in m states.
 
         Returns:
-            Pairs, states in ascending order within the standing and within the moving ones.
+            Pairs with standing parts, then pairs of moving ones.
         """
         model = self._model
-        centres = self.centres(frames)
-        by_axis = np.ascontiguousarray(centres.transpose(2, 0, 1))
-        offset: Float32Array = np.subtract(by_axis[..., None], self._middle)
+        centres = frames.points(self._frame, self._centre)
+        count = centres.shape[2]
+        offset: Float32Array = np.subtract(centres[:, :, None, :], self._middle)
         beyond = np.abs(offset)
         beyond -= self._half
         np.maximum(beyond, 0, out=beyond)
         beyond *= beyond
         near = np.flatnonzero(beyond[0] + beyond[1] + beyond[2] <= self._squared)
-        state, m, s = np.unravel_index(near, offset.shape[1:])
-        apart = by_axis.take(self._first, axis=2) - by_axis.take(self._second, axis=2)
+        both, state = np.divmod(near, count)
+        m, s = np.divmod(both, len(model.standing))
+        apart = centres.take(self._first, axis=1) - centres.take(self._second, axis=1)
         x, y, z = apart
         pair = np.flatnonzero(x * x + y * y + z * z <= self._apart)
-        pair_state, k = np.divmod(pair, apart.shape[2])
+        k, pair_state = np.divmod(pair, count)
         direction = self._direction(offset.reshape(3, -1).take(near, axis=1), s)
         part = model.standing[s]
         return Candidates(
@@ -69,7 +64,7 @@ class BroadPhase:
 
     def _direction(self, offset: Float32Array, s: IntArray) -> Float32Array:
         """From the nearest point of the box to the centre; from inside, out through the nearest face."""
-        half = self._half[:, 0, 0, s]
+        half = self._half[:, 0, s, 0]
         outside: Float32Array = np.subtract(offset, np.clip(offset, -half, half), dtype=np.float32)
         inside = np.flatnonzero(~outside.any(axis=0))
         if len(inside):

@@ -115,9 +115,9 @@ class Certifier:
         """Treat all open (interval, pair) items of one size; returns those left for the pieces."""
         way = work.ends[intervals.edge] - work.starts[intervals.edge]
         middle = work.starts[intervals.edge] + intervals.middle[:, None] * way
-        frames = Frames(*self._chain.frames_single(middle))
+        frames = Frames(self._chain.frames_single(middle))
         self._checker.states_checked += len(middle)
-        centres = self._centres(frames)
+        centres = frames.points(self._model.sets.frame, self._model.sets.centre)
         spans = (np.abs(way) * intervals.half[:, None]).astype(np.float32)
         a, b = self._a[pair], self._b[pair]
         motion = self._bounds.relative(self._bounds.of(frames, spans, centres), item, a, b)
@@ -176,24 +176,19 @@ class Certifier:
                 work.failed[edge] = (Contact(names[a], names[b], distance), middle[i])
         return settled
 
-    def _centres(self, frames: Frames) -> Float32Array:
-        sets = self._model.sets
-        turned = np.matmul(frames.rotation[:, sets.frame], sets.centre[:, :, None])[..., 0]
-        return turned + frames.translation[:, sets.frame]
-
     def _spheres(
         self, centres: Float32Array, item: IntArray, a: IntArray, b: IntArray
     ) -> tuple[Float32Array, Float32Array]:
         """First directions, and distances that bounding volumes vouch for."""
         sets = self._model.sets
-        centre = centres[item, a]
+        centre, other = centres[:, a, item].T, centres[:, b, item].T
         standing = sets.frame[b] == 0
         boxed = np.clip(centre, sets.lower[b], sets.upper[b])
-        direction = centre - np.where(standing[:, None], boxed, centres[item, b])
+        direction = centre - np.where(standing[:, None], boxed, other)
         apart = np.sqrt(np.einsum("ij,ij->i", direction, direction))
         apart -= sets.radius[a] + np.where(standing, 0, sets.radius[b])
         inside = ~direction.any(axis=1)
-        direction[inside] = (centre - centres[item, b])[inside]
+        direction[inside] = (centre - other)[inside]
         return direction, apart
 
 

@@ -15,6 +15,7 @@ from topple.topology.arrays import BoolArray, FloatArray, IntArray
 
 BATCH = 1024  # states per batch: the arrays of one batch stay within the processor's cache
 SMALL = 96  # states that cost little more than a few: such a batch is not divided
+FEW = 64  # open pairs that python-fcl settles sooner than another round of separating directions
 EDGE_STEP = 0.05  # [rad] largest joint change between two checked states of an edge, the usual resolution
 
 
@@ -43,6 +44,7 @@ class Checker:
         arm: The arm.
         model: Parts and pairs.
         margin: Wanted distance from obstacles in [m].
+        allow: Pairs of names that may touch.
         states_checked: How many states have been checked so far.
         exact_checks: How many part pairs python-fcl had to decide.
     """
@@ -74,6 +76,7 @@ class Checker:
         """
         self.arm = arm
         self.margin = margin
+        self.allow = frozenset(allow)
         self.model = CollisionModel.of(
             arm, pose_base_to_world, obstacles, tool_state or arm.open_hand, attached, allow, margin
         )
@@ -151,10 +154,10 @@ class Checker:
 
     def _hits(self, q: FloatArray, every: bool = False) -> tuple[IntArray, IntArray, IntArray]:
         """States in collision with a pair that shows it (with `every`, all pairs)."""
-        frames = Frames(*self.arm.chain.frames_single(q))
+        frames = Frames(self.arm.chain.frames_single(q))
         self.states_checked += len(q)
         candidates = self._broad.candidates(frames)
-        gap = gaps(self.model.sets, frames, candidates)
+        gap = gaps(self.model.sets, frames, candidates, few=FEW)
         keep = np.flatnonzero(gap <= candidates.need)
         return self._decide(q, candidates.subset(keep), gap[keep], every)
 

@@ -21,7 +21,7 @@ def test_a_gap_never_exceeds_the_distance(seed: int) -> None:
     many = [hull_of(points)[0] for points in many]
     sets = ConvexSets.of(many, [0] * 12)
     a, b = np.triu_indices(12, k=1)
-    frames = Frames(np.eye(3, dtype=np.float32)[None, None], np.zeros((1, 1, 3), dtype=np.float32))
+    frames = Frames(np.eye(3, 4, dtype=np.float32)[None, :, :, None])
     direction = rng.normal(size=(len(a), 3)).astype(np.float32)
     candidates = Candidates(np.zeros_like(a), a, b, direction, np.full(len(a), np.inf, dtype=np.float32))
     found = gaps(sets, frames, candidates, iterations=40)
