@@ -10,14 +10,14 @@ from typing import Any
 from topple.planner.bench.row import Progress
 from topple.topology.errors import InvalidInput
 
-BENCHES = ("relate", "order", "motion")
+BENCHES = ("relate", "order", "motion", "paper")
 """Names; each is a module of this package with a function `rows(quick, seed, progress)`."""
 
 _LIBRARIES = ("topple", "numpy", "scipy", "pybullet", "python-fcl", "ompl")
 
 
 def bench(
-    name: str, *, quick: bool = False, seed: int = 0, progress: Progress | None = None
+    name: str, *, quick: bool = False, seed: int = 0, progress: Progress | None = None, **options: Any
 ) -> dict[str, Any]:
     """Run a bench.
 
@@ -26,6 +26,7 @@ def bench(
         quick: Smaller and fewer cases: below two minutes.
         seed: Seed of everything that is drawn.
         progress: Called with a few words before each part.
+        options: What only this bench takes: `models` and `folder` of "paper".
 
     Returns:
         A `topple.bench` document.
@@ -36,7 +37,7 @@ def bench(
     if name not in BENCHES:
         raise InvalidInput(f"there is no bench {name!r}: expected one of {', '.join(BENCHES)}")
     rows = importlib.import_module(f"topple.planner.bench.{name}").rows
-    measured = rows(quick=quick, seed=seed, progress=progress or (lambda text: None))
+    measured = rows(quick=quick, seed=seed, progress=progress or (lambda text: None), **options)
     return {
         "format": "topple.bench",
         "format_version": 1,

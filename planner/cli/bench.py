@@ -3,12 +3,14 @@
 import argparse
 import os
 from collections.abc import Mapping, Sequence
+from pathlib import Path
 from typing import Any
 
 from topple.planner.cli.console import complain, import_quietly, print_json, print_table, print_text
 from topple.planner.cli.main import DONE
 from topple.planner.cli.options import add_common
 from topple.planner.cli.progress import Progress
+from topple.topology.errors import InvalidInput
 
 MISSED = 1
 """Exit code where a figure misses its bar."""
@@ -24,9 +26,17 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         parser: The sub-command's parser.
     """
     parser.add_argument(
-        "name", nargs="?", metavar="NAME", help="relate, order or motion (all, one after the other)"
+        "name", nargs="?", metavar="NAME", help="relate, order, motion or paper (all, one after the other)"
     )
     parser.add_argument("--quick", action="store_true", help="smaller and fewer cases: below two minutes")
+    parser.add_argument(
+        "--models",
+        metavar="DIR",
+        help="paper: a folder of YCB models, 011_banana and so on (procedural things)",
+    )
+    parser.add_argument(
+        "--scenes", metavar="DIR", help="paper: write its scenes there, for the other commands"
+    )
     add_common(parser, scenes=None)
 
 
@@ -51,8 +61,9 @@ def execute(args: argparse.Namespace) -> int:
 
     code = DONE
     for name in BENCHES if args.name is None else (args.name,):
+        options = _options(args) if name == "paper" else {}
         with Progress(f"bench {name}") as progress:
-            document = bench(name, quick=args.quick, seed=args.seed, progress=progress)
+            document = bench(name, quick=args.quick, seed=args.seed, progress=progress, **options)
         if args.json:
             print_json(document)
         else:
@@ -60,6 +71,17 @@ def execute(args: argparse.Namespace) -> int:
         if any(row["ok"] is False for row in document["rows"]):
             code = MISSED
     return code
+
+
+def _options(args: argparse.Namespace) -> dict[str, Path | None]:
+    """Folders of the paper's scenes; the one that is written to is made."""
+    models, folder = (None if text is None else Path(text) for text in (args.models, args.scenes))
+    if folder is not None:
+        try:
+            folder.mkdir(parents=True, exist_ok=True)
+        except OSError as error:
+            raise InvalidInput(f"{folder} cannot be made: {error}; give --scenes another folder") from error
+    return {"models": models, "folder": folder}
 
 
 def _print(document: Mapping[str, Any]) -> None:
