@@ -98,7 +98,7 @@ class Checker:
         result = np.ones(len(q), dtype=np.bool_)
         for start in range(0, len(q), BATCH):
             part = q[start : start + BATCH]
-            state, _, _ = self._hits(part)
+            state, _, _ = self._hits(part, np.arange(len(part)))
             result[start + state] = False
         return result
 
@@ -110,7 +110,7 @@ class Checker:
     def contacts(self, q: FloatArray) -> tuple[Contact, ...]:
         """All pairs that touch in a state (n,), deepest first."""
         q = np.atleast_2d(q)
-        state, a, b = self._hits(q[:1], every=True)
+        state, a, b = self._hits(q[:1], np.zeros(1, dtype=np.int64), every=True)
         if not len(state):
             return ()
         self.exact.load(self.arm.chain.frames(q[:1]))
@@ -149,39 +149,46 @@ class Checker:
             edge, t = edge[alive], t[alive]
             if len(edge):
                 states = starts[edge] + t[:, None] * (ends[edge] - starts[edge])
-                free[edge[~self.free(states)]] = False
+                for first in range(0, len(edge), BATCH):
+                    some = slice(first, first + BATCH)
+                    hit, _, _ = self._hits(states[some], edge[some])
+                    free[edge[some][hit]] = False
         return free
 
-    def _hits(self, q: FloatArray, every: bool = False) -> tuple[IntArray, IntArray, IntArray]:
-        """States in collision with a pair that shows it (with `every`, all pairs)."""
+    def _hits(
+        self, q: FloatArray, owner: IntArray, every: bool = False
+    ) -> tuple[IntArray, IntArray, IntArray]:
+        """For each owner of states (m,) one of them that is in collision, and a pair that shows it.
+
+        With `every`, all states in collision and all pairs.
+        """
         frames = Frames(self.arm.chain.frames_single(q))
         self.states_checked += len(q)
         candidates = self._broad.candidates(frames)
         gap = gaps(self.model.sets, frames, candidates, few=FEW)
         keep = np.flatnonzero(gap <= candidates.need)
-        return self._decide(q, candidates.subset(keep), gap[keep], every)
+        return self._decide(q, owner, candidates.subset(keep), gap[keep], every)
 
     def _decide(
-        self, q: FloatArray, left: Candidates, gap: Float32Array, every: bool
+        self, q: FloatArray, owner: IntArray, left: Candidates, gap: Float32Array, every: bool
     ) -> tuple[IntArray, IntArray, IntArray]:
-        # by state, likeliest pair first: one hit settles a state
-        order = np.lexsort((gap, left.state))
-        state, a, b = left.state[order].tolist(), left.a[order].tolist(), left.b[order].tolist()
-        margin = (self.model.margin[left.a] + self.model.margin[left.b])[order].tolist()
-        if state:
-            self.exact.load(self.arm.chain.frames(q[sorted(set(state))]))
+        # likeliest pairs first: one hit settles an owner
+        left = left.subset(np.argsort(gap, kind="stable"))
+        margin = (self.model.margin[left.a] + self.model.margin[left.b]).tolist()
+        which, row = np.unique(left.state, return_inverse=True)
+        if len(which):
+            self.exact.load(self.arm.chain.frames(q[which]))
         hits: list[tuple[int, int, int]] = []
-        current, row, settled = -1, -1, False
-        for s, i, j, wanted in zip(state, a, b, margin, strict=True):
-            if s != current:
-                current, row, settled = s, row + 1, False
-            if settled and not every:
+        settled: set[int] = set()
+        columns = (row, owner[left.state], left.state, left.a, left.b)
+        for (r, whose, s, i, j), wanted in zip(np.stack(columns, axis=1).tolist(), margin, strict=True):
+            if whose in settled and not every:
                 continue
-            self.exact.place(row, i, j)
+            self.exact.place(r, i, j)
             self.exact_checks += 1
             if self.exact.touches(i, j, wanted):
                 hits.append((s, i, j))
-                settled = True
+                settled.add(whose)
         found = np.array(hits, dtype=np.int64).reshape(-1, 3)
         return found[:, 0], found[:, 1], found[:, 2]
 
