@@ -1,8 +1,8 @@
 """The built-in scenes, played by an arm in PyBullet, and everything written down."""
 
 import json
+import signal
 from collections.abc import Callable
-from concurrent.futures import ProcessPoolExecutor
 from dataclasses import replace
 from multiprocessing import get_context
 from pathlib import Path
@@ -29,6 +29,8 @@ def demo(
     *,
     seed: int = 0,
     robot: str | None = None,
+    cameras: int = 3,
+    mask_noise: float = 0.0,
     folder: str | Path = "topple-demo",
     progress: Progress | None = None,
 ) -> RunRecord:
@@ -38,6 +40,8 @@ def demo(
         name: One of `topple.robots.scenarios.SCENARIOS`.
         seed: Of the scene, the sensor noise and every search.
         robot: The arm; the one the scene is made for where None.
+        cameras: How many depth cameras look on, 1 to 3.
+        mask_noise: By how many pixels the edges of their masks are wrong (standard deviation).
         folder: Where relations.json, order.json, plan.json, run.json and report.html are written.
         progress: Called with a line before and after each action.
 
@@ -53,7 +57,7 @@ def demo(
         loop = ClosedLoop(
             stage.world,
             SimulatedArm(stage.world, robot_named(robot), stage.pose_base_to_world),
-            stage.cameras,
+            [camera.with_mask_noise(mask_noise) for camera in stage.cameras[:cameras]],
             stage.goal,
             fixed=stage.fixed,
             up=stage.up,
@@ -65,18 +69,21 @@ def demo(
         chosen = order(first.scene, stage.targets, relations=first.relations, seed=seed)
         write_whole(place / "order.json", _text(chosen.to_json()))
         # the plan of the whole sequence is made on the other core while the arm already works
-        with ProcessPoolExecutor(1, get_context("spawn")) as other:
+        with get_context("spawn").Pool(1, _ignore_interrupts) as other:  # leaving it ends what still plans
             base = stage.pose_base_to_world
-            planned = other.submit(plan, first.scene, stage.goal, robot, base=base, seed=seed)
+            task = (first.scene, stage.goal, robot)
+            planned = other.apply_async(plan, task, {"base": base, "seed": seed})
             record = loop.run(first)
             try:
-                whole = planned.result()
+                whole = None if record.interrupted else planned.get()
             except NoSafePlan as error:  # what the first look hides, later ones may show
                 note = f"the whole sequence could not be planned from the first look: {error}"
-                record = replace(record, notes=(*record.notes, note))
-                arm, goal = robot_named(robot), parse_goal(stage.goal, first.scene)
-                station = Station(arm, base, arm.home)
-                whole = plan_as_done(first.scene, goal, station, loop.followed, seed)
+                record, whole = replace(record, notes=(*record.notes, note)), None
+            except KeyboardInterrupt:
+                record, whole = replace(record, interrupted=True), None
+        if whole is None:
+            arm, goal = robot_named(robot), parse_goal(stage.goal, first.scene)
+            whole = plan_as_done(first.scene, goal, Station(arm, base, arm.home), loop.followed, seed)
         write_whole(place / "plan.json", plan_to_json(whole))
     write_whole(place / "run.json", _text(record.to_json()))
     write_whole(place / "report.html", run_page(record))
@@ -85,3 +92,8 @@ def demo(
 
 def _text(document: object) -> str:
     return json.dumps(document, indent=1) + "\n"
+
+
+def _ignore_interrupts() -> None:
+    """Ctrl-C reaches every process of a terminal; what to do then is for the one that acts to decide."""
+    signal.signal(signal.SIGINT, signal.SIG_IGN)

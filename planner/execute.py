@@ -11,6 +11,7 @@ from topple.planner.motion.trajectory import retime
 from topple.planner.segments import Segment
 from topple.planner.solids import Solids
 from topple.planner.transfer import Transfer
+from topple.robots.poses import angle_between
 from topple.robots.simulated_arm import SimulatedArm
 from topple.topology.arrays import FloatArray
 
@@ -32,11 +33,16 @@ class Outcome:
         success: The object was taken, carried and let go where it should be.
         text: What happened, in one sentence.
         tool_path: (k, 3) planned positions of the tool in the world [m], of the segments that were driven.
+        slip: Distance [m] and angle [rad] by which the object moved in the hand while it was held, measured
+            on true poses; None where it was never held.
+        lost_at: (3,) where in the world [m] the object was when it was missed; None where it was not.
     """
 
     success: bool
     text: str
     tool_path: FloatArray
+    slip: tuple[float, float] | None = None
+    lost_at: FloatArray | None = None
 
 
 def execute(transfer: Transfer, robot: SimulatedArm) -> Outcome:
@@ -50,16 +56,29 @@ def execute(transfer: Transfer, robot: SimulatedArm) -> Outcome:
         robot: The arm in its world.
     """
     done: list[Segment] = []
+    name = transfer.object
+    held: FloatArray | None = None  # pose_object_to_hand once it was taken
+    slip: tuple[float, float] | None = None
     for segment in transfer.segments:
+        if held is not None and segment.kind == "release":
+            slip = _shift(held, robot.pose_in_hand(name, segment.tool))
         problem = _drive(segment, transfer, robot)
         if segment.trajectory is not None:
             done.append(segment)
         if problem is not None:
+            in_hand = robot.pose_in_hand(name, segment.tool)
+            lost = None if held is None else robot.world.pose(name)[:3, 3]
             retreat(transfer, done, robot)
-            return Outcome(False, problem, _tool_path(done, robot))
-    return Outcome(
-        True, f"{transfer.object} was put down, {transfer.placement.rest}.", _tool_path(done, robot)
-    )
+            slip = None if held is None else _shift(held, in_hand)
+            return Outcome(False, problem, _tool_path(done, robot), slip, lost)
+        if segment.kind == "grasp":
+            held = robot.pose_in_hand(name, segment.tool)
+    return Outcome(True, f"{name} was put down, {transfer.placement.rest}.", _tool_path(done, robot), slip)
+
+
+def _shift(before: FloatArray, after: FloatArray) -> tuple[float, float]:
+    """Distance [m] and angle [rad] between two poses (4, 4)."""
+    return float(np.linalg.norm(after[:3, 3] - before[:3, 3])), angle_between(before, after)
 
 
 def withdraw(robot: SimulatedArm, solids: Solids, seed: int) -> None:

@@ -14,6 +14,7 @@ from topple.topology.relation import Relation
 if TYPE_CHECKING:
     from topple.topology.pairs import Relations
     from topple.topology.scene import Scene
+    from topple.topology.support import Support
 
 BIN = "bin_"
 """Objects named `bin_KIND` collect every object whose name starts with KIND when the goal is "sort"."""
@@ -52,6 +53,12 @@ class Goal:
     empty: tuple[str, ...] = ()
     places: tuple[Place, ...] = ()
 
+    @property
+    def names(self) -> tuple[str, ...]:
+        """Every object the goal names, without repeats."""
+        placed = [name for place in self.places for name in (place.object, place.where)]
+        return tuple(dict.fromkeys([*self.free, *self.empty, *placed]))
+
     def targets(self, inside: Mapping[str, Sequence[str]] | None = None) -> tuple[str, ...]:
         """The objects that must be taken in hand.
 
@@ -70,34 +77,51 @@ class Goal:
         found: dict[str, tuple[str, ...]] = {}
         for container in self.empty:
             others = [n for n in relations.objects if n != container and n not in away]
+            if container not in relations.objects:
+                continue
             found[container] = tuple(n for n in others if _is_in(relations, n, container))
         return found
 
-    def unmet(self, relations: "Relations", fixed: Iterable[str] = ()) -> tuple[str, ...]:
+    def unmet(
+        self, relations: "Relations", fixed: Iterable[str] = (), carried: Iterable["Support"] | None = None
+    ) -> tuple[str, ...]:
         """Clauses about relations that do not hold, in words; `free` needs a look at motion and is not one.
 
         Args:
             relations: The relations afterwards.
             fixed: Names that never move, which are in no container.
+            carried: Who carries whom; where None, what touches a supporter is taken to be on it.
         """
+        carried = None if carried is None else tuple(carried)
         missing = [
-            f"{p.object} is not {'within' if p.how == 'within' else 'on'} {p.where}"
-            for p in self.places
-            if not (_is_in(relations, p.object, p.where) if p.how == "within" else _is_on(relations, p))
+            f"{p.object} is not {p.how} {p.where}" for p in self.places if not holds(p, relations, carried)
         ]
         for container, names in self.contents(relations, fixed).items():
             missing += [f"{name} is still in {container}" for name in names]
         return tuple(missing)
 
 
+def holds(place: Place, relations: "Relations", carried: Iterable["Support"] | None = None) -> bool:
+    """Whether an object is where it shall be.
+
+    Args:
+        place: The object and where it shall be.
+        relations: The scene's relations; an object that is not among them is nowhere.
+        carried: Who carries whom; where None, what touches a supporter is taken to be on it.
+    """
+    if place.object not in relations.objects or place.where not in relations.objects:
+        return False
+    if _is_in(relations, place.object, place.where):
+        return True  # on a plate or a tray an object lies within the hull of its rim: that is on it, too
+    if place.how == "within":
+        return False
+    if carried is None:
+        return relations.between(place.object, place.where).relation is Relation.TOUCH
+    return any(pair.supporter == place.where and pair.supported == place.object for pair in carried)
+
+
 def _is_in(relations: "Relations", name: str, container: str) -> bool:
     return relations.between(name, container).relation in (Relation.WITHIN, Relation.PARTIAL_WITHIN)
-
-
-def _is_on(relations: "Relations", place: Place) -> bool:
-    # On a plate or a tray an object lies within the hull of its rim: that is on it, too.
-    found = relations.between(place.object, place.where).relation
-    return found in (Relation.TOUCH, Relation.WITHIN, Relation.PARTIAL_WITHIN)
 
 
 def parse_goal(goal: str | Sequence[str], scene: "Scene") -> Goal:

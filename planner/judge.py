@@ -5,9 +5,17 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from topple.planner.goal import Goal
 from topple.robots.poses import angle_between
 from topple.robots.simulated_arm import Touch
+from topple.robots.world import World
 from topple.topology.arrays import FloatArray
+from topple.topology.relate import relate
+from topple.topology.scene import Scene
+from topple.topology.support import supports
+
+SAMPLES = 3000  # points on a body's surface when the true scene is related: 2 mm apart on a can
+TABLE_SAMPLES = 20_000  # on one that never moves
 
 
 @dataclass(frozen=True)
@@ -20,12 +28,15 @@ class Limits:
         hit: Contact force of the robot in [N] on something it does not handle: a brush below the
             weight of a can moves nothing.
         fall: Drop in [m] from which a displaced object counts as fallen.
+        drop: Height in [m] from which an object that slips out of the hand counts as dropped: crockery
+            survives a finger's width.
     """
 
     distance: float = 0.01
     angle: float = float(np.radians(10.0))
     hit: float = 5.0
     fall: float = 0.03
+    drop: float = 0.03
 
 
 LIMITS = Limits()
@@ -82,3 +93,49 @@ def violations(
             links = ", ".join(sorted(touch.links))
             found.append(f"{name} was hit by {links} with {touch.force:.0f} N")
     return found
+
+
+def tilts(
+    before: Mapping[str, FloatArray], after: Mapping[str, FloatArray], handled: Collection[str]
+) -> dict[str, float]:
+    """How far everything but the handled objects was tipped, turns about the vertical left out, in [rad].
+
+    Args:
+        before: Poses (4, 4) by name.
+        after: Poses (4, 4) by name, the same names.
+        handled: Names to leave out.
+    """
+    return {
+        name: float(np.arccos(np.clip(after[name][2, :3] @ pose[2, :3], -1.0, 1.0)))
+        for name, pose in before.items()
+        if name not in handled and name in after
+    }
+
+
+def truly_unmet(goal: Goal, world: World, up: FloatArray) -> tuple[str, ...]:
+    """What of a goal does not hold in the world as it is, whatever the cameras make of it.
+
+    Args:
+        goal: What shall hold. What is to be free shall carry nothing.
+        world: The world at rest.
+        up: (3,) unit vector against gravity.
+
+    Returns:
+        The clauses that do not hold, in words.
+    """
+    rng = np.random.default_rng(0)
+    clouds: dict[str, FloatArray] = {}
+    for name in world.names:
+        points = world.body(name).surface(TABLE_SAMPLES if name in world.fixed else SAMPLES, rng)
+        pose = world.pose(name)
+        clouds[name] = points @ pose[:3, :3].T + pose[:3, 3]
+    scene = Scene(clouds, fixed=sorted(world.fixed), up=up)
+    relations = relate(scene)
+    carried = supports(scene, relations)
+    burdened = [
+        f"{name} is not free: it carries {pair.supported}"
+        for name in goal.free
+        for pair in carried
+        if pair.supporter == name
+    ]
+    return (*burdened, *goal.unmet(relations, scene.fixed, carried))

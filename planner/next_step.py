@@ -9,20 +9,26 @@ from dataclasses import dataclass
 from functools import cached_property
 
 from topple.planner.errors import NoSafePlan
-from topple.planner.goal import Goal, Place
+from topple.planner.goal import Goal, Place, holds
+from topple.planner.grasp.grasp import Grasp
 from topple.planner.order import Order, order
 from topple.planner.placement import Placement, placements
-from topple.planner.solids import Solids, solids_of
+from topple.planner.solids import Solids, apart, solids_of
 from topple.planner.stacking import placements_on
 from topple.planner.transfer import Transfer, TransferFailure, plan_transfer
 from topple.robots.arm import Arm
 from topple.topology.arrays import FloatArray
 from topple.topology.relate import Relations, relate
+from topple.topology.relation import Relation
 from topple.topology.scene import Scene
-from topple.topology.support import supports
+from topple.topology.support import Support, supports
 
 FREE, REMOVE, PLACE = "free", "remove", "place"
 """free: take a target clear, put it down; remove: take away what is in the way; place: as the goal says."""
+
+INSIDE = (Relation.WITHIN, Relation.PARTIAL_WITHIN)
+DEEP = 0.5  # share of its height below the rim with which a thing is sure to be in a container, not on it
+BESIDE = 0.05  # [m] what is closer to an object than this bars a hand: half an open hand's width
 
 
 @dataclass(frozen=True, eq=False)
@@ -64,9 +70,13 @@ class StepChooser:
         scene: What is seen, or what should be there by now, with `up`.
         goal: What shall hold in the end.
         station: The arm as it stands.
-        done: Steps that were done, as (object, action): a freed target stays free.
+        done: Steps that were done, as (object, action): a freed target stays free, and nobody is taken out
+            of the way twice.
         relations: The scene's relations where they are known.
+        observed: Whether the scene was looked at after what was done: a placement that is not seen to hold
+            is then made again.
         given_up: Objects that are not to be tried again, with the reason.
+        avoid: Grasps that failed, by object.
         seed: Of every search.
     """
 
@@ -78,21 +88,27 @@ class StepChooser:
         *,
         done: Collection[tuple[str, str]] = (),
         relations: Relations | None = None,
+        observed: bool = False,
         given_up: Mapping[str, str] | None = None,
+        avoid: Mapping[str, Sequence[Grasp]] | None = None,
         seed: int = 0,
     ) -> None:
         self.scene, self.goal, self.station, self.done, self.seed = scene, goal, station, done, seed
         self.relations = relate(scene) if relations is None else relations
-        self.given_up = given_up or {}
+        self.observed, self.given_up, self.avoid = observed, given_up or {}, avoid or {}
 
     @cached_property
     def _solids(self) -> Solids:
         return solids_of(self.scene)
 
+    @cached_property
+    def _supports(self) -> tuple[Support, ...]:
+        return supports(self.scene, self.relations)
+
     def unmet(self) -> tuple[str, ...]:
         """What is still missing for the goal, in words."""
-        free = [f"{name} is not free" for name in self.goal.free if (name, FREE) not in self.done]
-        return (*free, *self.goal.unmet(self.relations, self.scene.fixed))
+        free = [f"{name} is not free" for name in self._not_free()]
+        return (*free, *self.goal.unmet(self.relations, self.scene.fixed, self._supports))
 
     def choose(self) -> NextStep | None:
         """The next step; None where nothing is left to do.
@@ -100,63 +116,123 @@ class StepChooser:
         Raises:
             NoSafePlan: Something is left to do, and nothing that may be done now can be.
         """
-        targets = [name for name in self.goal.free if (name, FREE) not in self.done]
-        if targets:
+        lost = [name for name in self.goal.names if name not in self.scene.clouds]
+        if lost and self.unmet():
+            words = f"{', '.join(lost)}: seen nowhere any more"
+            raise NoSafePlan(words, (words,))
+        if targets := self._not_free():
             return self._take_off(targets, FREE)
-        inside = self.goal.contents(self.relations, self.scene.fixed)
-        held = [name for names in inside.values() for name in names]
-        if held:
+        if held := [name for names in self._contents().values() for name in names]:
             return self._take_off(held, FREE)
         for place in self.goal.places:
-            if (place.object, PLACE) not in self.done:
+            planned = not self.observed and (place.object, PLACE) in self.done
+            if not planned and not holds(place, self.relations, self._supports):
                 return self._place(place)
         return None
 
-    def _take_off(self, targets: Sequence[str], action: str) -> NextStep:
+    def _not_free(self) -> list[str]:
+        return [name for name in self.goal.free if (name, FREE) not in self.done]
+
+    def _contents(self) -> dict[str, tuple[str, ...]]:
+        return self.goal.contents(self.relations, self.scene.fixed)
+
+    def _take_off(self, targets: Sequence[str], action: str, why: str = "") -> NextStep:
         """The first object of the safe order for some targets that can be taken now."""
         chosen = self._ordered(targets)
-        rank = {name: place for place, name in enumerate(chosen.order)}
-        # within a cycle's group the order says who starts, so only what comes earlier is waited for
-        waiting = {
-            edge.then
-            for edge in chosen.graph.dependencies
-            if edge.first in rank and edge.then in rank and rank[edge.first] < rank[edge.then]
-        }
         failures: list[str] = []
-        for name in (name for name in chosen.order if name not in waiting):
+        barred: list[str] = []
+        for name in _may_go(chosen):
             found = self._transfer(name, None)
             if isinstance(found, Transfer):
                 if name in targets:
-                    return NextStep(found, action, "nothing has to go before it", chosen)
+                    return NextStep(found, action, why or "nothing has to go before it", chosen)
                 return NextStep(found, REMOVE, _why(name, chosen), chosen)
-            failures.append(found)
+            failures.append(str(found))
+            barred.append(name)
+        step = self._make_room(barred, failures)
+        if step is not None:
+            return step
         if not failures:
             failures = [f"each of {', '.join(chosen.order)} has to go before another one"]
         raise NoSafePlan("; ".join(failures), tuple(failures))
 
+    def _make_room(self, barred: Sequence[str], failures: Sequence[str]) -> NextStep | None:
+        """Something beside an object that could not be taken, which can be: hands need room.
+
+        Nobody goes twice to make room, so this comes to an end.
+        """
+        for name, failure in zip(barred, failures, strict=True):
+            for other in self._beside(name):
+                try:
+                    chosen = self._ordered([other])
+                except NoSafePlan:
+                    continue
+                for first in _may_go(chosen):
+                    if first in barred or (first, REMOVE) in self.done:
+                        continue
+                    found = self._transfer(first, None)
+                    if isinstance(found, Transfer):
+                        words = f"it is in the way to {name} ({failure})"
+                        return NextStep(found, REMOVE, words, chosen)
+        return None
+
+    def _beside(self, name: str) -> list[str]:
+        """Movable objects close to one, those that are in a container with it or carried included."""
+        own = self._solids[name]
+        return [
+            other
+            for other in self.scene.movable
+            if other != name and other not in self.given_up and not apart(own, self._solids[other], BESIDE)
+        ]
+
     def _place(self, place: Place) -> NextStep:
-        """The object to where the goal wants it, or first what has to go before it or stands there."""
-        others = self._standing_on(place) if place.how == "on" else ()
-        if others:
-            return self._take_off(others, REMOVE)
-        chosen = self._ordered([place.object])
+        """The object to where the goal wants it, or first what has to go before it or is in the way there."""
+        name, where = place.object, place.where
+        if place.how == "on" and (others := self._standing_on(place)):
+            return self._take_off(others, REMOVE, f"it is where {name} shall be")
+        chosen = self._ordered([name])
         if len(chosen.order) > 1:
-            return self._take_off([place.object], PLACE)
-        places = placements_on(place.object, self.scene, place.where, place.how, self._solids)
-        if not places:
-            words = f"{place.object} would not stay {place.how} {place.where}"
-            raise NoSafePlan(words, (words,))
-        found = self._transfer(place.object, places)
-        if isinstance(found, str):
-            raise NoSafePlan(found, (found,))
-        return NextStep(found, PLACE, f"it shall be {place.how} {place.where}", chosen)
+            return self._take_off([name], PLACE)
+        contents = self._in_the_way(place) if place.how == "within" else []
+        places = placements_on(name, self.scene, where, place.how, self._solids)
+        room = [found for found in places if found.inside >= DEEP] if contents else places
+        if (name, PLACE) in self.done and contents:
+            room = []  # it was tried, and it is not there: more room is needed
+        found = self._transfer(name, room) if room else f"{name} would not stay {place.how} {where}"
+        if isinstance(found, Transfer):
+            return NextStep(found, PLACE, f"it shall be {place.how} {where}", chosen)
+        if contents:
+            try:
+                return self._take_off(contents, REMOVE, f"{name} needs room in {where}")
+            except NoSafePlan as error:
+                on_top = self._transfer(name, places) if places else None
+                if not isinstance(on_top, Transfer):
+                    raise
+                return NextStep(on_top, PLACE, f"no more room can be made in {where} ({error})", chosen)
+        if room and (name, REMOVE) not in self.done and name not in self.given_up:
+            aside = self._transfer(name, None)
+            if isinstance(aside, Transfer):
+                words = f"it is put down to be taken otherwise, as it cannot go straight to {where} ({found})"
+                return NextStep(aside, REMOVE, words, chosen)
+        raise NoSafePlan(str(found), (str(found),))
+
+    def _in_the_way(self, place: Place) -> list[str]:
+        """What is in a container and does not belong there."""
+        settled = {other.object for other in self.goal.places if other.where == place.where}
+        return [
+            other
+            for other in self.scene.movable
+            if other not in (place.object, place.where)
+            and other not in settled
+            and self.relations.between(other, place.where).relation in INSIDE
+        ]
 
     def _standing_on(self, place: Place) -> tuple[str, ...]:
         """What stands on a supporter and is not what shall stand there."""
         settled = {other.object for other in self.goal.places if other.where == place.where}
         return tuple(
             support.supported
-            for support in supports(self.scene, self.relations)
+            for support in self._supports
             if support.supporter == place.where
             and support.kind == "rests"
             and support.supported not in settled
@@ -177,9 +253,22 @@ class StepChooser:
         if places is None:
             places = placements(name, self.scene, self._solids, pose_base_to_world=base)
         found = plan_transfer(
-            name, self.scene, self._solids, self.station.arm, base, self.station.q, places, seed=self.seed
-        )
+            name, self.scene, self._solids, self.station.arm, base, self.station.q, places,
+            avoid=self.avoid.get(name, ()), seed=self.seed,
+        )  # fmt: skip
         return str(found) if isinstance(found, TransferFailure) else found
+
+
+def _may_go(chosen: Order) -> list[str]:
+    """Objects of an order that wait for nobody in it, in its order."""
+    rank = {name: place for place, name in enumerate(chosen.order)}
+    # within a cycle's group the order says who starts, so only what comes earlier is waited for
+    waiting = {
+        edge.then
+        for edge in chosen.graph.dependencies
+        if edge.first in rank and edge.then in rank and rank[edge.first] < rank[edge.then]
+    }
+    return [name for name in chosen.order if name not in waiting]
 
 
 def _why(name: str, chosen: Order) -> str:

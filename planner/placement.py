@@ -26,6 +26,7 @@ class Placement:
         rest: How it stands there, in words.
         drop: How far it falls when it is let go [m].
         into: What it is put on or into, whose inferred body it may enter: its seen surface was kept clear of.
+        inside: Share of its height that is below the rim of what it is put into; 0 on a table.
     """
 
     pose_before_to_after: FloatArray
@@ -33,6 +34,7 @@ class Placement:
     rest: str = ""
     drop: float = 0.0
     into: str | None = None
+    inside: float = 0.0
 
     def __post_init__(self) -> None:
         object.__setattr__(self, "pose_before_to_after", frozen(self.pose_before_to_after))

@@ -9,14 +9,16 @@ from dataclasses import dataclass, field, replace
 import numpy as np
 
 from topple.planner.errors import NoSafePlan
-from topple.planner.execute import execute, withdraw
+from topple.planner.execute import Outcome, execute, withdraw
 from topple.planner.goal import Goal, parse_goal
-from topple.planner.judge import displacements, violations
-from topple.planner.next_step import NextStep, Station, StepChooser
+from topple.planner.grasp.grasp import Grasp
+from topple.planner.judge import LIMITS, displacements, tilts, truly_unmet, violations
+from topple.planner.look import Look, Observer, unexpected
+from topple.planner.motion.collision import Checker
+from topple.planner.next_step import PLACE, NextStep, Station, StepChooser
 from topple.planner.rehearsal import Rehearsal
-from topple.planner.report.raster import picture
 from topple.planner.report.record import RunRecord, StepRecord
-from topple.planner.solids import solids_of, table_top, up_of
+from topple.planner.solids import solids_of
 from topple.planner.transfer import scene_after
 from topple.robots.arm import Arm
 from topple.robots.camera import Camera
@@ -24,16 +26,12 @@ from topple.robots.catalog import robot as robot_named
 from topple.robots.simulated_arm import SimulatedArm
 from topple.robots.world import World
 from topple.topology.arrays import FloatArray
-from topple.topology.cloud import clean, thinned
-from topple.topology.image import DepthImage
-from topple.topology.relate import Relations, relate
-from topple.topology.relation import Relation
+from topple.topology.errors import ToppleError
 from topple.topology.scene import Scene
 
 log = logging.getLogger(__name__)
 
-FINE = 0.002  # [m] between the points kept of an object: what three cameras at a metre see apart
-COARSE = 0.008  # [m] between those of a table: finer than the foot of what stands on it
+STUCK = 0.005  # [m] an arm this deep in something when it starts stands in it: depth noise is a third of that
 
 Progress = Callable[[str], None]
 
@@ -44,6 +42,8 @@ def run(
     robot: Arm | str = "panda",
     *,
     base: FloatArray | None = None,
+    cameras: int = 3,
+    mask_noise: float = 0.0,
     seed: int = 0,
     progress: Progress | None = None,
 ) -> RunRecord:
@@ -54,6 +54,8 @@ def run(
         goal: In words, or names of objects to free.
         robot: The arm, or its name.
         base: (4, 4) pose_base_to_scene; the scene's `robot_base`, or else searched for.
+        cameras: How many depth cameras look on, 1 to 3.
+        mask_noise: By how many pixels the edges of their masks are wrong (standard deviation).
         seed: Of sensor noise and every search.
         progress: Called with a line before and after each action.
 
@@ -70,7 +72,7 @@ def run(
         loop = ClosedLoop(
             stage.world,
             SimulatedArm(stage.world, arm, stage.pose_base_to_world),
-            stage.cameras,
+            [camera.with_mask_noise(mask_noise) for camera in stage.cameras[:cameras]],
             goal,
             fixed=tuple(sorted(stage.world.fixed)),
             seed=seed,
@@ -95,21 +97,12 @@ class RunLimits:
     settle: float = 1.0
 
 
-@dataclass(frozen=True, eq=False)
-class Look:
-    """One look at the world and what follows from it."""
-
-    images: tuple[DepthImage, ...]
-    scene: Scene
-    relations: Relations
-    picture: bytes | None
-
-
 @dataclass
 class ClosedLoop:
     """Reaches a goal in a world with an arm, looking again after every action.
 
-    The loop decides from depth images and masks alone; the true poses serve only to judge what it did.
+    The loop decides from depth images and masks alone; the true poses serve only to judge what it did. It
+    comes to an end: after so many attempts at an object that is given up, and after so many actions the run.
 
     Attributes:
         world: The world with the objects and the arm in it.
@@ -136,13 +129,19 @@ class ClosedLoop:
     progress: Progress | None = None
 
     def __post_init__(self) -> None:
-        self._rng = np.random.default_rng(self.seed)
+        rng = np.random.default_rng(self.seed)
+        self._observer = Observer(self.world, self.cameras, rng, self.fixed, self.up)
         self._done: list[tuple[str, str]] = []
         self.followed: list[NextStep] = []
         self._attempts: Counter[str] = Counter()
+        self._failed: dict[str, list[Grasp]] = {}
+
+    def look(self) -> Look:
+        """Takes a picture with every camera and relates what is seen."""
+        return self._observer.look()
 
     def run(self, look: Look | None = None) -> RunRecord:
-        """Acts until the goal holds, nothing more can be done, or the budget is spent.
+        """Acts until the goal holds, nothing more can be done, the budget is spent, or someone interrupts.
 
         Args:
             look: What is seen at the start; a fresh look where None.
@@ -159,15 +158,25 @@ class ClosedLoop:
         budget = self.limits.actions * max(1, len(look.scene.movable))
         steps: list[StepRecord] = []
         wrong: list[str] = []
+        interrupted = False
         try:
-            while len(steps) < budget and (chosen := self._chooser(look, goal).choose()) is not None:
+            chosen = self._first(look, goal)
+            while chosen is not None and len(steps) < budget:
                 step, look, found = self._act(look, chosen)
                 steps.append(step)
                 wrong += found
+                chosen = self._chooser(look, goal).choose()
+            if chosen is not None:
+                wrong.append(f"the budget of {budget} actions is spent, and there is more to do")
         except NoSafePlan as error:
             wrong.append(str(error))
-        chooser = self._chooser(look, goal)
-        missing = chooser.unmet()
+        except ToppleError as error:
+            wrong.append(f"no more could be seen: {error}")
+        except KeyboardInterrupt:
+            interrupted = True
+            wrong.append(f"interrupted after {len(steps)} actions")
+        missing = self._chooser(look, goal).unmet()
+        missing += tuple(text for text in truly_unmet(goal, self.world, self.up) if text not in missing)
         return RunRecord(
             goal=goal.text,
             robot=self.robot.arm.name,
@@ -178,21 +187,36 @@ class ClosedLoop:
             seconds=time.perf_counter() - started,
             scene=look.scene,
             relations=look.relations.to_json(),
+            interrupted=interrupted,
         )
 
-    def look(self) -> Look:
-        """Takes a picture with every camera and relates what is seen."""
-        images = tuple(camera.look(self.world, self._rng) for camera in self.cameras)
-        scene = _thinned(Scene.from_images(images, fixed=self.fixed, up=self.up))
-        return Look(images, scene, relate(scene), _seen(images[0]))
+    def _first(self, look: Look, goal: Goal) -> NextStep | None:
+        """The first step, from an arm that stands clear.
+
+        Raises:
+            NoSafePlan: There is none, or the arm stands in something.
+        """
+        checker = Checker(
+            self.robot.arm,
+            self.robot.pose_base_to_world,
+            solids_of(look.scene),
+            tool_state=self.robot.tool_state,
+        )
+        deep = [contact for contact in checker.contacts(self.robot.q_target) if contact.distance < -STUCK]
+        chooser = self._chooser(look, goal)
+        if deep and chooser.unmet():
+            where = f"{deep[0].a} is {-1e3 * deep[0].distance:.0f} mm inside {deep[0].b}"
+            words = f"the arm starts in collision: {where}"
+            raise NoSafePlan(words, (words,))
+        return chooser.choose()
 
     def _chooser(self, look: Look, goal: Goal) -> StepChooser:
         station = Station(self.robot.arm, self.robot.pose_base_to_world, self.robot.q_target)
         most = self.limits.attempts
         given_up = {name: f"{n} attempts failed" for name, n in self._attempts.items() if n >= most}
         return StepChooser(
-            look.scene, goal, station, done=self._done, relations=look.relations, given_up=given_up,
-            seed=self.seed + self._attempts.total(),
+            look.scene, goal, station, done=self._done, relations=look.relations, observed=True,
+            given_up=given_up, avoid=self._failed, seed=self.seed + self._attempts.total(),
         )  # fmt: skip
 
     def _act(self, look: Look, chosen: NextStep) -> tuple[StepRecord, Look, list[str]]:
@@ -203,29 +227,34 @@ class ClosedLoop:
         before = self.world.poses()
         self.robot.touched.clear()
         outcome = execute(transfer, self.robot)
-        predicted_scene = scene_after(look.scene, transfer)
-        withdraw(self.robot, solids_of(predicted_scene), self.seed)
+        expected = scene_after(look.scene, transfer) if outcome.success else look.scene
+        withdraw(self.robot, solids_of(expected), self.seed)
         self.robot.wait(self.limits.settle)
         after = self.world.poses()
         self._attempts[name] += 1
         attempts = self._attempts[name]
-        if outcome.success:
-            self._done.append((name, chosen.action))
-            self.followed.append(chosen)
-            self._attempts[name] = 0
-        seen = self.look()
-        predicted = look.relations.updated(name, predicted_scene.clouds[name])
+        events = self._learn(chosen, outcome)
+        seen = self._observer.look(expected)
+        predicted = look.relations.updated(name, expected.clouds[name])
+        different = unexpected(predicted, seen.relations)
+        events += [*seen.surprises, *different]
+        if different or seen.surprises:
+            events.append("the next step is planned from what is seen")
         handled = (name, *self.fixed)
-        wrong = [f"{name}: {text}" for text in violations(before, after, self.robot.touched, handled)]
+        wrong = violations(before, after, self.robot.touched, handled)
+        if outcome.lost_at is not None and outcome.lost_at[2] - after[name][2, 3] > LIMITS.drop:
+            wrong.append(f"it was dropped by {100 * (outcome.lost_at[2] - after[name][2, 3]):.0f} cm")
+        touched = {other: touch for other, touch in self.robot.touched.items() if other not in handled}
         step = StepRecord(
             object=name,
             action=chosen.action,
             success=outcome.success,
             attempts=attempts,
             disturbed=displacements(before, after, handled),
-            relations_as_predicted=not unexpected(predicted, seen.relations),
+            relations_as_predicted=not different,
             seconds=time.perf_counter() - started,
             reason=f"{chosen.reason}; {outcome.text}",
+            events=tuple(events),
             robot_seconds=self.world.time - robot_started,
             picture_before=look.picture,
             picture_after=seen.picture,
@@ -235,50 +264,29 @@ class ClosedLoop:
             predicted=predicted.to_json(),
             observed=seen.relations.to_json(),
             tool_path=outcome.tool_path,
-            forces={
-                other: touch.force for other, touch in self.robot.touched.items() if other not in handled
-            },
+            tilts=tilts(before, after, handled),
+            slip=outcome.slip,
+            forces={other: touch.force for other, touch in touched.items()},
+            impulses={other: touch.impulse for other, touch in touched.items()},
         )
         self._say(f"{name}: {outcome.text}")
-        return step, seen, wrong
+        return step, seen, [f"{name}: {text}" for text in wrong]
+
+    def _learn(self, chosen: NextStep, outcome: Outcome) -> list[str]:
+        """Notes what was done, or which grasp is not to be tried again; says what follows from it."""
+        name = chosen.transfer.object
+        if outcome.success:
+            self._done.append((name, chosen.action))
+            self.followed.append(chosen)
+            if chosen.action != PLACE:  # one that is put where it shall be and does not stay is tried again
+                self._attempts[name] = 0
+            return []
+        self._failed.setdefault(name, []).append(chosen.transfer.grasp)
+        left = self.limits.attempts - self._attempts[name]
+        then = f"another grasp is tried, {left} attempts are left" if left > 0 else "it is given up"
+        return [f"{outcome.text} {then[0].upper()}{then[1:]}."]
 
     def _say(self, line: str) -> None:
         log.info(line)
         if self.progress is not None:
             self.progress(line)
-
-
-def unexpected(predicted: Relations, observed: Relations) -> list[str]:
-    """Pairs that were predicted apart and are seen in contact, or the other way round.
-
-    Pairs that either side has not seen well enough to tell are left out.
-
-    Args:
-        predicted: Relations of the scene as it should be.
-        observed: Relations of the scene as it is seen.
-
-    Returns:
-        One line a pair.
-    """
-    found: list[str] = []
-    for pair in predicted.pairs:
-        if pair.a not in observed.objects or pair.b not in observed.objects:
-            found.append(f"{pair.a} and {pair.b}: one of them is not seen any more")
-            continue
-        now = observed.between(pair.a, pair.b)
-        apart = pair.relation is Relation.DISJOINT
-        if apart != (now.relation is Relation.DISJOINT) and pair.observed and now.observed:
-            found.append(f"{pair.a} and {pair.b}: {pair.relation} expected, {now.relation} seen")
-    return found
-
-
-def _seen(image: DepthImage) -> bytes | None:
-    return None if image.rgb is None else picture(image.rgb)
-
-
-def _thinned(scene: Scene) -> Scene:
-    """The scene without strays, and with as many points as decisions need: a table comes with 300 000."""
-    for name, cloud in scene.clouds.items():
-        flat = name in scene.fixed and table_top(cloud, up_of(scene)) is not None
-        scene = scene.with_cloud(name, clean(thinned(cloud, COARSE if flat else FINE)))
-    return scene

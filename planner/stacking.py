@@ -18,6 +18,8 @@ CELL = 0.005  # grid of heights: half a finger's thickness [m]
 CONTACT = 0.005  # cells this close to touching carry: depth noise of both surfaces [m]
 INSET = 0.2  # on: the centre of mass keeps this share of the smaller half width from the carrying face's edge
 YAWS = 8
+SPOT = 0.012  # placements this close are at one spot: less than the least difference of two drops [m]
+HEADINGS = 4  # kept of one spot
 DROPS = {"within": (0.005, 0.02, 0.04)}  # into a container also from higher up: fingers need room beside [m]
 
 
@@ -95,6 +97,7 @@ def placements_on(
             rotation = about(up, 2.0 * np.pi * k / YAWS) @ rest.rotation
             turned = (body - centre) @ rotation.T
             level, height = _underside(turned @ axes.T, turned @ up)
+            tall = float(np.ptp(turned @ up))
             landings = _landings(level, height, middle + offsets, heights, target)
             for offset, landing in zip(offsets, landings, strict=True):
                 if landing is None:
@@ -107,8 +110,23 @@ def placements_on(
                     turn = np.degrees(rest.turn)
                     words = f"{how} {where}, turned {turn:.0f} deg onto a face"
                     value = (score or 0.0) - 0.01 * min(k, YAWS - k) - 3.0 * drop
-                    found.append(Placement(pose, value, words, drop, where))
-    return sorted(found, key=lambda placement: -placement.score)[:limit]
+                    inside = float(np.clip(landing.depth / tall, 0.0, 1.0))
+                    found.append(Placement(pose, value, words, drop, where, inside))
+    return _varied(found, centre, limit)
+
+
+def _varied(found: list[Placement], centre: FloatArray, limit: int) -> list[Placement]:
+    """Best first, a few headings at a spot each: a hand that finds no room at one may find it at another."""
+    kept: list[Placement] = []
+    spots: list[FloatArray] = []
+    for placement in sorted(found, key=lambda placement: -placement.score):
+        spot = placement.pose_before_to_after[:3, :3] @ centre + placement.pose_before_to_after[:3, 3]
+        if sum(bool(np.linalg.norm(other - spot) < SPOT) for other in spots) < HEADINGS:
+            kept.append(placement)
+            spots.append(spot)
+        if len(kept) >= limit:
+            break
+    return kept
 
 
 def heights_of(scene: Scene, up: FloatArray, leave_out: str) -> Heights:

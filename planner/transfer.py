@@ -118,6 +118,7 @@ def plan_transfer(
     *,
     grasps: Sequence[Grasp] | None = None,
     hand: ToolState | None = None,
+    avoid: Sequence[Grasp] = (),
     seed: int = 0,
     limits: TransferLimits = TRANSFER_LIMITS,
 ) -> Transfer | TransferFailure:
@@ -133,6 +134,7 @@ def plan_transfer(
         places: Where it may go, best first; free places on the table where None.
         grasps: How it may be held, best first; found from the clouds where None.
         hand: How the hand stands now; open with the cup drawn in where None.
+        avoid: Grasps that failed: none near them is tried while there are others.
         seed: For inverse kinematics and sampling planners.
         limits: How hard to look and how fast to move.
 
@@ -147,7 +149,7 @@ def plan_transfer(
     bodies = solids_of(scene) if bodies is None else bodies
     searched = grasps is None
     if grasps is None:
-        grasps = grasp_candidates(name, scene, arm, solids=bodies)
+        grasps = _others(grasp_candidates(name, scene, arm, solids=bodies), avoid)
     if places is None:
         places = placements(name, scene, bodies, pose_base_to_world=pose_base_to_world)
     if not grasps:
@@ -159,8 +161,14 @@ def plan_transfer(
     found = search.run(grasps)
     by_cup_alone = searched and all(grasp.tool == "suction" for grasp in grasps) and "fingers" in arm.tools
     if isinstance(found, TransferFailure) and by_cup_alone:
-        return search.run(grasp_candidates(name, scene, hand=hand_shape(arm), solids=bodies))
+        pinches = grasp_candidates(name, scene, hand=hand_shape(arm), solids=bodies)
+        return search.run(_others(pinches, avoid))
     return found
+
+
+def _others(grasps: list[Grasp], avoid: Sequence[Grasp]) -> list[Grasp]:
+    """The grasps that are not near any of those to avoid; all of them where that leaves none."""
+    return [grasp for grasp in grasps if not any(grasp.near(other) for other in avoid)] or grasps
 
 
 class _Search:

@@ -1,6 +1,6 @@
 """A depth camera in the PyBullet world: depth with a real camera's faults, exact masks, colours."""
 
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from typing import Any, cast
 
 import numpy as np
@@ -126,6 +126,16 @@ class Camera:
         focal = width / 2 / np.tan(view / 2)
         K = np.array([[focal, 0, (width - 1) / 2], [0, focal, (height - 1) / 2], [0, 0, 1.0]])
         return cls(width, height, K, pose, noise or Noise())
+
+    def with_mask_noise(self, pixels: float) -> "Camera":
+        """The same camera, whose masks are wrong along their edges by some pixels (standard deviation).
+
+        Raises:
+            InvalidInput: If that is no number of pixels.
+        """
+        if not np.isfinite(pixels) or pixels < 0:
+            raise InvalidInput(f"mask noise is {pixels}: expected pixels, 0 or more")
+        return replace(self, noise=replace(self.noise, shift=float(pixels)))
 
     def look(self, world: World, rng: np.random.Generator | None = None) -> DepthImage:
         """Take a picture.

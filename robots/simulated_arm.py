@@ -9,7 +9,7 @@ import pybullet
 
 from topple.robots.arm import Arm
 from topple.robots.gripper import ToolState
-from topple.robots.poses import pose_from, position_and_quaternion
+from topple.robots.poses import inverse, pose_from, position_and_quaternion
 from topple.robots.vacuum import Vacuum
 from topple.robots.world import World
 from topple.topology.arrays import FloatArray
@@ -110,7 +110,7 @@ class SimulatedArm:
         self._couple_fingers()
         self.vacuum: Vacuum | None = None
         self.touched: dict[str, Touch] = {}
-        self.on_step: Callable[[], None] | None = None
+        self.on_step: list[Callable[[], None]] = []
 
     def _reset(self) -> None:
         client = self.world.client
@@ -183,6 +183,11 @@ class SimulatedArm:
         )
         touching = {self._names[point[3]] for point in points if point[9] > 0.0}
         return all(link in touching for link in self.jaw.links)
+
+    def pose_in_hand(self, name: str, tool: str) -> FloatArray:
+        """(4, 4) pose_object_to_tool of an object: how it moves in the hand is what a judge asks."""
+        frame = self.arm.tool(tool)
+        return inverse(self.link_pose(frame.link) @ frame.pose_tool_to_link) @ self.world.pose(name)
 
     def load_on(self, name: str) -> float:
         """Force in [N] with which everything but the robot presses on an object, taking it off the hand."""
@@ -352,5 +357,5 @@ class SimulatedArm:
             touch.force = max(touch.force, float(point[9]))
             touch.impulse += float(point[9]) * self.world.time_step
             touch.links.add(self._names[point[3]])
-        if self.on_step is not None:
-            self.on_step()
+        for watch in self.on_step:
+            watch()

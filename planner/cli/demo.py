@@ -6,9 +6,10 @@ from pathlib import Path
 from typing import Any
 
 from topple.planner.cli.console import complain, import_quietly, print_json, print_text
-from topple.planner.cli.main import DONE, NO_SAFE_PLAN
+from topple.planner.cli.main import DONE, INTERRUPTED, NO_SAFE_PLAN
 from topple.planner.cli.options import add_common
 from topple.planner.cli.progress import Progress
+from topple.planner.cli.robot_options import add_cameras
 from topple.planner.cli.tables import print_order, print_relations, print_run
 
 _FOLDER = "topple-demo"
@@ -28,6 +29,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         metavar="NAME",
         help="panda, panda-suction, iiwa, xarm6 or FILE.urdf (the one the scene is made for)",
     )
+    add_cameras(parser)
     parser.add_argument(
         "-o", "--output", default=_FOLDER, metavar="FOLDER", help=f"where everything is written ({_FOLDER})"
     )
@@ -40,7 +42,7 @@ def execute(args: argparse.Namespace) -> int:
         args: The parsed arguments.
 
     Returns:
-        Exit code 0 where the goal was reached with nothing disturbed, else 1.
+        Exit code 0 where the goal was reached with nothing disturbed, 130 where it was interrupted, else 1.
 
     Raises:
         InvalidInput: If there is no such scene or robot, or the folder cannot be written.
@@ -54,14 +56,17 @@ def execute(args: argparse.Namespace) -> int:
         import_quietly("pybullet")
         from topple.planner.demo import demo
 
-        record = demo(args.name, seed=args.seed, robot=args.robot, folder=folder, progress=progress)
+        record = demo(
+            args.name, seed=args.seed, robot=args.robot, cameras=args.cameras, mask_noise=args.mask_noise,
+            folder=folder, progress=progress,
+        )  # fmt: skip
     run = record.to_json()
     if args.json:
         print_json(run)
     else:
         _print_demo(args.name, folder, run)
     complain(*(f"{args.name}: {violation}" for violation in run["violations"]))
-    return DONE if record.success else NO_SAFE_PLAN
+    return INTERRUPTED if record.interrupted else DONE if record.success else NO_SAFE_PLAN
 
 
 def _print_demo(name: str, folder: Path, run: dict[str, Any]) -> None:

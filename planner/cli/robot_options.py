@@ -61,6 +61,24 @@ def add_robot(parser: argparse.ArgumentParser) -> None:
     )
 
 
+def add_cameras(parser: argparse.ArgumentParser) -> None:
+    """Add how much is seen, and how well.
+
+    Args:
+        parser: The sub-command's parser.
+    """
+    parser.add_argument(
+        "--cameras", type=int, choices=(1, 2, 3), default=3, help="depth cameras that look on (3)"
+    )
+    parser.add_argument(
+        "--mask-noise",
+        type=float,
+        default=0.0,
+        metavar="PIXELS",
+        help="how far edges of the masks are off, as those of a segmentation are (0)",
+    )
+
+
 def base_of(args: argparse.Namespace, scene: "Scene") -> "FloatArray | None":
     """Turn `--base` into a pose.
 

@@ -3,10 +3,10 @@
 import argparse
 
 from topple.planner.cli.console import complain, import_quietly, print_json, print_text
-from topple.planner.cli.main import DONE, NO_SAFE_PLAN
+from topple.planner.cli.main import DONE, INTERRUPTED, NO_SAFE_PLAN
 from topple.planner.cli.options import add_common, read_scene, scene_paths
 from topple.planner.cli.progress import Progress
-from topple.planner.cli.robot_options import add_goal, add_robot, base_of, goal_of
+from topple.planner.cli.robot_options import add_cameras, add_goal, add_robot, base_of, goal_of
 from topple.planner.cli.tables import print_run
 from topple.planner.files import check_writable, write_whole
 
@@ -20,6 +20,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     add_common(parser, scenes="one")
     add_goal(parser)
     add_robot(parser)
+    add_cameras(parser)
     parser.add_argument("--report", metavar="FILE", help="where to write the report, e.g. out.html")
 
 
@@ -30,7 +31,7 @@ def execute(args: argparse.Namespace) -> int:
         args: The parsed arguments.
 
     Returns:
-        Exit code 0 where the goal was reached with nothing disturbed, else 1.
+        Exit code 0 where the goal was reached with nothing disturbed, 130 where it was interrupted, else 1.
 
     Raises:
         InvalidInput: If the scene cannot be read, the goal or the robot is none, or the report cannot be
@@ -46,7 +47,10 @@ def execute(args: argparse.Namespace) -> int:
         from topple.planner.run import run
 
         progress(f"{path}: rebuilding the scene")
-        record = run(scene, goal, args.robot, base=base_of(args, scene), seed=args.seed, progress=progress)
+        record = run(
+            scene, goal, args.robot, base=base_of(args, scene), cameras=args.cameras,
+            mask_noise=args.mask_noise, seed=args.seed, progress=progress,
+        )  # fmt: skip
         if place is not None:
             from topple.planner.report.run_page import run_page
 
@@ -60,4 +64,4 @@ def execute(args: argparse.Namespace) -> int:
         if place is not None:
             print_text(f"Written: {place}")
     complain(*(f"{path}: {violation}" for violation in record.violations))
-    return DONE if record.success else NO_SAFE_PLAN
+    return INTERRUPTED if record.interrupted else DONE if record.success else NO_SAFE_PLAN

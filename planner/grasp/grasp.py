@@ -59,6 +59,21 @@ class Grasp:
         """(3,) unit direction in the world along which the hand comes in."""
         return self.pose_tool_to_world[:3, 2]
 
+    def near(self, other: "Grasp", distance: float = 0.015, angle: float = 0.35) -> bool:
+        """Whether another grasp takes hold at nearly the same place in nearly the same way.
+
+        Args:
+            other: The other grasp, of the same object.
+            distance: Between the tools' origins, in [m]: about a pad's width.
+            angle: Between approaches and between closing directions, in [rad]; the latter do not matter
+                to a cup.
+        """
+        a, b = self.pose_tool_to_world, other.pose_tool_to_world
+        axes = (2,) if self.tool == "suction" else (1, 2)
+        along = [abs(float(a[:3, axis] @ b[:3, axis])) for axis in axes]
+        close = float(np.linalg.norm(a[:3, 3] - b[:3, 3])) < distance
+        return self.tool == other.tool and close and min(along) > np.cos(angle)
+
     def turned(self) -> "Grasp":
         """The same grasp with the hand turned half around z: equal for the object, not for the arm."""
         half = np.diag([-1.0, -1.0, 1.0, 1.0])

@@ -32,7 +32,8 @@ class GraspTolerances:
         least_seal: Suction scored below this would leak or peel off.
         sure: Score from which a suction grasp is sure to hold: a good seal near the centre of mass.
         enough_sealed: With so many sure suction grasps no pinch is looked for.
-        seal_tilt: Angle between the cup's axis and the surface normal that the bellows takes up.
+        seal_tilt: Angle between a cup, which is set square on a surface, and straight down: beyond it most of
+            the weight pulls along the lip.
     """
 
     spacing: float = 0.004
@@ -55,7 +56,7 @@ class GraspTolerances:
     least_seal: float = 0.2
     sure: float = 0.6
     enough_sealed: int = 4
-    seal_tilt: float = 0.35
+    seal_tilt: float = 0.7
 
 
 GRASP_TOLERANCES = GraspTolerances()

@@ -33,7 +33,12 @@ class StepRecord:
         predicted: `topple.relations` document the plan predicts after the action, or None.
         observed: `topple.relations` document of what was seen after the action, or None.
         tool_path: (k, 3) path of the tool centre point during the action [m, the scene's frame], or None.
-        forces: Largest contact force on an object not handled: name -> N.
+        forces: Largest contact force of the robot on an object not handled: name -> [N].
+        impulses: What that contact amounted to over time: name -> [N s].
+        tilts: How far the others were tipped, turns about the vertical left out: name -> [rad].
+        slip: Distance [m] and angle [rad] by which the object moved in the hand, None where it was not held.
+        events: What was not as planned and what followed from it, in sentences: another grasp, a new look,
+            something newly seen, hidden or moved.
     """
 
     object: str
@@ -54,6 +59,10 @@ class StepRecord:
     observed: Document | None = None
     tool_path: FloatArray | None = None
     forces: Mapping[str, float] = field(default_factory=dict[str, float])
+    impulses: Mapping[str, float] = field(default_factory=dict[str, float])
+    tilts: Mapping[str, float] = field(default_factory=dict[str, float])
+    slip: tuple[float, float] | None = None
+    events: tuple[str, ...] = ()
 
     def to_json(self) -> dict[str, Any]:
         """The step as it stands in a `topple.run` document: no pictures, no clouds."""
@@ -69,7 +78,11 @@ class StepRecord:
             "seconds": round(self.seconds, 3),
             "robot_seconds": None if self.robot_seconds is None else round(self.robot_seconds, 3),
             "reason": self.reason,
+            "events": list(self.events),
+            "tilts": {name: float(tilt) for name, tilt in self.tilts.items()},
             "forces": {name: float(force) for name, force in self.forces.items()},
+            "impulses": {name: float(impulse) for name, impulse in self.impulses.items()},
+            "slip": None if self.slip is None else list(self.slip),
         }
 
 
@@ -89,6 +102,7 @@ class RunRecord:
         relations: `topple.relations` document of that, or None.
         order: `topple.order` document of what would be left to take, or None.
         notes: What a reader should know besides: where the base stands, what was assumed.
+        interrupted: Somebody ended the run before it came to its end.
     """
 
     goal: str
@@ -102,6 +116,7 @@ class RunRecord:
     relations: Document | None = None
     order: Document | None = None
     notes: tuple[str, ...] = ()
+    interrupted: bool = False
 
     def to_json(self) -> dict[str, Any]:
         """The `topple.run` document, ready for `json.dumps`."""
@@ -116,4 +131,5 @@ class RunRecord:
             "steps": [step.to_json() for step in self.steps],
             "violations": list(self.violations),
             "notes": list(self.notes),
+            "interrupted": self.interrupted,
         }

@@ -63,6 +63,8 @@ class _RunPage:
         title = f"Step {number} of {len(self.record.steps)}: {_deed(step)}"
         html = f'<section class="step">{_turns(title)}'
         html += f"<p>{escape(step.reason)}</p>" if step.reason else ""
+        if step.events:
+            html += f"<ul>{''.join(f'<li>{escape(text)}</li>' for text in step.events)}</ul>"
         html += _facts(step)
         html += self.picture_pair(step)
         html += (
@@ -187,6 +189,8 @@ def _facts(step: StepRecord) -> str:
     ]
     if step.robot_seconds is not None:
         facts.append(("the arm moved for", f"{step.robot_seconds:.1f} s (simulated)"))
+    if step.slip is not None:
+        facts.append(("slip in the hand", f"{millimetres(step.slip[0])}, {math.degrees(step.slip[1]):.1f}°"))
     return (
         '<div class="facts">'
         + "".join(f"<div><span>{name}</span>{value}</div>" for name, value in facts)
