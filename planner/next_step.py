@@ -251,7 +251,9 @@ class StepChooser:
             return f"cannot move {name}: {self.given_up[name]}"
         base = self.station.pose_base_to_world
         if places is None:
-            places = placements(name, self.scene, self._solids, pose_base_to_world=base)
+            own = [self.scene.clouds[name]]  # elsewhere is off where it lies now
+            places = placements(name, self.scene, self._solids, pose_base_to_world=base, avoid=own)
+            places = places or placements(name, self.scene, self._solids, pose_base_to_world=base)
         found = plan_transfer(
             name, self.scene, self._solids, self.station.arm, base, self.station.q, places,
             avoid=self.avoid.get(name, ()), seed=self.seed,
