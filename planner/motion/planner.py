@@ -13,7 +13,7 @@ from topple.planner.motion.shortcut import length, shortcut
 from topple.topology.arrays import BoolArray, FloatArray, frozen
 from topple.topology.errors import InvalidInput
 
-DIRECT = (0, 1, 4, 8, 16)  # goals tried by a straight edge, in these batches, the nearest first
+DIRECT = (0, 1, 16)  # goals tried by a straight edge, in these batches, the nearest first
 ATTEMPTS = 4  # searches with different seeds before a path that could not be certified is returned
 OWN_SHARE = 0.7  # of the time left, for our own search; the rest is OMPL's
 
@@ -159,7 +159,7 @@ class _Query:
             if certificate is None or certificate.proven:
                 return short, stage, certificate
             fallback = fallback or (short, stage, certificate)
-            careful = shortcut(path, self._proven, passes=1, trusted=False)
+            careful = shortcut(path, self._proven, trusted=False)
             if careful is not None:
                 return careful, stage, self._certificate(careful)
         return fallback
