@@ -92,7 +92,7 @@ class RobustRule:
         wall = b.coarse[:: -(-len(b.coarse) // WALL)]
         held = np.zeros(len(chosen), dtype=np.bool_)
         for up in self._ups(b):
-            held |= surrounded(a.coarse[chosen], wall, up, 2 * self.deviation)
+            held |= surrounded(a.coarse[chosen], wall, up, self.deviation)
         inside[chosen[held]] = True
         if step > 1:  # the points between follow the nearest one that was looked at
             nearest = KDTree(a.coarse[chosen]).query(a.coarse[candidates])[1]
@@ -124,6 +124,10 @@ class RobustRule:
         if touching and boundary == 0 and inner == 0:
             boundary = 1  # the contact itself lies on both boundaries, between the mean points
         outer = a.size - inner - boundary
+        if inner:  # who is in B is outside only beyond the hull: no wall stands higher than the rim
+            free = rest[~(distance <= reach)] if touching else rest
+            outer = int(np.count_nonzero(b.hull.facet_distance(a.coarse[free]) > self.deviation))
+            boundary = a.size - inner - outer
         if inner and outer <= TOLERANCES.exterior_share * a.size:
             boundary, outer = boundary + outer, 0
         return np.array([inner, boundary, outer], dtype=np.int64)
