@@ -1,9 +1,9 @@
 """Relations learned from contact points: support vectors between two clouds, clusters of what they look like.
 
 After Rosman and Ramamoorthy, "Learning spatial relationships between objects" (IJRR 2011), as far as the
-paper describes it: a support vector machine tells the points of two objects apart, its support vectors are
-the points where they meet, and clusters (k-means) of how these lie to each other stand for relations. Trained on
-seeded piles, never on a scored scene; what is true of a pile is measured on its bodies.
+paper describes it: a support vector machine tells the points of two objects apart, its support vectors
+are the points where they meet, and clusters (k-means) of how these lie to each other stand for relations.
+Trained on seeded piles, never on a scored scene; what is true of a pile is measured on its bodies.
 """
 
 from collections.abc import Mapping
