@@ -8,7 +8,11 @@ import pytest
 from topple.topology import load_scene
 
 EXAMPLES = Path(__file__).resolve().parents[1] / "examples"
-SCRIPTS = ("look.py", "order_clouds.py", "own_world.py")
+FRAMES = EXAMPLES.parents[1] / "shared" / "data" / "rgbd"
+SCRIPTS = (
+    "dishes.py", "foreign_grasps.py", "lemon.py", "look.py", "order_clouds.py", "own_world.py", "pile.py",
+    "real_frame.py", "sort.py", "tower.py",
+)  # fmt: skip
 
 
 def _output(folder: Path, script: str, *arguments: str) -> list[str]:
@@ -19,9 +23,9 @@ def _output(folder: Path, script: str, *arguments: str) -> list[str]:
         env={**os.environ, "OMP_NUM_THREADS": "1"},
         capture_output=True,
         text=True,
-        timeout=120,
+        timeout=240,
     )
-    assert done.returncode == 0, done.stderr
+    assert done.returncode == 0, done.stdout + done.stderr
     return done.stdout.splitlines()
 
 
@@ -59,3 +63,50 @@ def test_in_a_foreign_world_the_counterweight_is_found(tmp_path: Path) -> None:
     assert taken[-1] == "3. block"
     assert "plank before weight (counterweight)" in lines[-1]
     assert any("weight and plank hold each other" in line for line in lines)
+
+
+def test_dishes_are_played_with_one_call(tmp_path: Path) -> None:
+    lines = _output(tmp_path, "dishes.py", "out")
+    assert lines[-1] == "free plate: reached"
+    assert [line for line in lines if line[0].isdigit()][-1].split(":")[0].endswith("free plate")
+    assert {path.name for path in (tmp_path / "out").iterdir()} >= {"plan.json", "run.json", "report.html"}
+
+
+def test_a_lemon_finds_its_place_in_a_full_bowl(tmp_path: Path) -> None:
+    lines = _output(tmp_path, "lemon.py")
+    assert lines[-1] == "lemon within bowl: yes"
+    assert any(line.startswith("place lemon") for line in lines)
+
+
+def test_a_tower_is_planned_before_anything_moves(tmp_path: Path) -> None:
+    lines = _output(tmp_path, "tower.py")
+    placed = [line.split(":")[0] for line in lines if line.startswith("place ")]
+    assert placed == ["place green", "place red"]
+    assert any("s of motion" in line for line in lines)
+
+
+def test_a_pile_is_freed_from_one_camera(tmp_path: Path) -> None:
+    lines = _output(tmp_path, "pile.py")
+    assert lines[0].startswith("3 cameras: ") and lines[1].startswith("1 camera: ")
+    assert lines[-1].endswith(": reached")
+
+
+def test_sorting_is_recorded(tmp_path: Path) -> None:
+    lines = _output(tmp_path, "sort.py")
+    assert lines[-1] == "reached"
+    assert "constraints: the gear of the fingers" in lines
+
+
+def test_grasps_of_another_pipeline_are_put_in_order(tmp_path: Path) -> None:
+    lines = _output(tmp_path, "foreign_grasps.py")
+    assert lines[0].startswith("grasp ") and lines[0].endswith(": now")
+    assert any("of 60 can be done now" in line for line in lines)
+
+
+def test_a_real_frame_becomes_a_world_to_act_in(tmp_path: Path) -> None:
+    frame = FRAMES / "osd_learn0.npz"
+    if not frame.exists():
+        pytest.skip(f"no real frames in {FRAMES}")
+    lines = _output(tmp_path, "real_frame.py", str(frame), "1")
+    assert any(line.startswith("note: the arm's base stands at") for line in lines)
+    assert (tmp_path / "real_frame.html").stat().st_size > 100_000
