@@ -126,7 +126,7 @@ class RobustRule:
         outer = a.size - inner - boundary
         if inner:  # who is in B is outside only beyond the hull: no wall stands higher than the rim
             free = rest[~(distance <= reach)] if touching else rest
-            outer = int(np.count_nonzero(b.hull.facet_distance(a.coarse[free]) > self.deviation))
+            outer = int(np.count_nonzero(b.hull.facet_distance(a.coarse[free]) > 0))
             boundary = a.size - inner - outer
         if inner and outer <= TOLERANCES.exterior_share * a.size:
             boundary, outer = boundary + outer, 0
