@@ -9,7 +9,7 @@ if TYPE_CHECKING:
     from topple.topology.errors import InvalidInput, ToppleError, UnknownObject
     from topple.topology.hull import Hull
     from topple.topology.image import DepthImage
-    from topple.topology.io import load_scene
+    from topple.topology.io import load_scene, load_sequence
     from topple.topology.pairs import PairRelation, Relations
     from topple.topology.relate import relate, relate_all
     from topple.topology.relation import Relation, classify
@@ -28,6 +28,7 @@ __all__ = [
     "UnknownObject",
     "classify",
     "load_scene",
+    "load_sequence",
     "relate",
     "relate_all",
 ]
@@ -45,6 +46,7 @@ _MODULE_OF = {
     "UnknownObject": "errors",
     "classify": "relation",
     "load_scene": "io",
+    "load_sequence": "io",
     "relate": "relate",
     "relate_all": "relate",
 }

@@ -1,6 +1,6 @@
 """Contacts that no camera saw and gravity demands: what floats in the clouds is held by something."""
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import replace
 
 import numpy as np
@@ -14,7 +14,9 @@ from topple.topology.tolerances import TOLERANCES
 _HELD_BY = frozenset({Relation.WITHIN, Relation.PARTIAL_WITHIN, Relation.CROSS})
 
 
-def infer_contacts(scene: Scene, relations: Relations) -> Relations:
+def infer_contacts(
+    scene: Scene, relations: Relations, apart: Callable[[PairRelation], bool] = lambda pair: False
+) -> Relations:
     """Add the hidden contacts that hold objects with nothing seen below them.
 
     Who holds them follows from static equilibrium and from the space the cameras saw to be empty. Where
@@ -23,6 +25,7 @@ def infer_contacts(scene: Scene, relations: Relations) -> Relations:
     Args:
         scene: The scene; one that does not know where up is stays as it is.
         relations: Its relations.
+        apart: Says of a pair without a visible contact whether the cameras saw that it has none.
 
     Returns:
         The relations, with disjoint pairs that must be in contact turned into `touch`, marked inferred.
@@ -30,13 +33,15 @@ def infer_contacts(scene: Scene, relations: Relations) -> Relations:
     if scene.up is None or len(scene.clouds) < 2:
         return relations
     floating = floating_objects(scene, relations)
-    if not any(_may_touch(pair) for name in floating for pair in relations.of(name)):
+    open_pairs = (pair for name in floating for pair in relations.of(name) if _may_touch(pair))
+    hidden = {frozenset((pair.a, pair.b)) for pair in open_pairs if not apart(pair)}
+    if not hidden:
         return relations
     from topple.topology.support import supports  # statics is heavy, and needed by few scenes
 
     for support in supports(scene, relations):
         pair = relations.between(support.supporter, support.supported)
-        if support.supported in floating and _may_touch(pair):
+        if support.supported in floating and frozenset((pair.a, pair.b)) in hidden:
             relations = relations.with_pair(_touching(pair, support.confidence))
     return relations
 

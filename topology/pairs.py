@@ -264,6 +264,23 @@ class Relations:
             near[i, j] = rule.relate(prepared[i], prepared[j])
         return rule.conclude(scene, replace(self, rule=rule, near=near, prepared=prepared, scene=scene))
 
+    def followed(self, scene: "Scene") -> "Relations":
+        """Relations of the next frame of a tracked scene: only what changed is looked at again.
+
+        Args:
+            scene: The frame, with the same objects; a cloud that is the very same array did not change.
+
+        Raises:
+            InvalidInput: The frame has other objects: relate it anew.
+        """
+        if scene.names != self.objects:
+            raise InvalidInput(f"the frame has {', '.join(scene.names)}, expected {', '.join(self.objects)}")
+        relations = self
+        for name, cloud in scene.clouds.items():
+            if cloud is not self.scene.clouds[name]:
+                relations = relations.updated(name, cloud)
+        return relations
+
     def to_json(self) -> dict[str, Any]:
         """The relations as plain JSON data: format "topple.relations", version 1."""
         return {

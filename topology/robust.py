@@ -13,11 +13,12 @@ from scipy.spatial import KDTree
 
 from topple.topology.arrays import BoolArray, FloatArray, IntArray
 from topple.topology.cavity import surrounded
+from topple.topology.facing import facing_seen
 from topple.topology.inferred import infer_contacts
 from topple.topology.pairs import PairRelation, Relations, box_distance
 from topple.topology.relation import Relation, classify, kind_of
 from topple.topology.scene import Scene
-from topple.topology.surface import Closest, SurfaceCloud, closest
+from topple.topology.surface import SurfaceCloud, closest
 from topple.topology.tolerances import TOLERANCES
 from topple.topology.visibility import Sight
 
@@ -57,7 +58,8 @@ class RobustRule:
         )
         relation = classify(matrix)
         depth = self._overlap(a, b, inner_a, inner_b) if relation is Relation.CROSS else 0.0
-        observed = touching or self._observed(near)
+        # What is in something, or on it, was seen there; what seems apart may meet where nobody looked.
+        observed = relation is not Relation.DISJOINT or self.sight is None or facing_seen(a, b, self.sight)
         return PairRelation(
             a=a.name,
             b=b.name,
@@ -75,8 +77,15 @@ class RobustRule:
         return self if self.sight is None else replace(self, sight=self.sight.after(name, cloud))
 
     def conclude(self, scene: Scene, relations: Relations) -> Relations:
-        """Add the hidden contacts that gravity demands."""
-        return infer_contacts(scene, relations)
+        """Add the hidden contacts that gravity demands of the objects without their stray points."""
+        kept = {one.name: one for one in relations.prepared if isinstance(one, SurfaceCloud)}
+        for one in kept.values():
+            if one.dropped:
+                scene = scene.with_cloud(one.name, one.points)
+        sight = self.sight
+        if sight is None:
+            return infer_contacts(scene, relations)
+        return infer_contacts(scene, relations, lambda pair: facing_seen(kept[pair.a], kept[pair.b], sight))
 
     def _interior(self, a: SurfaceCloud, b: SurfaceCloud) -> BoolArray:
         """Which mean points of A lie in B's solid or hollow: in its hull, with B standing higher around."""
@@ -139,14 +148,6 @@ class RobustRule:
             for one, other, inner in ((a, b, inner_a), (b, a, inner_b))
         ]
         return max(depths)
-
-    def _observed(self, near: Closest) -> bool:
-        """Whether a camera saw the space between the closest regions."""
-        if self.sight is None:
-            return True
-        shares = np.array([0.25, 0.5, 0.75])[:, None, None]
-        between = near.pairs[:, 0] * (1 - shares) + near.pairs[:, 1] * shares
-        return bool(self.sight.free(between.reshape(-1, 3)).mean() > 0.5)
 
     def _confidence(self, relation: Relation, gap: float, matrix: IntArray, observed: bool) -> float:
         """How far the evidence is from where the relation would change, as a number from 0.5 to 1."""

@@ -58,6 +58,11 @@ class Sight:
         return tables
 
     @property
+    def viewpoints(self) -> FloatArray:
+        """(k, 3) centres of all cameras [m]."""
+        return np.array([image.viewpoint for image in self._images]) if self._images else self._viewpoints
+
+    @property
     def known(self) -> bool:
         """Whether any camera is known."""
         return bool(self._images) or len(self._viewpoints) > 0

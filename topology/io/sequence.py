@@ -1,0 +1,100 @@
+"""A tracked scene: one Scene per frame."""
+
+import os
+from collections.abc import Iterable, Iterator, Mapping
+from pathlib import Path
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from topple.topology.errors import InvalidInput
+from topple.topology.io.archive import Array, read_arrays
+from topple.topology.io.assemble import Parts, assemble
+from topple.topology.io.load import load_scene
+from topple.topology.scene import Scene
+
+_POINTS, _ROWS = "_xyz_01mm", "_offsets"
+_UNIT = 1e-4  # [m] of whole numbers: a tenth of a millimetre, finer than any depth camera
+_TABLE_STEP = 50  # every so manieth point says where the table must reach: all frames at once
+
+
+def load_sequence(
+    path: str | os.PathLike[str], *, fixed: Iterable[str] = (), up: ArrayLike | None = None
+) -> Iterator[Scene]:
+    """Read the frames of a tracked scene, one after the other.
+
+    Two kinds are read: a folder of scenes that `load_scene` reads, taken in the order of their names, and an
+    `.npz` with all frames of an object in one array, `NAME_xyz_01mm` (N, 3) in tenths of a millimetre, whose
+    rows `NAME_offsets[i]` to `NAME_offsets[i + 1]` are frame i; optional `table_plane`, `up`, `fixed` and
+    `viewpoints` (the camera's frame, with its centre in the origin, where not given).
+
+    Args:
+        path: File or folder.
+        fixed: Names of objects that never move, beside those the files name.
+        up: Direction (3,) against gravity.
+
+    Yields:
+        A scene per frame. An object no point of which was seen in a frame is absent from it; clouds that do
+        not change, as that of a table laid into `table_plane`, are the same object in all frames.
+
+    Raises:
+        InvalidInput: If the path holds no sequence; one line that names the file.
+    """
+    place, fixed = Path(path), [fixed] if isinstance(fixed, str) else list(fixed)
+    if place.is_dir():
+        files = sorted(file for file in place.iterdir() if not file.name.startswith("."))
+        if not files:
+            raise InvalidInput(f"{os.fspath(path)}: the folder is empty: expected one scene per frame")
+        yield from (load_scene(file, fixed=fixed, up=up) for file in files)
+        return
+    try:
+        arrays = read_arrays(place)
+        tracks = _tracks(arrays)
+        whole = _with_table(arrays, tracks, fixed, up)
+    except OSError as error:
+        raise InvalidInput(f"{os.fspath(path)}: cannot be read: {error.strerror or error}") from error
+    except InvalidInput as error:
+        raise InvalidInput(f"{os.fspath(path)}: {error}") from error
+    for frame in range(min(len(rows) for _, rows in tracks.values()) - 1):
+        scene = whole
+        for name, (points, rows) in tracks.items():
+            cloud = points[rows[frame] : rows[frame + 1]] * _UNIT
+            scene = scene.with_cloud(name, cloud) if len(cloud) else scene.without(name)
+        yield scene
+
+
+def _tracks(arrays: Mapping[str, Array]) -> dict[str, tuple[Array, Array]]:
+    """The rows and where the frames begin, by object."""
+    tracks: dict[str, tuple[Array, Array]] = {}
+    for key, points in arrays.items():
+        if not key.endswith(_POINTS):
+            continue
+        name = key.removesuffix(_POINTS)
+        rows = arrays.get(name + _ROWS)
+        if rows is None or rows.ndim != 1 or rows.dtype.kind not in "iu" or len(rows) < 2:
+            raise InvalidInput(f"object {name!r} has no {name + _ROWS}: expected the first row of each frame")
+        if (np.diff(rows.astype(np.int64)) < 0).any() or rows[0] < 0 or rows[-1] > len(points):
+            raise InvalidInput(f"{name + _ROWS} does not rise from 0 to the {len(points)} rows of {key}")
+        tracks[name] = points, rows
+    if not tracks:
+        raise InvalidInput(
+            f"no tracked objects among the arrays {sorted(arrays)}: expected NAME{_POINTS} and NAME{_ROWS}"
+        )
+    return tracks
+
+
+def _with_table(
+    arrays: Mapping[str, Array],
+    tracks: Mapping[str, tuple[Array, Array]],
+    fixed: list[str],
+    up: ArrayLike | None,
+) -> Scene:
+    """All frames in one scene, with a table that reaches under all of them."""
+    parts = Parts(
+        clouds={name: points[::_TABLE_STEP] * _UNIT for name, (points, _) in tracks.items()},
+        fixed=[str(name) for name in np.ravel(arrays["fixed"])] if "fixed" in arrays else [],
+        up=arrays.get("up"),
+        viewpoints=arrays.get("viewpoints", np.zeros((1, 3))),
+        table_plane=arrays.get("table_plane"),
+    )
+    return assemble(parts, fixed, up)
