@@ -117,7 +117,11 @@ def holds(place: Place, relations: "Relations", carried: Iterable["Support"] | N
         return False
     if carried is None:
         return relations.between(place.object, place.where).relation is Relation.TOUCH
-    return any(pair.supporter == place.where and pair.supported == place.object for pair in carried)
+    carriers = [pair for pair in carried if pair.supported == place.object]
+    # what is at the side of a block leans on it, and on the table; what is on it has no one else
+    return any(
+        pair.supporter == place.where and (pair.kind != "leans" or len(carriers) == 1) for pair in carriers
+    )
 
 
 def _is_in(relations: "Relations", name: str, container: str) -> bool:

@@ -2,8 +2,9 @@ import numpy as np
 import pytest
 
 from topple.planner.errors import NoSafePlan
-from topple.planner.goal import Place, parse_goal
-from topple.topology import InvalidInput, Scene, UnknownObject
+from topple.planner.goal import Place, holds, parse_goal
+from topple.topology import InvalidInput, Scene, UnknownObject, relate
+from topple.topology.support import Support
 
 NAMES = (
     "lemon",
@@ -79,3 +80,15 @@ def test_what_is_no_goal_is_said_so(scene: Scene, goal: str | list[str], says: s
 def test_unknown_names_list_the_known_ones(scene: Scene, goal: str | list[str]) -> None:
     with pytest.raises(UnknownObject, match="lemon"):
         parse_goal(goal, scene)
+
+
+def test_on_is_carried_and_not_leaning_at_the_side(scene: Scene) -> None:
+    place, relations = Place("red", "on", "green"), relate(scene)
+    rests = Support("green", "red", "rests", 1.0, False)
+    leans = Support("green", "red", "leans", 1.0, False)
+    stands = Support("table", "red", "leans", 1.0, False)
+    assert not holds(place, relations, [])
+    assert holds(place, relations, [rests]) and holds(place, relations, [leans])
+    assert not holds(place, relations, [stands, leans])
+    assert not holds(Place("red", "within", "green"), relations, [rests])
+    assert not holds(Place("gone", "on", "green"), relations, [rests])
