@@ -2,7 +2,7 @@
 PYTHON ?= $(shell command -v python3.11 || command -v python3)
 BIN := .venv/bin
 
-.PHONY: demo test lint compiler clean
+.PHONY: demo test lint schema compiler clean
 
 demo: .venv/run.stamp
 	$(BIN)/topple demo
@@ -14,6 +14,10 @@ lint: .venv/dev.stamp
 	$(BIN)/ruff check .
 	$(BIN)/ruff format --check .
 	$(BIN)/pyright
+
+# docs/plan.schema.json is what the structs of planner/plan_format.py say; a test holds it to that.
+schema: .venv/dev.stamp
+	$(BIN)/python -c 'import json; from topple.planner.plan_format import plan_schema; print(json.dumps(plan_schema(), indent=1))' > docs/plan.schema.json
 
 # pybullet has wheels for CPython 3.11 on Linux x86-64 alone; anywhere else pip has to compile it.
 compiler:

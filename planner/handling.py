@@ -1,16 +1,17 @@
 """Collision checks and straight ways around one grasp of one object."""
 
-from collections import Counter
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
 
 import numpy as np
 
+from topple.planner.failure import Tally
 from topple.planner.grasp.grasp import Grasp
 from topple.planner.motion.cartesian import straight_line
 from topple.planner.motion.collision import Checker
 from topple.planner.motion.model import Attachment
+from topple.planner.motion.shortcut import densely
 from topple.planner.placement import Placement
 from topple.planner.solids import Solids, apart, moved, up_of
 from topple.robots.arm import Arm
@@ -19,6 +20,8 @@ from topple.topology.arrays import FloatArray
 from topple.topology.scene import Scene
 
 MARGIN = 0.004  # kept to everything on free motions: depth noise and tracking error [m]
+MARGINS = (MARGIN, 0.001, 0.0)  # the hand may start nearer to what it just left: then the first that holds
+LINE_STEP = 0.01  # [rad] between checked states of straight ways, which pass close by things
 OPENING_STEP = 0.005  # openings are rounded up to it, so that grasps share their checks [m]
 SEEDS = 24  # random starts of inverse kinematics for each pose: finds nearly all that are reachable
 CONTACT = 0.006  # bodies this close touch: noise of two clouds [m]
@@ -63,6 +66,7 @@ class Handling:
         bodies: Convex parts of all objects, in the world.
         arm: The arm.
         pose_base_to_world: (4, 4) where it stands.
+        riding: What lies in the object and goes with it.
         seed: For inverse kinematics.
     """
 
@@ -73,9 +77,10 @@ class Handling:
         bodies: Solids,
         arm: Arm,
         pose_base_to_world: FloatArray,
+        riding: tuple[str, ...] = (),
         seed: int = 0,
     ) -> None:
-        self.name, self.scene, self.arm, self.seed = name, scene, arm, seed
+        self.name, self.scene, self.arm, self.riding, self.seed = name, scene, arm, riding, seed
         self.bodies, self.up = bodies, up_of(scene)
         self.pose_base_to_world = pose_base_to_world
         self.world_to_base = np.linalg.inv(pose_base_to_world)
@@ -124,7 +129,8 @@ class Handling:
         allow = _pairs([self.name], self.touching)
         if lenient:
             allow += _pairs(self._links(grasp), [o for o in self.others if o not in self.scene.fixed])
-        return self._checker(self.others, self.closed(grasp), attached=self._attached(grasp), allow=allow)
+        held = self._attached(grasp)
+        return self._checker(self.others, self.closed(grasp), attached=held, allow=allow)
 
     def carrying(self, grasp: Grasp, margin: float, into: str | None = None) -> Checker:
         """The object in the hand, everything else in the way at a margin, but for what it is put into."""
@@ -139,40 +145,44 @@ class Handling:
     def leaving(self, grasp: Grasp) -> Checker:
         """The open hand drawing back from the object at its new place.
 
-        The object itself is left out: hand and object part as they met, which was checked there.
+        The object itself is left out, as its place is not known here; `parting` has it.
         """
         key = ("leave", grasp.tool, self.released(grasp))
         if key not in self._checkers:
             self._checkers[key] = self._checker(self.others, self.released(grasp))
         return self._checkers[key]
 
+    def parting(self, grasp: Grasp, place: Placement) -> Checker:
+        """The open hand drawing back, the object at its new place included: what held it may touch it."""
+        pose = place.pose_before_to_after
+        bodies = {**self.others, **{n: moved(self.bodies[n], pose) for n in (self.name, *self.riding)}}
+        allow = _pairs(self._links(grasp), (self.name, *self.riding))
+        return self._checker(bodies, self.released(grasp), allow=allow)
+
     def empty(self, opening: float, q_start: FloatArray) -> Checker:
-        """The empty hand among everything."""
+        """The empty hand among everything, at the largest of `MARGINS` that it keeps at the start."""
         state = ToolState(_rounded(opening, self.arm))
-        checker = self._checker(self.bodies, state, margin=MARGIN)
-        if checker.free(q_start)[0]:
-            return checker
-        # the last action may have left the hand closer than the margin: what it is next to now it may leave
-        near = [frozenset((contact.a, contact.b)) for contact in checker.contacts(q_start)]
-        return self._checker(self.bodies, state, allow=near, margin=MARGIN)
+        checkers = (self._checker(self.bodies, state, margin=margin) for margin in MARGINS)
+        free = (checker for checker in checkers if checker.free(q_start)[0])
+        return next(free, None) or self._checker(self.bodies, state)
 
     @cached_property
     def others(self) -> dict[str, Sequence[FloatArray]]:
-        """The bodies of all but the object."""
-        return {other: parts for other, parts in self.bodies.items() if other != self.name}
+        """The bodies of all but the object and what rides in it."""
+        away = (self.name, *self.riding)
+        return {other: parts for other, parts in self.bodies.items() if other not in away}
 
     @cached_property
     def touching(self) -> tuple[str, ...]:
         """The others whose clouds or bodies come within contact distance of the object's."""
         return tuple(
-            other
-            for other in self.bodies
-            if other != self.name and not apart(self.bodies[self.name], self.bodies[other], CONTACT)
+            other for other in self.others if not apart(self.bodies[self.name], self.bodies[other], CONTACT)
         )
 
     def _attached(self, grasp: Grasp) -> Attachment:
         to_tool: FloatArray = np.linalg.inv(grasp.pose_tool_to_world).astype(np.float64)
-        return Attachment(moved(self.bodies[self.name], to_tool), grasp.tool, self.name)
+        parts = [part for name in (self.name, *self.riding) for part in self.bodies[name]]
+        return Attachment(moved(parts, to_tool), grasp.tool, self.name)
 
     def _checker(
         self,
@@ -200,8 +210,7 @@ class Handling:
         grasps: Sequence[Grasp],
         near: FloatArray,
         lenient: bool,
-        reasons: Counter[str],
-        witnesses: Counter[str],
+        tally: Tally,
     ) -> list[Reached]:
         """Joint values for grasps, in their order, each also with the hand turned half.
 
@@ -209,8 +218,7 @@ class Handling:
             grasps: In the world.
             near: (n,) joint values solutions should be close to.
             lenient: Whether fingers may enter inferred bodies of neighbours.
-            reasons: Counts what grasps are dropped for.
-            witnesses: Counts what stands in the way.
+            tally: Notes what grasps are dropped for.
 
         Returns:
             Free states, at most two for each hand direction.
@@ -220,12 +228,12 @@ class Handling:
         found: list[Reached] = []
         for grasp, states in zip(both, solutions, strict=True):
             if len(states) == 0:
-                reasons["grasp out of reach"] += 1
+                tally.note("grasp", "reach", "grasp out of reach")
                 continue
             checker = self.approaching(grasp, lenient)
             free = checker.free(states)
             if not free.any():
-                reasons[self._blame(checker, states[0], "grasp", witnesses)] += 1
+                _blame(tally, checker, states[0], "grasp")
             found += [Reached(grasp, q, lenient) for q in states[free][:2]]
         return found
 
@@ -245,32 +253,37 @@ class Handling:
                     found[i] = states
         return found
 
-    def _blame(self, checker: Checker, q: FloatArray, what: str, witnesses: Counter[str]) -> str:
-        witness = checker.witness(q)
-        if witness is None:
-            return f"{what} in collision"
-        other = next((name for name in witness if name in self.bodies and name != self.name), None)
-        if other is not None:
-            witnesses[other] += 1
-        return f"{what}: {witness[0]} meets {witness[1]}"
-
     # -- straight ways
 
-    def way_in(self, state: Reached, length: float) -> FloatArray | None:
+    def way_in(self, state: Reached, length: float, tally: Tally) -> FloatArray | None:
         """(k, n) straight from before the object to the grasp, or None where something is in the way."""
         back = np.eye(4)
         back[2, 3] = -length
-        target = self.world_to_base @ state.grasp.pose_tool_to_world @ back
         checker = self.approaching(state.grasp, state.lenient)
-        path = straight_line(self.arm, checker, state.q, target, state.grasp.tool)
+        target = state.grasp.pose_tool_to_world @ back
+        path = self._straight(checker, state.q, target, state.grasp.tool, "approach", tally)
         return None if path is None else path[::-1]
 
-    def way_up(self, state: Reached, length: float) -> FloatArray | None:
+    def way_up(self, state: Reached, length: float, tally: Tally) -> FloatArray | None:
         """(k, n) straight up with the object, or None."""
         target = state.grasp.pose_tool_to_world.copy()
         target[:3, 3] += length * self.up
         checker = self.lifting(state.grasp, state.lenient)
-        return straight_line(self.arm, checker, state.q, self.world_to_base @ target, state.grasp.tool)
+        return self._straight(checker, state.q, target, state.grasp.tool, "lift", tally)
+
+    def _straight(
+        self, checker: Checker, q: FloatArray, target: FloatArray, tool: str, step: str, tally: Tally
+    ) -> FloatArray | None:
+        """(k, n) straight from a state to a tool pose in the world; what bars it is noted."""
+        path = straight_line(self.arm, None, q, self.world_to_base @ target, tool)
+        if path is None:
+            tally.note(step, "reach", f"no straight {step} within the arm's reach", q)
+        elif not checker.edges_free(path[:-1], path[1:], step=LINE_STEP).all():
+            states = densely(path, LINE_STEP)
+            _blame(tally, checker, states[int(np.argmin(checker.free(states)))], step)
+        else:
+            return path
+        return None
 
     def ends(
         self,
@@ -280,8 +293,7 @@ class Handling:
         drop: float,
         retreat: float,
         most: int,
-        reasons: Counter[str],
-        witnesses: Counter[str],
+        tally: Tally,
     ) -> list[End]:
         """Ways of ending a transfer that are free from above the place until the hand is out.
 
@@ -292,8 +304,7 @@ class Handling:
             drop: Straight way down [m].
             retreat: Straight way out [m].
             most: How many to return.
-            reasons: Counts what placements are dropped for.
-            witnesses: Counts what stands in the way.
+            tally: Notes what placements are dropped for.
 
         Returns:
             Up to `most` ends, best placements first.
@@ -305,13 +316,13 @@ class Handling:
             places, targets, self._inverse([grasp] * len(places), targets, near), strict=True
         ):
             if len(states) == 0:
-                reasons["place out of reach"] += 1
+                tally.note("place", "reach", "place out of reach")
                 continue
             free = checker.free(states)
             if not free.any():
-                reasons[self._blame(checker, states[0], "place", witnesses)] += 1
+                _blame(tally, checker, states[0], "place")
             for q in states[free][:2]:
-                end = self._end(grasp, place, target, q, drop, retreat, checker)
+                end = self._end(grasp, place, target, q, (drop, retreat), checker, tally)
                 if end is not None:
                     found.append(end)
                     break
@@ -325,18 +336,25 @@ class Handling:
         place: Placement,
         target: FloatArray,
         q: FloatArray,
-        drop: float,
-        retreat: float,
+        ways: tuple[float, float],
         carrying: Checker,
+        tally: Tally,
     ) -> End | None:
         above, back = target.copy(), np.eye(4)
-        above[:3, 3] += drop * self.up
-        back[2, 3] = -retreat
-        raised = straight_line(self.arm, carrying, q, self.world_to_base @ above, grasp.tool)
+        above[:3, 3] += ways[0] * self.up
+        back[2, 3] = -ways[1]
+        raised = self._straight(carrying, q, above, grasp.tool, "place", tally)
         if raised is None:
             return None
-        out = straight_line(self.arm, self.leaving(grasp), q, self.world_to_base @ target @ back, grasp.tool)
+        out = self._straight(self.leaving(grasp), q, target @ back, grasp.tool, "retreat", tally)
         return None if out is None else End(place, raised[::-1], out)
+
+
+def _blame(tally: Tally, checker: Checker, q: FloatArray, step: str) -> None:
+    """Note who meets whom in a state."""
+    pair = checker.witness(q)
+    text = f"{step} in collision" if pair is None else f"{step}: {pair[0]} meets {pair[1]}"
+    tally.note(step, "collision", text, q, pair)
 
 
 def _directions(grasp: Grasp) -> list[Grasp]:

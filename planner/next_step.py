@@ -7,15 +7,19 @@ should be by then, and of the scene as it is seen.
 from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property
+from typing import Protocol
+
+import numpy as np
 
 from topple.planner.errors import NoSafePlan
+from topple.planner.failure import Setback, TransferFailure
 from topple.planner.goal import Goal, Place, holds
 from topple.planner.grasp.grasp import Grasp
 from topple.planner.order import Order, order
 from topple.planner.placement import Placement, placements
-from topple.planner.solids import Solids, apart, solids_of
-from topple.planner.stacking import placements_on
-from topple.planner.transfer import Transfer, TransferFailure, plan_transfer
+from topple.planner.solids import Solids, apart, level_axes, solids_of, up_of
+from topple.planner.stacking import inset, placements_on
+from topple.planner.transfer import Transfer, plan_transfer
 from topple.robots.arm import Arm
 from topple.topology.arrays import FloatArray
 from topple.topology.relate import Relations, relate
@@ -63,6 +67,14 @@ class Station:
     q: FloatArray
 
 
+class Orderer(Protocol):
+    """Whoever says in which order to free targets: `topple.planner.order.order`, or a rule of thumb."""
+
+    def __call__(self, scene: Scene, targets: Sequence[str], *, relations: Relations, seed: int) -> Order:
+        """The order, as `topple.planner.order.order` gives it."""
+        ...
+
+
 class StepChooser:
     """Chooses the next step in one scene.
 
@@ -77,6 +89,9 @@ class StepChooser:
             is then made again.
         given_up: Objects that are not to be tried again, with the reason.
         avoid: Grasps that failed, by object.
+        solids: Convex parts of the objects; made from the scene where not given.
+        upright: Objects that are kept upright, with what is in them.
+        orderer: Who decides the order; another one only to compare with.
         seed: Of every search.
     """
 
@@ -91,15 +106,20 @@ class StepChooser:
         observed: bool = False,
         given_up: Mapping[str, str] | None = None,
         avoid: Mapping[str, Sequence[Grasp]] | None = None,
+        solids: Solids | None = None,
+        upright: Collection[str] = (),
+        orderer: Orderer = order,
         seed: int = 0,
     ) -> None:
         self.scene, self.goal, self.station, self.done, self.seed = scene, goal, station, done, seed
+        self._orderer = orderer
         self.relations = relate(scene) if relations is None else relations
         self.observed, self.given_up, self.avoid = observed, given_up or {}, avoid or {}
+        self.upright, self._given_solids = upright, solids
 
     @cached_property
     def _solids(self) -> Solids:
-        return solids_of(self.scene)
+        return solids_of(self.scene) if self._given_solids is None else self._given_solids
 
     @cached_property
     def _supports(self) -> tuple[Support, ...]:
@@ -139,30 +159,29 @@ class StepChooser:
     def _take_off(self, targets: Sequence[str], action: str, why: str = "") -> NextStep:
         """The first object of the safe order for some targets that can be taken now."""
         chosen = self._ordered(targets)
-        failures: list[str] = []
-        barred: list[str] = []
+        failures: list[TransferFailure] = []
         for name in _may_go(chosen):
             found = self._transfer(name, None)
             if isinstance(found, Transfer):
                 if name in targets:
                     return NextStep(found, action, why or "nothing has to go before it", chosen)
                 return NextStep(found, REMOVE, _why(name, chosen), chosen)
-            failures.append(str(found))
-            barred.append(name)
-        step = self._make_room(barred, failures)
+            failures.append(found)
+        step = self._make_room(failures)
         if step is not None:
             return step
-        if not failures:
-            failures = [f"each of {', '.join(chosen.order)} has to go before another one"]
-        raise NoSafePlan("; ".join(failures), tuple(failures))
+        words = [str(failure) for failure in failures]
+        words = words or [f"each of {', '.join(chosen.order)} has to go before another one"]
+        raise NoSafePlan("; ".join(words), tuple(words), tuple(failures))
 
-    def _make_room(self, barred: Sequence[str], failures: Sequence[str]) -> NextStep | None:
-        """Something beside an object that could not be taken, which can be: hands need room.
+    def _make_room(self, failures: Sequence[TransferFailure]) -> NextStep | None:
+        """What bars the way to an object that could not be taken, or stands beside it: it goes first.
 
         Nobody goes twice to make room, so this comes to an end.
         """
-        for name, failure in zip(barred, failures, strict=True):
-            for other in self._beside(name):
+        barred = {failure.object for failure in failures}
+        for failure in failures:
+            for other in self._barring(failure):
                 try:
                     chosen = self._ordered([other])
                 except NoSafePlan:
@@ -172,18 +191,17 @@ class StepChooser:
                         continue
                     found = self._transfer(first, None)
                     if isinstance(found, Transfer):
-                        words = f"it is in the way to {name} ({failure})"
+                        words = f"it is in the way to {failure.object} ({failure})"
                         return NextStep(found, REMOVE, words, chosen)
         return None
 
-    def _beside(self, name: str) -> list[str]:
-        """Movable objects close to one, those that are in a container with it or carried included."""
-        own = self._solids[name]
-        return [
-            other
-            for other in self.scene.movable
-            if other != name and other not in self.given_up and not apart(own, self._solids[other], BESIDE)
-        ]
+    def _barring(self, failure: TransferFailure) -> list[str]:
+        """Movable objects whose removal may help: those met in the search first, then those beside."""
+        own = self._solids[failure.object]
+        near = (n for n in self.scene.movable if not apart(own, self._solids[n], BESIDE))
+        barring = dict.fromkeys([*failure.barring, *near])
+        movable = set(self.scene.movable) - {failure.object, *self.given_up}
+        return [name for name in barring if name in movable]
 
     def _place(self, place: Place) -> NextStep:
         """The object to where the goal wants it, or first what has to go before it or is in the way there."""
@@ -193,12 +211,16 @@ class StepChooser:
         chosen = self._ordered([name])
         if len(chosen.order) > 1:
             return self._take_off([name], PLACE)
+        if (later := self._stands_on_later(place)) is not None:
+            return self._take_off(
+                [where], REMOVE, f"{later} below it has to come out before {name} is put there"
+            )
         contents = self._in_the_way(place) if place.how == "within" else []
         places = placements_on(name, self.scene, where, place.how, self._solids)
         room = [found for found in places if found.inside >= DEEP] if contents else places
         if (name, PLACE) in self.done and contents:
             room = []  # it was tried, and it is not there: more room is needed
-        found = self._transfer(name, room) if room else f"{name} would not stay {place.how} {where}"
+        found = self._transfer(name, room) if room else _no_room(place)
         if isinstance(found, Transfer):
             return NextStep(found, PLACE, f"it shall be {place.how} {where}", chosen)
         if contents:
@@ -214,7 +236,15 @@ class StepChooser:
             if isinstance(aside, Transfer):
                 words = f"it is put down to be taken otherwise, as it cannot go straight to {where} ({found})"
                 return NextStep(aside, REMOVE, words, chosen)
-        raise NoSafePlan(str(found), (str(found),))
+        raise NoSafePlan(str(found), (str(found),), (found,))
+
+    def _stands_on_later(self, place: Place) -> str | None:
+        """An object that a later placement moves and that comes out only once the base is off: base first."""
+        for later in self.goal.places[self.goal.places.index(place) + 1 :]:
+            if later.object != place.where and (later.object, PLACE) not in self.done:
+                if place.where in self._ordered([later.object]).order:
+                    return later.object
+        return None
 
     def _in_the_way(self, place: Place) -> list[str]:
         """What is in a container and does not belong there."""
@@ -234,31 +264,49 @@ class StepChooser:
             support.supported
             for support in self._supports
             if support.supporter == place.where
-            and support.kind == "rests"
             and support.supported not in settled
+            and (support.kind == "rests" or self._over(support.supported, place.where))
         )
 
+    def _over(self, upper: str, lower: str) -> bool:
+        """Whether the middle of what leans on an object is over it: it is then on it, not at its side."""
+        axes = np.stack(level_axes(up_of(self.scene)))
+        middle, outline = self.scene.clouds[upper].mean(axis=0) @ axes.T, self.scene.clouds[lower] @ axes.T
+        return inset(outline, middle[None])[0] > 0.0
+
     def _ordered(self, targets: Sequence[str]) -> Order:
-        chosen = order(self.scene, targets, relations=self.relations, seed=self.seed)
+        chosen = self._orderer(self.scene, targets, relations=self.relations, seed=self.seed)
         if chosen.unresolved:
             cycles = tuple("cycle: " + " before ".join([*cycle, cycle[0]]) for cycle in chosen.unresolved)
             raise NoSafePlan(f"no safe order frees {', '.join(targets)}: {cycles[0]}", cycles)
         return chosen
 
-    def _transfer(self, name: str, places: list[Placement] | None) -> Transfer | str:
+    def _transfer(self, name: str, places: list[Placement] | None) -> Transfer | TransferFailure:
         """A transfer of an object, or why there is none."""
         if name in self.given_up:
-            return f"cannot move {name}: {self.given_up[name]}"
+            return TransferFailure(name, {self.given_up[name]: 1}, None)
         base = self.station.pose_base_to_world
         if places is None:
             own = [self.scene.clouds[name]]  # elsewhere is off where it lies now
             places = placements(name, self.scene, self._solids, pose_base_to_world=base, avoid=own)
             places = places or placements(name, self.scene, self._solids, pose_base_to_world=base)
-        found = plan_transfer(
+        return plan_transfer(
             name, self.scene, self._solids, self.station.arm, base, self.station.q, places,
-            avoid=self.avoid.get(name, ()), seed=self.seed,
+            avoid=self.avoid.get(name, ()), riding=self._riding(name),
+            upright=name in self.upright, seed=self.seed,
         )  # fmt: skip
-        return str(found) if isinstance(found, TransferFailure) else found
+
+    def _riding(self, name: str) -> tuple[str, ...]:
+        """What lies in an object that is kept upright."""
+        if name not in self.upright:
+            return ()
+        others = (other for other in self.scene.movable if other != name)
+        return tuple(n for n in others if self.relations.between(n, name).relation in INSIDE)
+
+
+def _no_room(place: Place) -> TransferFailure:
+    text = f"{place.object} would not stay {place.how} {place.where}"
+    return TransferFailure(place.object, {text: 1}, None, Setback("place", "room", text))
 
 
 def _may_go(chosen: Order) -> list[str]:

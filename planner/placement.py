@@ -39,6 +39,17 @@ class Placement:
     def __post_init__(self) -> None:
         object.__setattr__(self, "pose_before_to_after", frozen(self.pose_before_to_after))
 
+    def pose_at_rest(self, up: FloatArray) -> FloatArray:
+        """(4, 4) rigid transform in the world to where it lies once it fell by `drop`; up (3,) is a unit."""
+        pose = self.pose_before_to_after.copy()
+        pose[:3, 3] -= self.drop * up
+        return pose
+
+    def tilt(self, up: FloatArray) -> float:
+        """Angle by which it is tilted against up (3,), a unit vector, from how it stands now [rad]."""
+        cosine = float(up @ self.pose_before_to_after[:3, :3] @ up)
+        return float(np.arccos(np.clip(cosine, -1.0, 1.0)))
+
 
 def placements(
     name: str,

@@ -1,7 +1,8 @@
 """The whole sequence before anything moves: order, grasps, placements and motions, step by step."""
 
+import time
 from collections import Counter
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Collection, Sequence
 from dataclasses import dataclass, field
 
 import numpy as np
@@ -12,8 +13,9 @@ from topple.planner.goal import Goal, parse_goal
 from topple.planner.next_step import NextStep, Station, StepChooser
 from topple.planner.plan_data import objects_data, step_data
 from topple.planner.plan_format import DependencyData, Plan, Step
-from topple.planner.solids import solids_of
-from topple.planner.transfer import scene_after
+from topple.planner.plan_start import check_start, check_upright
+from topple.planner.solids import Solids, solids_of, up_of
+from topple.planner.transfer import scene_after, solids_after
 from topple.robots.arm import Arm
 from topple.robots.catalog import robot as robot_named
 from topple.topology.arrays import FloatArray
@@ -30,6 +32,7 @@ def plan(
     *,
     base: FloatArray | None = None,
     q_start: FloatArray | None = None,
+    upright: Collection[str] = (),
     seed: int = 0,
     progress: Progress | None = None,
 ) -> Plan:
@@ -45,6 +48,7 @@ def plan(
         robot: The arm, or its name.
         base: (4, 4) pose_base_to_world; the scene's `robot_base`, or else searched for.
         q_start: (n,) joint values to start from [rad]; the arm's home where not given.
+        upright: Objects that are kept upright while they are carried, with what is in them.
         seed: Of every search.
         progress: Called with a line for each step.
 
@@ -60,7 +64,9 @@ def plan(
     given = base if base is not None else scene.robot_base
     pose = choose_base(scene, arm) if given is None else np.asarray(given, dtype=np.float64)
     start = np.asarray(arm.home if q_start is None else q_start, dtype=np.float64)
-    planning = _Planning(scene, wanted, arm, pose, start, seed, progress)
+    check_start(scene, arm, pose, start)
+    level = check_upright(scene, upright)
+    planning = _Planning(scene, wanted, arm, pose, start, level, seed, progress)
     planning.run()
     return planning.plan(scene, start, given is None, scene.assumptions)
 
@@ -79,7 +85,7 @@ def plan_as_done(scene: Scene, goal: Goal, station: Station, steps: Sequence[Nex
         The plan; an assumption says that the arm goes home between the steps.
     """
     arm, pose, start = station.arm, station.pose_base_to_world, station.q
-    planning = _Planning(scene, goal, arm, pose, start, seed, None)
+    planning = _Planning(scene, goal, arm, pose, start, frozenset(), seed, None)
     for chosen in steps:
         planning.take(chosen)
     note = "each step was planned from a look of its own; between steps the arm goes home"
@@ -88,27 +94,40 @@ def plan_as_done(scene: Scene, goal: Goal, station: Station, steps: Sequence[Nex
 
 @dataclass
 class _Planning:
-    """A plan in the making: the scene as it should be by now, and the steps that lead there."""
+    """A plan in the making: the scene as it should be by now, and the steps that lead there.
+
+    `reasons` has each dependency with the index of the step it was first seen at.
+    """
 
     scene: Scene
     goal: Goal
     arm: Arm
     pose_base_to_world: FloatArray
     q: FloatArray
+    upright: frozenset[str]
     seed: int
     progress: Progress | None
     steps: list[Step] = field(default_factory=list[Step])
     tried: Counter[str] = field(default_factory=Counter[str])
     seconds: float = 0.0
-    reasons: dict[tuple[str, str], DependencyData] = field(
-        default_factory=dict[tuple[str, str], DependencyData]
+    reasons: dict[tuple[str, str], tuple[int, DependencyData]] = field(
+        default_factory=dict[tuple[str, str], tuple[int, DependencyData]]
     )
+
+    def __post_init__(self) -> None:
+        self.started = self.last = time.perf_counter()
+        self.up = up_of(self.scene)
+        self.solids: Solids = solids_of(self.scene)  # bodies are rigid: they move with the plan
+        self.moved: dict[str, FloatArray] = {}
 
     def run(self) -> None:
         done: list[tuple[str, str]] = []
         for _ in range(MOST_STEPS * len(self.scene.movable)):
             station = Station(self.arm, self.pose_base_to_world, self.q)
-            chosen = StepChooser(self.scene, self.goal, station, done=done, seed=self.seed).choose()
+            chosen = StepChooser(
+                self.scene, self.goal, station, done=done, solids=self.solids, upright=self.upright,
+                seed=self.seed,
+            ).choose()  # fmt: skip
             if chosen is None:
                 return
             self.take(chosen)
@@ -133,28 +152,47 @@ class _Planning:
             dependencies=self.dependencies(),
             steps=self.steps,
             objects=objects_data(scene, solids_of(scene)),
+            up=(float(self.up[0]), float(self.up[1]), float(self.up[2])),
             assumptions=list(assumptions),
+            certified=all(
+                segment.certified for step in self.steps for segment in step.segments if segment.motion
+            ),
             seconds=round(self.seconds, 3),
+            planning_seconds=round(self.last - self.started, 3),
             tried=dict(self.tried),
         )
 
     def dependencies(self) -> list[DependencyData]:
+        """Why the steps come in this order: what had to go first when an object was taken."""
         handled = {step.object for step in self.steps}
-        return [edge for pair, edge in sorted(self.reasons.items()) if set(pair) <= handled]
+        kept = {
+            pair
+            for pair in self.reasons
+            if pair[0] in handled and self.reasons[pair][0] <= self.last_of(pair[1])
+        }
+        return [self.reasons[pair][1] for pair in sorted(kept)]
+
+    def last_of(self, name: str) -> int:
+        """Index of the last step of an object, -1 where it has none."""
+        return max((index for index, step in enumerate(self.steps) if step.object == name), default=-1)
 
     def take(self, chosen: NextStep) -> None:
         for edge in chosen.order.graph.dependencies:
-            self.reasons.setdefault(
-                (edge.first, edge.then),
-                DependencyData(edge.first, edge.then, str(edge.reason), round(float(edge.confidence), 4)),
-            )
+            data = DependencyData(edge.first, edge.then, str(edge.reason), round(float(edge.confidence), 4))
+            self.reasons.setdefault((edge.first, edge.then), (len(self.steps), data))
         transfer = chosen.transfer
         names = [step.object for step in self.steps]
-        before = {first for first, then in self.reasons if then == transfer.object}
-        after = [index for index, name in enumerate(names) if name in before or name == transfer.object]
-        self.steps.append(step_data(transfer, chosen.action, chosen.reason, after))
+        below = {first for first, then in self.reasons if then == transfer.object}
+        after = [index for index, name in enumerate(names) if name in below or name == transfer.object]
+        before, self.last = self.last, time.perf_counter()
+        spent = self.last - before
+        self.steps.append(step_data(transfer, chosen.action, chosen.reason, after, self.moved, spent))
         self.tried.update(transfer.tried)
         self.seconds += transfer.seconds
         self.scene, self.q = scene_after(self.scene, transfer), transfer.q_end
+        self.solids = solids_after(self.solids, transfer, self.up)
+        pose = transfer.placement.pose_at_rest(self.up)
+        for name in (transfer.object, *transfer.riding):
+            self.moved[name] = pose @ self.moved.get(name, np.eye(4))
         if self.progress is not None:
             self.progress(f"{len(self.steps)}. {chosen.action} {transfer.object}: {chosen.reason}")

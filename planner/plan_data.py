@@ -1,9 +1,12 @@
 """Transfers as plan data, and back."""
 
+from collections.abc import Mapping
+
 import numpy as np
 
 from topple.planner.motion.trajectory import Trajectory
 from topple.planner.plan_format import (
+    AttachmentData,
     GraspData,
     HandState,
     Motion,
@@ -16,12 +19,20 @@ from topple.planner.segments import Segment
 from topple.planner.solids import Solids
 from topple.planner.transfer import Transfer
 from topple.robots.gripper import ToolState
+from topple.topology.arrays import FloatArray
 from topple.topology.scene import Scene
 
 DIGITS = 6  # micrometres and microradians: below what any arm can tell
 
 
-def step_data(transfer: Transfer, action: str, reason: str, after: list[int]) -> Step:
+def step_data(
+    transfer: Transfer,
+    action: str,
+    reason: str,
+    after: list[int],
+    moved: Mapping[str, FloatArray] | None = None,
+    planning_seconds: float = 0.0,
+) -> Step:
     """A transfer as a step of a plan.
 
     Args:
@@ -29,11 +40,19 @@ def step_data(transfer: Transfer, action: str, reason: str, after: list[int]) ->
         action: "remove", "free" or "place".
         reason: Why, in a sentence.
         after: Indices of the steps it has to follow.
+        moved: Rigid transforms (4, 4) of the objects since the plan began, for those that moved.
+        planning_seconds: What it took to find it.
 
     Returns:
         The step, its numbers rounded to a millionth.
     """
-    grasp = transfer.grasp
+    grasp, place = transfer.grasp, transfer.placement
+    to_tool = np.linalg.inv(grasp.pose_tool_to_world)
+    since = moved or {}
+    attachments = [
+        AttachmentData(name, grasp.tool, np.round(to_tool @ since.get(name, np.eye(4)), DIGITS).tolist())
+        for name in (transfer.object, *transfer.riding)
+    ]
     return Step(
         object=transfer.object,
         action=action,
@@ -47,9 +66,15 @@ def step_data(transfer: Transfer, action: str, reason: str, after: list[int]) ->
             grasp.reason,
         ),
         placement=PlacementData(
-            np.round(transfer.placement.pose_before_to_after, DIGITS).tolist(), transfer.placement.rest
+            np.round(place.pose_before_to_after, DIGITS).tolist(),
+            place.rest,
+            round(place.drop, DIGITS),
+            place.into,
         ),
         segments=[segment_data(segment) for segment in transfer.segments],
+        attachments=attachments,
+        upright=transfer.upright,
+        planning_seconds=round(planning_seconds, 3),
     )
 
 
@@ -79,7 +104,19 @@ def segment_data(segment: Segment) -> SegmentData:
             np.round(segment.trajectory.positions, DIGITS).tolist(),
             np.round(segment.trajectory.velocities, DIGITS).tolist(),
         )
-    return SegmentData(segment.kind, segment.tool, hand, motion, segment.holding)
+    proof = segment.certificate
+    found = proof.contact if proof is not None else None
+    return SegmentData(
+        segment.kind,
+        segment.tool,
+        hand,
+        motion,
+        segment.holding,
+        list(segment.may_touch),
+        certified=proof is not None and proof.proven,
+        clearance=0.0 if proof is None else round(proof.clearance, DIGITS),
+        witness=None if found is None else (found.a, found.b),
+    )
 
 
 def segment_from(data: SegmentData) -> Segment:
@@ -90,4 +127,4 @@ def segment_from(data: SegmentData) -> Segment:
             np.array(data.motion.times), np.array(data.motion.positions), np.array(data.motion.velocities)
         )
     hand = ToolState(data.hand.opening, data.hand.cup_extension)
-    return Segment(data.kind, data.tool, hand, trajectory, data.holding)
+    return Segment(data.kind, data.tool, hand, trajectory, data.holding, tuple(data.may_touch))

@@ -1,11 +1,16 @@
 """A plan as data: frozen structs that are written as JSON and read back equal."""
 
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import msgspec
 
 from topple.planner.segments import KINDS
 from topple.topology.errors import InvalidInput
+
+if TYPE_CHECKING:
+    from topple.planner.verify.record import Verification
+    from topple.robots.arm import Arm
+    from topple.topology.scene import Scene
 
 FORMAT = "topple.plan"
 FORMAT_VERSION = 1
@@ -29,13 +34,29 @@ class Motion(msgspec.Struct, frozen=True):
 
 
 class SegmentData(msgspec.Struct, frozen=True):
-    """One piece of a step; `motion` is null for grasp and release, `holding` names what is in the hand."""
+    """One piece of a step.
+
+    Attributes:
+        kind: One of `topple.planner.segments.KINDS`.
+        tool: "fingers" or "suction".
+        hand: Set before the motion; for grasp and release what the hand is brought to.
+        motion: Null for grasp and release.
+        holding: What is in the hand.
+        may_touch: Pairs of names (links, objects) that touch here and are meant to.
+        certified: Whether the motion was proven free between its samples too.
+        clearance: Proven lower bound of all other pairs' distances [m], on top of the margin that was kept.
+        witness: Who meets whom where the proof failed.
+    """
 
     kind: str
     tool: str
     hand: HandState
     motion: Motion | None = None
     holding: str | None = None
+    may_touch: list[tuple[str, str]] = []
+    certified: bool = False
+    clearance: float = 0.0
+    witness: tuple[str, str] | None = None
 
 
 class GraspData(msgspec.Struct, frozen=True):
@@ -48,11 +69,35 @@ class GraspData(msgspec.Struct, frozen=True):
     reason: str = ""
 
 
+class AttachmentData(msgspec.Struct, frozen=True):
+    """Something that moves with the hand: the object, and what rides in it.
+
+    Attributes:
+        object: Its name.
+        tool: The tool frame that carries it.
+        pose_start_to_tool: Rigid transform from the world as it was when the plan began, where `objects` has
+            the object's parts, to the tool frame: how it is held.
+    """
+
+    object: str
+    tool: str
+    pose_start_to_tool: Matrix
+
+
 class PlacementData(msgspec.Struct, frozen=True):
-    """Where it goes: the rigid transform of the object in the world, and how it then lies."""
+    """Where it goes: the rigid transform of the object in the world, and how it then lies.
+
+    Attributes:
+        pose_before_to_after: From where it is before the step to where it is let go.
+        rest: In words.
+        drop: How far it then falls [m].
+        into: What it is put on or into; null on a table.
+    """
 
     pose_before_to_after: Matrix
     rest: str = ""
+    drop: float = 0.0
+    into: str | None = None
 
 
 class Step(msgspec.Struct, frozen=True):
@@ -66,6 +111,9 @@ class Step(msgspec.Struct, frozen=True):
         grasp: How it is held.
         placement: Where it goes.
         segments: What the arm does, in order.
+        attachments: What moves with the hand from grasp to release.
+        upright: Whether the object is kept upright on the way.
+        planning_seconds: What it took to find this step.
     """
 
     object: str
@@ -75,6 +123,9 @@ class Step(msgspec.Struct, frozen=True):
     grasp: GraspData
     placement: PlacementData
     segments: list[SegmentData]
+    attachments: list[AttachmentData] = []
+    upright: bool = False
+    planning_seconds: float = 0.0
 
 
 class DependencyData(msgspec.Struct, frozen=True):
@@ -111,8 +162,11 @@ class Plan(msgspec.Struct, frozen=True, kw_only=True):
         dependencies: Why that order.
         steps: What is done.
         objects: Everything that was kept clear of.
+        up: Against gravity, in the world.
         assumptions: What was assumed and not seen.
+        certified: Whether every motion was proven free between its samples too.
         seconds: Duration of the motions [s].
+        planning_seconds: What it took to find the plan.
         tried: What was dropped on the way, with counts.
     """
 
@@ -129,9 +183,30 @@ class Plan(msgspec.Struct, frozen=True, kw_only=True):
     dependencies: list[DependencyData]
     steps: list[Step]
     objects: list[ObjectData] = []
+    up: tuple[float, float, float] = (0.0, 0.0, 1.0)
     assumptions: list[str] = []
+    certified: bool = False
     seconds: float = 0.0
+    planning_seconds: float = 0.0
     tried: dict[str, int] = {}
+
+    def verify(self, scene: "Scene | None" = None, robot: "Arm | str | None" = None) -> "Verification":
+        """Check everything again by other means than it was planned with.
+
+        Args:
+            scene: What the plan was made for; without it what needs clouds is not evaluated.
+            robot: The arm; looked up by the plan's name where None.
+
+        Returns:
+            Residuals: at most 0 where all is well, `inf` where not evaluated; see `topple.planner.verify`.
+
+        Raises:
+            InvalidInput: The plan does not fit the arm or the scene.
+        """
+        from topple.planner.verify.verify import verify
+
+        whole: Any = self  # pyright knows this class by two paths: from the folder and as installed
+        return verify(whole, scene, robot)
 
 
 def plan_to_json(plan: Plan) -> bytes:
@@ -175,8 +250,8 @@ def plan_from_json(data: bytes | str, name: str = "plan.json") -> Plan:
 
 
 def plan_schema() -> dict[str, Any]:
-    """The JSON schema of a plan."""
-    return msgspec.json.schema(Plan)
+    """The JSON schema (2020-12) of a plan, as `docs/plan.schema.json` has it."""
+    return {"$schema": "https://json-schema.org/draft/2020-12/schema"} | msgspec.json.schema(Plan)
 
 
 def _check(plan: Plan, name: str) -> None:

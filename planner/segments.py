@@ -4,6 +4,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from topple.planner.motion.certificate import Certificate
 from topple.planner.motion.trajectory import Trajectory
 from topple.robots.gripper import ToolState
 from topple.topology.arrays import FloatArray
@@ -23,6 +24,8 @@ class Segment:
         hand: How the hand stands: set before the motion; for grasp and release what it is brought to.
         trajectory: The motion; None for grasp and release.
         holding: The object in the hand during the motion, or None.
+        may_touch: Pairs of names (links, objects) that touch here and are meant to.
+        certificate: The proof that nothing else touches all along the motion; None for grasp and release.
     """
 
     kind: str
@@ -30,6 +33,8 @@ class Segment:
     hand: ToolState
     trajectory: Trajectory | None
     holding: str | None
+    may_touch: tuple[tuple[str, str], ...] = ()
+    certificate: Certificate | None = None
 
 
 def no_faster_than(trajectory: Trajectory, length: float, speed: float) -> Trajectory:

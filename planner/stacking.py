@@ -224,19 +224,27 @@ def _score(
     half = float(np.ptp(outline, axis=0).min()) / 2.0
     central = 1.0 - min(1.0, float(np.linalg.norm(offset)) / half)
     if how == "within":
-        inside = _inset(outline, level + offset).min()
+        inside = inset(outline, level + offset).min()
         if inside < 0.0 or landing.depth <= 0.0:
             return None
         return 0.5 * min(1.0, landing.depth / 0.03) + 0.3 * central + 0.2 * (1.0 - rest.turn / np.pi)
     width = float(np.ptp(level, axis=0).min()) / 2.0
-    steady = float(_inset(landing.carried, np.zeros((1, 2)))[0]) / max(width, 1e-6)
+    steady = float(inset(landing.carried, np.zeros((1, 2)))[0]) / max(width, 1e-6)
     if steady < INSET or landing.on_target < 0.5:
         return None
     return 0.4 * min(1.0, steady) + 0.4 * central + 0.2 * (1.0 - rest.turn / np.pi)
 
 
-def _inset(outline: FloatArray, points: FloatArray) -> FloatArray:
-    """How far (N, 2) points are inside the convex outline of others [m], negative outside."""
+def inset(outline: FloatArray, points: FloatArray) -> FloatArray:
+    """How far points are inside the convex outline of others.
+
+    Args:
+        outline: (K, 2) level points [m].
+        points: (N, 2) [m].
+
+    Returns:
+        (N,) distances to the outline [m], negative outside.
+    """
     try:
         hull = ConvexHull(outline)
     except (QhullError, ValueError):

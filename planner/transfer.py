@@ -1,22 +1,24 @@
 """One pick and place: grasps, inverse kinematics and placements screened together, then the motions."""
 
-from collections import Counter
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
 import numpy as np
 
+from topple.planner.failure import Setback, Tally, TransferFailure
 from topple.planner.grasp.candidates import grasp_candidates
 from topple.planner.grasp.grasp import Grasp
 from topple.planner.grasp.hand import hand_shape
 from topple.planner.handling import MARGIN, Handling, Reached
-from topple.planner.motion.planner import MotionFailure, plan_motion
-from topple.planner.motion.trajectory import retime
+from topple.planner.legs import Leg, segments_of
+from topple.planner.motion.certificate import Certifier
+from topple.planner.motion.collision import Checker
+from topple.planner.motion.planner import Motion, MotionFailure, plan_motion
+from topple.planner.motion.upright import plan_upright
 from topple.planner.placement import Placement, placements
-from topple.planner.segments import Segment, no_faster_than
+from topple.planner.segments import Segment
 from topple.planner.solids import Solids, moved, solids_of, up_of
 from topple.robots.arm import Arm
-from topple.robots.gripper import ToolState
 from topple.topology.arrays import FloatArray, frozen
 from topple.topology.errors import UnknownObject
 from topple.topology.scene import Scene
@@ -37,6 +39,7 @@ class TransferLimits:
         straight_speed: Of the tool on straight ways [m/s]: lifts at it are known to disturb little.
         speed: Share of the joints' velocity limits for the other motions.
         budget: Seconds for one free motion.
+        tilt: Largest tilt of what is carried upright [rad]: a glass filled to nine tenths does not spill.
     """
 
     grasps: int = 24
@@ -49,9 +52,13 @@ class TransferLimits:
     straight_speed: float = 0.08
     speed: float = 0.5
     budget: float = 2.0
+    tilt: float = 0.15
 
 
 TRANSFER_LIMITS = TransferLimits()
+LEVEL = 0.02  # [rad] a placement that tilts a thing less keeps it upright: noise of the up direction
+ROUNDING = 2e-5  # [m] proven clearance that writing a plan with six digits cannot use up
+NO_GRASP, NO_PLACE = "no grasp that holds and has room", "no free place within reach"
 
 
 @dataclass(frozen=True, eq=False)
@@ -65,6 +72,8 @@ class Transfer:
         segments: What the arm does, in order.
         q_end: (n,) joint values afterwards [rad].
         tried: What was dropped on the way here, with counts.
+        riding: What lies in the object and goes with it.
+        upright: Whether the object was kept upright.
     """
 
     object: str
@@ -73,6 +82,8 @@ class Transfer:
     segments: tuple[Segment, ...]
     q_end: FloatArray
     tried: Mapping[str, int]
+    riding: tuple[str, ...] = ()
+    upright: bool = False
 
     def __post_init__(self) -> None:
         object.__setattr__(self, "q_end", frozen(self.q_end))
@@ -81,30 +92,6 @@ class Transfer:
     def seconds(self) -> float:
         """Duration of the motions [s]."""
         return sum(float(s.trajectory.times[-1]) for s in self.segments if s.trajectory is not None)
-
-
-@dataclass(frozen=True, eq=False)
-class TransferFailure:
-    """Why an object could not be moved: the certificate.
-
-    Attributes:
-        object: What should have been moved.
-        reasons: What each tried grasp or placement failed of, with counts.
-        blocking: The object that stood in the way most often, or None.
-    """
-
-    object: str
-    reasons: Mapping[str, int]
-    blocking: str | None
-
-    def __str__(self) -> str:
-        """One line for people."""
-        why = (
-            "; ".join(f"{count} x {reason}" for reason, count in self.reasons.items()) or "nothing was tried"
-        )
-        return f"cannot move {self.object}: {why}" + (
-            f" (in the way: {self.blocking})" if self.blocking else ""
-        )
 
 
 def plan_transfer(
@@ -117,8 +104,9 @@ def plan_transfer(
     places: Sequence[Placement] | None = None,
     *,
     grasps: Sequence[Grasp] | None = None,
-    hand: ToolState | None = None,
     avoid: Sequence[Grasp] = (),
+    riding: Sequence[str] = (),
+    upright: bool | None = None,
     seed: int = 0,
     limits: TransferLimits = TRANSFER_LIMITS,
 ) -> Transfer | TransferFailure:
@@ -133,8 +121,9 @@ def plan_transfer(
         q_start: (n,) joint values now [rad].
         places: Where it may go, best first; free places on the table where None.
         grasps: How it may be held, best first; found from the clouds where None.
-        hand: How the hand stands now; open with the cup drawn in where None.
         avoid: Grasps that failed: none near them is tried while there are others.
+        riding: What lies in the object and goes with it.
+        upright: Whether it is kept upright on the way; where something rides in it, if None.
         seed: For inverse kinematics and sampling planners.
         limits: How hard to look and how fast to move.
 
@@ -152,12 +141,14 @@ def plan_transfer(
         grasps = _others(grasp_candidates(name, scene, arm, solids=bodies), avoid)
     if places is None:
         places = placements(name, scene, bodies, pose_base_to_world=pose_base_to_world)
-    if not grasps:
-        return TransferFailure(name, {"no grasp that holds and has room": 1}, None)
-    if not places:
-        return TransferFailure(name, {"no free place within reach": 1}, None)
-    handling = Handling(name, scene, bodies, arm, np.asarray(pose_base_to_world), seed)
-    search = _Search(handling, tuple(places), np.asarray(q_start), hand or arm.open_hand, seed, limits)
+    level = bool(riding) if upright is None else upright
+    if level:
+        places = [place for place in places if place.tilt(up_of(scene)) < LEVEL]
+    if not grasps or not places:
+        step, text = ("place", NO_PLACE) if grasps else ("grasp", NO_GRASP)
+        return TransferFailure(name, {text: 1}, None, Setback(step, "room", text))
+    handling = Handling(name, scene, bodies, arm, np.asarray(pose_base_to_world), tuple(riding), seed)
+    search = _Search(handling, tuple(places), np.asarray(q_start), level, seed, limits)
     found = search.run(grasps)
     by_cup_alone = searched and all(grasp.tool == "suction" for grasp in grasps) and "fingers" in arm.tools
     if isinstance(found, TransferFailure) and by_cup_alone:
@@ -179,101 +170,95 @@ class _Search:
         handling: Handling,
         places: tuple[Placement, ...],
         q_start: FloatArray,
-        hand: ToolState,
+        level: bool,
         seed: int,
         limits: TransferLimits,
     ) -> None:
-        self.handling, self.places, self.q_start, self.hand = handling, places, q_start, hand
+        self.handling, self.places, self.q_start, self.level = handling, places, q_start, level
         self.seed, self.limits = seed, limits
-        self.reasons: Counter[str] = Counter()
-        self.witnesses: Counter[str] = Counter()
+        self.tally = Tally(frozenset(handling.bodies) - {handling.name})
 
     def run(self, grasps: Sequence[Grasp]) -> Transfer | TransferFailure:
         for lenient in (False, True):
-            reached = self.handling.reached(
-                grasps[: self.limits.grasps], self.q_start, lenient, self.reasons, self.witnesses
-            )
+            grasps = grasps[: self.limits.grasps]
+            reached = self.handling.reached(grasps, self.q_start, lenient, self.tally)
             for state in reached[: self.limits.reached]:
                 transfer = self._with(state)
                 if transfer is not None:
                     return transfer
-        blocking = self.witnesses.most_common(1)
-        return TransferFailure(
-            self.handling.name, dict(self.reasons.most_common()), blocking[0][0] if blocking else None
-        )
+        return self.tally.failure(self.handling.name)
 
     def _with(self, state: Reached) -> Transfer | None:
         """Complete a transfer that starts with one reachable grasp."""
-        approach = self.handling.way_in(state, self.limits.approach)
-        if approach is None:
-            return self._drop("no straight way in")
-        lift = self.handling.way_up(state, self.limits.lift)
-        if lift is None:
-            return self._drop("no straight way up")
-        ends = self.handling.ends(
-            state, self.places, lift[-1], self.limits.drop, self.limits.retreat, self.limits.goals,
-            self.reasons, self.witnesses,
-        )  # fmt: skip
+        grasp, limits, handling = state.grasp, self.limits, self.handling
+        approach = handling.way_in(state, limits.approach, self.tally)
+        lift = None if approach is None else handling.way_up(state, limits.lift, self.tally)
+        if approach is None or lift is None:
+            return None
+        ends = handling.ends(
+            state, self.places, lift[-1], limits.drop, limits.retreat, limits.goals, self.tally
+        )
         if not ends:
-            return self._drop("no placement this grasp reaches")
-        carry = plan_motion(
-            self.handling.carrying(state.grasp, MARGIN),
-            lift[-1],
-            np.array([end.lower[0] for end in ends]),
-            seed=self.seed,
-            budget=self.limits.budget,
-        )
-        if isinstance(carry, MotionFailure):
-            return self._drop("no motion to the place")
-        move = plan_motion(
-            self.handling.empty(state.grasp.opening, self.q_start),
-            self.q_start,
-            approach[:1],
-            seed=self.seed,
-            budget=self.limits.budget,
-        )
-        if isinstance(move, MotionFailure):
-            return self._drop("no motion to the object")
+            return None
+        ahead = [Leg("approach", approach, handling.approaching(grasp, state.lenient), straight=True)]
+        ahead.append(Leg("lift", lift, handling.lifting(grasp, state.lenient), straight=True))
+        if not self._proven(ahead):
+            return None
+        carrying = handling.carrying(grasp, MARGIN)
+        tops = np.array([end.lower[0] for end in ends])
+        carry = self._way("transfer", carrying, lift[-1], tops, grasp.tool if self.level else None)
+        if carry is None:
+            return None
         end = ends[carry.goal]
-        paths = [move.path, approach, lift, carry.path, end.lower, end.retreat]
+        lowering = handling.carrying(grasp, 0.0, end.placement.into)
+        behind = [Leg("place", end.lower, lowering, straight=True)]
+        behind.append(Leg("retreat", end.retreat, handling.parting(grasp, end.placement), straight=True))
+        emptied = handling.empty(grasp.opening, self.q_start)
+        move = self._way("move", emptied, self.q_start, approach[:1]) if self._proven(behind) else None
+        if move is None:
+            return None
+        legs = [Leg("move", move.path, emptied, certificate=move.certificate), *ahead]
+        legs += [Leg("transfer", carry.path, carrying, certificate=carry.certificate), *behind]
+        segments = segments_of(legs, handling, grasp, limits.speed, limits.straight_speed)
+        q_end, tried = end.retreat[-1], dict(self.tally.reasons)
         return Transfer(
-            self.handling.name,
-            state.grasp,
-            end.placement,
-            self._segments(state.grasp, paths),
-            end.retreat[-1],
-            dict(self.reasons),
+            handling.name, grasp, end.placement, segments, q_end, tried, handling.riding, self.level
         )
 
-    def _drop(self, reason: str) -> None:
-        self.reasons[reason] += 1
+    def _proven(self, legs: Sequence[Leg]) -> bool:
+        """Certify straight legs; what touches between their samples is noted."""
+        for leg in legs:
+            leg.certificate = Certifier(leg.checker).path(leg.path, ROUNDING)
+            if not leg.certificate.proven:
+                found = leg.certificate.contact
+                pair = None if found is None else (found.a, found.b)
+                words = "something" if pair is None else " and ".join(pair)
+                text = f"{leg.kind}: {words} too close between samples"
+                self.tally.note(leg.kind, "proof", text, leg.certificate.state, pair)
+                return False
+        return True
 
-    def _segments(self, grasp: Grasp, paths: list[FloatArray]) -> tuple[Segment, ...]:
-        arm, name, tool = self.handling.arm, self.handling.name, grasp.tool
-        ready, closed = self.handling.ready(grasp), self.handling.closed(grasp)
-        drawn_in = ToolState(ready.opening, 0.0)
-        limits = self.limits
-
-        def free(kind: str, path: FloatArray, hand: ToolState, holding: str | None) -> Segment:
-            return Segment(kind, tool, hand, retime(arm, path, limits.speed), holding)
-
-        def straight(kind: str, path: FloatArray, hand: ToolState, holding: str | None) -> Segment:
-            places = arm.tool_pose(path, tool)[:, :3, 3]
-            length = float(np.linalg.norm(np.diff(places, axis=0), axis=1).sum())
-            slow = no_faster_than(retime(arm, path, limits.speed), length, limits.straight_speed)
-            return Segment(kind, tool, hand, slow, holding)
-
-        move, approach, lift, carry, lower, retreat = paths
-        return (
-            free("move", move, drawn_in, None),
-            straight("approach", approach, ready, None),
-            Segment("grasp", tool, closed, None, name),
-            straight("lift", lift, closed, name),
-            free("transfer", carry, closed, name),
-            straight("place", lower, closed, name),
-            Segment("release", tool, self.handling.released(grasp), None, None),
-            straight("retreat", retreat, self.handling.released(grasp), None),
-        )
+    def _way(
+        self, kind: str, checker: Checker, start: FloatArray, goals: FloatArray, level: str | None = None
+    ) -> Motion | None:
+        """A proven free motion, with the tool named `level` kept as it stands against up; or None, noted."""
+        if level is None:
+            found = plan_motion(checker, start, goals, seed=self.seed, budget=self.limits.budget)
+        else:
+            up = self.handling.world_to_base[:3, :3] @ self.handling.up
+            found = plan_upright(
+                checker, start, goals, level, up, self.limits.tilt, seed=self.seed, budget=self.limits.budget
+            )
+        if isinstance(found, MotionFailure):
+            check = "collision" if found.stage in ("start", "goals") else "search"
+            self.tally.note(kind, check, f"{kind}: {found.reason}", start, found.witness)
+            return None
+        if found.certificate is None or not found.certificate.proven:
+            contact = None if found.certificate is None else found.certificate.contact
+            pair = None if contact is None else (contact.a, contact.b)
+            self.tally.note(kind, "proof", f"{kind}: too close between samples", start, pair)
+            return None
+        return found
 
 
 def scene_after(scene: Scene, transfer: Transfer) -> Scene:
@@ -284,8 +269,22 @@ def scene_after(scene: Scene, transfer: Transfer) -> Scene:
         transfer: The transfer.
 
     Returns:
-        The scene with the object's cloud let go at its place; all else is where it was.
+        The scene with the object and what rides in it at its place; all else is where it was.
     """
-    pose = transfer.placement.pose_before_to_after
-    cloud = moved((scene.clouds[transfer.object],), pose)[0]
-    return scene.with_cloud(transfer.object, cloud - transfer.placement.drop * up_of(scene))
+    pose = transfer.placement.pose_at_rest(up_of(scene))
+    for name in (transfer.object, *transfer.riding):
+        scene = scene.with_cloud(name, moved((scene.clouds[name],), pose)[0])
+    return scene
+
+
+def solids_after(solids: Solids, transfer: Transfer, up: FloatArray) -> dict[str, Sequence[FloatArray]]:
+    """Bodies once a transfer is done: rigid, as `scene_after` moves the clouds.
+
+    Args:
+        solids: Convex parts before it.
+        transfer: The transfer.
+        up: (3,) unit vector.
+    """
+    pose = transfer.placement.pose_at_rest(up)
+    away = (transfer.object, *transfer.riding)
+    return {name: moved(parts, pose) if name in away else parts for name, parts in solids.items()}

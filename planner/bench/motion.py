@@ -4,11 +4,13 @@ Measured on seeded problems, a Panda picking low between eight boxes and carryin
 states checked per second and every disagreement; CPU time of planning with shortcutting, with and without
 the certificate that the whole path is free; paths that touch something when looked at every 0.002 rad; and
 how many reachable top-down poses the inverse kinematics solves. The problems and the measurement are those
-of `topple.planner.motion.benchmark`; medians of CPU times, ratios of those.
+of `topple.planner.motion.benchmark`; medians of CPU times, ratios of those. Whole plans follow: see
+`topple.planner.bench.plans`.
 """
 
 from typing import Any
 
+from topple.planner.bench import plans
 from topple.planner.bench.row import Progress
 from topple.planner.motion import benchmark
 
@@ -24,4 +26,4 @@ def rows(quick: bool, seed: int, progress: Progress) -> list[dict[str, Any]]:
     Returns:
         The bench's rows.
     """
-    return benchmark.rows(quick, seed, progress)
+    return [*benchmark.rows(quick, seed, progress), *plans.rows(quick, seed, progress)]

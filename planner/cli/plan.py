@@ -5,7 +5,7 @@ from collections.abc import Sequence
 from typing import TYPE_CHECKING
 
 from topple.planner.cli.console import print_table, print_text
-from topple.planner.cli.main import DONE
+from topple.planner.cli.main import DONE, NO_SAFE_PLAN
 from topple.planner.cli.options import add_common, read_scene, scene_paths
 from topple.planner.cli.progress import Progress
 from topple.planner.cli.robot_options import add_goal, add_robot, base_of, goal_of
@@ -14,6 +14,7 @@ from topple.planner.files import check_writable, write_whole
 
 if TYPE_CHECKING:
     from topple.planner.plan_format import Plan, Step
+    from topple.planner.verify.record import Verification
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
@@ -25,6 +26,18 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     add_common(parser, scenes="one")
     add_goal(parser)
     add_robot(parser)
+    parser.add_argument(
+        "--upright",
+        nargs="+",
+        default=[],
+        metavar="NAME",
+        help="what is kept upright while it is carried, with what is in it",
+    )
+    parser.add_argument(
+        "--verify",
+        action="store_true",
+        help="check the plan again by other means (python-fcl at 0.002 rad, PyBullet, limits, physics, goal)",
+    )
     parser.add_argument("-o", "--output", metavar="FILE", help="where to write the plan, e.g. plan.json")
 
 
@@ -35,7 +48,7 @@ def execute(args: argparse.Namespace) -> int:
         args: The parsed arguments.
 
     Returns:
-        Exit code 0.
+        Exit code 0; 1 where `--verify` finds something wrong.
 
     Raises:
         InvalidInput: If the scene cannot be read, the goal or the robot is none, or the output cannot
@@ -54,7 +67,12 @@ def execute(args: argparse.Namespace) -> int:
 
         arm = robot(args.robot)
         progress(f"{path}: planning")
-        found = plan(scene, goal, arm, base=base_of(args, scene), seed=args.seed, progress=progress)
+        base = base_of(args, scene)
+        found = plan(scene, goal, arm, base=base, upright=args.upright, seed=args.seed, progress=progress)
+        checked = None
+        if args.verify:
+            progress(f"{path}: verifying {len(found.steps)} steps")
+            checked = found.verify(scene, arm)
     document = plan_to_json(found).decode("utf-8")
     if place is not None:
         write_whole(place, document + "\n")
@@ -62,15 +80,28 @@ def execute(args: argparse.Namespace) -> int:
         print_text(document)
     else:
         _print_plan(path, found)
+        if checked is not None:
+            _print_verification(checked)
         print_text(f"Written: {place}" if place is not None else "Not written: give -o plan.json to keep it.")
-    return DONE
+    return DONE if checked is None or checked.ok else NO_SAFE_PLAN
+
+
+def _print_verification(checked: "Verification") -> None:
+    count = len(checked.residuals)
+    if checked.ok:
+        print_text(f"Verified: {count} checks at {checked.states} states, every residual at most 0.")
+        return
+    print_text(f"Not verified: {len(checked.failed)} of {count} checks failed:")
+    rows = [(bad.name, f"{bad.value:.2g} {bad.unit}", bad.witness) for bad in checked.failed]
+    print_table(("check", "beyond by", "where"), rows, right=(1,))
 
 
 def _print_plan(path: str, plan: "Plan") -> None:
     where = "searched" if plan.base_searched else "given"
     x, y, z = (row[3] for row in plan.pose_base_to_world[:3])
+    proven = "every motion certified" if plan.certified else "NOT every motion certified"
     print_text(
-        f"{path}: {plan.goal}, {len(plan.steps)} steps, {plan.seconds:.1f} s of motion",
+        f"{path}: {plan.goal}, {len(plan.steps)} steps, {plan.seconds:.1f} s of motion, {proven}",
         f"{plan.robot} stands at {x:.3f} {y:.3f} {z:.3f} m ({where})",
     )
     rows = [_row(number, step, plan.steps) for number, step in enumerate(plan.steps, start=1)]

@@ -1,13 +1,32 @@
 """Seeded RRT-Connect (Kuffner and LaValle 2000) that extends a dozen branches with each collision check."""
 
 import time
+from collections.abc import Callable
 from dataclasses import dataclass
+from typing import Protocol
 
 import numpy as np
 
-from topple.planner.motion.collision import Checker
 from topple.planner.motion.tree import Tree
-from topple.topology.arrays import FloatArray
+from topple.robots.arm import Arm
+from topple.topology.arrays import BoolArray, FloatArray
+
+
+class EdgeChecker(Protocol):
+    """What a search asks: a `Checker`, or one that refuses more."""
+
+    @property
+    def arm(self) -> Arm:
+        """The arm."""
+        ...
+
+    def edges_free(self, starts: FloatArray, ends: FloatArray) -> BoolArray:
+        """Which straight edges (e, n) are free."""
+        ...
+
+
+Projection = Callable[[FloatArray], FloatArray]
+"""States (m, n) to the nearest ones that keep a constraint."""
 
 
 @dataclass(frozen=True)
@@ -30,13 +49,14 @@ SETTINGS = RRTSettings()
 
 
 def rrt_connect(
-    checker: Checker,
+    checker: EdgeChecker,
     start: FloatArray,
     goals: FloatArray,
     *,
     seed: int,
     deadline: float,
     settings: RRTSettings = SETTINGS,
+    project: Projection | None = None,
 ) -> FloatArray | None:
     """A path from the start to one of the goals.
 
@@ -47,6 +67,7 @@ def rrt_connect(
         seed: Seed of the samples.
         deadline: `time.monotonic()` value at which to give up.
         settings: How trees grow.
+        project: Brings samples and ends of branches to states that keep a constraint.
 
     Returns:
         (k, n) path, or None where none was found in time.
@@ -58,8 +79,9 @@ def rrt_connect(
         if time.monotonic() > deadline:
             return None
         samples = rng.uniform(checker.arm.lower, checker.arm.upper, (settings.batch, len(start)))
-        added = _extend(checker, ours, samples, settings.reach)
-        joined = _connect(checker, ours, added, theirs, settings.reach)
+        samples = samples if project is None else project(samples)
+        added = _extend(checker, ours, samples, settings.reach, project)
+        joined = _connect(checker, ours, added, theirs, settings.reach, project)
         if joined is not None:
             first, second = (ours, theirs) if forward else (theirs, ours)
             a, b = joined if forward else joined[::-1]
@@ -71,16 +93,24 @@ def rrt_connect(
     return None
 
 
-def _extend(checker: Checker, tree: Tree, samples: FloatArray, reach: float) -> list[int]:
+def _extend(
+    checker: EdgeChecker, tree: Tree, samples: FloatArray, reach: float, project: Projection | None
+) -> list[int]:
     nearest = tree.nearest(samples)
     starts = tree.states[nearest].copy()
     ends = _towards(starts, samples, reach)
+    ends = ends if project is None else project(ends)
     free = checker.edges_free(starts, ends)
     return [tree.add(end, int(parent)) for end, parent in zip(ends[free], nearest[free], strict=True)]
 
 
 def _connect(
-    checker: Checker, ours: Tree, added: list[int], theirs: Tree, reach: float
+    checker: EdgeChecker,
+    ours: Tree,
+    added: list[int],
+    theirs: Tree,
+    reach: float,
+    project: Projection | None,
 ) -> tuple[int, int] | None:
     """Grow the other tree towards new nodes, step by step, as long as a step is free."""
     goals = ours.states[added].copy()
@@ -89,7 +119,12 @@ def _connect(
     while len(heads):
         starts = theirs.states[heads].copy()
         ends = _towards(starts, goals, reach)
-        free = checker.edges_free(starts, ends)
+        free = np.ones(len(ends), dtype=np.bool_)
+        if project is not None:  # a branch that is turned back to where it came from leads nowhere
+            ends = project(ends)
+            gain = np.linalg.norm(goals - starts, axis=1) - np.linalg.norm(goals - ends, axis=1)
+            free = gain > 0.2 * np.minimum(reach, np.linalg.norm(goals - starts, axis=1))
+        free[free] = checker.edges_free(starts[free], ends[free])
         arrived = np.flatnonzero(free & (np.abs(ends - goals).max(axis=1) < 1e-12))
         if len(arrived):
             return nodes[int(arrived[0])], int(heads[arrived[0]])

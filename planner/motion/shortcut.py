@@ -8,14 +8,14 @@ import numpy as np
 from topple.topology.arrays import BoolArray, FloatArray
 
 POINTS = 16  # points a path is divided into; 24 give paths 2 % shorter in twice the time
-TRIES = 16  # alternatives checked with the best path in one batch
+TRIES = 32  # alternatives checked with the best path in one batch: mostly one batch is then enough
 ROUNDS = 40  # batches before what is known must do
 
 EdgesFree = Callable[[FloatArray, FloatArray], BoolArray]
 
 
 def shortcut(
-    path: FloatArray, edges_free: EdgesFree, *, passes: int = 2, trusted: bool = True
+    path: FloatArray, edges_free: EdgesFree, *, passes: int = 1, trusted: bool = True
 ) -> FloatArray | None:
     """Shorten a free path.
 
@@ -26,7 +26,7 @@ def shortcut(
     Args:
         path: (k, n) waypoints.
         edges_free: Tells which edges (starts (e, n), ends (e, n)) are free.
-        passes: How often to repeat on the result.
+        passes: How often to repeat on the result; a second one makes paths 5 % shorter in twice the time.
         trusted: Whether the path's own edges are taken as free; else they are asked about as well.
 
     Returns:
@@ -49,6 +49,15 @@ def shortcut(
 def length(path: FloatArray) -> float:
     """Length of a path (k, n) in joint space in [rad]."""
     return float(np.linalg.norm(np.diff(path, axis=0), axis=1).sum())
+
+
+def densely(path: FloatArray, step: float) -> FloatArray:
+    """States on a path (k, n), its waypoints among them, at most `step` [rad] apart in any joint."""
+    pieces = [path[:1]]
+    for a, b in pairwise(path):
+        count = max(int(np.ceil(np.abs(b - a).max() / step)), 1)
+        pieces.append(a + np.arange(1, count + 1)[:, None] / count * (b - a))
+    return np.concatenate(pieces)
 
 
 def _divided(path: FloatArray, count: int) -> FloatArray:

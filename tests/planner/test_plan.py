@@ -1,5 +1,6 @@
 import json
 import xml.etree.ElementTree as ElementTree
+from pathlib import Path
 
 import msgspec
 import networkx as nx
@@ -69,8 +70,19 @@ def test_segments_come_back_as_they_can_be_driven(found: Plan) -> None:
     assert segment.trajectory.positions.shape[1] == len(found.joints)
 
 
-def test_the_schema_names_the_fields() -> None:
-    assert "steps" in json.dumps(plan_schema())
+def test_the_published_schema_is_that_of_the_structs() -> None:
+    published = Path(__file__).resolve().parents[2] / "docs" / "plan.schema.json"
+    assert json.loads(published.read_text()) == json.loads(json.dumps(plan_schema())), "run `make schema`"
+
+
+def test_every_motion_is_proven_and_says_what_may_touch(found: Plan) -> None:
+    assert found.certified
+    for step in found.steps:
+        moving = [segment for segment in step.segments if segment.motion is not None]
+        assert all(segment.certified and segment.clearance > 0 for segment in moving)
+        assert not next(segment for segment in moving if segment.kind == "move").may_touch
+        assert step.attachments[0].object == step.object
+    assert found.planning_seconds >= sum(step.planning_seconds for step in found.steps) - 0.01
 
 
 @pytest.mark.parametrize(

@@ -1,0 +1,145 @@
+"""Motions that keep what is carried upright: RRT-Connect on states turned back to within a tilt."""
+
+import time
+from dataclasses import dataclass
+
+import numpy as np
+
+from topple.planner.motion.certificate import Certifier
+from topple.planner.motion.collision import Checker
+from topple.planner.motion.planner import Motion, MotionFailure
+from topple.planner.motion.rrt import RRTSettings, rrt_connect
+from topple.planner.motion.shortcut import shortcut
+from topple.robots.arm import Arm
+from topple.topology.arrays import BoolArray, FloatArray
+
+STEP = 0.01  # [rad] between states of an edge whose tilt is looked at
+WITHIN = 0.6  # share of the tilt that states are turned back to: the rest is for the edges between them
+ROUNDS = 12  # steps of turning back; tilts of 0.5 rad take five
+REACH = RRTSettings(reach=0.35)  # [rad] longer branches leave the band of small tilts more often than not
+DAMPING = 1e-3
+
+
+@dataclass(frozen=True, eq=False)
+class Upright:
+    """A checker that also refuses tilts, with the interface that searches use.
+
+    Attributes:
+        checker: What may not be hit.
+        axis: (3,) the up direction in the tool's frame, as it is held.
+        up: (3,) the up direction in the arm's base.
+        tool: The tool that carries.
+        tilt: Largest angle between the two [rad].
+    """
+
+    checker: Checker
+    axis: FloatArray
+    up: FloatArray
+    tool: str
+    tilt: float
+
+    @property
+    def arm(self) -> Arm:
+        """The arm."""
+        return self.checker.arm
+
+    def tilts(self, q: FloatArray) -> FloatArray:
+        """Angles (m,) by which states (m, n) tilt what is carried [rad]."""
+        carried = self.arm.tool_pose(q, self.tool)[:, :3, :3] @ self.axis
+        return np.arctan2(np.linalg.norm(np.cross(carried, self.up), axis=1), carried @ self.up)
+
+    def edges_free(self, starts: FloatArray, ends: FloatArray) -> BoolArray:
+        """Which straight edges (e, n) stay free at the checked states, and within the tilt everywhere.
+
+        Between two states looked at the tilt changes by at most the sum of the joints' changes.
+        """
+        level = np.array([self._level(a, b) for a, b in zip(starts, ends, strict=True)], dtype=np.bool_)
+        level[level] = self.checker.edges_free(starts[level], ends[level])
+        return level
+
+    def _level(self, start: FloatArray, end: FloatArray) -> bool:
+        change = np.abs(end - start)
+        count = max(int(np.ceil(float(change.max()) / STEP)), 1)
+        states = start + (np.arange(count)[:, None] + 0.5) / count * (end - start)
+        return bool(self.tilts(states).max() + 0.5 * float(change.sum()) / count <= self.tilt)
+
+    def turned_back(self, q: FloatArray) -> FloatArray:
+        """States (m, n) moved the least way that brings their tilt well within the limit."""
+        q = np.array(q)
+        for _ in range(ROUNDS):
+            over = np.flatnonzero(self.tilts(q) > WITHIN * self.tilt)
+            if not len(over):
+                break
+            frames = self.arm.chain.frames(q[over])
+            carried = self.arm.tool_pose(q[over], self.tool)[:, :3, :3] @ self.axis
+            away = np.cross(carried, self.up)
+            sine = np.linalg.norm(away, axis=1, keepdims=True)
+            angle = np.arctan2(sine, (carried @ self.up)[:, None])
+            wanted = away / np.maximum(sine, 1e-9) * (angle - 0.5 * WITHIN * self.tilt)
+            turns = self.arm.chain.jacobian(frames, frames[:, -1, :3, 3])[:, 3:]
+            turns = turns - self.up[:, None] * np.einsum("i,mij->mj", self.up, turns)[:, None, :]
+            square = np.matmul(turns, turns.transpose(0, 2, 1)) + DAMPING * np.eye(3)
+            step = np.matmul(turns.transpose(0, 2, 1), np.linalg.solve(square, wanted[:, :, None]))[..., 0]
+            q[over] = np.clip(q[over] + step, self.arm.lower, self.arm.upper)
+        return q
+
+
+def plan_upright(
+    checker: Checker,
+    start: FloatArray,
+    goals: FloatArray,
+    tool: str,
+    up: FloatArray,
+    tilt: float,
+    *,
+    seed: int = 0,
+    budget: float = 5.0,
+) -> Motion | MotionFailure:
+    """Find a path that keeps what a tool carries as it stands at the start.
+
+    Args:
+        checker: The arm, what it holds and what it must not hit.
+        start: (n,) joint values; what is carried is upright there.
+        goals: (g, n) joint values; those that tilt it are left out.
+        tool: The tool that carries.
+        up: (3,) unit vector against gravity, in the arm's base.
+        tilt: Largest tilt all along [rad].
+        seed: Of the search.
+        budget: Seconds to search.
+
+    Returns:
+        The motion with its certificate, its tilt proven too; or why there is none.
+    """
+    begun = time.monotonic()
+    axis = checker.arm.tool_pose(start, tool)[0, :3, :3].T @ up
+    level = Upright(checker, axis, up, tool, tilt)
+    kept = np.flatnonzero(checker.free(goals) & (level.tilts(goals) <= tilt))
+    contacts = checker.contacts(start)
+    if contacts or not len(kept):
+        stage, what = (
+            ("start", "at the start something touches") if contacts else ("goals", "no goal is free")
+        )
+        return MotionFailure(stage, f"{what}, with what is carried upright", contacts)
+    starts = np.broadcast_to(start, goals[kept].shape)
+    direct = kept[level.edges_free(starts, goals[kept])]
+    for attempt in range(4):
+        if len(direct):
+            path, stage = np.array([start, goals[direct[0]]]), "direct"
+            direct = direct[1:]
+        else:
+            path, stage = (
+                rrt_connect(
+                    level, start, goals[kept], seed=seed + 7919 * attempt, deadline=begun + budget,
+                    settings=REACH, project=level.turned_back,
+                ),
+                "rrt",
+            )  # fmt: skip
+            path = None if path is None else shortcut(path, level.edges_free)
+        if path is None:
+            break
+        certificate = Certifier(checker).path(path)
+        if certificate.proven:
+            goal = int(np.argmin(np.abs(goals - path[-1]).max(axis=1)))
+            return Motion(path, goal, stage, certificate, time.monotonic() - begun)
+    seconds = time.monotonic() - begun
+    return MotionFailure("search", f"no upright motion found in {seconds:.1f} s", seconds=seconds)

@@ -1,0 +1,124 @@
+"""Collisions looked for with PyBullet: its kinematics, its hulls of the arm's meshes, its narrow phase."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass, field
+from types import TracebackType
+from typing import Any
+
+import numpy as np
+import pybullet
+
+from topple.planner.plan_format import Plan
+from topple.planner.verify.record import Residual, Worst
+from topple.planner.verify.replay import Beat, parts_of
+from topple.robots.arm import Arm
+from topple.robots.poses import position_and_quaternion
+from topple.topology.arrays import FloatArray
+
+SLACK = 0.0015  # [m] PyBullet's depths of hulls against each other are off by up to a millimetre
+
+
+@dataclass(eq=False)
+class BulletCheck:
+    """A world of its own with the arm and every object, to be used with `with`.
+
+    Attributes:
+        plan: The plan.
+        arm: The arm.
+    """
+
+    plan: Plan
+    arm: Arm
+    touching: Worst = field(default_factory=lambda: Worst("collisions (PyBullet)", "m", SLACK))
+    strayed: Worst = field(default_factory=lambda: Worst("kinematics against PyBullet", "m", 1e-4))
+
+    def __enter__(self) -> "BulletCheck":
+        self._client: int = pybullet.connect(pybullet.DIRECT)
+        base = position_and_quaternion(np.array(self.plan.pose_base_to_world))
+        self._robot: int = pybullet.loadURDF(
+            str(self.arm.urdf), *base, useFixedBase=True, physicsClientId=self._client
+        )
+        self._names: dict[int, str] = {}
+        self._joints: dict[str, int] = {}
+        for index in range(pybullet.getNumJoints(self._robot, physicsClientId=self._client)):
+            info: Any = pybullet.getJointInfo(self._robot, index, physicsClientId=self._client)
+            self._names[index], self._joints[info[1].decode()] = info[12].decode(), index
+            pybullet.changeDynamics(self._robot, index, collisionMargin=0.0, physicsClientId=self._client)
+        self._bodies = {
+            name: [self._body(part) for part in parts] for name, parts in parts_of(self.plan).items()
+        }
+        return self
+
+    def __exit__(
+        self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
+    ) -> None:
+        pybullet.disconnect(physicsClientId=self._client)
+
+    def look(self, beat: Beat) -> None:
+        """Check the states of a segment."""
+        for name, pose in beat.poses.items():
+            self._put(name, pose)
+        allowed = beat.may_touch
+        tool = self.arm.tools[beat.segment.tool]
+        for k, q in enumerate(beat.states):
+            self._stand(q, beat)
+            link = self._link_pose(tool.link) @ tool.pose_tool_to_link
+            computed = np.array(self.plan.pose_base_to_world) @ self.arm.tool_pose(q, tool.name)[0]
+            stray = float(np.abs(link - computed).max()) if tool.name == "fingers" else 0.0
+            self.strayed.note(stray, f"{beat.where}: {tool.name} at state {k}")
+            for name, to_tool in beat.held.items():
+                self._put(name, computed @ to_tool)
+            where = f"{beat.where}: {{}} in {{}} at state {k} of {len(beat.states)}"
+            for name in beat.poses:
+                for body in self._bodies[name]:
+                    self._arm_against(body, name, allowed, where)
+                if beat.held and frozenset((beat.step.object, name)) not in allowed:
+                    self._held_against(beat.held, name, where)
+
+    def residuals(self) -> tuple[Residual, ...]:
+        """What was found."""
+        return self.touching.residual(), self.strayed.residual()
+
+    def _arm_against(self, body: int, name: str, allowed: frozenset[frozenset[str]], where: str) -> None:
+        for contact in pybullet.getClosestPoints(self._robot, body, 0.0, physicsClientId=self._client):
+            link = self._names.get(contact[3], "base")
+            moves = link in self.arm.links and self.arm.frame_of_link[self.arm.links.index(link)] > 0
+            if moves and frozenset((link, name)) not in allowed:
+                self.touching.note(-float(contact[8]), where.format(link, name))
+
+    def _held_against(self, held: dict[str, FloatArray], name: str, where: str) -> None:
+        for carried in held:
+            for own in self._bodies[carried]:
+                for body in self._bodies[name]:
+                    found: Sequence[Any] = pybullet.getClosestPoints(
+                        own, body, 0.0, physicsClientId=self._client
+                    )
+                    for contact in found:
+                        self.touching.note(-float(contact[8]), where.format(carried, name))
+
+    def _body(self, part: FloatArray) -> int:
+        shape: int = pybullet.createCollisionShape(
+            pybullet.GEOM_MESH, vertices=part.tolist(), physicsClientId=self._client
+        )
+        body: int = pybullet.createMultiBody(0.0, shape, physicsClientId=self._client)
+        pybullet.changeDynamics(body, -1, collisionMargin=0.0, physicsClientId=self._client)
+        return body
+
+    def _put(self, name: str, pose: FloatArray) -> None:
+        place = position_and_quaternion(pose)
+        for body in self._bodies[name]:
+            pybullet.resetBasePositionAndOrientation(body, *place, physicsClientId=self._client)
+
+    def _stand(self, q: FloatArray, beat: Beat) -> None:
+        for name, value in self.arm.joint_values(q, beat.hand).items():
+            pybullet.resetJointState(self._robot, self._joints[name], value, physicsClientId=self._client)
+
+    def _link_pose(self, link: str) -> FloatArray:
+        index = next(number for number, name in self._names.items() if name == link)
+        state: Any = pybullet.getLinkState(
+            self._robot, index, computeForwardKinematics=True, physicsClientId=self._client
+        )
+        pose = np.eye(4)
+        pose[:3, :3] = np.array(pybullet.getMatrixFromQuaternion(state[5])).reshape(3, 3)
+        pose[:3, 3] = state[4]
+        return pose

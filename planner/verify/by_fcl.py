@@ -1,0 +1,164 @@
+"""Collisions looked for state by state with python-fcl, on the arm's hulls and the objects' convex parts."""
+
+from dataclasses import dataclass, field
+from typing import Any
+
+import numpy as np
+
+from topple.planner.plan_format import Plan
+from topple.planner.verify.record import Residual, Worst
+from topple.planner.verify.replay import Beat, parts_of, tool_poses
+from topple.robots.arm import Arm
+from topple.robots.convex import hull_of
+from topple.topology.arrays import FloatArray
+
+SLACK = 2e-5  # [m] what writing joint values and vertices with six digits moves an arm's hand
+DEEPER = 0.004  # [m] bodies that touch may be this much deeper in each other on the way than at rest: hulls
+# drawn around noisy clouds are, and where one is lifted off another they slide along each other's facets
+
+
+@dataclass(eq=False)
+class _Piece:
+    """A convex part with its fcl object, and what bounds it, in its own frame."""
+
+    name: str
+    lower: FloatArray
+    upper: FloatArray
+    thing: Any
+
+    @property
+    def centre(self) -> FloatArray:
+        return (self.lower + self.upper) / 2.0
+
+    @property
+    def radius(self) -> float:
+        return float(np.linalg.norm(self.upper - self.lower)) / 2.0
+
+
+@dataclass(eq=False)
+class FclCheck:
+    """Collects what touches what in the beats it is shown.
+
+    Attributes:
+        plan: The plan.
+        arm: The arm.
+    """
+
+    plan: Plan
+    arm: Arm
+    touching: Worst = field(default_factory=lambda: Worst("collisions (python-fcl)", "m", SLACK))
+    deeper: Worst = field(default_factory=lambda: Worst("touching bodies pressed deeper", "m", DEEPER))
+    states: int = 0
+
+    def __post_init__(self) -> None:
+        import fcl
+
+        self._fcl: Any = fcl
+        self._base = np.array(self.plan.pose_base_to_world)
+        self._links = [
+            (link, _piece(self.arm.links[link], hull))
+            for link, hull in enumerate(self.arm.hulls)
+            if len(hull) and self.arm.frame_of_link[link] > 0  # what does not move stands where it stands
+        ]
+        self._objects = {
+            name: [_piece(name, part) for part in parts] for name, parts in parts_of(self.plan).items()
+        }
+        own = {frozenset(pair) for pair in self.arm.self_pairs}
+        self._own = [
+            (a, b)
+            for i, a in enumerate(self._links)
+            for b in self._links[:i]
+            if frozenset((a[0], b[0])) in own
+        ]
+
+    def look(self, beat: Beat) -> None:
+        """Check all states of a segment."""
+        self.states += len(beat.states)
+        links = np.matmul(self._base, self.arm.forward(beat.states, beat.hand))
+        tools = tool_poses(self.arm, self.plan, beat.segment.tool, beat.states)
+        allowed = beat.may_touch
+        standing = [(piece, pose) for name, pose in beat.poses.items() for piece in self._objects[name]]
+        for piece, pose in standing:
+            _put(piece, pose)
+        for link, piece in self._links:
+            poses = links[:, link]
+            for other, pose in standing:
+                if frozenset((piece.name, other.name)) not in allowed:
+                    self._meet(beat, piece, poses, other, pose)
+        held = [(p, np.matmul(tools, pose)) for name, pose in beat.held.items() for p in self._objects[name]]
+        for piece, poses in held:
+            carrier = beat.step.object  # what rides in it is checked under its name
+            for other, pose in standing:
+                pair = frozenset((carrier, other.name))
+                if pair in allowed:
+                    self._press(beat, piece, poses, other, pose)
+                else:
+                    self._meet(beat, piece, poses, other, pose)
+            for link, part in self._links:
+                # the hand moves with what it holds: how they meet was checked on the way in
+                if self.arm.frame_of_link[link] < len(self.arm.joints):
+                    self._meet_both(beat, part, links[:, link], piece, poses)
+        for (a, first), (b, second) in self._own:
+            self._meet_both(beat, first, links[:, a], second, links[:, b])
+
+    def residuals(self) -> tuple[Residual, ...]:
+        """What was found."""
+        return self.touching.residual(), self.deeper.residual()
+
+    def _meet(self, beat: Beat, piece: _Piece, poses: FloatArray, other: _Piece, pose: FloatArray) -> None:
+        """A moving piece against one that stands (and was put where it stands)."""
+        centres = (poses[:, :3, :3] @ piece.centre + poses[:, :3, 3] - pose[:3, 3]) @ pose[:3, :3]
+        nearest = np.clip(centres, other.lower, other.upper)
+        for k in np.flatnonzero(np.linalg.norm(centres - nearest, axis=1) <= piece.radius).tolist():
+            _put(piece, poses[k])
+            self._note(beat, piece, other, k)
+
+    def _meet_both(self, beat: Beat, a: _Piece, poses_a: FloatArray, b: _Piece, poses_b: FloatArray) -> None:
+        """Two moving pieces."""
+        centre_a = poses_a[:, :3, :3] @ a.centre + poses_a[:, :3, 3]
+        gap = centre_a - poses_b[:, :3, :3] @ b.centre - poses_b[:, :3, 3]
+        for k in np.flatnonzero(np.linalg.norm(gap, axis=1) <= a.radius + b.radius).tolist():
+            _put(a, poses_a[k])
+            _put(b, poses_b[k])
+            self._note(beat, a, b, k)
+
+    def _note(self, beat: Beat, a: _Piece, b: _Piece, k: int) -> None:
+        depth = self._depth(a, b)
+        if depth is not None:
+            self.touching.note(
+                depth, f"{beat.where}: {a.name} in {b.name} at state {k} of {len(beat.states)}"
+            )
+
+    def _press(self, beat: Beat, piece: _Piece, poses: FloatArray, other: _Piece, pose: FloatArray) -> None:
+        """What may touch may not be deeper in each other than at rest: at the start or the end."""
+        if beat.step.placement.into == other.name:
+            return  # it is let down into a hollow that convex parts only know roughly: clouds decide there
+        rest = -1 if beat.segment.kind == "place" else 0
+        depths: list[float] = []
+        for k in (rest, *range(0, len(poses), 8)):
+            _put(piece, poses[k])
+            depths.append(self._depth(piece, other) or 0.0)
+        worst = max(depths)
+        self.deeper.note(worst - depths[0], f"{beat.where}: {piece.name} against {other.name}")
+
+    def _depth(self, a: _Piece, b: _Piece) -> float | None:
+        """How deep two placed pieces are in each other [m]; None where they do not touch."""
+        result = self._fcl.CollisionResult()
+        request = self._fcl.CollisionRequest(num_max_contacts=1, enable_contact=True)
+        if not self._fcl.collide(a.thing, b.thing, request, result):
+            return None
+        return max((float(contact.penetration_depth) for contact in result.contacts), default=0.0)
+
+
+def _piece(name: str, vertices: FloatArray) -> _Piece:
+    import fcl
+
+    corners, faces = hull_of(vertices)
+    packed = np.column_stack([np.full(len(faces), 3), faces]).ravel()
+    thing = fcl.CollisionObject(fcl.Convex(corners, len(faces), packed))
+    return _Piece(name, corners.min(axis=0), corners.max(axis=0), thing)
+
+
+def _put(piece: _Piece, pose: FloatArray) -> None:
+    piece.thing.setRotation(np.ascontiguousarray(pose[:3, :3]))
+    piece.thing.setTranslation(np.ascontiguousarray(pose[:3, 3]))

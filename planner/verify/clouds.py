@@ -1,0 +1,96 @@
+"""Seen points against what the arm and the carried object fill: bodies may be entered, points not."""
+
+from dataclasses import dataclass, field
+
+import numpy as np
+from scipy.spatial import ConvexHull
+
+from topple.planner.plan_format import Plan
+from topple.planner.verify.record import Residual, Worst
+from topple.planner.verify.replay import Beat, parts_of, tool_poses
+from topple.robots.arm import Arm
+from topple.topology.arrays import FloatArray
+from topple.topology.scene import Scene
+
+NOISE = (
+    0.006  # [m] three times the noise of a depth camera at a metre: seen points may be this deep in a solid
+)
+STRAYS = 5  # points deeper than that are flying pixels
+EVERY = 10  # states: a hand among neighbours moves less than a millimetre from one to the next
+FILLED = 0.012  # [m] points of an object may stand out from its convex parts: their hollows are cut to 8 mm
+SHARE = 0.98  # of the points that have to
+
+
+@dataclass(eq=False)
+class CloudCheck:
+    """Collects seen points inside links and carried objects in the beats it is shown.
+
+    Attributes:
+        plan: The plan.
+        arm: The arm.
+        scene: What was seen.
+    """
+
+    plan: Plan
+    arm: Arm
+    scene: Scene
+    entered: Worst = field(default_factory=lambda: Worst("seen points entered", "m", NOISE))
+
+    def __post_init__(self) -> None:
+        self._parts = {
+            name: [ConvexHull(part, qhull_options="QJ").equations for part in parts]
+            for name, parts in parts_of(self.plan).items()
+        }
+        self._links = {
+            name: ConvexHull(hull, qhull_options="QJ").equations
+            for name, hull in zip(self.arm.links, self.arm.hulls, strict=True)
+            if len(hull) > 3
+        }
+
+    def look(self, beat: Beat) -> None:
+        """Check where pairs may touch: there the bodies were not asked."""
+        states = beat.states[::EVERY]
+        tools = tool_poses(self.arm, self.plan, beat.segment.tool, states)
+        links = np.matmul(np.array(self.plan.pose_base_to_world), self.arm.forward(states, beat.hand))
+        for pair in beat.may_touch:
+            seen = [name for name in pair if name in beat.poses and name != beat.step.object]
+            if len(seen) != 1 or seen[0] in self.scene.fixed:
+                continue
+            cloud = _moved(self.scene.clouds[seen[0]], beat.poses[seen[0]])
+            (other,) = pair - {seen[0]}
+            if other in self._links:
+                poses = links[:, self.arm.links.index(other)]
+                solids = [self._links[other]]
+            elif other in beat.held and beat.step.placement.into == seen[0]:
+                poses, solids = np.matmul(tools, beat.held[other]), self._parts[other]
+            else:
+                continue
+            for k, pose in enumerate(poses):
+                depth = _depth(_moved(cloud, np.linalg.inv(pose)), solids)
+                self.entered.note(depth, f"{beat.where}: {seen[0]} in {other} at state {k * EVERY}")
+
+    def residuals(self) -> tuple[Residual, ...]:
+        """What was found, and whether the plan's bodies are those of the scene."""
+        return self.entered.residual(), self._same()
+
+    def _same(self) -> Residual:
+        worst = Worst("points outside of the plan's bodies", "m", FILLED)
+        for name, cloud in self.scene.clouds.items():
+            outside = np.min([_outside(cloud, faces) for faces in self._parts[name]], axis=0)
+            worst.note(float(np.quantile(outside, SHARE)), name)
+        return worst.residual()
+
+
+def _moved(points: FloatArray, pose: FloatArray) -> FloatArray:
+    return points @ pose[:3, :3].T + pose[:3, 3]
+
+
+def _outside(points: FloatArray, faces: FloatArray) -> FloatArray:
+    """Distances to the farthest facet plane beyond which points are [m], negative inside."""
+    return (points @ faces[:, :3].T + faces[:, 3]).max(axis=1)
+
+
+def _depth(points: FloatArray, solids: list[FloatArray]) -> float:
+    """How deep points are in solids [m], a few strays left out."""
+    deep = np.max([-_outside(points, faces) for faces in solids], axis=0)
+    return max(0.0, float(np.sort(deep)[max(len(deep) - 1 - STRAYS, 0)]))

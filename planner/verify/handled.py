@@ -1,0 +1,152 @@
+"""What the hand does to objects: grasps, what is held, places, what is kept upright, what may touch."""
+
+from dataclasses import dataclass, field
+
+import numpy as np
+
+from topple.planner.plan_format import Plan
+from topple.planner.verify.record import Residual, Worst
+from topple.planner.verify.replay import Beat, parts_of, tool_poses
+from topple.robots.arm import Arm
+from topple.topology.arrays import FloatArray
+
+OFF = 0.001  # [m] and [rad] / 10 that a tool may be off a grasp or a place: inverse kinematics and rounding
+TILT = 0.15  # [rad] of what is carried upright: a glass filled to nine tenths does not spill
+REACHED = 0.008  # [m] from the pads or the lip to the nearest seen body: noise of its surface
+NEAR = 0.008  # [m] bodies that are meant to touch when one is lifted or put down are this close
+
+
+@dataclass(eq=False)
+class HandCheck:
+    """Collects what is wrong with how objects are handled in the beats it is shown.
+
+    Attributes:
+        plan: The plan.
+        arm: The arm.
+    """
+
+    plan: Plan
+    arm: Arm
+    grasp: Worst = field(default_factory=lambda: Worst("tool at the grasp", "m", OFF))
+    reach: Worst = field(default_factory=lambda: Worst("object at the tool", "m", REACHED))
+    held: Worst = field(default_factory=lambda: Worst("attachment against grasp", "m", OFF))
+    place: Worst = field(default_factory=lambda: Worst("tool at the place", "m", OFF))
+    tilt: Worst = field(default_factory=lambda: Worst("tilt of what is kept upright", "rad", TILT))
+    excuse: Worst = field(default_factory=lambda: Worst("pairs that may touch without a reason", "1"))
+
+    def __post_init__(self) -> None:
+        self._parts = parts_of(self.plan)
+        self._up = np.array(self.plan.up)
+        self._hand = {link for tool in self.arm.tools.values() for link in tool.links}
+        self._fixed = {thing.name for thing in self.plan.objects if thing.fixed}
+        self._unexcused = 0
+        self._before: dict[str, FloatArray] = {}
+
+    def look(self, beat: Beat) -> None:
+        """Check one segment."""
+        kind = beat.segment.kind
+        grasp = np.array(beat.step.grasp.pose_tool_to_world)
+        self._excuses(beat)
+        if kind == "move":
+            self._before = beat.poses
+        ends = tool_poses(self.arm, self.plan, beat.segment.tool, beat.states[-1:])[0]
+        if kind == "approach":
+            self.grasp.note(_apart(ends, grasp), beat.where)
+            self.reach.note(self._to_object(beat, ends), beat.where)
+        if kind == "grasp":
+            for name, to_tool in beat.held.items():
+                now = self._before.get(name, np.eye(4))
+                self.held.note(_apart(grasp @ to_tool, now), f"{beat.where}: {name}")
+        if kind == "place":
+            wanted = np.array(beat.step.placement.pose_before_to_after) @ grasp
+            self.place.note(_apart(ends, wanted), beat.where)
+        if beat.step.upright and beat.held:
+            poses = tool_poses(self.arm, self.plan, beat.segment.tool, beat.states)
+            now = self._before.get(beat.step.object, np.eye(4))[:3, :3]
+            turned = poses[:, :3, :3] @ beat.held[beat.step.object][:3, :3] @ now.T @ self._up
+            self.tilt.note(float(np.arccos(np.clip(turned @ self._up, -1.0, 1.0)).max()), beat.where)
+
+    def residuals(self) -> tuple[Residual, ...]:
+        """What was found."""
+        found = (self.grasp, self.reach, self.held, self.place, self.tilt, self.excuse)
+        return tuple(worst.residual() for worst in found)
+
+    def _to_object(self, beat: Beat, tool: FloatArray) -> float:
+        """Distance from the object to the room between the pads, or to the lip [m]."""
+        pose = beat.poses.get(beat.step.object, np.eye(4))
+        to_tool = np.linalg.inv(tool) @ pose
+        nearest = np.inf
+        jaw = self.arm.jaw if beat.segment.tool == "fingers" else None
+        half = (
+            np.array([jaw.pad_size[0], beat.segment.hand.opening, jaw.pad_size[1]]) / 2.0
+            if jaw
+            else np.zeros(3)
+        )
+        for part in self._parts[beat.step.object]:
+            points = part @ to_tool[:3, :3].T + to_tool[:3, 3]
+            nearest = min(nearest, _box_to_hull(half, points))
+        return nearest
+
+    def _excuses(self, beat: Beat) -> None:
+        """Only the hand and what it handles, what that stands on, and neighbours at the fingers may touch."""
+        name = beat.step.object
+        carried = {held.object for held in beat.step.attachments}
+        for pair in beat.may_touch:
+            links, others = pair & set(self.arm.links), pair - set(self.arm.links)
+            fine = bool(links) and links <= self._hand and len(others) == 1
+            if fine and beat.segment.kind == "move":
+                fine = False
+            elif fine and not others <= carried:
+                fine = beat.segment.kind in ("approach", "grasp", "lift") and not others & self._fixed
+            if not links and name in pair:
+                (other,) = pair - {name}
+                fine = self._near(beat, other)
+            if not fine:
+                self._unexcused += 1
+                self.excuse.note(float(self._unexcused), f"{beat.where}: {' and '.join(sorted(pair))}")
+
+    def _near(self, beat: Beat, other: str) -> bool:
+        """Whether the object in the hand is next to another one where it is taken or put."""
+        import fcl
+
+        if beat.segment.kind == "place" and beat.step.placement.into == other:
+            return True
+        if beat.segment.kind not in ("grasp", "lift") or other not in beat.poses:
+            return False
+        name = beat.step.object
+        for a in self._parts[name]:
+            for b in self._parts[other]:
+                first, second = _placed(a, self._before[name]), _placed(b, beat.poses[other])
+                if fcl.distance(first, second, fcl.DistanceRequest()) < NEAR:
+                    return True
+        return False
+
+
+def _placed(part: FloatArray, pose: FloatArray) -> object:
+    import fcl
+
+    from topple.robots.convex import hull_of
+
+    corners, faces = hull_of(part @ pose[:3, :3].T + pose[:3, 3])
+    packed = np.column_stack([np.full(len(faces), 3), faces]).ravel()
+    return fcl.CollisionObject(fcl.Convex(corners, len(faces), packed))
+
+
+def _apart(a: FloatArray, b: FloatArray) -> float:
+    """How far two poses are from each other: metres, or a tenth of the angle [rad] where that is more."""
+    turn = float(np.arccos(np.clip((np.trace(a[:3, :3].T @ b[:3, :3]) - 1.0) / 2.0, -1.0, 1.0)))
+    return max(float(np.linalg.norm(a[:3, 3] - b[:3, 3])), turn / 10.0)
+
+
+def _box_to_hull(half: FloatArray, points: FloatArray) -> float:
+    """Distance of a box about the origin, or of the origin where it is none, to the hull of points [m]."""
+    import fcl
+
+    from topple.robots.convex import hull_of
+
+    corners, faces = hull_of(points)
+    packed = np.column_stack([np.full(len(faces), 3), faces]).ravel()
+    hull = fcl.CollisionObject(fcl.Convex(corners, len(faces), packed))
+    size = np.maximum(2.0 * half, 1e-4)
+    box = fcl.CollisionObject(fcl.Box(*size.tolist()))
+    return max(0.0, float(fcl.distance(box, hull, fcl.DistanceRequest())))

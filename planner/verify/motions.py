@@ -1,0 +1,70 @@
+"""The joints' part of a plan: limits, smooth joins, and velocities that are those of the positions."""
+
+import numpy as np
+
+from topple.planner.plan_format import Plan, SegmentData
+from topple.planner.verify.record import Residual, Worst
+from topple.robots.arm import Arm
+from topple.topology.arrays import FloatArray
+
+JUMP = 1e-5  # [rad] between one segment's end and the next one's start: numbers are written with six digits
+DRIFT = 2e-3  # [rad] that positions may differ from the integral of velocities from sample to sample
+OVER = 0.02  # share beyond a velocity or acceleration limit: finite differences of rounded samples
+AT_REST = 1e-3  # [rad/s] at a segment's ends
+
+
+def check_motions(plan: Plan, arm: Arm) -> tuple[Residual, ...]:
+    """Check every motion of a plan against the arm's limits.
+
+    Args:
+        plan: The plan.
+        arm: The arm.
+
+    Returns:
+        Residuals of joint positions, velocities, accelerations, continuity, times and proofs.
+    """
+    found = {
+        "position": Worst("joint positions", "rad", 1e-6),
+        "velocity": Worst("joint velocities", "1", OVER),
+        "acceleration": Worst("joint accelerations", "1", OVER),
+        "continuity": Worst("continuity", "rad", JUMP),
+        "rest": Worst("rest at the joins", "rad/s", AT_REST),
+        "integral": Worst("positions from velocities", "rad", DRIFT),
+        "times": Worst("times that do not increase", "1"),
+        "proof": Worst("motions without a proof", "1"),
+    }
+    q, unproven = np.array(plan.q_start), 0
+    for index, step in enumerate(plan.steps):
+        for segment in step.segments:
+            if segment.motion is None:
+                continue
+            where = f"step {index + 1} ({step.object}), {segment.kind}"
+            unproven += not segment.certified
+            found["proof"].note(float(unproven), where)
+            q = _check_motion(segment, q, arm, found, where)
+    return tuple(worst.residual() for worst in found.values())
+
+
+def _check_motion(
+    segment: SegmentData, q: FloatArray, arm: Arm, found: dict[str, Worst], where: str
+) -> FloatArray:
+    assert segment.motion is not None
+    times = np.array(segment.motion.times)
+    positions, velocities = np.array(segment.motion.positions), np.array(segment.motion.velocities)
+    beyond = np.maximum(positions - arm.upper, arm.lower - positions).max(axis=0)
+    found["position"].note(float(beyond.max()), f"{where}: {arm.joints[int(beyond.argmax())]}")
+    found["continuity"].note(float(np.abs(positions[0] - q).max()), where)
+    found["rest"].note(float(np.abs(velocities[[0, -1]]).max()), where)
+    if len(times) > 1:
+        span = np.diff(times)[:, None]
+        found["times"].note(float(np.count_nonzero(span <= 0.0)), where)
+        span = np.maximum(span, 1e-9)
+        mean = np.diff(positions, axis=0) / span
+        for speeds in (velocities, mean):
+            share = (np.abs(speeds) / arm.velocity).max(axis=0) - 1.0
+            found["velocity"].note(float(share.max()), f"{where}: {arm.joints[int(share.argmax())]}")
+        share = (np.abs(np.diff(velocities, axis=0) / span) / arm.acceleration).max(axis=0) - 1.0
+        found["acceleration"].note(float(share.max()), f"{where}: {arm.joints[int(share.argmax())]}")
+        drift = np.abs(np.diff(positions, axis=0) - 0.5 * (velocities[1:] + velocities[:-1]) * span)
+        found["integral"].note(float(drift.max()), where)
+    return positions[-1]

@@ -1,0 +1,158 @@
+"""What a plan leads to: orders that are kept, things that stay where they are put, a goal that is reached."""
+
+import networkx as nx
+import numpy as np
+
+from topple.planner.goal import parse_goal
+from topple.planner.plan_format import Plan, Step
+from topple.planner.verify.record import Residual, Worst
+from topple.planner.verify.replay import Beat, parts_of
+from topple.robots.bodies import Body
+from topple.robots.poses import angle_between
+from topple.robots.world import World
+from topple.topology.arrays import FloatArray
+from topple.topology.scene import Scene
+
+SHIFT = 0.015  # [m] a thing may move until it rests: its body is a guess from noisy points
+TURN = 0.35  # [rad] and turn: it lies down on the face next to the one that was meant
+SECONDS = 1.5  # of simulation
+
+
+def check_precedence(plan: Plan, scene: Scene | None) -> tuple[Residual, ...]:
+    """Check that nothing is taken before what has to go first.
+
+    Args:
+        plan: The plan.
+        scene: What was seen; its dependencies are derived again, and edges of cycles left out.
+
+    Returns:
+        Residuals: dependencies of the plan, of the scene, and steps that do not wait for those before them.
+    """
+    first = {step.object: index for index, step in reversed(list(enumerate(plan.steps)))}
+    last = {step.object: index for index, step in enumerate(plan.steps)}
+    own = Worst("dependencies of the plan broken", "1")
+    waits = Worst("steps that wait for nobody and should", "1")
+    late = [f"{e.then} before {e.first}" for e in plan.dependencies if first[e.first] > last[e.then]]
+    own.note(float(len(late)), "; ".join(late))
+    lazy: list[str] = []
+    for edge in plan.dependencies:
+        index = last[edge.then]
+        if first[edge.first] < index and first[edge.first] not in plan.steps[index].after:
+            lazy.append(f"step {index + 1} ({edge.then}) for {edge.first}")
+    waits.note(float(len(lazy)), "; ".join(lazy))
+    if scene is None:
+        return own.residual(), waits.residual()
+    from topple.planner.dependency import dependencies
+
+    again = Worst("dependencies of the scene broken", "1")
+    edges = [(edge.first, edge.then) for edge in dependencies(scene).dependencies]
+    graph: nx.DiGraph[str] = nx.DiGraph(edges)
+    group = {name: i for i, names in enumerate(nx.strongly_connected_components(graph)) for name in names}
+    never = len(plan.steps)
+    broken = [
+        f"{then} before {before}"
+        for before, then in edges
+        if then in first and group[before] != group[then] and first.get(before, never) > first[then]
+    ]
+    again.note(float(len(broken)), "; ".join(broken))
+    return own.residual(), waits.residual(), again.residual()
+
+
+def check_goal(plan: Plan, scene: Scene) -> Residual:
+    """Check the goal's relations on the clouds where the plan puts them.
+
+    Args:
+        plan: The plan.
+        scene: What was seen.
+
+    Returns:
+        The number of clauses that do not hold.
+    """
+    from topple.topology.relate import relate
+    from topple.topology.support import supports
+
+    up = np.array(plan.up)
+    after = scene
+    for step in plan.steps:
+        pose = _at_rest(step, up)
+        for held in step.attachments:
+            cloud = after.clouds[held.object]
+            after = after.with_cloud(held.object, cloud @ pose[:3, :3].T + pose[:3, 3])
+    text: str | list[str] = plan.goal
+    goal = parse_goal(text, scene)
+    relations = relate(after)
+    missing = list(goal.unmet(relations, scene.fixed, supports(after, relations)))
+    taken = {step.object for step in plan.steps if step.action == "free"}
+    missing += [f"{name} is not taken" for name in goal.free if name not in taken]
+    worst = Worst("goal clauses unmet", "1")
+    worst.note(float(len(missing)), "; ".join(missing))
+    return worst.residual()
+
+
+def check_rest(plan: Plan, before: "list[Beat]") -> tuple[Residual, ...]:
+    """Let everything fall from where it is let go, in PyBullet, among the other bodies held in place.
+
+    Args:
+        plan: The plan.
+        before: The beats in which something is put down, one for each step.
+
+    Returns:
+        Residuals: how far things shift and turn; what is put into a container may roll but has to stay in it.
+    """
+    shift, turn = Worst("shift after letting go", "m", SHIFT), Worst("turn after letting go", "rad", TURN)
+    out = Worst("outside of its container after letting go", "m")
+    level = _upright(np.array(plan.up))
+    parts = parts_of(plan)
+    bodies = {name: Body.of(name, pieces) for name, pieces in parts.items()}
+    for beat in before:
+        step, poses = beat.step, {**beat.poses}
+        now = poses[step.object]
+        release = now.copy()
+        release[:3, 3] += step.placement.drop * np.array(plan.up)
+        with World() as world:
+            for name, pose in poses.items():
+                if name != step.object:
+                    world.add(bodies[name], level @ pose, fixed=True)
+            world.add(bodies[step.object], level @ release)
+            world.settle(SECONDS)
+            after = np.linalg.inv(level) @ world.pose(step.object)
+        centre = bodies[step.object].centre_of_mass
+        way = (after - now) @ np.append(centre, 1.0)
+        where = f"step {beat.index + 1} ({step.object})"
+        into = step.placement.into
+        if into is not None and step.placement.rest.startswith("within"):
+            box = np.vstack([part @ poses[into][:3, :3].T + poses[into][:3, 3] for part in parts[into]])
+            out.note(_beyond(after @ np.append(centre, 1.0), box, np.array(plan.up)), where)
+        else:
+            shift.note(float(np.linalg.norm(way[:3])), where)
+            turn.note(angle_between(now, after), where)
+    return shift.residual(), turn.residual(), out.residual()
+
+
+def _beyond(place: FloatArray, points: FloatArray, up: FloatArray) -> float:
+    """How far a place is beside the level outline of points, or below them [m]."""
+    from topple.planner.solids import level_axes
+    from topple.planner.stacking import inset
+
+    axes = np.stack(level_axes(up))
+    aside = -float(inset(points @ axes.T, (place[:3] @ axes.T)[None])[0])
+    below = float((points @ up).min() - place[:3] @ up)
+    return max(0.0, aside, below)
+
+
+def _at_rest(step: Step, up: FloatArray) -> FloatArray:
+    pose = np.array(step.placement.pose_before_to_after)
+    pose[:3, 3] -= step.placement.drop * up
+    return pose
+
+
+def _upright(up: FloatArray) -> FloatArray:
+    """(4, 4) turn that brings up to z."""
+    axis = np.cross(up, [0.0, 0.0, 1.0])
+    pose = np.eye(4)
+    if np.linalg.norm(axis) < 1e-9:
+        pose[:3, :3] = np.diag([1.0, np.sign(up[2]), np.sign(up[2])])
+        return pose
+    x = axis / np.linalg.norm(axis)
+    pose[:3, :3] = np.stack([x, np.cross(up, x), up])
+    return pose

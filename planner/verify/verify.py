@@ -1,0 +1,113 @@
+"""Plans checked again by other means: python-fcl state by state, PyBullet, limits, order, physics, goal."""
+
+import numpy as np
+
+from topple.planner.plan_format import Plan
+from topple.planner.verify.by_bullet import BulletCheck
+from topple.planner.verify.by_fcl import FclCheck
+from topple.planner.verify.clouds import CloudCheck
+from topple.planner.verify.handled import HandCheck
+from topple.planner.verify.motions import check_motions
+from topple.planner.verify.outcome import check_goal, check_precedence, check_rest
+from topple.planner.verify.record import Residual, Verification, not_evaluated
+from topple.planner.verify.replay import Beat, replay
+from topple.robots.arm import Arm
+from topple.robots.catalog import robot as robot_named
+from topple.topology.errors import InvalidInput
+from topple.topology.scene import Scene
+
+STEP = 0.002  # [rad] between the states that python-fcl looks at
+COARSE = 5  # PyBullet looks at every fifth of them: 0.01 rad
+NO_SCENE = "no scene was given"
+
+
+def verify(
+    plan: Plan, scene: Scene | None = None, robot: Arm | str | None = None, *, step: float = STEP
+) -> Verification:
+    """Check a plan by other means than it was made with.
+
+    Trajectories are looked at every 0.002 rad with python-fcl, and every 0.01 rad with PyBullet, whose
+    kinematics and hulls are its own; what may touch by intent has to have a reason and may not be pressed
+    deeper. Placements are let go in simulation. With the scene, seen points may not be entered, precedence is
+    derived again, and the goal's relations are computed where the plan puts the clouds.
+
+    Args:
+        plan: The plan, fresh or read back from JSON.
+        scene: What it was made for; None: what needs clouds is not evaluated.
+        robot: The arm or its name; the one the plan names where None.
+        step: Spacing of the states [rad].
+
+    Returns:
+        The residuals, at most 0 where all is well, `inf` where not evaluated.
+
+    Raises:
+        InvalidInput: The plan's arm is not in the catalog and none was given, or the arm's joints or the
+            scene's objects are not those of the plan.
+    """
+    arm = _arm(plan, robot)
+    if scene is not None:
+        _check_names(plan, scene)
+    fcl_check, hands = FclCheck(plan, arm), HandCheck(plan, arm)
+    clouds = None if scene is None else CloudCheck(plan, arm, scene)
+    put: list[Beat] = []
+    with BulletCheck(plan, arm) as bullet:
+        for beat in replay(plan, step):
+            hands.look(beat)
+            fcl_check.look(beat)
+            bullet.look(_thinned(beat))
+            if clouds is not None:
+                clouds.look(beat)
+            if beat.segment.kind == "release":
+                put.append(beat)
+    residuals = [
+        *fcl_check.residuals(),
+        *bullet.residuals(),
+        *check_motions(plan, arm),
+        *hands.residuals(),
+        *check_precedence(plan, scene),
+        *check_rest(plan, put),
+    ]
+    if scene is None or clouds is None:
+        residuals += _left_out()
+    else:
+        residuals += [*clouds.residuals(), check_goal(plan, scene)]
+    return Verification(tuple(residuals), fcl_check.states)
+
+
+def _left_out() -> list[Residual]:
+    return [
+        not_evaluated("dependencies of the scene broken", "1", NO_SCENE),
+        not_evaluated("seen points entered", "m", NO_SCENE),
+        not_evaluated("points outside of the plan's bodies", "m", NO_SCENE),
+        not_evaluated("goal clauses unmet", "1", NO_SCENE),
+    ]
+
+
+def _thinned(beat: Beat) -> Beat:
+    """The beat with fewer states, its last one among them."""
+    index = np.unique(np.append(np.arange(0, len(beat.states), COARSE), len(beat.states) - 1))
+    return Beat(beat.index, beat.step, beat.segment, beat.states[index], beat.poses, beat.held)
+
+
+def _arm(plan: Plan, robot: Arm | str | None) -> Arm:
+    if isinstance(robot, Arm):
+        arm = robot
+    else:
+        try:
+            arm = robot_named(plan.robot if robot is None else robot)
+        except InvalidInput as error:
+            raise InvalidInput(
+                f"the plan's arm {plan.robot!r} is not known here: give it ({error})"
+            ) from error
+    if list(arm.joints) != plan.joints:
+        raise InvalidInput(
+            f"the plan moves {', '.join(plan.joints)}; {arm.name} has {', '.join(arm.joints)}: give its arm"
+        )
+    return arm
+
+
+def _check_names(plan: Plan, scene: Scene) -> None:
+    ours, theirs = {thing.name for thing in plan.objects}, set(scene.names)
+    if ours != theirs:
+        odd = ", ".join(sorted(ours ^ theirs))
+        raise InvalidInput(f"the scene is not the one the plan was made for: {odd} is only in one of them")

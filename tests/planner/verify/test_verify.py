@@ -1,0 +1,159 @@
+import json
+import math
+
+import numpy as np
+import pytest
+
+from topple.planner.plan import plan
+from topple.planner.plan_format import Plan, plan_from_json, plan_to_json
+from topple.planner.verify import Verification, verify
+from topple.robots.catalog import robot
+from topple.robots.shapes.boxes import box
+from topple.topology.errors import InvalidInput
+from topple.topology.scene import Scene
+
+BASE = np.eye(4)
+BASE[0, 3] = -0.5
+ROUGH = 0.02  # [rad]: what is broken here is broken everywhere
+
+
+def stacked() -> Scene:
+    """A block on a block, and a tall box beside them."""
+    rng = np.random.default_rng(0)
+    axis = np.arange(-0.45, 0.45, 0.008)
+    x, y = np.meshgrid(axis, axis)
+    clouds = {
+        "table": np.column_stack([x.ravel(), y.ravel(), np.zeros(x.size)]),
+        "lower": box("lower", (0.06, 0.06, 0.06)).surface(2000, rng),
+        "upper": box("upper", (0.05, 0.05, 0.05)).surface(2000, rng) + np.array([0.0, 0.0, 0.0605]),
+        "tall": box("tall", (0.08, 0.08, 0.25)).surface(2000, rng) + np.array([0.05, 0.2, 0.0]),
+    }
+    return Scene(clouds, fixed=["table"], up=[0, 0, 1])
+
+
+@pytest.fixture(scope="module")
+def found() -> Plan:
+    return plan(stacked(), ["lower"], robot("panda"), base=BASE)
+
+
+@pytest.fixture(scope="module")
+def checked(found: Plan) -> Verification:
+    return plan_from_json(plan_to_json(found)).verify(stacked())
+
+
+def test_a_plan_read_back_holds_by_every_other_means(checked: Verification) -> None:
+    bad = [(r.name, r.value, r.witness) for r in checked.residuals if not r.ok]
+    assert not bad
+    assert checked.ok
+    assert checked.states > 1000
+
+
+def test_without_the_scene_what_needs_it_is_infinite_and_the_rest_holds(found: Plan) -> None:
+    bare = verify(found, step=ROUGH)
+    assert {residual.name for residual in bare.left_out} == {
+        "dependencies of the scene broken",
+        "seen points entered",
+        "points outside of the plan's bodies",
+        "goal clauses unmet",
+    }
+    assert math.isinf(bare["goal clauses unmet"])
+    assert not bare.failed
+    assert not bare.ok
+
+
+def test_the_record_is_json_with_units_and_nulls(found: Plan, checked: Verification) -> None:
+    document = json.loads(json.dumps(checked.to_json()))
+    assert document["ok"] is True
+    assert {row["unit"] for row in document["residuals"]} <= {"m", "rad", "rad/s", "1"}
+    bare = verify(found, step=ROUGH).to_json()
+    assert None in [row["value"] for row in bare["residuals"]]
+
+
+def spoiled(found: Plan, change: object) -> Plan:
+    """The plan with a change to its document."""
+    document = json.loads(plan_to_json(found))
+    change(document)  # type: ignore[operator]
+    return plan_from_json(json.dumps(document))
+
+
+def bend_into_the_tall_box(document: dict) -> None:
+    """The transfer of step 1 goes through a state in which the hand stands in the tall box."""
+    arm = robot("panda")
+    down = np.array([[1.0, 0, 0, 0.55], [0, -1, 0, 0.2], [0, 0, -1, 0.15], [0, 0, 0, 1]])
+    q = arm.inverse(down)[0][0]
+    motion = next(s for s in document["steps"][0]["segments"] if s["kind"] == "transfer")["motion"]
+    motion["positions"][len(motion["positions"]) // 2] = q.tolist()
+
+
+def swap_the_steps(document: dict) -> None:
+    document["steps"].reverse()
+    document["steps"][0]["after"], document["steps"][1]["after"] = [], [0]
+
+
+def hasten(document: dict) -> None:
+    motion = document["steps"][0]["segments"][0]["motion"]
+    motion["times"] = [time / 6 for time in motion["times"]]
+    motion["velocities"] = [[6 * value for value in row] for row in motion["velocities"]]
+
+
+def put_it_into_the_air(document: dict) -> None:
+    document["steps"][1]["placement"]["pose_before_to_after"][2][3] += 0.1
+
+
+def take_hold_beside(document: dict) -> None:
+    document["steps"][1]["grasp"]["pose_tool_to_world"][1][3] += 0.1
+
+
+def hold_it_otherwise(document: dict) -> None:
+    document["steps"][1]["attachments"][0]["pose_start_to_tool"][1][3] += 0.05
+
+
+def excuse_everything(document: dict) -> None:
+    document["steps"][0]["segments"][0]["may_touch"] = [["panda_hand", "tall"]]
+
+
+def leave_the_goal_out(document: dict) -> None:
+    document["steps"].pop()
+    document["dependencies"] = []
+
+
+@pytest.mark.parametrize(
+    ("change", "name"),
+    [
+        (bend_into_the_tall_box, "collisions (python-fcl)"),
+        (bend_into_the_tall_box, "collisions (PyBullet)"),
+        (bend_into_the_tall_box, "positions from velocities"),
+        (swap_the_steps, "dependencies of the plan broken"),
+        (swap_the_steps, "dependencies of the scene broken"),
+        (swap_the_steps, "continuity"),
+        (hasten, "joint velocities"),
+        (hasten, "joint accelerations"),
+        (put_it_into_the_air, "tool at the place"),
+        (put_it_into_the_air, "shift after letting go"),
+        (take_hold_beside, "tool at the grasp"),
+        (hold_it_otherwise, "attachment against grasp"),
+        (excuse_everything, "pairs that may touch without a reason"),
+        (leave_the_goal_out, "goal clauses unmet"),
+    ],
+)
+def test_what_is_spoiled_is_found_where_it_is(found: Plan, change: object, name: str) -> None:
+    residuals = {r.name: r for r in checked_once(found, change).residuals}
+    assert residuals[name].value > 0.0
+    assert residuals[name].witness
+
+
+_CHECKED: dict[object, Verification] = {}
+
+
+def checked_once(found: Plan, change: object) -> Verification:
+    """One check for each change: several tests look at its residuals."""
+    if change not in _CHECKED:
+        _CHECKED[change] = verify(spoiled(found, change), stacked(), step=ROUGH)
+    return _CHECKED[change]
+
+
+def test_another_scene_or_arm_is_refused(found: Plan) -> None:
+    with pytest.raises(InvalidInput, match="tall"):
+        found.verify(stacked().without("tall"))
+    with pytest.raises(InvalidInput, match="give its arm"):
+        found.verify(stacked(), "iiwa")
