@@ -85,6 +85,8 @@ def print_run(title: str, document: Document) -> None:
     )
     rows = [_action(i, step) for i, step in enumerate(steps, start=1)]
     print_table(("", "object", "action", "", "disturbed", "relations", "s"), rows, right=(0, 6))
+    for i, step in enumerate(steps, start=1):
+        print_text(*(f"{i} {step['object']}: {event}" for event in step.get("events", ())))
 
 
 def _action(number: int, step: Document) -> tuple[str, ...]:

@@ -9,14 +9,23 @@ from topple.planner.report.record import RunRecord, StepRecord
 def test_a_run_is_a_line_per_action_with_what_it_disturbed(capsys: pytest.CaptureFixture[str]) -> None:
     steps = (
         StepRecord("spoon", "remove", True, disturbed={"can": (0.0004, 0.001)}, seconds=4.0),
-        StepRecord("plate", "free", False, attempts=2, disturbed={"can": (0.0123, 0.5)}, seconds=3.21),
+        StepRecord(
+            "plate",
+            "free",
+            False,
+            attempts=2,
+            disturbed={"can": (0.0123, 0.5)},
+            seconds=3.21,
+            events=("It slipped.",),
+        ),  # fmt: skip
     )
     record = RunRecord("free plate", "panda", 0, False, ("plate: can was moved 12.3 mm",), steps, 7.5)
     print_run("dishes", record.to_json())
     lines = capsys.readouterr().out.splitlines()
     assert lines[0] == "dishes: free plate, failed after 2 actions, 7.5 s"
     (spoon,) = [line for line in lines if line.startswith("1 ")]
-    (plate,) = [line for line in lines if line.startswith("2 ")]
+    plate, slipped = [line for line in lines if line.startswith("2 ")]
+    assert slipped == "2 plate: It slipped."
     assert "nothing" in spoon
     for words in ("failed, attempt 2", "can 12.3 mm 28.6°", "3.2"):
         assert words in plate
