@@ -2,12 +2,12 @@
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from itertools import combinations
 
 import numpy as np
 from scipy.spatial import KDTree
 
 from topple.topology.arrays import BoolArray, FloatArray, frozen
+from topple.topology.broadphase import near_pairs
 from topple.topology.upright import SPACING, Upright, thin
 
 
@@ -136,7 +136,7 @@ def find_contacts(upright: Upright, clouds: Mapping[str, FloatArray] | None = No
     planes = {name: Plane.of(surfaces[name]) for name in surfaces if name in upright.fixed}
     trees: dict[str, KDTree] = {}
     found: list[Contact] = []
-    for a, b in combinations(surfaces, 2):
+    for a, b in _meeting(surfaces, planes):
         if a in upright.fixed and b in upright.fixed:
             continue
         if a in upright.fixed or b in upright.fixed:
@@ -151,6 +151,17 @@ def find_contacts(upright: Upright, clouds: Mapping[str, FloatArray] | None = No
         if contact is not None:
             found.append(contact)
     return tuple(found)
+
+
+def _meeting(surfaces: Mapping[str, FloatArray], planes: Mapping[str, Plane | None]) -> list[tuple[str, str]]:
+    """Pairs whose boxes are near each other, and every pair with a plane: it goes on behind the objects."""
+    names = list(surfaces)
+    lower = np.array([points.min(axis=0) for points in surfaces.values()]).reshape(-1, 3)
+    upper = np.array([points.max(axis=0) for points in surfaces.values()]).reshape(-1, 3)
+    pairs = {(i, j) for i, j in near_pairs(lower, upper, TOLERANCES.search).tolist()}
+    for number in (i for i, name in enumerate(names) if planes.get(name) is not None):
+        pairs |= {(min(i, number), max(i, number)) for i in range(len(names)) if i != number}
+    return [(names[i], names[j]) for i, j in sorted(pairs)]
 
 
 def _on_plane(ground: str, plane: Plane, name: str, points: FloatArray) -> Contact | None:

@@ -50,11 +50,10 @@ def hidden_contacts(
     Returns:
         New contacts, marked as inferred, with gaps counted from the loaded points.
     """
-    tops = {name: _plan(points, np.maximum) for name, points in surfaces.items()}
-    planes = {name: Plane.of(upright.clouds[name]) for name in upright.fixed}
+    tops = _Tops(upright, surfaces)
     candidates: list[Contact] = []
     for name in wanting:
-        candidates += _below(name, surfaces, tops, planes, sight)
+        candidates += _below(name, surfaces[name], tops, sight)
     if not candidates:
         return ()
     costs = [np.zeros(len(c.gaps)) for c in contacts] + [np.maximum(c.gaps, 0) * PRICE for c in candidates]
@@ -73,29 +72,44 @@ def hidden_contacts(
     return tuple(found)
 
 
-def _below(
-    name: str,
-    surfaces: Mapping[str, FloatArray],
-    tops: Mapping[str, dict[tuple[int, int], float]],
-    planes: Mapping[str, Plane | None],
-    sight: Sight | None,
-) -> list[Contact]:
+class _Tops:
+    """What stands highest over each plan cell: planes everywhere, other surfaces where they have points."""
+
+    def __init__(self, upright: Upright, surfaces: Mapping[str, FloatArray]) -> None:
+        self._planes: list[tuple[int, str, Plane]] = []
+        self._cells: dict[tuple[int, int], list[tuple[int, str, float]]] = {}
+        for order, (name, points) in enumerate(surfaces.items()):
+            plane = Plane.of(upright.clouds[name]) if name in upright.fixed else None
+            if plane is not None:
+                self._planes.append((order, name, plane))
+                continue
+            for cell, height in _plan(points, np.maximum).items():
+                self._cells.setdefault(cell, []).append((order, name, height))
+
+    def below(self, name: str, cell: tuple[int, int], spot: FloatArray) -> tuple[float, str] | None:
+        """Height and name of what is highest below a spot (3,), other than the object itself."""
+        options = self._cells.get(cell, []) + [
+            (order, other, float(-(plane.offset + spot[:2] @ plane.normal[:2]) / plane.normal[2]))
+            for order, other, plane in self._planes
+        ]
+        fitting = [
+            (top, -order, other)
+            for order, other, top in options
+            if other != name and top <= spot[2] + TOLERANCES.catch
+        ]
+        if not fitting:
+            return None
+        top, _, other = max(fitting)
+        return top, other
+
+
+def _below(name: str, surface: FloatArray, tops: _Tops, sight: Sight | None) -> list[Contact]:
     """For each object under `name`, the cells in which its underside faces the highest top below it."""
-    under = _plan(surfaces[name], np.minimum)
+    under = _plan(surface, np.minimum)
     spots = np.array([((i + 0.5) * CELL, (j + 0.5) * CELL, z) for (i, j), z in under.items()])
     facing: dict[str, list[tuple[FloatArray, float]]] = {}
     for spot, cell in zip(spots, under, strict=True):
-        best: tuple[float, str] | None = None
-        for other, plan in tops.items():
-            if other == name:
-                continue
-            plane = planes.get(other)
-            if plane is not None:
-                top = float(-(plane.offset + spot[:2] @ plane.normal[:2]) / plane.normal[2])
-            else:
-                top = plan.get(cell, -np.inf)
-            if top <= spot[2] + TOLERANCES.catch and (best is None or top > best[0]):
-                best = top, other
+        best = tops.below(name, cell, spot)
         if best is not None and spot[2] - best[0] <= DEEPEST:
             facing.setdefault(best[1], []).append((spot, spot[2] - best[0]))
     found: list[Contact] = []
