@@ -17,7 +17,7 @@ def test_a_run_is_a_line_per_action_with_what_it_disturbed(capsys: pytest.Captur
             disturbed={"can": (0.0123, 0.5)},
             seconds=3.21,
             events=("It slipped.",),
-        ),  # fmt: skip
+        ),
     )
     record = RunRecord("free plate", "panda", 0, False, ("plate: can was moved 12.3 mm",), steps, 7.5)
     print_run("dishes", record.to_json())
