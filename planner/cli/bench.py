@@ -37,6 +37,9 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         "--scenes", metavar="DIR", help="paper: write its scenes there, for the other commands"
     )
+    parser.add_argument("--piles", metavar="DIR", help="order: score the recorded piles of a folder instead")
+    parser.add_argument("--data", metavar="DIR", help="order: score the annotated frames of a folder too")
+    parser.add_argument("--verify", action="store_true", help="order: score --verify too, which is slow")
     add_common(parser, scenes=None)
 
 
@@ -61,7 +64,7 @@ def execute(args: argparse.Namespace) -> int:
 
     code = DONE
     for name in BENCHES if args.name is None else (args.name,):
-        options = _options(args) if name == "paper" else {}
+        options = _options(args, name)
         with Progress(f"bench {name}") as progress:
             document = bench(name, quick=args.quick, seed=args.seed, progress=progress, **options)
         if args.json:
@@ -73,8 +76,13 @@ def execute(args: argparse.Namespace) -> int:
     return code
 
 
-def _options(args: argparse.Namespace) -> dict[str, Path | None]:
-    """Folders of the paper's scenes; the one that is written to is made."""
+def _options(args: argparse.Namespace, name: str) -> dict[str, Any]:
+    """What only one bench takes: folders to read; the one that is written to is made."""
+    if name == "order":
+        piles, data = (_folder(text) for text in (args.piles, args.data))
+        return {"piles": piles, "data": data, "verify": args.verify}
+    if name != "paper":
+        return {}
     models, folder = (None if text is None else Path(text) for text in (args.models, args.scenes))
     if folder is not None:
         try:
@@ -82,6 +90,12 @@ def _options(args: argparse.Namespace) -> dict[str, Path | None]:
         except OSError as error:
             raise InvalidInput(f"{folder} cannot be made: {error}; give --scenes another folder") from error
     return {"models": models, "folder": folder}
+
+
+def _folder(text: str | None) -> Path | None:
+    if text is not None and not Path(text).is_dir():
+        raise InvalidInput(f"{text} is no folder: give one that exists")
+    return None if text is None else Path(text)
 
 
 def _print(document: Mapping[str, Any]) -> None:
