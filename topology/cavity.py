@@ -50,6 +50,29 @@ def surrounded(places: FloatArray, wall: FloatArray, up: FloatArray, height: flo
     return found
 
 
+def roofed(places: FloatArray, wall: FloatArray, up: FloatArray, height: float, aside: float) -> BoolArray:
+    """Whether there is wall straight above a place.
+
+    Args:
+        places: (N, 3) places [m].
+        wall: (M, 3) points of the wall [m].
+        up: (3,) unit vector upward.
+        height: How far above the place at least [m].
+        aside: How far beside the vertical at most [m]; not less than the spacing of the points.
+
+    Returns:
+        (N,) True where a point of the wall is there.
+    """
+    found = np.zeros(len(places), dtype=np.bool_)
+    step = max(1, BLOCK // max(len(wall), 1))
+    for start in range(0, len(places), step):
+        offset = wall[None] - places[start : start + step, None]
+        rise = offset @ up
+        beside = np.einsum("nmi,nmi->nm", offset, offset) - rise**2
+        found[start : start + step] = ((rise > height) & (beside < aside**2)).any(axis=1)
+    return found
+
+
 @dataclass(frozen=True, eq=False)
 class Cavity:
     """The hollow of a bowl, cup, plate or open box.
@@ -110,7 +133,8 @@ def cavity(points: FloatArray, up: FloatArray, height: float = 0.004) -> Cavity 
         return None
     places = _places_inside(hull)
     held = places[surrounded(places, wall, up, height)]
-    held = held[_open_above(held, wall, up)]
+    spread = float(np.ptp(wall, axis=0).max())
+    held = held[~roofed(held, wall, up, 0.0, 0.04 * spread)]  # a closed box has no mouth
     if len(held) * 20 < len(places):
         return None
     centre = held.mean(axis=0)
@@ -133,18 +157,6 @@ def _places_inside(hull: Hull) -> FloatArray:
     shares = (index[:, None] * np.array([0.8191725, 0.6710436, 0.5497005])) % 1  # R3 low-discrepancy sequence
     places = hull.lower + shares * (hull.upper - hull.lower)
     return places[hull.facet_distance(places) < 0][:PROBES]
-
-
-def _open_above(places: FloatArray, wall: FloatArray, up: FloatArray) -> BoolArray:
-    """Which places have no wall straight above them: what separates a bowl from a closed box."""
-    spread = np.ptp(wall, axis=0).max()
-    clear = np.ones(len(places), dtype=np.bool_)
-    for index, place in enumerate(places):
-        offset = wall - place
-        rise = offset @ up
-        aside = np.einsum("ij,ij->i", offset, offset) - rise**2
-        clear[index] = not ((rise > 0) & (aside < (0.04 * spread) ** 2)).any()
-    return clear
 
 
 def _rim_points(wall: FloatArray, centre: FloatArray, up: FloatArray) -> FloatArray:

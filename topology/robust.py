@@ -12,7 +12,7 @@ import numpy as np
 from scipy.spatial import KDTree
 
 from topple.topology.arrays import BoolArray, FloatArray, IntArray
-from topple.topology.cavity import surrounded
+from topple.topology.cavity import roofed, surrounded
 from topple.topology.facing import facing_seen
 from topple.topology.inferred import infer_contacts
 from topple.topology.pairs import PairRelation, Relations, box_distance
@@ -101,7 +101,9 @@ class RobustRule:
         wall = b.coarse[:: -(-len(b.coarse) // WALL)]
         held = np.zeros(len(chosen), dtype=np.bool_)
         for up in self._ups(b):
-            held |= surrounded(a.coarse[chosen], wall, up, self.deviation)
+            walled = surrounded(a.coarse[chosen], wall, up, self.deviation)
+            walled[walled] = ~self._under(a.coarse[chosen[walled]], b, up)
+            held |= walled
         inside[chosen[held]] = True
         if step > 1:  # the points between follow the nearest one that was looked at
             nearest = KDTree(a.coarse[chosen]).query(a.coarse[candidates])[1]
@@ -109,6 +111,12 @@ class RobustRule:
         if np.count_nonzero(inside) < self._least(a.size):
             inside[:] = False
         return inside
+
+    def _under(self, places: FloatArray, b: SurfaceCloud, up: FloatArray) -> BoolArray:
+        """Which places have B above them and none of it below: they are under it, not in it."""
+        under = roofed(places, b.coarse, up, self.deviation, b.spacing)
+        under[under] = ~roofed(places[under], b.coarse, -up, self.deviation, b.spacing)
+        return under
 
     def _ups(self, b: SurfaceCloud) -> list[FloatArray]:
         """Directions in which an object may be open: up, or its own axes where up is not known."""
