@@ -17,10 +17,12 @@ faster, that of a "<=" bar how many times as long.
 
 from dataclasses import dataclass
 from functools import partial
+from pathlib import Path
 from typing import Any
 
 from scipy.spatial import ConvexHull
 
+from topple.planner.bench import truth
 from topple.planner.bench.clock import cpu_medians
 from topple.planner.bench.clouds import crowd, frame, household
 from topple.planner.bench.plain_numpy import plain_numpy
@@ -78,13 +80,14 @@ FULL = Extent((Size(10_000, 9, 6, None), Size(50_000, 5, 12, 1.2), Size(200_000,
 QUICK = Extent((Size(10_000, 5, 6, None), Size(50_000, 3, 12, 1.2)), crowds_by_default=False, repeats=3)
 
 
-def rows(quick: bool, seed: int, progress: Progress) -> list[dict[str, Any]]:
+def rows(quick: bool, seed: int, progress: Progress, data: Path | None = None) -> list[dict[str, Any]]:
     """Measure.
 
     Args:
         quick: Without the densest clouds, and fewer repeats.
         seed: Seed of the clouds.
         progress: Called before each part.
+        data: Folder of frames a person labelled, see `truth`; None leaves them out.
 
     Returns:
         The bench's rows.
@@ -101,6 +104,7 @@ def rows(quick: bool, seed: int, progress: Progress) -> list[dict[str, Any]]:
     if extent.frame:
         progress("a frame of 15 objects")
         found.append(_frame(extent.repeats, seed))
+    found += truth.rows(data, progress)
     return [row.to_json() for row in found]
 
 
