@@ -275,11 +275,22 @@ class StepChooser:
         return inset(outline, middle[None])[0] > 0.0
 
     def _ordered(self, targets: Sequence[str]) -> Order:
-        chosen = self._orderer(self.scene, targets, relations=self.relations, seed=self.seed)
+        scene, relations = self._loaded(targets)
+        chosen = self._orderer(scene, targets, relations=relations, seed=self.seed)
         if chosen.unresolved:
             cycles = tuple("cycle: " + " before ".join([*cycle, cycle[0]]) for cycle in chosen.unresolved)
             raise NoSafePlan(f"no safe order frees {', '.join(targets)}: {cycles[0]}", cycles)
         return chosen
+
+    def _loaded(self, targets: Sequence[str]) -> tuple[Scene, Relations]:
+        """The scene for the order: what rides in a container that is kept upright is one thing with it."""
+        scene = self.scene
+        for name in self.upright:
+            riders = [rider for rider in self._riding(name) if rider not in targets]
+            for rider in riders:
+                cloud = np.vstack([scene.clouds[name], scene.clouds[rider]])
+                scene = scene.without(rider).with_cloud(name, cloud)
+        return scene, self.relations if scene is self.scene else relate(scene)
 
     def _transfer(self, name: str, places: list[Placement] | None) -> Transfer | TransferFailure:
         """A transfer of an object, or why there is none."""
