@@ -196,12 +196,15 @@ class StepChooser:
         return None
 
     def _barring(self, failure: TransferFailure) -> list[str]:
-        """Movable objects whose removal may help: those met in the search first, then those beside."""
-        own = self._solids[failure.object]
-        near = (n for n in self.scene.movable if not apart(own, self._solids[n], BESIDE))
-        barring = dict.fromkeys([*failure.barring, *near])
+        """Movable objects whose removal may help: those met in the search, and those beside.
+
+        What reaches down least comes first: least may lean on it that was not seen to.
+        """
+        own, up = self._solids[failure.object], up_of(self.scene)
         movable = set(self.scene.movable) - {failure.object, *self.given_up}
-        return [name for name in barring if name in movable]
+        near = [n for n in movable if n in failure.barring or not apart(own, self._solids[n], BESIDE)]
+        bottom = {name: round(float((self.scene.clouds[name] @ up).min()), 2) for name in near}
+        return sorted(near, key=lambda name: (-bottom[name], name))
 
     def _place(self, place: Place) -> NextStep:
         """The object to where the goal wants it, or first what has to go before it or is in the way there."""
