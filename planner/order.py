@@ -1,5 +1,6 @@
 """In which order to take things: the fewest removals that free the targets, and why."""
 
+import time
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from itertools import pairwise
@@ -98,27 +99,29 @@ def order(
         InvalidInput: The scene has no `up`, nothing in it can move, or a target is fixed.
         UnknownObject: A target is not in the scene.
     """
+    started = time.monotonic()
     wanted = _check_targets(scene, targets)
     statics = Statics.of(scene)
     graph = dependencies(scene, relations, statics, direct=not verify)
     doubts: dict[tuple[str, str], float] = {}
     notes: dict[str, Any] = {}
+    said = (*scene.assumptions, *_assumed(scene, statics))
     if verify:
-        from topple.planner.verify_order import ask, confirmed  # pybullet is not wanted without it
+        from topple.planner.verify_order import BUDGET, ask, chances, confirmed  # pybullet only if wanted
 
-        votes = ask(statics, seed, budget)
-        doubts = {(e.first, e.then): e.confidence / 2 for e in graph.dependencies}
-        for pair, share in votes.moved.items():
-            doubts[pair] = max(doubts.get(pair, 0.0), share / 2)
-        graph = confirmed(graph, votes).reduced()
+        votes = ask(statics, graph, seed, started + (BUDGET if budget is None else max(budget, 0.0)))
+        doubts = chances(graph, votes, len(scene.viewpoints) or None)
+        graph = confirmed(graph, doubts).reduced()
         notes = {"trials": votes.trials, "budget_exhausted": not votes.complete}
+        if not votes.complete:
+            said = (*said, f"the budget ran out after {votes.trials} simulated lifts: the best answer so far")
     heights = {name: float(statics.surfaces[name][:, 2].max()) for name in graph.names}
     found = arrange(
         graph,
         wanted,
         heights,
         supports(scene, relations, statics),
-        (*scene.assumptions, *_assumed(scene, statics)),
+        said,
         doubts,
     )
     return replace(found, verified=verify and not notes["budget_exhausted"], notes=MappingProxyType(notes))

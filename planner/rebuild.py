@@ -4,7 +4,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass, replace
 
 import numpy as np
-from scipy.spatial import ConvexHull, QhullError
+from scipy.spatial import ConvexHull
 
 from topple.planner.seating import Shape, floor_cut, part, seat
 from topple.robots.bodies import Body
@@ -44,47 +44,39 @@ class Rebuilt:
     poses: Mapping[str, FloatArray]
     floor: float
 
-    def world(self, offsets: Mapping[str, FloatArray] | None = None) -> World:
-        """All bodies in a world of their own, which the caller closes.
-
-        Args:
-            offsets: name -> (3,) displacement [m] of where a body is thought to be.
-        """
+    def world(self) -> World:
+        """All bodies on a floor in a world of their own, which the caller closes."""
         world = World()
         middle = np.mean([pose[:2, 3] for pose in self.poses.values()], axis=0)
         world.add_table(
             "the floor", height=self.floor, size=(3.0, 3.0), centre=(float(middle[0]), float(middle[1]))
         )
-        self.add_to(world, offsets)
+        self.add_to(world)
         return world
 
-    def add_to(self, world: World, offsets: Mapping[str, FloatArray] | None = None) -> None:
-        """Put all bodies, but no floor, into a world whose z axis is up.
-
-        Args:
-            world: The world.
-            offsets: name -> (3,) displacement [m] of where a body is thought to be.
-        """
+    def add_to(self, world: World) -> None:
+        """Put all bodies, but no floor, into a world whose z axis is up."""
         for ground in self.grounds:
             world.add(ground, self.poses[ground.name], fixed=True)
         for name, body in self.bodies.items():
-            pose = np.array(self.poses[name])
-            if offsets is not None and name in offsets:
-                pose[:3, 3] += offsets[name]
-            world.add(body, pose)
+            world.add(body, self.poses[name])
 
 
-def rebuild(statics: Statics) -> Rebuilt:
+def rebuild(statics: Statics, jitter: float = 0.0, seed: int = 0) -> Rebuilt:
     """Make bodies of the completed surfaces of a scene.
 
     Args:
         statics: The scene at rest.
+        jitter: Standard deviation [m] along each axis by which each cloud is put elsewhere before the bodies
+            are fitted to each other: what noise leaves open of poses and shapes.
+        seed: Of the jitter.
 
     Returns:
         One body per object; the largest flat fixed surface is the floor.
     """
     upright = statics.upright
-    shapes = {name: _shape(name, statics) for name in upright.movable}
+    rng = np.random.default_rng(seed)
+    shapes = {name: _moved(_shape(name, statics), rng.normal(0.0, jitter, 3)) for name in upright.movable}
     grounds = {name: _ground(statics.surfaces[name], upright.floor) for name in upright.fixed}
     grounds = {name: shape for name, shape in grounds.items() if shape}
     shapes = {name: floor_cut(shape, upright.floor) for name, shape in shapes.items()}
@@ -117,15 +109,17 @@ def _shape(name: str, statics: Statics) -> Shape:
     return solid(surface, seen)
 
 
+def _moved(shape: Shape, offset: FloatArray) -> Shape:
+    """The pieces somewhere else."""
+    return [Piece(piece.corners + offset, piece.seen + offset) for piece in shape]
+
+
 def _intruded(whole: Piece, name: str, statics: Statics) -> bool:
     """Whether points of other things lie deep in a hull."""
     others = [points for other, points in statics.upright.clouds.items() if other != name]
     if not others:
         return False
-    try:
-        planes = ConvexHull(whole.corners).equations
-    except (QhullError, ValueError):
-        return False
+    planes = whole.planes
     reach = (np.concatenate(others) @ planes[:, :3].T + planes[:, 3]).max(axis=1)
     return int((reach < -FILLED).sum()) >= INTRUDERS
 

@@ -12,7 +12,7 @@ from scipy.spatial import ConvexHull, QhullError
 
 from topple.robots.body_clouds import Piece
 from topple.robots.convex import hull_of
-from topple.topology.arrays import BoolArray, FloatArray
+from topple.topology.arrays import BoolArray, FloatArray, IntArray
 from topple.topology.sight import Sight
 
 CELL = 0.006
@@ -71,7 +71,7 @@ def _meeting(a: Sequence[Piece], b: Sequence[Piece]) -> list[tuple[int, int]]:
 
 def _cut(a: Piece, b: Piece) -> tuple[Piece, Piece] | None:
     """Both pieces on their own sides of a plane that takes least of what was seen; None if they are apart."""
-    directions = np.concatenate([_DIRECTIONS, _normals(a.corners), -_normals(b.corners)])
+    directions = np.concatenate([_DIRECTIONS, _normals(a), -_normals(b)])
     high, low = (a.corners @ directions.T).max(axis=0), (b.corners @ directions.T).min(axis=0)
     depth = high - low
     if depth.min() < CLEAR:
@@ -118,15 +118,10 @@ def clipped(corners: FloatArray, normal: FloatArray, limit: float) -> FloatArray
     return every[hull.vertices] if hull.volume > 1e-9 else None
 
 
-def _normals(corners: FloatArray) -> FloatArray:
-    """(F, 3) outward normals of a hull's larger faces."""
-    try:
-        hull = ConvexHull(corners)
-    except (QhullError, ValueError):
-        return np.zeros((0, 3))
-    normals: FloatArray = hull.equations[:, :3]
-    kept = np.unique(np.round(normals, 2), axis=0, return_index=True)[1]
-    return normals[kept]
+def _normals(piece: Piece) -> FloatArray:
+    """(F, 3) outward normals of a hull's faces, those that differ."""
+    normals = piece.planes[:, :3]
+    return normals[np.unique(np.round(normals, 1), axis=0, return_index=True)[1]]
 
 
 def _around() -> FloatArray:
@@ -148,12 +143,14 @@ class _Under:
         bottom: (M,) height of its own underside [m].
         piece: (M,) which of its pieces that is.
         top: (M,) height of the highest thing below [m].
+        owner: (M,) which body that is, -1 for the floor.
     """
 
     cells: FloatArray
     bottom: FloatArray
-    piece: FloatArray
+    piece: IntArray
     top: FloatArray
+    owner: IntArray
 
     @property
     def gap(self) -> FloatArray:
@@ -181,29 +178,47 @@ def seat(
     Returns:
         (3,) the centre of mass [m]: where it was, or over the nearest place at which it is carried.
     """
-    others = [p for other, shape in (*shapes.items(), *grounds.items()) if other != name for p in shape]
+    others = [shape for other, shape in (*shapes.items(), *grounds.items()) if other != name]
     under = _look_below(shapes[name], others, floor)
     if under is None:
         return centre
     gap = np.maximum(under.gap, 0.0)
-    free = np.ones(len(gap), dtype=bool)
+    free = gap < (NEAR if sight is None else FAR)
     if sight is not None:
         middle = np.column_stack([under.cells, under.bottom - gap / 2])
-        free = ~sight.empty(middle) | (gap < NEAR)
-    free &= gap < (NEAR if sight is None else FAR)
+        free &= ~sight.empty(middle) | (gap < NEAR)
     if not free.any():
         return centre
-    least = float(gap[free].min())
-    chosen = free & (gap <= least + SLACK)
-    for step in STEPS if sight is not None else ():
-        if _outside(centre[:2], under.cells[chosen]) <= -INSIDE:
-            break
-        chosen = free & (gap <= least + step)
+    chosen = _supports(under.cells, gap, under.owner, free, centre, hidden=sight is not None)
     for k in np.unique(under.piece[chosen]):
         mine = chosen & (under.piece == k)
         feet = np.column_stack([under.cells[mine], under.top[mine]])
         shapes[name][int(k)] = shapes[name][int(k)].having(feet)
     return centre if sight is None else _carried(centre, under.cells[chosen])
+
+
+def _supports(
+    cells: FloatArray, gap: FloatArray, owner: IntArray, free: BoolArray, centre: FloatArray, hidden: bool
+) -> BoolArray:
+    """Which cells of an underside rest on something.
+
+    What lies closest carries; further bodies and then further cells follow, nearest first, until the weight
+    is over the outline of them all.
+    """
+    nearest = {int(k): float(gap[free & (owner == k)].min()) for k in np.unique(owner[free])}
+    above = np.array([gap[i] - nearest.get(int(owner[i]), np.inf) for i in range(len(gap))])
+    touching = free & (above <= SLACK)
+    least = min(nearest.values())
+    chosen = np.zeros(len(gap), dtype=np.bool_)
+    for k in sorted(nearest, key=nearest.__getitem__):
+        if nearest[k] > least + SLACK and _outside(centre[:2], cells[chosen]) <= -INSIDE:
+            return chosen
+        chosen |= touching & (owner == k)
+    for step in STEPS if hidden else ():
+        if _outside(centre[:2], cells[chosen]) <= -INSIDE:
+            break
+        chosen = free & (above <= step)
+    return chosen
 
 
 def _carried(centre: FloatArray, cells: FloatArray) -> FloatArray:
@@ -227,32 +242,34 @@ _CORNERS = np.array([[-1, -1], [-1, 1], [1, -1], [1, 1]]) * 1e-3
 """A single cell has an outline, too."""
 
 
-def _look_below(shape: Shape, others: Sequence[Piece], floor: float) -> _Under | None:
+def _look_below(shape: Shape, others: Sequence[Shape], floor: float) -> _Under | None:
     """Hold the underside of a body against everything below it."""
     corners = np.concatenate([piece.corners for piece in shape])
     lower, upper = corners[:, :2].min(axis=0), corners[:, :2].max(axis=0)
     x = np.arange(lower[0] + CELL / 2, upper[0] + CELL / 2, CELL)
     y = np.arange(lower[1] + CELL / 2, upper[1] + CELL / 2, CELL)
     cells = np.stack(np.meshgrid(x, y, indexing="ij"), axis=-1).reshape(-1, 2)
-    bottoms = np.stack([_column(piece.corners, cells)[0] for piece in shape])
+    bottoms = np.stack([_column(piece, cells)[0] for piece in shape])
     piece = np.argmin(bottoms, axis=0)
     bottom = bottoms.min(axis=0)
     within = np.isfinite(bottom)
     if not within.any():
         return None
     cells, piece, bottom = cells[within], piece[within], bottom[within]
-    top = np.full(len(cells), floor)
-    for other in others:
-        low, high = other.corners[:, :2].min(axis=0), other.corners[:, :2].max(axis=0)
-        if (low < upper).all() and (high > lower).all():
-            reach = _column(other.corners, cells)[1]
-            top = np.where(np.isfinite(reach) & (reach <= bottom + NEAR), np.maximum(top, reach), top)
-    return _Under(cells, bottom, piece, top)
+    top, owner = np.full(len(cells), floor), np.full(len(cells), -1)
+    for number, other in enumerate(others):
+        for each in other:
+            low, high = each.corners[:, :2].min(axis=0), each.corners[:, :2].max(axis=0)
+            if (low < upper).all() and (high > lower).all():
+                reach = _column(each, cells)[1]
+                higher = np.isfinite(reach) & (reach <= bottom + NEAR) & (reach > top)
+                top, owner = np.where(higher, reach, top), np.where(higher, number, owner)
+    return _Under(cells, bottom, piece, top, owner)
 
 
-def _column(corners: FloatArray, cells: FloatArray) -> tuple[FloatArray, FloatArray]:
+def _column(piece: Piece, cells: FloatArray) -> tuple[FloatArray, FloatArray]:
     """Lowest and highest point of a convex set over plan cells [m]: inf and -inf beside it."""
-    planes: FloatArray = ConvexHull(corners).equations
+    planes = piece.planes
     reach = cells @ planes[:, :2].T + planes[:, 3]
     down, up = planes[:, 2] < -1e-6, planes[:, 2] > 1e-6
     low = (-reach[:, down] / planes[down, 2]).max(axis=1)

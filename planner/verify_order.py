@@ -2,24 +2,32 @@
 
 import multiprocessing
 import os
+import signal
 import time
-from collections.abc import Mapping, Sequence
-from concurrent.futures import FIRST_COMPLETED, Future, ProcessPoolExecutor, wait
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
+from multiprocessing.connection import Connection, wait
 
 import numpy as np
 
 from topple.planner.dependency import Dependency, DependencyGraph
-from topple.planner.rebuild import Rebuilt, rebuild
-from topple.planner.whatif import FRICTIONS, Outcome, Trial, try_out
+from topple.planner.evidence import posterior, rates_for
+from topple.planner.rebuild import rebuild
+from topple.planner.whatif import FRICTIONS, Move, Stage, Trial
 from topple.topology.statics import Statics
 
 BUDGET = 20.0
 """Seconds that checking a pile of eight may take on two cores."""
 
+RESERVE = 0.3
+"""Seconds of the budget that are kept for ending the simulations and sorting the answer."""
+
 TRUSTED = 0.6
-"""An object that sagged by more than this share of a move (1 cm or 10 degrees) while its rebuilt body came to
-rest was rebuilt wrongly: what simulation says about it is not believed against what statics says."""
+"""A body that sagged by more than this share of a move (1 cm or 10 degrees) while its rebuilt world came to
+rest was rebuilt wrongly: what simulation says about it is believed less."""
+
+NOISE = (0.0003, 0.001)
+"""Where bodies may really be (standard deviation [m]), by whole clouds and by what cameras saw."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -27,104 +35,179 @@ class Votes:
     """What the simulations said.
 
     Attributes:
-        moved: (first, then) -> share of trials in which taking `then` moved `first`.
+        moved: (first, then) -> for each trial, whether taking `then` moved `first`.
         sagged: name -> largest sag, as a share of a move.
-        trials: Trials finished, each of one friction and a part of the objects.
-        complete: False where the budget ran out before all trials were done.
+        trials: Lifts simulated.
+        complete: False where the budget ran out before all lifts were done.
     """
 
-    moved: Mapping[tuple[str, str], float]
+    moved: Mapping[tuple[str, str], tuple[bool, ...]]
     sagged: Mapping[str, float]
     trials: int
     complete: bool
 
-    def trusts(self, first: str, then: str) -> bool:
+    def steady(self, first: str, then: str) -> bool:
         """Whether both bodies stood still on their own in simulation."""
         return all(self.sagged.get(name, np.inf) < TRUSTED for name in (first, then))
 
 
-def ask(statics: Statics, seed: int = 0, budget: float | None = None, workers: int | None = None) -> Votes:
-    """Take every object away in simulation, once per friction.
+@dataclass(frozen=True, eq=False)
+class _Lift:
+    """One object taken away in one world."""
+
+    then: str
+    sagged: Mapping[str, Move]
+    moves: Mapping[str, Move]
+
+
+def ask(
+    statics: Statics,
+    graph: DependencyGraph,
+    seed: int = 0,
+    deadline: float | None = None,
+    workers: int | None = None,
+) -> Votes:
+    """Take every object away in simulation, at every friction, the doubtful ones first.
 
     Args:
         statics: The scene at rest.
+        graph: What reasoning found: objects about whose dependencies it is least sure are lifted first.
         seed: Seed of the simulations.
-        budget: Seconds they may take, `BUDGET` where not given.
+        deadline: When to stop, on `time.monotonic`'s clock [s]; `BUDGET` from now where not given.
         workers: Processes, one per core where not given.
 
     Returns:
-        The votes; the same for the same seed unless the budget ran out.
+        The votes; the same for the same seed and number of workers unless time ran out.
     """
-    deadline = time.monotonic() + (BUDGET if budget is None else max(budget, 0.0))
-    rebuilt = rebuild(statics)
-    names = list(rebuilt.bodies)
-    workers = max(1, min(workers or os.cpu_count() or 1, 8))
-    tasks = [
-        (Trial(between, table, 0.0, seed), names[part::workers])
-        for between, table in FRICTIONS
-        for part in range(workers)
-        if names[part::workers]
+    deadline = (time.monotonic() + BUDGET if deadline is None else deadline) - RESERVE
+    doubt = dict.fromkeys(graph.names, 0.0)
+    for edge in graph.dependencies:
+        doubt[edge.then] += edge.confidence * (1 - edge.confidence)
+    names = sorted(graph.names, key=lambda name: -doubt[name])
+    jitter = NOISE[0 if statics.sight is None else 1]
+    trials = [
+        Trial(between, table, jitter if number else 0.0, seed + number)
+        for number, (between, table) in enumerate(FRICTIONS)
     ]
-    outcomes = _run(rebuilt, tasks, workers, deadline)
-    return _count(outcomes, len(outcomes) == len(tasks))
+    workers = max(1, min(workers or len(os.sched_getaffinity(0)), len(names)))
+    shares = [[(trial, names[k::workers]) for trial in trials] for k in range(workers)]
+    lifts = _in_processes([_worker(statics, share) for share in shares], deadline)
+    return _count(lifts, len(lifts) == len(names) * len(trials))
 
 
-def _run(
-    rebuilt: Rebuilt, tasks: Sequence[tuple[Trial, list[str]]], workers: int, deadline: float
-) -> list[Outcome]:
-    """Outcomes in the order of the tasks, those that were done in time."""
-    pool = ProcessPoolExecutor(workers, mp_context=multiprocessing.get_context("spawn"))
+_Job = Callable[[Connection], None]
+
+
+def _worker(statics: Statics, share: Sequence[tuple[Trial, Sequence[str]]]) -> _Job:
+    """A process's part of the lifts, each sent when it is done."""
+
+    def work(out: Connection) -> None:
+        signal.signal(signal.SIGINT, signal.SIG_IGN)  # the parent ends its children
+        for trial, names in share:
+            stage = Stage(rebuild(statics, trial.jitter, trial.seed), trial)
+            for name in names:
+                out.send(_Lift(name, stage.sagged, stage.without(name)))
+            stage.close()
+        out.close()
+
+    return work
+
+
+def _in_processes(jobs: Sequence[_Job], deadline: float) -> list[_Lift]:
+    """Run jobs side by side and collect what they send until the deadline; then they are ended.
+
+    Processes are forked: they share the scene, start at once, and need no importable main module.
+
+    Raises:
+        RuntimeError: A process ended with an error.
+    """
+    context = multiprocessing.get_context("fork")
+    pipes = [context.Pipe(duplex=False) for _ in jobs]
+    processes = [
+        context.Process(target=job, args=(pipe[1],), daemon=True)
+        for job, pipe in zip(jobs, pipes, strict=True)
+    ]
+    found: dict[int, list[_Lift]] = {number: [] for number in range(len(jobs))}
+    reading = {pipe[0]: number for number, pipe in enumerate(pipes)}
     try:
-        futures: list[Future[Outcome]] = [pool.submit(try_out, rebuilt, *task) for task in tasks]
-        waiting = set(futures)
-        while waiting and time.monotonic() < deadline:
-            _, waiting = wait(waiting, timeout=deadline - time.monotonic(), return_when=FIRST_COMPLETED)
-        return [future.result() for future in futures if future.done()]
+        for process, (_, writing) in zip(processes, pipes, strict=True):
+            process.start()
+            writing.close()
+        while reading and (left := deadline - time.monotonic()) > 0:
+            for ready in wait(list(reading), timeout=left):
+                assert isinstance(ready, Connection)
+                try:
+                    found[reading[ready]].append(ready.recv())
+                except EOFError:
+                    number = reading.pop(ready)
+                    processes[number].join()
+                    if processes[number].exitcode != 0:
+                        raise RuntimeError(
+                            f"a simulation ended with exit code {processes[number].exitcode}"
+                        ) from None
     finally:
-        processes = list(pool._processes.values())  # pyright: ignore[reportPrivateUsage]
-        pool.shutdown(wait=False, cancel_futures=True)
-        if time.monotonic() >= deadline:
-            for process in processes:  # a simulation cannot be asked to stop
-                process.terminate()
+        for process in processes:
+            process.terminate()
         for process in processes:
             process.join()
+        for receiving, _ in pipes:
+            receiving.close()
+    return [lift for lifts in found.values() for lift in lifts]
 
 
-def _count(outcomes: Sequence[Outcome], complete: bool) -> Votes:
-    """Votes of all outcomes."""
-    seen: dict[tuple[str, str], list[bool]] = {}
+def _share(move: Move) -> float:
+    """A move as a share of what counts as one: 1 cm or 10 degrees."""
+    return max(move.distance / 0.01, float(np.degrees(move.angle)) / 10.0)
+
+
+def _count(lifts: Sequence[_Lift], complete: bool) -> Votes:
+    """Votes of all lifts."""
+    moved: dict[tuple[str, str], list[bool]] = {}
     sagged: dict[str, float] = {}
-    for outcome in outcomes:
-        for name, move in outcome.sagged.items():
-            share = max(move.distance / 0.01, float(np.degrees(move.angle)) / 10.0)
-            sagged[name] = max(sagged.get(name, 0.0), share)
-        for then, moves in outcome.moves.items():
-            for first, move in moves.items():
-                seen.setdefault((first, then), []).append(move.beyond(0.01, 10))
-    return Votes({pair: float(np.mean(v)) for pair, v in seen.items()}, sagged, len(outcomes), complete)
+    for lift in lifts:
+        for name, move in lift.sagged.items():
+            sagged[name] = max(sagged.get(name, 0.0), _share(move))
+        for first, move in lift.moves.items():
+            moved.setdefault((first, lift.then), []).append(_share(move) > 1.0)
+    return Votes({pair: tuple(each) for pair, each in moved.items()}, sagged, len(lifts), complete)
 
 
-def confirmed(graph: DependencyGraph, votes: Votes) -> DependencyGraph:
-    """The graph after the votes.
+def chances(graph: DependencyGraph, votes: Votes, cameras: int | None) -> dict[tuple[str, str], float]:
+    """Chance of every dependency, from reasoning and simulation together.
 
     Args:
         graph: Dependencies by reasoning, with every edge, not reduced.
         votes: What simulation said.
+        cameras: How many cameras saw the scene; None where the clouds show whole surfaces.
 
     Returns:
-        Pairs whose bodies stood still in simulation have the edges simulation found, with the reasons
-        statics gave where it found them too; all other pairs keep the edges of statics.
+        (first, then) -> 0..1, for every ordered pair.
+    """
+    known = {(edge.first, edge.then): edge.confidence for edge in graph.dependencies}
+    rates = rates_for(cameras)
+    found: dict[tuple[str, str], float] = {}
+    for then in graph.names:
+        for first in graph.names:
+            if first != then:
+                pair = (first, then)
+                each = votes.moved.get(pair, ())
+                found[pair] = posterior(known.get(pair), sum(each), len(each), votes.steady(*pair), rates)
+    return found
+
+
+def confirmed(graph: DependencyGraph, chance: Mapping[tuple[str, str], float]) -> DependencyGraph:
+    """The graph after simulation.
+
+    Args:
+        graph: Dependencies by reasoning, with every edge, not reduced.
+        chance: (first, then) -> chance that it holds, of every pair.
+
+    Returns:
+        The edges that more likely hold than not, with the reasons statics gave where it found them too.
     """
     kept: list[Dependency] = []
-    for edge in graph.dependencies:
-        share = votes.moved.get((edge.first, edge.then))
-        if share is None or not votes.trusts(edge.first, edge.then):
-            kept.append(edge)
-        elif share >= 0.5:
-            confidence = (edge.confidence + share) / 2
-            kept.append(Dependency(edge.first, edge.then, edge.reason, confidence))
-    known = {(edge.first, edge.then) for edge in graph.dependencies}
-    for (first, then), share in votes.moved.items():
-        if share >= 0.5 and (first, then) not in known and votes.trusts(first, then):
-            kept.append(Dependency(first, then, "blocking", 0.5 + share / 4))
+    for (first, then), value in chance.items():
+        if value >= 0.5:
+            known = graph.between(first, then)
+            kept.append(Dependency(first, then, "blocking" if known is None else known.reason, value))
     return DependencyGraph.of(graph.names, kept)

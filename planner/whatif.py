@@ -1,6 +1,6 @@
 """Take something away in simulation: what moves?"""
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
@@ -26,6 +26,9 @@ SETTLE = 1.0
 STILL = 5e-4
 """Speed [m/s] (ten times as many [rad/s] for turns) below which nothing will move a centimetre any more."""
 
+WATCHED = 2.0
+"""Seconds that a rebuilt world is watched while nobody does anything."""
+
 SLOW = 48
 """Steps at the start in which every speed is taken away: overlaps dissolve, nothing is thrown."""
 
@@ -50,7 +53,9 @@ class Move:
         return self.distance > distance or self.angle > np.radians(degrees)
 
 
-def take_away(world: World, name: str, seconds: float = SETTLE) -> dict[str, Move]:
+def take_away(
+    world: World, name: str, seconds: float = SETTLE, before: Mapping[str, FloatArray] | None = None
+) -> dict[str, Move]:
     """Lift an object straight up, rigidly, take it out of the world, and see what became of the others.
 
     The world is left as it was.
@@ -59,13 +64,15 @@ def take_away(world: World, name: str, seconds: float = SETTLE) -> dict[str, Mov
         world: A world at rest.
         name: Who is lifted.
         seconds: Time to settle after the lift [s].
+        before: name -> (4, 4) pose that the others are compared with: where they would be had nobody lifted
+            anything. Where they are now, if not given.
 
     Returns:
         name -> move, for everything else that can move.
     """
     client = world.client
     kept = world.snapshot()
-    before = world.poses()
+    before = world.poses() if before is None else before
     number = world.ids[name]
     position, turn = pybullet.getBasePositionAndOrientation(number, physicsClientId=client)
     steps = round(LIFT / SPEED / world.time_step)
@@ -139,39 +146,41 @@ class Trial:
     seed: int
 
 
-@dataclass(frozen=True, eq=False)
-class Outcome:
-    """What one trial showed.
+class Stage:
+    """A rebuilt world at rest, from which things are taken away one at a time; to be closed.
 
     Attributes:
+        world: The world.
         sagged: name -> how far it moved before anything was taken: how wrong its rebuilt body is.
-        moves: then -> name -> how far it moved when `then` was taken away.
     """
 
-    sagged: Mapping[str, Move]
-    moves: Mapping[str, Mapping[str, Move]]
+    def __init__(self, rebuilt: "Rebuilt", trial: Trial) -> None:
+        """Build the world, let it come to rest, and see where everything stays if nobody does anything.
 
+        Args:
+            rebuilt: The bodies.
+            trial: The friction.
+        """
+        self.world = rebuilt.world()
+        set_friction(self.world, trial.between, trial.table)
+        before = self.world.poses()
+        _come_to_rest(self.world)
+        kept = self.world.snapshot()
+        for _ in range(round(WATCHED / self.world.time_step / 24)):
+            self.world.step(24)
+            if _at_rest(self.world, ""):
+                break
+        self._rest = self.world.poses()
+        self.world.restore(kept)
+        self.sagged = {name: _move(self.world, name, before[name], self._rest[name]) for name in before}
 
-def try_out(rebuilt: "Rebuilt", trial: Trial, names: Sequence[str]) -> Outcome:
-    """Rebuild a scene in simulation, let it come to rest, and take objects away, one at a time.
+    def without(self, name: str) -> dict[str, Move]:
+        """Take something away: how far the others get from where they would be with it."""
+        return take_away(self.world, name, before=self._rest)
 
-    Args:
-        rebuilt: The bodies.
-        trial: Friction and jitter.
-        names: Objects to take away.
-
-    Returns:
-        What moved.
-    """
-    rng = np.random.default_rng(trial.seed)
-    offsets = {name: rng.normal(0.0, trial.jitter, 3) for name in rebuilt.bodies}
-    with rebuilt.world(offsets if trial.jitter > 0 else None) as world:
-        set_friction(world, trial.between, trial.table)
-        before = world.poses()
-        _come_to_rest(world)
-        after = world.poses()
-        sagged = {name: _move(world, name, before[name], after[name]) for name in before}
-        return Outcome(sagged, {name: take_away(world, name) for name in names})
+    def close(self) -> None:
+        """End the simulation."""
+        self.world.close()
 
 
 def _come_to_rest(world: World) -> None:

@@ -1,6 +1,7 @@
 """Convex pieces of bodies from points of their surfaces: one hull for a solid, thin pieces for a shell."""
 
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 from scipy.spatial import ConvexHull, KDTree, QhullError
@@ -29,7 +30,7 @@ SMOOTHED = 24
 
 ONE_PLANE = 0.06
 """Neighbours whose spread across their plane is less than this share (of the variance) lie in one: at a right
-edge it is a quarter, on both sides of a wall a tenth and more, with a millimetre of noise on a face a thirtieth."""
+edge it is a quarter, on both sides of a wall a tenth and more, with noise on a face a thirtieth."""
 
 DETAIL = 0.001
 """A hull keeps this much [m] of its detail: below the noise, and balls get by with a few dozen corners."""
@@ -49,6 +50,11 @@ class Piece:
 
     corners: FloatArray
     seen: FloatArray
+
+    @cached_property
+    def planes(self) -> FloatArray:
+        """(F, 4) facet planes, n · p + d <= 0 inside [m]."""
+        return np.asarray(ConvexHull(self.corners).equations)
 
     def having(self, points: FloatArray) -> "Piece":
         """The hull of the piece and of further (N, 3) points [m], which nobody saw."""

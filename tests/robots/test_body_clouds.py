@@ -51,7 +51,7 @@ def test_smoothing_keeps_a_face_where_it_is() -> None:
     rng = np.random.default_rng(1)
     face = np.column_stack([rng.uniform(-0.05, 0.05, (2000, 2)), rng.normal(0.0, 0.001, 2000)])
     after = smoothed(thin(face, SPACING))
-    assert after[:, 2].std() < 0.0005
+    assert after[:, 2].std() < 0.0007
     assert abs(after[:, 2].mean()) < 3e-4
 
 

@@ -1,0 +1,93 @@
+"""Dependencies checked in rebuilt worlds."""
+
+import time
+
+import numpy as np
+import pytest
+
+from topple.planner.dependency import Dependency, DependencyGraph
+from topple.planner.evidence import ONE, SEVERAL, WHOLE, Rates, posterior, rates_for
+from topple.planner.order import order
+from topple.planner.verify_order import Votes, ask, chances, confirmed
+from topple.robots import shapes
+from topple.topology.scene import Scene
+from topple.topology.statics import Statics
+
+NOTHING = DependencyGraph.of(("plate", "on", "beside"), ())
+
+
+@pytest.fixture(scope="module")
+def scene() -> Scene:
+    """A can on a plate, another beside it."""
+    rng = np.random.default_rng(0)
+    on, beside = (
+        shapes.can("on", diameter=0.06, height=0.08),
+        shapes.can("beside", diameter=0.06, height=0.08),
+    )
+    table = np.column_stack([rng.uniform(-0.3, 0.5, (3000, 2)), np.zeros(3000)])
+    return Scene(
+        {
+            "plate": shapes.plate("plate").surface(2500, rng),
+            "on": on.surface(1500, rng) + np.array([0.01, 0.0, 0.0065]),
+            "beside": beside.surface(1500, rng) + np.array([0.2, 0.0, 0.0]),
+            "table": table,
+        },
+        fixed=["table"],
+        up=(0, 0, 1),
+    )
+
+
+@pytest.fixture(scope="module")
+def statics(scene: Scene) -> Statics:
+    """The scene at rest."""
+    return Statics.of(scene)
+
+
+@pytest.fixture(scope="module")
+def votes(statics: Statics) -> Votes:
+    """What simulation says about it."""
+    return ask(statics, NOTHING, deadline=time.monotonic() + 300)
+
+
+def test_taking_the_plate_moves_the_can_on_it_and_not_the_one_beside(votes: Votes) -> None:
+    assert votes.complete and votes.trials == 9
+    assert votes.moved["on", "plate"] == (True, True, True)
+    assert not any(votes.moved["beside", "plate"])
+    assert not any(votes.moved["plate", "on"])
+    assert votes.steady("on", "plate")
+
+
+def test_the_same_seed_gives_the_same_votes(statics: Statics, votes: Votes) -> None:
+    again = ask(statics, NOTHING, deadline=time.monotonic() + 300)
+    assert again.moved == votes.moved
+    assert again.sagged == votes.sagged
+
+
+def test_a_budget_that_runs_out_gives_the_best_answer_so_far_and_says_so(scene: Scene) -> None:
+    reasoned = order(scene)
+    hasty = order(scene, verify=True, budget=0.01)
+    assert not hasty.verified
+    assert hasty.to_json()["budget_exhausted"]
+    assert any("best answer so far" in sentence for sentence in hasty.assumptions)
+    assert hasty.graph.before("plate") == reasoned.graph.before("plate") == {"on"}
+
+
+def test_an_edge_that_reasoning_made_up_is_dropped_and_one_it_overlooked_is_added(votes: Votes) -> None:
+    wrong = DependencyGraph.of(NOTHING.names, [Dependency("beside", "plate", "blocking", confidence=0.6)])
+    checked = confirmed(wrong, chances(wrong, votes, cameras=None))
+    assert {(edge.first, edge.then) for edge in checked.dependencies} == {("on", "plate")}
+
+
+@pytest.mark.parametrize("rates", [WHOLE, SEVERAL, ONE])
+def test_more_trials_that_moved_make_a_dependency_likelier(rates: Rates) -> None:
+    for steady in (True, False):
+        chance = [posterior(0.5, moved, 3, steady, rates) for moved in range(4)]
+        assert chance[0] < 0.5 < chance[3]
+        assert chance[0] < chance[1] <= chance[3]
+
+
+def test_what_was_not_tried_stays_as_reasoned() -> None:
+    rates = rates_for(3)
+    assert posterior(0.45, 0, 0, True, rates) >= 0.5
+    assert posterior(None, 0, 0, True, rates) == rates.overlooked
+    assert posterior(0.9, 0, 0, True, rates) == pytest.approx(0.9)
