@@ -212,7 +212,9 @@ def closest(a: SurfaceCloud, b: SurfaceCloud) -> Closest:
         a: One surface.
         b: The other.
     """
-    slack = 2 * (a.cell + b.cell) + 3 * max(a.spacing, b.spacing) * (a.cell == 0 or b.cell == 0)
+    slack = 2 * (a.cell + b.cell)
+    if a.cell == 0 or b.cell == 0:  # patches of single points reach as far as their neighbours do
+        slack += 3 * max(a.spacing, b.spacing)
     bound = float(np.min(b.tree.query(_at_most(a.coarse, PROBES))[0])) * (1 + 1e-9)
     near_a = _distances(a.coarse, b, bound + slack)
     limit = float(near_a.min()) + slack
