@@ -11,7 +11,7 @@ EXAMPLES = Path(__file__).resolve().parents[1] / "examples"
 FRAMES = EXAMPLES.parents[1] / "shared" / "data" / "rgbd"
 SCRIPTS = (
     "dishes.py", "foreign_grasps.py", "lemon.py", "look.py", "order_clouds.py", "own_world.py", "pile.py",
-    "real_frame.py", "sort.py", "tower.py",
+    "real_frame.py", "sort.py", "tower.py", "track.py",
 )  # fmt: skip
 
 
@@ -54,6 +54,13 @@ def test_plain_arrays_give_relations_and_an_order_with_reasons(tmp_path: Path) -
     assert "to free the left box: ball, book, left" in lines
     assert "1. ball: ball rests on book" in lines
     assert "2. book: book rests on left" in lines
+
+
+def test_a_tracked_spoon_goes_into_the_bowl_and_out_again(tmp_path: Path) -> None:
+    lines = _output(tmp_path, "track.py")
+    assert lines[0].startswith("60 frames, ")
+    assert "table touch bowl: frames 1-60" in lines
+    assert any(line.startswith("bowl partial contain spoon: frames ") for line in lines)
 
 
 def test_in_a_foreign_world_the_counterweight_is_found(tmp_path: Path) -> None:

@@ -7,6 +7,7 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import ArrayLike
 
+from topple.topology.arrays import FloatArray
 from topple.topology.errors import InvalidInput
 from topple.topology.io.archive import Array, read_arrays
 from topple.topology.io.assemble import Parts, assemble
@@ -15,6 +16,7 @@ from topple.topology.scene import Scene
 
 _POINTS, _ROWS = "_xyz_01mm", "_offsets"
 _UNIT = 1e-4  # [m] of whole numbers: a tenth of a millimetre, finer than any depth camera
+_FAR_OUT = 0.02  # share of the points on each side that may be stray; the table's margin makes up for it
 _TABLE_STEP = 50  # every so manieth point says where the table must reach: all frames at once
 
 
@@ -91,10 +93,17 @@ def _with_table(
 ) -> Scene:
     """All frames in one scene, with a table that reaches under all of them."""
     parts = Parts(
-        clouds={name: points[::_TABLE_STEP] * _UNIT for name, (points, _) in tracks.items()},
+        clouds={name: _usual(points[::_TABLE_STEP] * _UNIT) for name, (points, _) in tracks.items()},
         fixed=[str(name) for name in np.ravel(arrays["fixed"])] if "fixed" in arrays else [],
         up=arrays.get("up"),
         viewpoints=arrays.get("viewpoints", np.zeros((1, 3))),
         table_plane=arrays.get("table_plane"),
     )
     return assemble(parts, fixed, up)
+
+
+def _usual(points: FloatArray) -> FloatArray:
+    """The points without those far out: stray ones would lay a table through the whole room."""
+    lower, upper = np.quantile(points, (_FAR_OUT, 1 - _FAR_OUT), axis=0)
+    inside = ((points >= lower) & (points <= upper)).all(axis=1)
+    return points[inside] if np.count_nonzero(inside) > 1 else points
