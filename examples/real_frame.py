@@ -21,7 +21,7 @@ def main(path: str, table: str, target: str | None = None) -> int:
     print(*found.explanation, sep="\n")
     waiting = Counter(edge.then for edge in found.graph.dependencies)
     wanted = target or next((name for name, _ in waiting.most_common(1)), found.order[0])
-    record = run(scene, [wanted], "panda", progress=print)
+    record = run(scene, [wanted], "panda-suction", progress=print)  # boxes wider than a hand opens
     for note in record.notes:
         print(f"note: {note}")
     with open("real_frame.html", "w", encoding="utf-8") as page:

@@ -123,3 +123,15 @@ def test_a_camera_needs_something_to_look_at() -> None:
         Camera.looking_at((1, 1, 1), (1, 1, 1))
     with pytest.raises(InvalidInput):
         Camera(640, 480, np.zeros((3, 3)), np.eye(4))
+
+
+def test_mask_noise_moves_the_edges_of_masks_alone(world: World) -> None:
+    exact = Camera.looking_at(EYE, TARGET, noise=Noise.none())
+    rough = exact.with_mask_noise(1.5)
+    labels = exact.look(world).label, rough.look(world).label
+    share = float((labels[0] != labels[1]).mean())
+    assert 0.0005 < share < 0.02
+    assert np.array_equal(exact.with_mask_noise(0.0).look(world).label, labels[0])
+    for pixels in (-1.0, float("nan")):
+        with pytest.raises(InvalidInput, match="mask noise"):
+            exact.with_mask_noise(pixels)
