@@ -6,6 +6,7 @@ from dataclasses import replace
 import numpy as np
 
 from topple.topology.arrays import FloatArray, IntArray
+from topple.topology.hull import Hull
 from topple.topology.pairs import PairRelation, Relations
 from topple.topology.relation import Relation
 from topple.topology.scene import Scene
@@ -47,18 +48,34 @@ def infer_contacts(
 
 
 def floating_objects(scene: Scene, relations: Relations) -> frozenset[str]:
-    """Movable objects that touch nothing lower than themselves and are in nothing.
+    """Movable objects that are in nothing and that nothing lower they touch can carry alone.
+
+    What is carried has its carriers below its middle; what leans has its middle beside what it leans on, and
+    must stand on something else besides.
 
     Args:
         scene: The scene, with `up`.
         relations: Its relations.
     """
     up = np.asarray(scene.up)
-    return frozenset(
-        name
-        for name in scene.movable
-        if not any(_holds(pair, scene.clouds, up, scene.fixed) for pair in relations.of(name))
-    )
+    return frozenset(name for name in scene.movable if not _held(name, scene, relations, up))
+
+
+def _held(name: str, scene: Scene, relations: Relations, up: FloatArray) -> bool:
+    """Whether an object is in something, stands on what is fixed, or has its middle over what it touches."""
+    holders = [pair for pair in relations.of(name) if _holds(pair, scene.clouds, up, scene.fixed)]
+    if any(pair.relation in _HELD_BY or pair.b in scene.fixed for pair in holders):
+        return True
+    if not holders:
+        return False
+    below = Hull.of(np.concatenate([_level(scene.clouds[pair.b], up) for pair in holders]))
+    middle = _level(scene.clouds[name], up).mean(axis=0)
+    return bool(below.facet_distance(middle[None])[0] <= TOLERANCES.flat)
+
+
+def _level(points: FloatArray, up: FloatArray) -> FloatArray:
+    """The points (N, 3) moved along `up` into one plane [m]."""
+    return points - np.outer(points @ up, up)
 
 
 def _holds(

@@ -76,3 +76,16 @@ def test_hidden_contacts_of_real_scenes_are_inferred(name):
     relations = relate(load_scene(SHARED / f"data/rgbd/{name}.npz", fixed=["1"]))
     for a, b, relation in truth["relations"]:
         assert relations.between(str(a), str(b)).relation == relation
+
+
+def test_what_only_leans_must_stand_on_something_else_besides():
+    rng = np.random.default_rng(2)
+    wall = np.c_[rng.uniform([-0.1, -0.05], [0.1, 0.0], (3000, 2)), np.full(3000, 0.08)]
+    share = rng.uniform(0.3, 1.0, (3000, 1))  # of the board's length: its foot is hidden
+    foot, top = np.array([0.0, 0.06, 0.0]), np.array([0.0, -0.03, 0.12])
+    board = foot + share * (top - foot) + np.c_[rng.uniform(-0.04, 0.04, 3000), np.zeros((3000, 2))]
+    clouds = {"table": table(), "box": wall, "board": board}
+    leaning = Scene(clouds, fixed=["table"], up=UP, viewpoints=CAMERA)
+    relations = relate(leaning, plain=True).with_pair(relate(leaning, 0.004).between("board", "box"))
+    assert relations.between("board", "box").relation is Relation.TOUCH
+    assert "board" in floating_objects(leaning, relations)

@@ -155,3 +155,24 @@ def test_contacts_a_camera_shows_are_found_and_no_others(name):
     found = {frozenset((p.a, p.b)) for p in relations.pairs if p.relation is not Relation.DISJOINT}
     assert found - wanted - doubtful == set()
     assert len(found & wanted) >= 0.8 * len(wanted)
+
+
+def test_what_lies_under_an_arch_is_not_in_it():
+    rng = np.random.default_rng(4)
+    angle, across = rng.uniform(0, np.pi, 6000), rng.uniform(-0.02, 0.02, 6000)
+    arch = np.c_[0.1 * np.cos(angle), across, 0.1 * np.sin(angle)]
+    under = rng.uniform([-0.05, -0.015, 0.02], [0.05, 0.015, 0.06], (3000, 3))
+    scene = Scene({"arch": arch, "box": under}, up=(0, 0, 1))
+    assert relate(scene).between("box", "arch").relation is Relation.DISJOINT
+
+
+@pytest.mark.parametrize(("top", "expected"), [(0.058, Relation.WITHIN), (0.066, Relation.PARTIAL_WITHIN)])
+def test_what_stays_below_the_rim_is_within_and_what_shows_above_it_partly(top, expected):
+    rng = np.random.default_rng(5)
+    turn, height = rng.uniform(0, 2 * np.pi, 9000), rng.uniform(0, 0.06, 9000)
+    wall = np.c_[0.08 * np.cos(turn), 0.08 * np.sin(turn), height]
+    disc = rng.uniform(-0.08, 0.08, (6000, 2))
+    floor = np.c_[disc, np.zeros(6000)][np.linalg.norm(disc, axis=1) < 0.08]
+    content = rng.uniform([-0.02, -0.02, 0.0005], [0.02, 0.02, top], (4000, 3))
+    scene = Scene({"bowl": np.concatenate([wall, floor]), "content": content}, up=(0, 0, 1))
+    assert relate(scene).between("content", "bowl").relation is expected
