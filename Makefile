@@ -2,7 +2,7 @@
 PYTHON ?= $(shell command -v python3.11 || command -v python3)
 BIN := .venv/bin
 
-.PHONY: demo test lint schema compiler clean
+.PHONY: demo test lint peers schema compiler clean
 
 demo: .venv/run.stamp
 	$(BIN)/topple demo
@@ -14,6 +14,12 @@ lint: .venv/dev.stamp
 	$(BIN)/ruff check .
 	$(BIN)/ruff format --check .
 	$(BIN)/pyright
+
+# Other planners, for `topple bench motion` to run beside ours; each needs versions of its own.
+peers: | compiler
+	for name in mplib pybullet-planning; do \
+	  $(PYTHON) -m venv .peers/$$name && .peers/$$name/bin/pip install --quiet $$name || exit 1; \
+	done
 
 # docs/plan.schema.json is what the structs of planner/plan_format.py say; a test holds it to that.
 schema: .venv/dev.stamp

@@ -2,10 +2,8 @@
 
 from dataclasses import dataclass
 from functools import cached_property
-from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from topple.robots.urdf import Joint
 from topple.topology.arrays import BoolArray, FloatArray, frozen
@@ -72,12 +70,17 @@ class Chain:
             (m, n + 1, 4, 4) poses of the joint frames in the base; index 0 is the base itself.
         """
         frames = np.empty((len(q), self.size + 1, 4, 4))
-        frames[:, :, :3] = self._poses(q, self._terms).transpose(3, 0, 1, 2)
+        frames[:, :, :3] = self.poses(q).transpose(3, 0, 1, 2)
         frames[:, :, 3] = (0, 0, 0, 1)
         return frames
 
-    def frames_single(self, q: FloatArray) -> NDArray[np.float32]:
-        """Poses of all joint frames in single precision, states last: enough for collision checks, and fast.
+    @cached_property
+    def _terms(self) -> FloatArray:
+        terms: FloatArray = np.stack([k[:, :3] for k in (self.k0, self.k1, self.k2)], axis=-1)
+        return terms.reshape(self.size, 12, 3)
+
+    def poses(self, q: FloatArray) -> FloatArray:
+        """Poses of all joint frames, states last, so that what follows runs over contiguous numbers.
 
         Args:
             q: (m, n) joint values in [rad] or [m].
@@ -85,28 +88,16 @@ class Chain:
         Returns:
             (n + 1, 3, 4, m) rotations beside translations in the base; index 0 is the base itself.
         """
-        return self._poses(q, self._terms_single)
-
-    @cached_property
-    def _terms(self) -> FloatArray:
-        terms: FloatArray = np.stack([k[:, :3] for k in (self.k0, self.k1, self.k2)], axis=-1)
-        return terms.reshape(self.size, 12, 3)
-
-    @cached_property
-    def _terms_single(self) -> NDArray[np.float32]:
-        return self._terms.astype(np.float32)
-
-    def _poses(self, q: FloatArray, terms: NDArray[Any]) -> NDArray[Any]:
-        """The frames with the states last, so that every operation runs over contiguous numbers."""
         count = len(q)
-        values = np.ascontiguousarray(q.T, dtype=terms.dtype)
-        weights = np.ones((self.size, 3, count), dtype=terms.dtype)
+        values = np.ascontiguousarray(q.T, dtype=float)
+        weights = np.ones((self.size, 3, count))
         weights[:, 1] = np.where(self.revolute[:, None], np.cos(values), values)
         weights[:, 2] = np.sin(values)
-        local = np.matmul(terms, weights).reshape(self.size, 3, 4, count)
-        poses = np.empty((self.size + 1, 3, 4, count), dtype=terms.dtype)
+        local = np.matmul(self._terms, weights).reshape(self.size, 3, 4, count)
+        poses = np.empty((self.size + 1, 3, 4, count))
         poses[0] = np.eye(3, 4)[:, :, None]
-        for k in range(self.size):
+        poses[1] = local[0]
+        for k in range(1, self.size):
             np.einsum("ijm,jkm->ikm", poses[k, :, :3], local[k], out=poses[k + 1])
             poses[k + 1, :, 3] += poses[k, :, 3]
         return poses

@@ -43,7 +43,7 @@ def colliding_pairs(
     pairs = np.array([(i, j) for i, j in combinations(range(len(frame)), 2) if abs(frame[i] - frame[j]) > 1])
     states = np.random.default_rng(0).uniform(chain.lower, chain.upper, (SAMPLES, chain.size))
     states[0] = home
-    frames = Frames(chain.frames_single(states))
+    frames = Frames.of(chain.poses(states))
     centres = frames.points(sets.frame, sets.centre).transpose(2, 1, 0)
     found: list[tuple[int, int]] = []
     for i, j in pairs.tolist():

@@ -69,13 +69,18 @@ class ConvexSets:
 
 @dataclass(frozen=True, eq=False)
 class Frames:
-    """Poses of the n + 1 chain frames in m states, single precision.
+    """Poses of the n + 1 chain frames in m states, single precision: enough for bounds.
 
     Attributes:
-        poses: (n + 1, 3, 4, m) rotations beside translations in [m], as `Chain.frames_single` gives them.
+        poses: (n + 1, 3, 4, m) rotations beside translations in [m].
     """
 
     poses: Float32Array
+
+    @staticmethod
+    def of(poses: FloatArray) -> "Frames":
+        """Round what `Chain.poses` gives."""
+        return Frames(poses.astype(np.float32))
 
     def points(self, frame: IntArray, points: Float32Array) -> Float32Array:
         """Where points are.

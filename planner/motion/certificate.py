@@ -115,7 +115,8 @@ class Certifier:
         """Treat all open (interval, pair) items of one size; returns those left for the pieces."""
         way = work.ends[intervals.edge] - work.starts[intervals.edge]
         middle = work.starts[intervals.edge] + intervals.middle[:, None] * way
-        frames = Frames(self._chain.frames_single(middle))
+        poses = self._chain.poses(middle)
+        frames = Frames.of(poses)
         self._checker.states_checked += len(middle)
         centres = frames.points(self._model.sets.frame, self._model.sets.centre)
         spans = (np.abs(way) * intervals.half[:, None]).astype(np.float32)
@@ -134,7 +135,7 @@ class Certifier:
         touching = gap[~proven] <= self._margin[pair[open_]] + clearance
         fine = (motion[open_] < FINEST) | last
         asked = np.flatnonzero(touching | fine)
-        settled = self._ask(work, intervals, middle, item, pair, motion, open_[asked], clearance, last)
+        settled = self._ask(work, intervals, middle, poses, item, pair, motion, open_[asked], clearance, last)
         keep = np.ones(len(open_), dtype=np.bool_)
         keep[asked[settled]] = False
         keep &= ~np.isin(intervals.edge[item[open_]], list(work.failed))
@@ -145,6 +146,7 @@ class Certifier:
         work: "_Work",
         intervals: _Intervals,
         middle: FloatArray,
+        poses: FloatArray,
         item: IntArray,
         pair: IntArray,
         motion: Float32Array,
@@ -156,7 +158,7 @@ class Certifier:
         settled = np.zeros(len(open_), dtype=np.bool_)
         order = np.argsort(item[open_], kind="stable")
         if len(open_):
-            self._checker.exact.load(self._chain.frames(middle[np.unique(item[open_])]))
+            self._checker.exact.load(poses[..., np.unique(item[open_])])
         row, current = -1, -1
         for k in order.tolist():
             i, p = int(item[open_[k]]), int(pair[open_[k]])

@@ -95,12 +95,7 @@ class Checker:
             (m,) booleans.
         """
         q = np.atleast_2d(q)
-        result = np.ones(len(q), dtype=np.bool_)
-        for start in range(0, len(q), BATCH):
-            part = q[start : start + BATCH]
-            state, _, _ = self._hits(part, np.arange(len(part)))
-            result[start + state] = False
-        return result
+        return self.groups_free(q, np.arange(len(q)), len(q))
 
     def witness(self, q: FloatArray) -> tuple[str, str] | None:
         """Who hits whom in a state: the names of the deepest pair, or None where the state is free."""
@@ -113,7 +108,7 @@ class Checker:
         state, a, b = self._hits(q[:1], np.zeros(1, dtype=np.int64), every=True)
         if not len(state):
             return ()
-        self.exact.load(self.arm.chain.frames(q[:1]))
+        self.exact.load(self.arm.chain.poses(q[:1]))
         self.exact.place(0, *a.tolist(), *b.tolist())
         names = self.model.names
         found = {
@@ -147,12 +142,26 @@ class Checker:
             edge, t = phase
             alive = free[edge]
             edge, t = edge[alive], t[alive]
-            if len(edge):
-                states = starts[edge] + t[:, None] * (ends[edge] - starts[edge])
-                for first in range(0, len(edge), BATCH):
-                    some = slice(first, first + BATCH)
-                    hit, _, _ = self._hits(states[some], edge[some])
-                    free[edge[some][hit]] = False
+            states = starts[edge] + t[:, None] * (ends[edge] - starts[edge])
+            free &= self.groups_free(states, edge, len(free))
+        return free
+
+    def groups_free(self, q: FloatArray, group: IntArray, count: int) -> BoolArray:
+        """Which groups of states are free as a whole; one hit settles a group.
+
+        Args:
+            q: (m, n) joint values.
+            group: (m,) the group of each state, 0 to `count` - 1.
+            count: How many groups there are.
+
+        Returns:
+            (count,) booleans; a group without states is free.
+        """
+        free = np.ones(count, dtype=np.bool_)
+        for first in range(0, len(q), BATCH):
+            some = slice(first, first + BATCH)
+            state, _, _ = self._hits(q[some], group[some])
+            free[group[some][state]] = False
         return free
 
     def _hits(
@@ -162,22 +171,23 @@ class Checker:
 
         With `every`, all states in collision and all pairs.
         """
-        frames = Frames(self.arm.chain.frames_single(q))
+        poses = self.arm.chain.poses(q)
+        frames = Frames.of(poses)
         self.states_checked += len(q)
         candidates = self._broad.candidates(frames)
         gap = gaps(self.model.sets, frames, candidates, few=FEW)
         keep = np.flatnonzero(gap <= candidates.need)
-        return self._decide(q, owner, candidates.subset(keep), gap[keep], every)
+        return self._decide(poses, owner, candidates.subset(keep), gap[keep], every)
 
     def _decide(
-        self, q: FloatArray, owner: IntArray, left: Candidates, gap: Float32Array, every: bool
+        self, poses: FloatArray, owner: IntArray, left: Candidates, gap: Float32Array, every: bool
     ) -> tuple[IntArray, IntArray, IntArray]:
         # likeliest pairs first: one hit settles an owner
         left = left.subset(np.argsort(gap, kind="stable"))
         margin = (self.model.margin[left.a] + self.model.margin[left.b]).tolist()
         which, row = np.unique(left.state, return_inverse=True)
         if len(which):
-            self.exact.load(self.arm.chain.frames(q[which]))
+            self.exact.load(poses[..., which])
         hits: list[tuple[int, int, int]] = []
         settled: set[int] = set()
         columns = (row, owner[left.state], left.state, left.a, left.b)

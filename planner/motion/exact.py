@@ -26,14 +26,14 @@ class ExactPhase:
         self._request: Any = fcl.CollisionRequest()
         self._distance_request: Any = fcl.DistanceRequest()
 
-    def load(self, frames: FloatArray) -> None:
-        """Take the states the next questions are about.
+    def load(self, poses: FloatArray) -> None:
+        """Take the states the next questions are about, one row a state.
 
         Args:
-            frames: (r, n + 1, 4, 4) poses of the chain frames in the base, one row a state.
+            poses: (n + 1, 3, 4, r) of the chain frames in the base, as `Chain.poses` gives them.
         """
-        self._rotations = np.ascontiguousarray(frames[..., :3, :3])
-        self._translations = np.ascontiguousarray(frames[..., :3, 3])
+        self._rotations = np.ascontiguousarray(poses[:, :, :3].transpose(3, 0, 1, 2))
+        self._translations = np.ascontiguousarray(poses[:, :, 3].transpose(2, 0, 1))
         self._row = [-1] * len(self._objects)
 
     def place(self, row: int, *parts: int) -> None:

@@ -2,18 +2,17 @@
 
 import time
 from dataclasses import dataclass, field
-from itertools import pairwise
 
 import numpy as np
 
 from topple.planner.motion.certificate import Certificate, Certifier
-from topple.planner.motion.collision import Checker, Contact
+from topple.planner.motion.collision import EDGE_STEP, Checker, Contact
 from topple.planner.motion.rrt import rrt_connect
-from topple.planner.motion.shortcut import length, shortcut
+from topple.planner.motion.shortcut import densely, length, shortcut
 from topple.topology.arrays import BoolArray, FloatArray, frozen
 from topple.topology.errors import InvalidInput
 
-DIRECT = (0, 1, 16)  # goals tried by a straight edge, in these batches, the nearest first
+DIRECT = 16  # goals tried by a straight edge: the nearest with the first check, then the others at once
 ATTEMPTS = 4  # searches with different seeds before a path that could not be certified is returned
 OWN_SHARE = 0.7  # of the time left, for our own search; the rest is OMPL's
 
@@ -102,14 +101,21 @@ def plan_motion(
     """
     begun = time.monotonic()
     start, goals = _validated(checker, start, goals)
-    inside = _within(checker, goals)
-    clear = checker.free(np.concatenate([start[None], goals]))
-    free = np.flatnonzero(clear[1:] & inside)
-    if not clear[0] or not len(free):
-        return _refused(checker, start, goals[inside])
-    order = free[np.argsort(np.linalg.norm(goals[free] - start, axis=1), kind="stable")]
+    nearest = np.argsort(np.linalg.norm(goals - start, axis=1), kind="stable")
+    order = nearest[_within(checker, goals[nearest])]
+    clear = _opened(checker, start, goals[order])
+    if not clear[0] or not clear[1:-1].any():
+        return _refused(checker, start, goals[order])
+    open_first = bool(clear[-1])
+    order = order[clear[1:-1]]
     query = _Query(
-        checker, start, goals[order], seed, begun + budget, Certifier(checker) if certified else None
+        checker,
+        start,
+        goals[order],
+        open_first,
+        seed,
+        begun + budget,
+        Certifier(checker) if certified else None,
     )
     found = query.direct() or query.searched()
     seconds = time.monotonic() - begun
@@ -125,25 +131,33 @@ _Found = tuple[FloatArray, str, Certificate | None]
 
 @dataclass(frozen=True, eq=False)
 class _Query:
-    """One planning query; goals are free and come nearest first."""
+    """One planning query; goals are free and come nearest first; `open_first`: the first's edge is free."""
 
     checker: Checker
     start: FloatArray
     goals: FloatArray
+    open_first: bool
     seed: int
     deadline: float
     certifier: Certifier | None
 
     def direct(self) -> _Found | None:
         """The first goal that a straight edge reaches."""
-        for first, last in pairwise(DIRECT):
-            goals = self.goals[first:last]
-            starts = np.broadcast_to(self.start, goals.shape)
-            for goal in goals[self.checker.edges_free(starts, goals)]:
-                path = np.array([self.start, goal])
-                certificate = self._certificate(path)
-                if certificate is None or certificate.proven:
-                    return path, "direct", certificate
+        return self._along(self.goals[:1] if self.open_first else self.goals[:0]) or self._along(
+            self._others()
+        )
+
+    def _others(self) -> FloatArray:
+        goals = self.goals[1 if self.open_first else 0 : DIRECT]
+        return goals[self.checker.edges_free(np.broadcast_to(self.start, goals.shape), goals)]
+
+    def _along(self, goals: FloatArray) -> _Found | None:
+        """The first of the goals whose free edge can be certified."""
+        for goal in goals:
+            path = np.array([self.start, goal])
+            certificate = self._certificate(path)
+            if certificate is None or certificate.proven:
+                return path, "direct", certificate
         return None
 
     def searched(self) -> _Found | None:
@@ -205,6 +219,18 @@ def _within(checker: Checker, states: FloatArray) -> BoolArray:
     arm = checker.arm
     inside: BoolArray = (states >= arm.lower - slack) & (states <= arm.upper + slack)
     return np.logical_and.reduce(inside, axis=1)
+
+
+def _opened(checker: Checker, start: FloatArray, goals: FloatArray) -> BoolArray:
+    """Which of start, goals (g, n) and the straight edge to the first goal are free: (g + 2,), one check."""
+    states, group = np.concatenate([start[None], goals]), np.arange(len(goals) + 1)
+    if len(goals):
+        edge = densely(np.array([start, goals[0]]), EDGE_STEP)[1:-1]
+        states = np.concatenate([states, edge])
+        group = np.concatenate([group, np.full(len(edge), len(goals) + 1)])
+    clear = checker.groups_free(states, group, len(goals) + 2)
+    clear[-1] &= clear[1:2].all()
+    return clear
 
 
 def _refused(checker: Checker, start: FloatArray, goals: FloatArray) -> MotionFailure:

@@ -51,11 +51,12 @@ def test_forward_kinematics_agree_with_pybullet(name: str) -> None:
         pybullet.disconnect(client)
 
 
-def test_single_precision_frames_agree_with_double() -> None:
+def test_poses_are_the_frames_with_the_states_last() -> None:
     arm = robot("panda")
     q = random_states(arm, 50)
-    single = arm.chain.frames_single(q).transpose(3, 0, 1, 2)
-    assert np.abs(arm.chain.frames(q)[..., :3, :] - single).max() < 2e-6
+    poses = arm.chain.poses(q)
+    assert np.array_equal(arm.chain.frames(q)[:, :, :3], poses.transpose(3, 0, 1, 2))
+    assert np.abs(poses[-1, :, 3].T - arm.chain.frames(q)[:, -1, :3, 3]).max() == 0
 
 
 def test_jacobian_is_the_derivative_of_the_tool_pose() -> None:

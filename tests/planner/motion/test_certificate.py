@@ -82,7 +82,7 @@ def test_no_part_moves_farther_than_its_bound() -> None:
     model, rng = checker.model, np.random.default_rng(0)
     middle = rng.uniform(arm.lower, arm.upper, (20, 7))
     spans = rng.uniform(0, 0.4, (20, 7))
-    frames = Frames(arm.chain.frames_single(middle))
+    frames = Frames.of(arm.chain.poses(middle))
     sets = model.sets
     centres = frames.points(sets.frame, sets.centre)
     bounds = MotionBounds(model, arm.chain).of(frames, spans.astype(np.float32), centres)

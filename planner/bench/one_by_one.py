@@ -29,7 +29,7 @@ class OneByOne:
 
     def free(self, q: FloatArray) -> bool:
         """Whether one state (n,) is free."""
-        self._exact.load(self.arm.chain.frames(q[None]))
+        self._exact.load(self.arm.chain.poses(q[None]))
         self._exact.place(0, *self._moving)
         return not any(self._exact.touches(a, b) for a, b in self._pairs)
 
