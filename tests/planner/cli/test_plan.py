@@ -46,6 +46,24 @@ def test_a_plan_is_written_and_read_back(scene: Path, capsys: pytest.CaptureFixt
     assert np.allclose(np.array(plan.pose_base_to_world)[:3, 3], [-0.5, 0, 0])
 
 
+def test_a_plan_that_is_verified_says_so(scene: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    argv = ["plan", str(scene), "--target", "box", "--base", "-0.5", "0", "0", "0", "--verify"]
+    assert main(argv) == 0
+    out = capsys.readouterr().out
+    assert "every motion certified" in out
+    assert "every residual at most 0" in out
+
+
+def test_a_start_in_collision_is_refused_with_what_it_meets(
+    scene: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    assert main(["plan", str(scene), "--target", "box", "--base", "-0.5", "0", "-0.4", "0"]) == 2
+    out, err = capsys.readouterr()
+    assert out == ""
+    assert "the start is in collision" in err
+    assert "table" in err
+
+
 def test_out_of_reach_is_code_1_with_the_reason(scene: Path, capsys: pytest.CaptureFixture[str]) -> None:
     place = scene.parent / "plan.json"
     assert main(["plan", str(scene), "--target", "box", "--base", "3", "0", "0", "0", "-o", str(place)]) == 1
