@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Any
 
 import networkx as nx
 
+from topple.planner.assumptions import assumptions as assumed
 from topple.planner.dependency import Dependency, DependencyGraph, dependencies
 from topple.topology.errors import InvalidInput, UnknownObject
 from topple.topology.statics import Statics
@@ -105,7 +106,7 @@ def order(
     graph = dependencies(scene, relations, statics, direct=not verify)
     doubts: dict[tuple[str, str], float] = {}
     notes: dict[str, Any] = {}
-    said = (*scene.assumptions, *_assumed(scene, statics))
+    said = (*scene.assumptions, *assumed(scene, statics))
     if verify:
         from topple.planner.verify_order import BUDGET, ask, chances, confirmed  # pybullet only if wanted
 
@@ -235,9 +236,22 @@ def _explain(
         elif name in wanted:
             say += ": nothing that is left depends on it"
         if group is not None and name == group[0]:
-            say += f" ({' and '.join(group)} hold each other: take them together, or hold the others)"
+            say += f" ({_held(group, graph)})"
         sentences.append(say)
     return tuple(sentences)
+
+
+def _held(group: Sequence[str], graph: DependencyGraph) -> str:
+    """A cycle in words: who holds whom, the edge one would rather doubt, and what to do."""
+    inside = [e for e in graph.dependencies if e.first in group and e.then in group]
+    weakest = min(inside, key=lambda e: (e.confidence, e.first, e.then))
+    members: nx.DiGraph[str] = nx.DiGraph([(e.first, e.then) for e in inside])
+    ring = [edge[0] for edge in nx.find_cycle(members, group[0])]
+    return (
+        f"{' and '.join(group)} hold each other: take them together, or hold the others; the cycle is "
+        f"{' before '.join([*ring, ring[0]])}, and the least certain part of it that {weakest.sentence()} "
+        f"({weakest.confidence:.2f})"
+    )
 
 
 def _check_targets(scene: "Scene", targets: Sequence[str] | str | None) -> tuple[str, ...]:
@@ -253,21 +267,6 @@ def _check_targets(scene: "Scene", targets: Sequence[str] | str | None) -> tuple
                 f"target {name!r} is fixed and never moves: name one of {', '.join(scene.movable)}"
             )
     return tuple(dict.fromkeys(given))
-
-
-def _assumed(scene: "Scene", statics: Statics) -> tuple[str, ...]:
-    """What had to be assumed about gravity."""
-    said: list[str] = []
-    if not scene.fixed:
-        said.append(
-            "no object is fixed: the lowest objects are taken to stand on a floor at their lowest point"
-        )
-    for name in statics.upright.movable:
-        if statics.surfaces[name][:, 2].max() < statics.upright.floor - 0.01:
-            said.append(f"{name} lies below the table's surface")
-        elif statics.unexplained.get(name, 0.0) > 0.5:
-            said.append(f"nothing seen carries {name}: it is taken to be held by something no camera saw")
-    return tuple(said)
 
 
 def blame(graph: DependencyGraph, first: str, then: str) -> tuple[Dependency, ...]:

@@ -1,4 +1,4 @@
-from itertools import combinations
+from itertools import combinations, permutations
 from pathlib import Path
 
 import numpy as np
@@ -35,6 +35,61 @@ def test_no_smaller_set_of_removals_frees_the_targets(graph: DependencyGraph, da
     for count in range(len(targets), len(found.order)):
         for taken in combinations(graph.names, count):
             assert not (set(targets) <= set(taken) and _allowed(graph, frozenset(taken)))
+
+
+def _least(graph: DependencyGraph, target: str) -> int:
+    """The fewest removals that free a target, by trying every set."""
+    for count in range(1, len(graph.names) + 1):
+        for taken in combinations(graph.names, count):
+            if target in taken and _allowed(graph, frozenset(taken)):
+                return count
+    raise AssertionError("taking everything is always allowed")
+
+
+@pytest.mark.parametrize("count", [1, 2, 3, 4])
+def test_the_order_is_least_on_every_graph_up_to_four_objects(count: int) -> None:
+    # Of graphs of one shape it is enough to free the first object: the others are other names for it.
+    names = NAMES[:count]
+    pairs = list(permutations(names, 2))
+    for bits in range(2 ** len(pairs)):
+        chosen = [pair for k, pair in enumerate(pairs) if bits >> k & 1]
+        graph = DependencyGraph(names, tuple(Dependency(a, b, "supported", 0.9) for a, b in chosen))
+        assert len(arrange(graph, names[:1], {}).order) == _least(graph, names[0])
+
+
+def test_the_order_is_least_on_every_acyclic_graph_of_five_objects() -> None:
+    # With its objects named in a possible order, an acyclic graph has edges from earlier to later names only.
+    names = NAMES[:5]
+    pairs = list(combinations(names, 2))
+    for bits in range(2 ** len(pairs)):
+        chosen = [pair for k, pair in enumerate(pairs) if bits >> k & 1]
+        graph = DependencyGraph(names, tuple(Dependency(a, b, "supported", 0.9) for a, b in chosen))
+        for target in names[2:]:
+            assert len(arrange(graph, [target], {}).order) == _least(graph, target)
+
+
+def test_the_safer_of_two_goes_first_and_then_the_higher() -> None:
+    graph = DependencyGraph(("a", "b", "c"), ())
+    assert arrange(graph, (), {"a": 0.1, "b": 0.3, "c": 0.2}).order == ("b", "c", "a")
+    found = arrange(graph, (), {"a": 0.1, "b": 0.3, "c": 0.2}, doubts={("a", "b"): 0.4})
+    assert found.order == ("c", "a", "b")
+    assert found.risk["b"] < 0.1
+
+
+def test_a_cycle_is_named_with_its_weakest_edge_and_broken_there() -> None:
+    edges = (
+        Dependency("a", "b", "leaning", 0.9),
+        Dependency("b", "a", "supported", 0.5),
+        Dependency("b", "c", "supported", 0.8),
+    )
+    found = arrange(DependencyGraph(("a", "b", "c"), edges), (), {})
+    assert found.groups == (("a", "b"),)
+    assert found.unresolved == ()
+    assert found.order == ("a", "b", "c")
+    assert "a and b hold each other: take them together" in found.explanation[0]
+    assert "a before b before a" in found.explanation[0]
+    assert "b rests on a (0.50)" in found.explanation[0]
+    assert found.risk["a"] == pytest.approx(0.5)
 
 
 @given(graphs())

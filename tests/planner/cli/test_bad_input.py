@@ -100,6 +100,58 @@ def test_order_without_up_says_how_to_give_it(refused: Refused, tmp_path: Path) 
     assert main(["order", str(path), "--up", "0", "0", "1"]) == 0
 
 
+def _grid_box(size: tuple[float, float, float], low: tuple[float, float, float]) -> np.ndarray:
+    """(N, 3) points on all six sides of a box, 4 mm apart."""
+    axes = [np.linspace(0, length, round(length / 0.004) + 1) for length in size]
+    points = np.stack(np.meshgrid(*axes, indexing="ij"), axis=-1).reshape(-1, 3)
+    on_side = (np.isclose(points, 0) | np.isclose(points, size)).any(axis=1)
+    return points[on_side] + low
+
+
+LOW = _grid_box((0.1, 0.1, 0.06), (0, 0, 0))
+ON = _grid_box((0.06, 0.06, 0.04), (0.02, 0.02, 0.06))
+
+
+@pytest.mark.parametrize(
+    ("arrays", "said"),
+    [
+        ({"low": LOW, "hung": ON + np.array([0, 0, 0.3]), "table": TABLE}, "nothing seen carries hung"),
+        ({"low": LOW, "fallen": ON - [0.2, 0, 0.3], "table": TABLE}, "fallen lies below the table's surface"),
+        ({"low": LOW, "sunk": ON - [0, 0, 0.04], "table": TABLE}, "the clouds of sunk and low overlap"),
+        ({"low": LOW, "top": ON}, "no object is fixed"),
+    ],
+)
+def test_what_cannot_be_is_ordered_under_a_stated_assumption(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str], arrays: dict[str, np.ndarray], said: str
+) -> None:
+    path = _npz(tmp_path, up=[0, 0, 1], **arrays)
+    assert main(["order", str(path), "--json"]) == 0
+    document = json.loads(capsys.readouterr().out)
+    assert set(document["order"]) == set(arrays) - {"table"}
+    assert any(said in sentence for sentence in document["assumptions"])
+    assert main(["order", str(path)]) == 0
+    assert f"Assumed: {said}" in capsys.readouterr().out
+
+
+def test_a_stack_that_can_be_needs_no_assumption_about_its_bodies(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    path = _npz(tmp_path, up=[0, 0, 1], low=LOW, top=ON, table=TABLE)
+    assert main(["order", str(path), "--json"]) == 0
+    said = json.loads(capsys.readouterr().out)["assumptions"]
+    assert not any("overlap" in sentence or "carries" in sentence for sentence in said)
+
+
+def test_the_length_of_up_does_not_matter(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    path = _npz(tmp_path, low=LOW, top=ON, table=TABLE)
+    for length in ("1", "250", "0.004"):
+        assert main(["order", str(path), "--json", "--up", "0", "0", length]) == 0
+        document = json.loads(capsys.readouterr().out)
+        assert document["order"] == ["top", "low"]
+        scaled = any("scaled to 1" in sentence for sentence in document["assumptions"])
+        assert scaled == (length != "1")
+
+
 @pytest.mark.parametrize("up", [("0", "0", "0"), ("nan", "0", "1"), ("inf", "0", "0")])
 def test_up_has_to_point_somewhere(refused: Refused, tmp_path: Path, up: tuple[str, ...]) -> None:
     assert "up is" in refused("relate", _npz(tmp_path, **FINE), "--up", *up)
