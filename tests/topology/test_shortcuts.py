@@ -5,7 +5,7 @@ from itertools import combinations
 import numpy as np
 from scipy.spatial.transform import Rotation
 
-from topple.topology.cavity import surrounded
+from topple.topology.cavity import roofed, surrounded
 from topple.topology.hull import Hull
 from topple.topology.relate import relate
 from topple.topology.relation import Relation, classify
@@ -81,16 +81,19 @@ def slow_plain_matrix(a, b):
 
 
 def slow_interior(a, b):
-    """Which points of A lie in B's hull, deeper than the deviation, with B standing higher around them."""
+    """Which points of A lie deep in B's hull, with B higher around them and not just above them."""
     hull = Hull.of(b)
     if hull.dimension < 3:
         return np.zeros(len(a), dtype=bool)
     centred = b - b.mean(axis=0)
     axes = np.linalg.eigh(centred.T @ centred)[1].T
+    apart = np.sort(np.linalg.norm(b[:, None] - b[None], axis=2), axis=1)
+    spacing = float(np.median(apart[:, 4])) if len(b) >= 5 else 0.0
     deep = (a @ hull.normals.T + hull.offsets).max(axis=1) < -DEVIATION
     held = np.zeros(len(a), dtype=bool)
     for up in (*axes, *-axes):
-        held[deep] |= surrounded(a[deep], b, up, DEVIATION)
+        under = roofed(a[deep], b, up, DEVIATION, spacing) & ~roofed(a[deep], b, -up, DEVIATION, spacing)
+        held[deep] |= surrounded(a[deep], b, up, DEVIATION) & ~under
     fewest = max(1 if len(a) < 30 else 3, int(np.ceil(TOLERANCES.interior_share * len(a))))
     return held & (held.sum() >= fewest)
 
@@ -135,7 +138,7 @@ def slow_default_relation(a, b):
         outside = ~inside & ~boundary
         if inside.any():
             hull = Hull.of(other)
-            outside &= (one @ hull.normals.T + hull.offsets).max(axis=1) > DEVIATION
+            outside &= (one @ hull.normals.T + hull.offsets).max(axis=1) > 0
             outside &= outside.sum() > TOLERANCES.exterior_share * len(one)
             boundary = ~inside & ~outside
         shown = boundary.any() or (touching and not inside.any())
