@@ -6,6 +6,7 @@ are the points where they meet, and clusters (k-means) of how these lie to each 
 Trained on seeded piles, never on a scored scene; what is true of a pile is measured on its bodies.
 """
 
+import warnings
 from collections.abc import Mapping
 from dataclasses import dataclass
 from itertools import combinations
@@ -26,8 +27,10 @@ HOLLOW = frozenset({"bowl", "mug", "plate", "tray"})
 """Kinds of the piles that hold things."""
 POINTS = 150
 """Points per cloud that the support vector machine sees, the nearest to the other cloud."""
-PENALTY = 100.0
-"""Of a point on the wrong side."""
+PENALTY = 1.0
+"""Of a point on the wrong side, per centimetre."""
+STEPS = 5000
+"""Of the solver: surfaces that lie in each other cannot be told apart, however long it goes on."""
 CLUSTERS = 16
 """Centres of k-means: several per relation, as there are several ways to touch."""
 INSTALL = "scikit-learn is not installed: pip install 'topple[bench]'"
@@ -156,6 +159,7 @@ def features(a: FloatArray, b: FloatArray, up: FloatArray) -> FloatArray:
         and along `up`, shares of support vectors on either side, and height of the contact in a and in b.
     """
     from scipy.spatial import KDTree
+    from sklearn.exceptions import ConvergenceWarning  # pyright: ignore[reportMissingImports]
     from sklearn.svm import SVC  # pyright: ignore[reportMissingImports]
 
     near_a = a[np.argsort(np.asarray(KDTree(b).query(a)[0]))[:POINTS]]
@@ -163,7 +167,10 @@ def features(a: FloatArray, b: FloatArray, up: FloatArray) -> FloatArray:
     points = np.concatenate([near_a, near_b])
     middle = points.mean(axis=0)
     side = np.repeat([0, 1], [len(near_a), len(near_b)])
-    machine: Any = SVC(kernel="linear", C=PENALTY).fit((points - middle) * 100, side)  # [cm]
+    machine: Any = SVC(kernel="linear", C=PENALTY, max_iter=STEPS)
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore", ConvergenceWarning)
+        machine.fit((points - middle) * 100, side)  # [cm]
     chosen: IntArray = np.asarray(machine.support_)
     contact = points[chosen]
     one, other = contact[side[chosen] == 0], contact[side[chosen] == 1]
