@@ -194,6 +194,21 @@ class Certifier:
         return direction, apart
 
 
+def edge_certified(checker: Checker, a: FloatArray, b: FloatArray, clearance: float = 0.0) -> Certificate:
+    """Proof that the straight edge from a to b, both (n,), is free everywhere, or what spoils it.
+
+    Args:
+        checker: The arm and what it must not hit.
+        a: One end.
+        b: The other end.
+        clearance: Distance in [m] to be proven for every checked pair, on top of the checker's margin.
+
+    Returns:
+        The certificate. For many edges, one `Certifier` treats them in one batch.
+    """
+    return Certifier(checker).certify(a[None], b[None], clearance)[0]
+
+
 @dataclass(frozen=True, eq=False)
 class _Work:
     """The edges, and what has been found out about each."""

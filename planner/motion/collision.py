@@ -1,6 +1,6 @@
 """Batched exact collision checks: bounding volumes, then separating directions, python-fcl for the rest."""
 
-from collections.abc import Collection, Mapping, Sequence
+from collections.abc import Collection, Mapping
 from dataclasses import dataclass
 
 import numpy as np
@@ -8,6 +8,7 @@ import numpy as np
 from topple.planner.motion.broad import BroadPhase
 from topple.planner.motion.exact import ExactPhase
 from topple.planner.motion.model import Attachment, CollisionModel
+from topple.planner.motion.obstacles import Obstacle
 from topple.robots.arm import Arm
 from topple.robots.gripper import ToolState
 from topple.robots.separation import Candidates, Float32Array, Frames, gaps
@@ -53,7 +54,7 @@ class Checker:
         self,
         arm: Arm,
         pose_base_to_world: FloatArray,
-        obstacles: Mapping[str, Sequence[FloatArray]],
+        obstacles: Mapping[str, Obstacle],
         *,
         tool_state: ToolState | None = None,
         attached: Attachment | None = None,
@@ -65,7 +66,8 @@ class Checker:
         Args:
             arm: The arm.
             pose_base_to_world: (4, 4).
-            obstacles: By name the convex parts, vertex sets (V, 3) in the world in [m].
+            obstacles: By name convex parts (V, 3), a surface cloud (N, 3), a mesh or a primitive, in the
+                world in [m]; see `topple.planner.motion.obstacles`.
             tool_state: How the hand stands; open if not given.
             attached: What it holds.
             allow: Pairs of names (links, obstacles, what is held) that may touch.
@@ -132,7 +134,7 @@ class Checker:
             step: Largest joint change between samples in [rad] or [m].
 
         Returns:
-            (e,) booleans. Between the samples nothing is promised; `certify` does that.
+            (e,) booleans. Between the samples nothing is promised; `edge_certified` does that.
         """
         length = np.abs(ends - starts).max(axis=1, initial=0.0)
         count = np.ceil(length / step).astype(int) + 1

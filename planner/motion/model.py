@@ -1,11 +1,12 @@
 """What can hit what: the arm's links, what it holds, and the obstacles, as convex parts with their pairs."""
 
-from collections.abc import Collection, Mapping, Sequence
+from collections.abc import Collection, Mapping
 from dataclasses import dataclass
 from functools import lru_cache
 
 import numpy as np
 
+from topple.planner.motion.obstacles import Obstacle, parts_of
 from topple.robots.arm import Arm
 from topple.robots.convex import hull_of
 from topple.robots.gripper import ToolState
@@ -60,7 +61,7 @@ class CollisionModel:
     def of(
         arm: Arm,
         pose_base_to_world: FloatArray,
-        obstacles: Mapping[str, Sequence[FloatArray]],
+        obstacles: Mapping[str, Obstacle],
         tool_state: ToolState,
         attached: Attachment | None,
         allow: Collection[frozenset[str]],
@@ -117,15 +118,15 @@ class _Parts:
             self._add(attached.name, _moved(pose, _checked(part, attached.name)), len(arm.joints), -1)
 
     def add_obstacles(
-        self, pose_base_to_world: FloatArray, obstacles: Mapping[str, Sequence[FloatArray]], taken: set[str]
+        self, pose_base_to_world: FloatArray, obstacles: Mapping[str, Obstacle], taken: set[str]
     ) -> None:
         world_to_base = inverse(pose_base_to_world)
-        for name, parts in obstacles.items():
+        for name, obstacle in obstacles.items():
             if name in taken:
                 raise InvalidInput(
                     f"the obstacle {name!r} has the name of a link or of what is held; rename it"
                 )
-            for part in parts:
+            for part in parts_of(name, obstacle):
                 self._add(name, _moved(world_to_base, _checked(part, name)), 0, -2)
 
     def _add(self, name: str, vertices: FloatArray, frame: int, link: int) -> None:
