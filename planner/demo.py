@@ -10,15 +10,15 @@ from pathlib import Path
 from topple.planner.errors import NoSafePlan
 from topple.planner.files import make_folder, write_whole
 from topple.planner.goal import parse_goal
-from topple.planner.next_step import Station
+from topple.planner.next_step import Orderer, Station
 from topple.planner.order import order
 from topple.planner.plan import plan, plan_as_done
 from topple.planner.plan_format import plan_to_json
-from topple.planner.report.record import RunRecord
+from topple.planner.report.record import INTERRUPTED, RunRecord
 from topple.planner.report.run_page import run_page
 from topple.planner.run import ClosedLoop
 from topple.robots.catalog import robot as robot_named
-from topple.robots.scenarios import scenario_called
+from topple.robots.scenarios import Scenario, scenario_called
 from topple.robots.simulated_arm import SimulatedArm
 
 Progress = Callable[[str], None]
@@ -54,15 +54,8 @@ def demo(
     with scenario_called(name, seed) as stage:
         place = make_folder(folder)
         robot = robot or stage.robot
-        loop = ClosedLoop(
-            stage.world,
-            SimulatedArm(stage.world, robot_named(robot), stage.pose_base_to_world),
-            [camera.with_mask_noise(mask_noise) for camera in stage.cameras[:cameras]],
-            stage.goal,
-            fixed=stage.fixed,
-            up=stage.up,
-            seed=seed,
-            progress=progress,
+        loop = loop_in(
+            stage, robot=robot, cameras=cameras, mask_noise=mask_noise, seed=seed, progress=progress
         )
         first = loop.look()
         write_whole(place / "relations.json", _text(first.relations.to_json()))
@@ -80,7 +73,7 @@ def demo(
                 note = f"the whole sequence could not be planned from the first look: {error}"
                 record, whole = replace(record, notes=(*record.notes, note)), None
             except KeyboardInterrupt:
-                record, whole = replace(record, interrupted=True), None
+                record, whole = replace(record, stopped=INTERRUPTED), None
         if whole is None:
             arm, goal = robot_named(robot), parse_goal(stage.goal, first.scene)
             whole = plan_as_done(first.scene, goal, Station(arm, base, arm.home), loop.followed, seed)
@@ -88,6 +81,43 @@ def demo(
     write_whole(place / "run.json", _text(record.to_json()))
     write_whole(place / "report.html", run_page(record))
     return record
+
+
+def loop_in(
+    stage: Scenario,
+    *,
+    robot: str | None = None,
+    cameras: int = 3,
+    mask_noise: float = 0.0,
+    orderer: Orderer = order,
+    seed: int = 0,
+    progress: Progress | None = None,
+) -> ClosedLoop:
+    """Puts an arm into a built-in scene, with a loop that reaches the scene's goal.
+
+    Args:
+        stage: The scene.
+        robot: The arm; the one the scene is made for where None.
+        cameras: How many depth cameras look on.
+        mask_noise: By how many pixels the edges of their masks are wrong (standard deviation).
+        orderer: Who decides the order.
+        seed: Of the sensor noise and every search.
+        progress: Called with a line before and after each action.
+
+    Returns:
+        The loop, to be run.
+    """
+    return ClosedLoop(
+        stage.world,
+        SimulatedArm(stage.world, robot_named(robot or stage.robot), stage.pose_base_to_world),
+        [camera.with_mask_noise(mask_noise) for camera in stage.cameras[:cameras]],
+        stage.goal,
+        fixed=stage.fixed,
+        up=stage.up,
+        orderer=orderer,
+        seed=seed,
+        progress=progress,
+    )
 
 
 def _text(document: object) -> str:

@@ -15,9 +15,10 @@ from topple.planner.grasp.grasp import Grasp
 from topple.planner.judge import LIMITS, displacements, tilts, truly_unmet, violations
 from topple.planner.look import Look, Observer, unexpected
 from topple.planner.motion.collision import Checker
-from topple.planner.next_step import PLACE, NextStep, Station, StepChooser
+from topple.planner.next_step import PLACE, NextStep, Orderer, Station, StepChooser
+from topple.planner.order import order
 from topple.planner.rehearsal import Rehearsal
-from topple.planner.report.record import RunRecord, StepRecord
+from topple.planner.report.record import INTERRUPTED, RunRecord, StepRecord
 from topple.planner.solids import solids_of
 from topple.planner.transfer import scene_after
 from topple.robots.arm import Arm
@@ -113,6 +114,7 @@ class ClosedLoop:
         up: (3,) up direction in the world.
         seed: Seed of sensor noise and of every search.
         limits: When to give up.
+        orderer: Who decides the order; another one only to compare with.
         progress: Called with a line before and after each action.
 
     After `run`, `followed` holds the steps that were done, with their transfers.
@@ -126,6 +128,7 @@ class ClosedLoop:
     up: FloatArray = field(default_factory=lambda: np.array([0.0, 0.0, 1.0]))
     seed: int = 0
     limits: RunLimits = field(default_factory=RunLimits)
+    orderer: Orderer = order
     progress: Progress | None = None
 
     def __post_init__(self) -> None:
@@ -158,7 +161,7 @@ class ClosedLoop:
         budget = self.limits.actions * max(1, len(look.scene.movable))
         steps: list[StepRecord] = []
         wrong: list[str] = []
-        interrupted = False
+        stopped = ""
         try:
             chosen = self._first(look, goal)
             while chosen is not None and len(steps) < budget:
@@ -167,13 +170,16 @@ class ClosedLoop:
                 wrong += found
                 chosen = self._chooser(look, goal).choose()
             if chosen is not None:
+                stopped = "budget"
                 wrong.append(f"the budget of {budget} actions is spent, and there is more to do")
         except NoSafePlan as error:
+            stopped = "no plan"
             wrong.append(str(error))
         except ToppleError as error:
+            stopped = "blind"
             wrong.append(f"no more could be seen: {error}")
         except KeyboardInterrupt:
-            interrupted = True
+            stopped = INTERRUPTED
             wrong.append(f"interrupted after {len(steps)} actions")
         missing = self._chooser(look, goal).unmet()
         missing += tuple(text for text in truly_unmet(goal, self.world, self.up) if text not in missing)
@@ -187,7 +193,7 @@ class ClosedLoop:
             seconds=time.perf_counter() - started,
             scene=look.scene,
             relations=look.relations.to_json(),
-            interrupted=interrupted,
+            stopped=stopped,
         )
 
     def _first(self, look: Look, goal: Goal) -> NextStep | None:
@@ -216,7 +222,8 @@ class ClosedLoop:
         given_up = {name: f"{n} attempts failed" for name, n in self._attempts.items() if n >= most}
         return StepChooser(
             look.scene, goal, station, done=self._done, relations=look.relations, observed=True,
-            given_up=given_up, avoid=self._failed, seed=self.seed + self._attempts.total(),
+            given_up=given_up, avoid=self._failed, orderer=self.orderer,
+            seed=self.seed + self._attempts.total(),
         )  # fmt: skip
 
     def _act(self, look: Look, chosen: NextStep) -> tuple[StepRecord, Look, list[str]]:

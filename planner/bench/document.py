@@ -1,8 +1,10 @@
 """A bench as the contract's document: the rows, and the machine they were measured on."""
 
 import importlib
+import inspect
 import os
 import platform
+from collections.abc import Callable
 from importlib.metadata import version
 from pathlib import Path
 from typing import Any
@@ -10,7 +12,7 @@ from typing import Any
 from topple.planner.bench.row import Progress
 from topple.topology.errors import InvalidInput
 
-BENCHES = ("relate", "order", "motion", "paper")
+BENCHES = ("relate", "order", "motion", "paper", "run")
 """Names; each is a module of this package with a function `rows(quick, seed, progress)`."""
 
 _LIBRARIES = ("topple", "numpy", "scipy", "pybullet", "python-fcl", "ompl")
@@ -26,7 +28,7 @@ def bench(
         quick: Smaller and fewer cases: below two minutes.
         seed: Seed of everything that is drawn.
         progress: Called with a few words before each part.
-        options: What only this bench takes: `models` and `folder` of "paper".
+        options: What only this bench takes, see `options_of`.
 
     Returns:
         A `topple.bench` document.
@@ -34,10 +36,7 @@ def bench(
     Raises:
         InvalidInput: There is no such bench.
     """
-    if name not in BENCHES:
-        raise InvalidInput(f"there is no bench {name!r}: expected one of {', '.join(BENCHES)}")
-    rows = importlib.import_module(f"topple.planner.bench.{name}").rows
-    measured = rows(quick=quick, seed=seed, progress=progress or (lambda text: None), **options)
+    measured = _rows_of(name)(quick=quick, seed=seed, progress=progress or (lambda text: None), **options)
     return {
         "format": "topple.bench",
         "format_version": 1,
@@ -47,6 +46,27 @@ def bench(
         "machine": machine(),
         "rows": measured,
     }
+
+
+def options_of(name: str) -> tuple[str, ...]:
+    """What a bench takes besides quick, seed and progress.
+
+    Args:
+        name: One of `BENCHES`.
+
+    Returns:
+        Names of keyword arguments.
+
+    Raises:
+        InvalidInput: There is no such bench.
+    """
+    return tuple(inspect.signature(_rows_of(name)).parameters)[3:]
+
+
+def _rows_of(name: str) -> Callable[..., list[dict[str, Any]]]:
+    if name not in BENCHES:
+        raise InvalidInput(f"there is no bench {name!r}: expected one of {', '.join(BENCHES)}")
+    return importlib.import_module(f"topple.planner.bench.{name}").rows
 
 
 def machine() -> dict[str, Any]:

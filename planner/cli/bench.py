@@ -8,8 +8,9 @@ from typing import Any
 
 from topple.planner.cli.console import complain, import_quietly, print_json, print_table, print_text
 from topple.planner.cli.main import DONE
-from topple.planner.cli.options import add_common
+from topple.planner.cli.options import add_common, positive
 from topple.planner.cli.progress import Progress
+from topple.planner.files import make_folder
 from topple.topology.errors import InvalidInput
 
 MISSED = 1
@@ -26,20 +27,18 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         parser: The sub-command's parser.
     """
     parser.add_argument(
-        "name", nargs="?", metavar="NAME", help="relate, order, motion or paper (all, one after the other)"
+        "name", nargs="?", metavar="NAME", help="relate, order, motion, paper or run (all, one by one)"
     )
     parser.add_argument("--quick", action="store_true", help="smaller and fewer cases: below two minutes")
-    parser.add_argument(
-        "--models",
-        metavar="DIR",
-        help="paper: a folder of YCB models, 011_banana and so on (procedural things)",
-    )
-    parser.add_argument(
-        "--scenes", metavar="DIR", help="paper: write its scenes there, for the other commands"
-    )
+    parser.add_argument("--data", metavar="DIR", help="relate, order: score the labelled frames of a folder")
     parser.add_argument("--piles", metavar="DIR", help="order: score the recorded piles of a folder instead")
-    parser.add_argument("--data", metavar="DIR", help="order: score the annotated frames of a folder too")
     parser.add_argument("--verify", action="store_true", help="order: score --verify too, which is slow")
+    parser.add_argument("--models", metavar="DIR", help="paper: YCB models, as 011_banana (procedural)")
+    parser.add_argument("--scenes", metavar="DIR", help="paper: write its scenes there, for other commands")
+    parser.add_argument(
+        "--journal", metavar="FILE", help="run: keep what ended there, and go on (topple-bench-run.jsonl)"
+    )
+    parser.add_argument("--minutes", type=positive, metavar="M", help="run: begin no episode after that time")
     add_common(parser, scenes=None)
 
 
@@ -77,25 +76,24 @@ def execute(args: argparse.Namespace) -> int:
 
 
 def _options(args: argparse.Namespace, name: str) -> dict[str, Any]:
-    """What only one bench takes: folders to read; the one that is written to is made."""
-    if name == "order":
-        piles, data = (_folder(text) for text in (args.piles, args.data))
-        return {"piles": piles, "data": data, "verify": args.verify}
-    if name != "paper":
-        return {}
-    models, folder = (None if text is None else Path(text) for text in (args.models, args.scenes))
-    if folder is not None:
-        try:
-            folder.mkdir(parents=True, exist_ok=True)
-        except OSError as error:
-            raise InvalidInput(f"{folder} cannot be made: {error}; give --scenes another folder") from error
-    return {"models": models, "folder": folder}
+    """Of the options, those that were given and that a bench takes."""
+    from topple.planner.bench.document import options_of
+
+    given = {key: getattr(args, key) for key in options_of(name)}
+    found = {key: value for key, value in given.items() if value is not None}
+    for key in found.keys() & {"data", "piles", "models"}:
+        found[key] = _folder(found[key])
+    if "scenes" in found:
+        found["scenes"] = make_folder(found["scenes"])
+    if "journal" in found:
+        found["journal"] = Path(found["journal"])
+    return found
 
 
-def _folder(text: str | None) -> Path | None:
-    if text is not None and not Path(text).is_dir():
+def _folder(text: str) -> Path:
+    if not Path(text).is_dir():
         raise InvalidInput(f"{text} is no folder: give one that exists")
-    return None if text is None else Path(text)
+    return Path(text)
 
 
 def _print(document: Mapping[str, Any]) -> None:

@@ -142,3 +142,21 @@ def for_each_scene(args: argparse.Namespace, act: Callable[[str, "Scene"], int],
             complain(message if message.startswith(path) else f"{path}: {message}")
             codes.append(WRONG_USE)
     return max(codes)
+
+
+def positive(text: str) -> float:
+    """A time on the command line.
+
+    Args:
+        text: What was typed.
+
+    Returns:
+        The number.
+
+    Raises:
+        argparse.ArgumentTypeError: It is no finite number above 0.
+    """
+    number = float(text)
+    if not 0.0 < number < float("inf"):
+        raise argparse.ArgumentTypeError(f"{text} is no time, expected a number above 0")
+    return number

@@ -5,7 +5,7 @@ from typing import TYPE_CHECKING
 
 from topple.planner.cli.console import complain, import_quietly, print_json
 from topple.planner.cli.main import DONE, NO_SAFE_PLAN
-from topple.planner.cli.options import add_common, add_target, for_each_scene
+from topple.planner.cli.options import add_common, add_target, for_each_scene, positive
 from topple.planner.cli.progress import Progress
 from topple.planner.cli.tables import print_assumptions, print_order
 
@@ -27,7 +27,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     )
     parser.add_argument(
         "--budget",
-        type=_seconds,
+        type=positive,
         metavar="S",
         help="seconds --verify may take; the best answer so far counts",
     )
@@ -62,13 +62,6 @@ def execute(args: argparse.Namespace) -> int:
             return _judge(path, found)
 
         return for_each_scene(args, act, progress)
-
-
-def _seconds(text: str) -> float:
-    seconds = float(text)
-    if not 0.0 < seconds < float("inf"):
-        raise argparse.ArgumentTypeError(f"{text} is no time, expected seconds above 0")
-    return seconds
 
 
 def _judge(path: str, found: "Order") -> int:

@@ -7,6 +7,9 @@ from typing import Any
 from topple.topology.arrays import FloatArray
 from topple.topology.scene import Scene
 
+INTERRUPTED = "interrupted"
+"""What a run is stopped by that somebody ended."""
+
 Document = Mapping[str, Any]
 """A JSON document of the contract (`topple.relations`, `topple.order`), as its `to_json()` gives it."""
 
@@ -102,7 +105,8 @@ class RunRecord:
         relations: `topple.relations` document of that, or None.
         order: `topple.order` document of what would be left to take, or None.
         notes: What a reader should know besides: where the base stands, what was assumed.
-        interrupted: Somebody ended the run before it came to its end.
+        stopped: Why no more was done though the goal was not reached: "no plan", "budget", "blind" (nothing
+            could be seen any more) or "interrupted" (by somebody); else empty.
     """
 
     goal: str
@@ -116,7 +120,12 @@ class RunRecord:
     relations: Document | None = None
     order: Document | None = None
     notes: tuple[str, ...] = ()
-    interrupted: bool = False
+    stopped: str = ""
+
+    @property
+    def interrupted(self) -> bool:
+        """Somebody ended the run before it came to its end."""
+        return self.stopped == INTERRUPTED
 
     def to_json(self) -> dict[str, Any]:
         """The `topple.run` document, ready for `json.dumps`."""
@@ -131,5 +140,6 @@ class RunRecord:
             "steps": [step.to_json() for step in self.steps],
             "violations": list(self.violations),
             "notes": list(self.notes),
+            "stopped": self.stopped,
             "interrupted": self.interrupted,
         }

@@ -38,7 +38,7 @@ QUICK_PILES = 6
 
 
 def rows(
-    quick: bool, seed: int, progress: Progress, models: Path | None = None, folder: Path | None = None
+    quick: bool, seed: int, progress: Progress, models: Path | None = None, scenes: Path | None = None
 ) -> list[dict[str, Any]]:
     """Measure.
 
@@ -47,7 +47,7 @@ def rows(
         seed: Moves on to other variants; those of seed 0 are never used to choose anything.
         progress: Called before each part.
         models: Folder of YCB models, one folder each; None: procedural things.
-        folder: Where the scenes are written to, as `.npz` the other commands read.
+        scenes: Where the scenes are written to, as `.npz` the other commands read.
 
     Returns:
         The bench's rows.
@@ -55,7 +55,7 @@ def rows(
     Raises:
         InvalidInput: A folder is not there.
     """
-    for place, what in ((models, "models"), (folder, "scenes")):
+    for place, what in ((models, "models"), (scenes, "scenes")):
         if place is not None and not place.is_dir():
             raise InvalidInput(f"there is no folder {place} for {what}: give one that exists")
     things = Things(models)
@@ -69,7 +69,7 @@ def rows(
             piles = pool.map(learning.examples_of, range(first, first + (QUICK_PILES if quick else PILES)))
             learned = learning.train([example for examples in piles for example in examples])
         tasks = [
-            Task(number, variant, seed, things, learned, folder)
+            Task(number, variant, seed, things, learned, scenes)
             for variant in range(1 if quick else VARIANTS)
             for number in SCENES
         ]

@@ -1,0 +1,188 @@
+"""Seeded runs of the built-in scenes, and how they ended."""
+
+import os
+import signal
+import time
+from collections.abc import Mapping
+from dataclasses import asdict, dataclass
+from pathlib import Path
+from typing import Any
+
+from topple.planner.bench.rules import order_by
+from topple.planner.demo import loop_in
+from topple.planner.goal import parse_goal
+from topple.planner.judge import LIMITS, truly_unmet
+from topple.planner.order import order
+from topple.planner.report.record import RunRecord, StepRecord
+from topple.robots.scenarios import scenario_called
+from topple.topology.errors import ToppleError
+
+TOPPLE = "topple"
+"""The rule of an episode whose order topple decides."""
+
+ENDINGS = ("success", "hit", "disturbed", "dropped", "no plan", "budget", "blind", "goal missed", "crash")
+"""How an episode can end; of several that apply to one that failed, the first."""
+
+
+@dataclass(frozen=True)
+class Episode:
+    """What is played.
+
+    Attributes:
+        scenario: One of `topple.robots.scenarios.SCENARIOS`.
+        seed: Of the scene, the sensor noise and every search.
+        cameras: How many of the scene's cameras look.
+        rule: Who decides the order: `TOPPLE`, or one of `topple.planner.bench.rules.RULES`.
+    """
+
+    scenario: str
+    seed: int
+    cameras: int = 3
+    rule: str = TOPPLE
+
+
+@dataclass(frozen=True)
+class Ending:
+    """How an episode went.
+
+    Attributes:
+        episode: What was played.
+        ending: One of `ENDINGS`.
+        violations: What went wrong, a sentence each.
+        violated: How many objects were hit, moved, tipped or dropped that should not have been.
+        objects: Movable objects of the scene.
+        placed: Objects that are where the goal wants them in the end.
+        places: Objects the goal wants somewhere.
+        steps: Actions done.
+        seconds: Wall-clock time, everything included [s].
+        robot_seconds: Simulated time the arm moved [s].
+        memory: What the process holds afterwards [bytes].
+        process: Which process played it: those of one number came one after the other.
+    """
+
+    episode: Episode
+    ending: str
+    violations: tuple[str, ...] = ()
+    violated: int = 0
+    objects: int = 0
+    placed: int = 0
+    places: int = 0
+    steps: int = 0
+    seconds: float = 0.0
+    robot_seconds: float = 0.0
+    memory: int = 0
+    process: int = 0
+
+    @property
+    def success(self) -> bool:
+        """Whether the goal was reached without a violation."""
+        return self.ending == "success"
+
+    @property
+    def clean(self) -> bool:
+        """Whether nothing was hit, disturbed or dropped, reached or not."""
+        return self.ending not in ("hit", "disturbed", "dropped", "crash")
+
+    def to_json(self) -> dict[str, Any]:
+        """The line of a journal."""
+        return {"format": "topple.episode", "format_version": 1, **asdict(self)}
+
+    @staticmethod
+    def from_json(entry: Mapping[str, Any]) -> "Ending":
+        """The ending of a line of a journal."""
+        values = {key: entry[key] for key in Ending.__dataclass_fields__}
+        values |= {"episode": Episode(**entry["episode"]), "violations": tuple(entry["violations"])}
+        return Ending(**values)
+
+    def __str__(self) -> str:
+        """A few words for a line of progress."""
+        played = f"{self.episode.scenario} {self.episode.seed} by {self.episode.rule}"
+        return f"{played}: {self.ending} after {self.seconds:.0f} s"
+
+
+def play(episode: Episode) -> Ending:
+    """Play an episode.
+
+    Args:
+        episode: What is played.
+
+    Returns:
+        How it went. An error of the program is an ending too, so that a bench goes on and counts it.
+    """
+    begun = time.perf_counter()
+    try:
+        return _played(episode, begun)
+    except Exception as error:
+        words = f"{type(error).__name__}: {error}"
+        kind = "no plan" if isinstance(error, ToppleError) else "crash"
+        return Ending(
+            episode,
+            kind,
+            (words,),
+            seconds=time.perf_counter() - begun,
+            memory=_memory(),
+            process=os.getpid(),
+        )
+
+
+def _played(episode: Episode, begun: float) -> Ending:
+    with scenario_called(episode.scenario, episode.seed) as stage:
+        base = stage.pose_base_to_world
+        orderer = order if episode.rule == TOPPLE else order_by(episode.rule, base)
+        loop = loop_in(stage, seed=episode.seed, cameras=episode.cameras, orderer=orderer)
+        first = loop.look()
+        goal = parse_goal(stage.goal, first.scene)
+        record = loop.run(first)
+        missing = len(truly_unmet(goal, stage.world, stage.up))
+        movable = len(stage.world.movable)
+    return Ending(
+        episode=episode,
+        ending=_ending(record),
+        violations=record.violations,
+        violated=sum(_violated(step) for step in record.steps),
+        objects=movable,
+        placed=max(len(goal.places) - missing, 0),
+        places=len(goal.places),
+        steps=len(record.steps),
+        seconds=time.perf_counter() - begun,
+        robot_seconds=sum(step.robot_seconds or 0.0 for step in record.steps),
+        memory=_memory(),
+        process=os.getpid(),
+    )
+
+
+def _ending(record: RunRecord) -> str:
+    """The worst that happened, as one of `ENDINGS`."""
+    if record.success:
+        return "success"
+    if any(force > LIMITS.hit for step in record.steps for force in step.forces.values()):
+        return "hit"
+    if any(_violated(step) for step in record.steps):
+        return "disturbed"
+    if any("dropped" in text for text in record.violations):
+        return "dropped"
+    if record.stopped:
+        return record.stopped
+    return "goal missed"
+
+
+def _violated(step: StepRecord) -> int:
+    """Objects an action moved, tipped or hit though it was not about them."""
+    moved = {
+        name
+        for name, (distance, angle) in step.disturbed.items()
+        if distance > LIMITS.distance or angle > LIMITS.angle
+    }
+    hit = {name for name, force in step.forces.items() if force > LIMITS.hit}
+    return len(moved | hit)
+
+
+def ignore_interrupts() -> None:
+    """Ctrl-C reaches every process of a terminal; what to do then is for the one that keeps the journal."""
+    signal.signal(signal.SIGINT, signal.SIG_IGN)
+
+
+def _memory() -> int:
+    """Memory this process holds [bytes]."""
+    pages = int(Path("/proc/self/statm").read_text(encoding="ascii").split()[1])
+    return pages * os.sysconf("SC_PAGE_SIZE")

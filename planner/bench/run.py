@@ -1,0 +1,259 @@
+"""Seeded scenes played by the arm in closed loop: how often the goal is reached and nothing is disturbed.
+
+- dishes, lemon and tower with three cameras; random piles of five to eight things of which one is freed, with
+  three cameras and with one; a pile sorted into two bins.
+- The first piles again with the same arm, grasps and motions, but with the order decided by a rule of thumb:
+  what is nearest to the arm first, the highest top first, or the paper's relations and height.
+
+Every episode that ends is kept in a journal: a bench that was stopped goes on, and the figures are of all
+that was played with the same code. Shares have Wilson's 95 % intervals.
+"""
+
+import os
+import time
+from collections import Counter
+from collections.abc import Iterator, Mapping, Sequence
+from concurrent.futures import FIRST_COMPLETED, Future, ProcessPoolExecutor, wait
+from concurrent.futures.process import BrokenProcessPool
+from dataclasses import dataclass
+from multiprocessing import active_children, get_context
+from pathlib import Path
+from statistics import median
+from typing import Any
+
+from topple.planner.bench.episodes import (
+    TOPPLE,
+    Ending,
+    Episode,
+    ignore_interrupts,
+    play,
+)
+from topple.planner.bench.journal import Journal
+from topple.planner.bench.row import Progress, Row
+from topple.planner.bench.rules import RULES
+from topple.planner.bench.scores import share_interval
+
+JOURNAL = Path("topple-bench-run.jsonl")
+WARM = 3  # episodes after which a process has loaded and cached what it needs
+
+
+@dataclass(frozen=True)
+class Series:
+    """Seeds of one scenario.
+
+    Attributes:
+        scenario: Its name.
+        seeds: How many, from the first on.
+        cameras: How many look.
+        rule: Who decides the order.
+        bar: Share of successes that is aimed at [%], None where there is none.
+    """
+
+    scenario: str
+    seeds: int
+    cameras: int = 3
+    rule: str = TOPPLE
+    bar: int | None = None
+
+    def episodes(self, seed: int) -> list[Episode]:
+        """Its episodes, from a first seed on."""
+        return [
+            Episode(self.scenario, seed + number, self.cameras, self.rule) for number in range(self.seeds)
+        ]
+
+    def __str__(self) -> str:
+        """As it stands in a table."""
+        eyes = f"{self.cameras} camera{'s' if self.cameras > 1 else ''}"
+        return f"{self.scenario}, {eyes}" + ("" if self.rule == TOPPLE else f", {self.rule}")
+
+
+FULL = (
+    Series("dishes", 40, bar=95),
+    Series("lemon", 40, bar=95),
+    Series("tower", 40, bar=95),
+    Series("pile", 60, bar=90),
+    Series("pile", 60, cameras=1, bar=80),
+    Series("sort", 20, bar=85),
+    *(Series("pile", 20, rule=rule) for rule in RULES),
+)
+QUICK = (Series("dishes", 1), Series("tower", 1), Series("pile", 1), Series("pile", 1, rule=RULES[1]))
+
+
+def rows(
+    quick: bool,
+    seed: int,
+    progress: Progress,
+    journal: Path = JOURNAL,
+    minutes: float | None = None,
+) -> list[dict[str, Any]]:
+    """Play what is not in the journal yet, and count.
+
+    Args:
+        quick: A handful of episodes.
+        seed: The first seed of every series.
+        progress: Called as episodes end.
+        journal: Where endings are kept, line by line.
+        minutes: After this time no further episode is begun; the figures are of what was played.
+
+    Returns:
+        The bench's rows.
+    """
+    series = QUICK if quick else FULL
+    book = Journal(journal)
+    if book.stale:
+        progress(f"{book.stale} results of other code are left out")
+    wanted = list(_in_turn([one.episodes(seed) for one in series]))
+    known = {ending.episode: ending for ending in map(Ending.from_json, book.entries)}
+    left = [episode for episode in wanted if episode not in known]
+    until = None if minutes is None else time.monotonic() + 60 * minutes
+    for ending in _played(left, until):
+        known[ending.episode] = ending
+        book.add(ending.to_json())
+        progress(f"{sum(e in known for e in wanted)} of {len(wanted)} episodes: {ending}")
+    found = {one: [known[e] for e in one.episodes(seed) if e in known] for one in series}
+    return [row.to_json() for row in figures(found)]
+
+
+def _in_turn(lists: Sequence[Sequence[Episode]]) -> Iterator[Episode]:
+    """One of each list, then the next of each: what was played so far is of all kinds."""
+    for number in range(max(map(len, lists))):
+        yield from (one[number] for one in lists if number < len(one))
+
+
+def _played(episodes: Sequence[Episode], until: float | None) -> Iterator[Ending]:
+    """Endings as they come, from one process a core; a process that dies is a crash, and is replaced."""
+    waiting = iter(episodes)
+    lanes = [_Lane() for _ in range(os.cpu_count() or 1)]
+    try:
+        for lane in lanes:
+            lane.begin(next(waiting, None))
+        while busy := [lane for lane in lanes if lane.future is not None]:
+            wait([lane.future for lane in busy if lane.future is not None], return_when=FIRST_COMPLETED)
+            for lane in busy:
+                if lane.future is not None and lane.future.done():
+                    yield lane.end()
+                    late = until is not None and time.monotonic() > until
+                    lane.begin(None if late else next(waiting, None))
+    finally:  # on Ctrl-C what still runs is dropped; what ended is in the journal
+        for lane in lanes:
+            lane.close()
+        for process in active_children():
+            process.terminate()
+
+
+class _Lane:
+    """One process that plays one episode after the other: its memory shows whether anything leaks."""
+
+    def __init__(self) -> None:
+        self._pool = _one_process()
+        self._episode: Episode | None = None
+        self.future: Future[Ending] | None = None
+
+    def begin(self, episode: Episode | None) -> None:
+        """Start an episode, or rest where there is none."""
+        self._episode = episode
+        self.future = None if episode is None else self._pool.submit(play, episode)
+
+    def end(self) -> Ending:
+        """How the episode went that is over."""
+        assert self.future is not None
+        assert self._episode is not None
+        try:
+            return self.future.result()
+        except BrokenProcessPool as error:
+            self._pool = _one_process()
+            return Ending(self._episode, "crash", (str(error),))
+
+    def close(self) -> None:
+        """Take nothing more."""
+        self._pool.shutdown(wait=False, cancel_futures=True)
+
+
+def _one_process() -> ProcessPoolExecutor:
+    return ProcessPoolExecutor(1, get_context("spawn"), initializer=ignore_interrupts)
+
+
+def figures(found: Mapping[Series, Sequence[Ending]]) -> list[Row]:
+    """The figures of what was played.
+
+    Args:
+        found: Series to the endings of those of its episodes that were played.
+
+    Returns:
+        The bench's rows.
+    """
+    rows: list[Row] = []
+    for one, endings in found.items():
+        if endings and one.rule == TOPPLE:
+            rows += _of_series(one, endings)
+    rows += _against_rules(found)
+    ours = [ending for endings in found.values() for ending in endings]
+    crashes = sum(ending.ending == "crash" for ending in ours)
+    rows.append(Row(f"episodes in which the program failed, of {len(ours)}", crashes, "", bar="<= 0"))
+    if (growth := _growth(ours)) is not None:
+        rows.append(Row("memory of a process, last episodes against first", growth, "x", bar="<= 1.2"))
+    return rows
+
+
+def _of_series(one: Series, endings: Sequence[Ending]) -> list[Row]:
+    played = f"{one}, {len(endings)} of {one.seeds} seeds"
+    good = sum(ending.success for ending in endings)
+    clean = sum(ending.clean for ending in endings)
+    rows = [
+        _share(f"goal reached, nothing disturbed: {played}", good, len(endings), one.bar),
+        _share(f"nothing disturbed: {played}", clean, len(endings)),
+    ]
+    if places := sum(ending.places for ending in endings):
+        placed = sum(ending.placed for ending in endings)
+        rows.append(_share(f"things where they belong: {played}", placed, places, 90))
+    seconds = median(ending.seconds for ending in endings)
+    rows.append(
+        Row(f"wall time, median: {one}", seconds, "s", bar="<= 60" if one.scenario == "pile" else None)
+    )
+    robot = median(ending.robot_seconds for ending in endings)
+    rows.append(Row(f"time of the simulated arm, median: {one}", robot, "s"))
+    ways = Counter(ending.ending for ending in endings if not ending.success)
+    return rows + [Row(f"{how}: {played}", count, "episodes") for how, count in sorted(ways.items())]
+
+
+def _against_rules(found: Mapping[Series, Sequence[Ending]]) -> list[Row]:
+    """The same piles with other orders; only seeds that were played with both count."""
+    by_rule = {
+        rule: {e.episode.seed: e for one, es in found.items() if _same(one, rule) for e in es}
+        for rule in (TOPPLE, *RULES)
+    }
+    seeds = set.intersection(*(set(endings) for endings in by_rule.values()))
+    if not seeds:
+        return []
+    count = {rule: sum(endings[s].violated for s in seeds) for rule, endings in by_rule.items()}
+    reached = {rule: sum(endings[s].success for s in seeds) for rule, endings in by_rule.items()}
+    best = min(RULES, key=lambda rule: count[rule])
+    rows: list[Row] = []
+    for rule in RULES:
+        what = f"things disturbed, the same {len(seeds)} piles"
+        ratio = count[TOPPLE] / max(count[rule], 1)
+        bar = "<= 1/3" if rule == best else None
+        rows.append(Row(what, count[TOPPLE], "", rule, count[rule], ratio, bar))
+        what = f"target freed, nothing disturbed, the same {len(seeds)} piles"
+        ours, theirs = (100 * reached[r] / len(seeds) for r in (TOPPLE, rule))
+        interval = share_interval(reached[TOPPLE], len(seeds))
+        rows.append(Row(what, ours, "%", rule, theirs, interval=interval))
+    return rows
+
+
+def _same(one: Series, rule: str) -> bool:
+    return one.scenario == "pile" and one.cameras == 3 and one.rule == rule
+
+
+def _growth(endings: Sequence[Ending]) -> float | None:
+    """Memory after the last episodes of a process against after its first, the worst of all processes."""
+    by_process: dict[int, list[int]] = {}
+    for ending in endings:
+        by_process.setdefault(ending.process, []).append(ending.memory)
+    grown = [max(m[-WARM:]) / max(m[:WARM]) for m in by_process.values() if len(m) >= 3 * WARM]
+    return max(grown, default=None)
+
+
+def _share(what: str, part: int, whole: int, bar: int | None = None) -> Row:
+    aim = None if bar is None else f">= {bar}"
+    return Row(what, 100 * part / whole, "%", bar=aim, interval=share_interval(part, whole))
