@@ -148,7 +148,7 @@ def parse_goal(goal: str | Sequence[str], scene: "Scene") -> Goal:
         names = tuple(dict.fromkeys(_movable(name, scene) for name in goal))
         if not names:
             raise InvalidInput(f"no target is named: {GRAMMAR}")
-        return Goal("free " + " and ".join(names), free=names)
+        return Goal(" and ".join(f"free {name}" for name in names), free=names)
     text = " ".join(goal.split())
     if not text:
         raise InvalidInput(f"the goal is empty: {GRAMMAR}")

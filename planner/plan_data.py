@@ -99,10 +99,12 @@ def segment_data(segment: Segment) -> SegmentData:
     hand = HandState(round(segment.hand.opening, DIGITS), round(segment.hand.cup_extension, DIGITS))
     motion = None
     if segment.trajectory is not None:
+        times = np.round(segment.trajectory.times, DIGITS)
+        kept = np.append(np.diff(times) > 0.0, True)  # the last sample may follow within a microsecond
         motion = Motion(
-            np.round(segment.trajectory.times, DIGITS).tolist(),
-            np.round(segment.trajectory.positions, DIGITS).tolist(),
-            np.round(segment.trajectory.velocities, DIGITS).tolist(),
+            times[kept].tolist(),
+            np.round(segment.trajectory.positions, DIGITS)[kept].tolist(),
+            np.round(segment.trajectory.velocities, DIGITS)[kept].tolist(),
         )
     proof = segment.certificate
     found = proof.contact if proof is not None else None

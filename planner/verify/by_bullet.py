@@ -15,6 +15,10 @@ from topple.robots.arm import Arm
 from topple.robots.poses import position_and_quaternion
 from topple.topology.arrays import FloatArray
 
+DEEPER = (
+    0.004  # [m] bodies that touch may be so much deeper in each other on the way than at rest: hulls around
+)
+# noisy clouds slide along each other's facets
 SLACK = 0.0015  # [m] PyBullet's depths of hulls against each other are off by up to a millimetre
 
 
@@ -30,6 +34,7 @@ class BulletCheck:
     plan: Plan
     arm: Arm
     touching: Worst = field(default_factory=lambda: Worst("collisions (PyBullet)", "m", SLACK))
+    deeper: Worst = field(default_factory=lambda: Worst("touching bodies pressed deeper", "m", DEEPER))
     strayed: Worst = field(default_factory=lambda: Worst("kinematics against PyBullet", "m", 1e-4))
 
     def __enter__(self) -> "BulletCheck":
@@ -60,6 +65,7 @@ class BulletCheck:
             self._put(name, pose)
         allowed = beat.may_touch
         tool = self.arm.tools[beat.segment.tool]
+        pressed: dict[str, list[float]] = {}
         for k, q in enumerate(beat.states):
             self._stand(q, beat)
             link = self._link_pose(tool.link) @ tool.pose_tool_to_link
@@ -68,16 +74,22 @@ class BulletCheck:
             self.strayed.note(stray, f"{beat.where}: {tool.name} at state {k}")
             for name, to_tool in beat.held.items():
                 self._put(name, computed @ to_tool)
-            where = f"{beat.where}: {{}} in {{}} at state {k} of {len(beat.states)}"
+            where = f"{beat.where}: {{}} in {{}} at state {k} of {len(beat.states)} of PyBullet"
             for name in beat.poses:
                 for body in self._bodies[name]:
                     self._arm_against(body, name, allowed, where)
-                if beat.held and frozenset((beat.step.object, name)) not in allowed:
-                    self._held_against(beat.held, name, where)
+                depth = self._depth(beat.held, name) if beat.held else 0.0
+                if frozenset((beat.step.object, name)) not in allowed:
+                    self.touching.note(depth, where.format(beat.step.object, name))
+                elif beat.step.placement.into != name:  # let down into a hollow: seen points decide there
+                    pressed.setdefault(name, []).append(depth)
+        for name, depths in pressed.items():
+            rest = depths[-1 if beat.segment.kind == "place" else 0]
+            self.deeper.note(max(depths) - rest, f"{beat.where}: {beat.step.object} against {name}")
 
     def residuals(self) -> tuple[Residual, ...]:
         """What was found."""
-        return self.touching.residual(), self.strayed.residual()
+        return self.touching.residual(), self.deeper.residual(), self.strayed.residual()
 
     def _arm_against(self, body: int, name: str, allowed: frozenset[frozenset[str]], where: str) -> None:
         for contact in pybullet.getClosestPoints(self._robot, body, 0.0, physicsClientId=self._client):
@@ -86,15 +98,17 @@ class BulletCheck:
             if moves and frozenset((link, name)) not in allowed:
                 self.touching.note(-float(contact[8]), where.format(link, name))
 
-    def _held_against(self, held: dict[str, FloatArray], name: str, where: str) -> None:
+    def _depth(self, held: dict[str, FloatArray], name: str) -> float:
+        """How deep what is held is in another object [m]; python-fcl's depths of hulls come out too small."""
+        deepest = 0.0
         for carried in held:
             for own in self._bodies[carried]:
                 for body in self._bodies[name]:
                     found: Sequence[Any] = pybullet.getClosestPoints(
                         own, body, 0.0, physicsClientId=self._client
                     )
-                    for contact in found:
-                        self.touching.note(-float(contact[8]), where.format(carried, name))
+                    deepest = max([deepest, *(-float(contact[8]) for contact in found)])
+        return deepest
 
     def _body(self, part: FloatArray) -> int:
         shape: int = pybullet.createCollisionShape(

@@ -13,8 +13,6 @@ from topple.robots.convex import hull_of
 from topple.topology.arrays import FloatArray
 
 SLACK = 2e-5  # [m] what writing joint values and vertices with six digits moves an arm's hand
-DEEPER = 0.004  # [m] bodies that touch may be this much deeper in each other on the way than at rest: hulls
-# drawn around noisy clouds are, and where one is lifted off another they slide along each other's facets
 
 
 @dataclass(eq=False)
@@ -47,7 +45,6 @@ class FclCheck:
     plan: Plan
     arm: Arm
     touching: Worst = field(default_factory=lambda: Worst("collisions (python-fcl)", "m", SLACK))
-    deeper: Worst = field(default_factory=lambda: Worst("touching bodies pressed deeper", "m", DEEPER))
     states: int = 0
 
     def __post_init__(self) -> None:
@@ -89,10 +86,7 @@ class FclCheck:
         for piece, poses in held:
             carrier = beat.step.object  # what rides in it is checked under its name
             for other, pose in standing:
-                pair = frozenset((carrier, other.name))
-                if pair in allowed:
-                    self._press(beat, piece, poses, other, pose)
-                else:
+                if frozenset((carrier, other.name)) not in allowed:
                     self._meet(beat, piece, poses, other, pose)
             for link, part in self._links:
                 # the hand moves with what it holds: how they meet was checked on the way in
@@ -103,7 +97,7 @@ class FclCheck:
 
     def residuals(self) -> tuple[Residual, ...]:
         """What was found."""
-        return self.touching.residual(), self.deeper.residual()
+        return (self.touching.residual(),)
 
     def _meet(self, beat: Beat, piece: _Piece, poses: FloatArray, other: _Piece, pose: FloatArray) -> None:
         """A moving piece against one that stands (and was put where it stands)."""
@@ -128,18 +122,6 @@ class FclCheck:
             self.touching.note(
                 depth, f"{beat.where}: {a.name} in {b.name} at state {k} of {len(beat.states)}"
             )
-
-    def _press(self, beat: Beat, piece: _Piece, poses: FloatArray, other: _Piece, pose: FloatArray) -> None:
-        """What may touch may not be deeper in each other than at rest: at the start or the end."""
-        if beat.step.placement.into == other.name:
-            return  # it is let down into a hollow that convex parts only know roughly: clouds decide there
-        rest = -1 if beat.segment.kind == "place" else 0
-        depths: list[float] = []
-        for k in (rest, *range(0, len(poses), 8)):
-            _put(piece, poses[k])
-            depths.append(self._depth(piece, other) or 0.0)
-        worst = max(depths)
-        self.deeper.note(worst - depths[0], f"{beat.where}: {piece.name} against {other.name}")
 
     def _depth(self, a: _Piece, b: _Piece) -> float | None:
         """How deep two placed pieces are in each other [m]; None where they do not touch."""

@@ -78,8 +78,7 @@ def check_goal(plan: Plan, scene: Scene) -> Residual:
         for held in step.attachments:
             cloud = after.clouds[held.object]
             after = after.with_cloud(held.object, cloud @ pose[:3, :3].T + pose[:3, 3])
-    text: str | list[str] = plan.goal
-    goal = parse_goal(text, scene)
+    goal = parse_goal(plan.goal, scene)
     relations = relate(after)
     missing = list(goal.unmet(relations, scene.fixed, supports(after, relations)))
     taken = {step.object for step in plan.steps if step.action == "free"}

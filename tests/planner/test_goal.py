@@ -41,6 +41,11 @@ def test_names_are_what_free_targets_says(scene: Scene) -> None:
     assert parse_goal(["plate"], scene).free == parse_goal("free plate", scene).free == ("plate",)
 
 
+def test_the_words_of_names_to_free_are_read_back_as_those_names(scene: Scene) -> None:
+    goal = parse_goal(["red", "bowl"], scene)
+    assert parse_goal(goal.text, scene).free == ("red", "bowl")
+
+
 def test_clauses_join_and_names_may_hold_and(scene: Scene) -> None:
     goal = parse_goal("free salt and pepper and empty bowl, red on blue", scene)
     assert goal.free == ("salt and pepper",)
