@@ -83,15 +83,16 @@ class Rehearsal:
         pose_base = choose_base(level, arm) if given is None else to_world @ given
         world = World()
         try:
+            rebuilt = rebuild(Statics.of(level))
             ground = level.clouds[table]
             low, high = ground[:, :2].min(axis=0) - EDGE, ground[:, :2].max(axis=0) + EDGE
             size, centre = high - low, (high + low) / 2.0
             world.add_table(
                 table,
+                height=rebuilt.floor,
                 size=(float(size[0]), float(size[1])),
                 centre=(float(centre[0]), float(centre[1])),
             )
-            rebuilt = rebuild(Statics.of(level))
             rebuilt.add_to(world)
             relax(world)
         except BaseException:

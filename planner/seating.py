@@ -42,6 +42,9 @@ FAR = 0.25
 INSIDE = 0.004
 """The weight must lie this far [m] inside the outline of what carries it, as pushes and noise shift it."""
 
+SURELY = 0.01
+"""Further inside [m] it need not be: a centre of mass half guessed is known to a centimetre."""
+
 Shape = list[Piece]
 
 
@@ -190,11 +193,25 @@ def seat(
     if not free.any():
         return centre
     chosen = _supports(under.cells, gap, under.owner, free, centre, hidden=sight is not None)
-    for k in np.unique(under.piece[chosen]):
-        mine = chosen & (under.piece == k)
+    alone = len(np.unique(under.owner[free])) == 1
+    near = chosen if alone else chosen & (gap <= NEAR)
+    shape = shapes[name]
+    for k in np.unique(under.piece[near]):
+        mine = near & (under.piece == k)
         feet = np.column_stack([under.cells[mine], under.top[mine]])
-        shapes[name][int(k)] = shapes[name][int(k)].having(feet)
+        shape[int(k)] = shape[int(k)].having(feet)
+    for owner in np.unique(under.owner[chosen & ~near]):
+        index = np.flatnonzero(chosen & ~near & (under.owner == owner))
+        # Legs at the outermost places: a hull over all of them would reach into what stands between.
+        for i in np.unique(index[np.argmax(under.cells[index] @ _AROUND.T, axis=0)]):
+            shape.append(_leg(under.cells[i], float(under.top[i]), float(under.bottom[i])))
     return centre if sight is None else _carried(centre, under.cells[chosen])
+
+
+def _leg(cell: FloatArray, foot: float, top: float) -> Piece:
+    """A post (one cell across) under an underside that nobody saw [m]."""
+    square = (cell + _CORNERS * (CELL / 2 / np.abs(_CORNERS).max())).repeat(2, axis=0)
+    return Piece(np.column_stack([square, np.tile([foot, top + CELL], 4)]), np.empty((0, 3)))
 
 
 def _supports(
@@ -224,11 +241,9 @@ def _supports(
 def _carried(centre: FloatArray, cells: FloatArray) -> FloatArray:
     """A centre of mass, moved level until it lies over the outline of what carries it."""
     middle = (cells.min(axis=0) + cells.max(axis=0)) / 2
-    for share in np.linspace(0.0, 1.0, 11):
-        place = (1 - share) * centre[:2] + share * middle
-        if _outside(place, cells) <= -INSIDE:
-            return np.append(place, centre[2])
-    return np.append(middle, centre[2])
+    places = [(1 - share) * centre[:2] + share * middle for share in np.linspace(0.0, 1.0, 11)]
+    outside = np.maximum([_outside(place, cells) for place in places], -SURELY)
+    return np.append(places[int(np.argmin(outside))], centre[2])
 
 
 def _outside(point: FloatArray, cells: FloatArray) -> float:
@@ -237,6 +252,8 @@ def _outside(point: FloatArray, cells: FloatArray) -> float:
     planes = ConvexHull(corners).equations
     return float((planes[:, :2] @ point + planes[:, 2]).max())
 
+
+_AROUND = np.stack([np.cos(np.arange(8) * np.pi / 4), np.sin(np.arange(8) * np.pi / 4)], axis=1)
 
 _CORNERS = np.array([[-1, -1], [-1, 1], [1, -1], [1, 1]]) * 1e-3
 """A single cell has an outline, too."""
