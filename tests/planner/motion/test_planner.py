@@ -94,9 +94,10 @@ def test_what_is_no_query_is_refused() -> None:
     assert isinstance(nowhere, MotionFailure)
 
 
-def test_ompl_finds_a_way_through_the_batched_validator() -> None:
+@pytest.mark.parametrize(("planner", "seconds"), [("RRTConnect", 20.0), ("AORRTC", 1.5)])
+def test_ompl_finds_a_way_through_the_batched_validator(planner: str, seconds: float) -> None:
     checker, start, goals = walled(robot("panda"), 2)
-    path = ompl_path(checker, start, goals, seconds=20.0)
+    path = ompl_path(checker, start, goals, seconds=seconds, planner=planner)
     assert path is not None
     assert np.allclose(path[0], start)
     assert np.abs(goals - path[-1]).max(axis=1).min() < 1e-9
