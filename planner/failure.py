@@ -41,8 +41,7 @@ class TransferFailure:
         reasons: What each tried grasp or placement failed of, with counts.
         blocking: The object that stood in the way most often, or None.
         furthest: The setback of the try that got furthest, or None where nothing was tried.
-        barring: All objects that stood in the way, with counts, most often first.
-        helps: Those whose removal lets the object be moved, as far as that was tried.
+        barring: All objects that stood in the way, with counts: the removals to try, most often first.
     """
 
     object: str
@@ -50,7 +49,6 @@ class TransferFailure:
     blocking: str | None
     furthest: Setback | None = None
     barring: Mapping[str, int] = field(default_factory=dict[str, int])
-    helps: tuple[str, ...] = ()
 
     def __str__(self) -> str:
         """One line for people."""
@@ -58,8 +56,6 @@ class TransferFailure:
         words = f"cannot move {self.object}: {counted or 'nothing was tried'}"
         if self.blocking:
             words += f" (in the way: {self.blocking})"
-        if self.helps:
-            words += f" (taking away {' or '.join(self.helps)} would help)"
         return words
 
 
