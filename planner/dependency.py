@@ -164,8 +164,12 @@ def dependencies(
         _lifted(first, then, over, touching, statics) for (first, then), over in _hanging(statics).items()
     ]
     for then in names:
-        for first, missing in statics.unsteady_without([then]).items():
-            found.append(_falls(first, then, missing, touching))
+        # Whole surfaces tell how far something falls; where half of a body is a guess, only that it may.
+        if statics.sight is None:
+            lost = {name: far - 1.0 for name, far in statics.fallen_without([then]).items()}
+        else:
+            lost = statics.unsteady_without([then])
+        found += [_falls(first, then, missing, touching) for first, missing in lost.items()]
     graph = DependencyGraph.of(names, found)
     return graph.reduced() if direct else graph
 

@@ -122,12 +122,15 @@ def _fit(kept: FloatArray, points: FloatArray) -> tuple[FloatArray, FloatArray, 
     return centre, normal, max(1.4826 * float(np.median(np.abs(heights))), 1e-4)
 
 
-def find_contacts(upright: Upright, clouds: Mapping[str, FloatArray] | None = None) -> tuple[Contact, ...]:
-    """All patches in which two surfaces are at most `search` apart.
+def find_contacts(
+    upright: Upright, clouds: Mapping[str, FloatArray] | None = None, reach: float = TOLERANCES.search
+) -> tuple[Contact, ...]:
+    """All patches in which two surfaces are at most `reach` apart.
 
     Args:
         upright: The upright scene.
         clouds: name -> (N, 3) upright surfaces to use instead of the seen ones (completed bodies).
+        reach: Largest gap [m].
 
     Returns:
         Contacts with at least one movable side, in the order of the objects' names in the scene.
@@ -143,11 +146,11 @@ def find_contacts(upright: Upright, clouds: Mapping[str, FloatArray] | None = No
             ground, other = (a, b) if a in upright.fixed else (b, a)
             plane = planes[ground]
             if plane is not None:
-                contact = _on_plane(ground, plane, other, surfaces[other])
+                contact = _on_plane(ground, plane, other, surfaces[other], reach)
                 if contact is not None:
                     found.append(contact)
                 continue
-        contact = _between(a, b, surfaces, trees)
+        contact = _between(a, b, surfaces, trees, reach)
         if contact is not None:
             found.append(contact)
     return tuple(found)
@@ -164,14 +167,14 @@ def _meeting(surfaces: Mapping[str, FloatArray], planes: Mapping[str, Plane | No
     return [(names[i], names[j]) for i, j in sorted(pairs)]
 
 
-def _on_plane(ground: str, plane: Plane, name: str, points: FloatArray) -> Contact | None:
+def _on_plane(ground: str, plane: Plane, name: str, points: FloatArray, reach: float) -> Contact | None:
     """Contact of an object with a table top."""
     margin = 0.05  # a table seen from one side is cut off, and goes on behind the objects
     over = ((points[:, :2] > plane.lower[:2] - margin) & (points[:, :2] < plane.upper[:2] + margin)).all(
         axis=1
     )
     heights = plane.heights(points)
-    near = over & (heights < TOLERANCES.search)
+    near = over & (heights < reach)
     if not near.any():
         return None
     # The lowest point of each cell: surfaces above it in the same cell are walls, not the foot.
@@ -197,11 +200,13 @@ def _lowest(points: FloatArray, cell: float) -> FloatArray:
     return rising[np.sort(first)]
 
 
-def _between(a: str, b: str, surfaces: Mapping[str, FloatArray], trees: dict[str, KDTree]) -> Contact | None:
+def _between(
+    a: str, b: str, surfaces: Mapping[str, FloatArray], trees: dict[str, KDTree], reach: float
+) -> Contact | None:
     """Contact of two clouds."""
     first, second = surfaces[a], surfaces[b]
-    lower = np.maximum(first.min(axis=0), second.min(axis=0)) - TOLERANCES.search
-    upper = np.minimum(first.max(axis=0), second.max(axis=0)) + TOLERANCES.search
+    lower = np.maximum(first.min(axis=0), second.min(axis=0)) - reach
+    upper = np.minimum(first.max(axis=0), second.max(axis=0)) + reach
     if (lower > upper).any():
         return None
     candidates = second[((second >= lower) & (second <= upper)).all(axis=1)]
@@ -210,20 +215,26 @@ def _between(a: str, b: str, surfaces: Mapping[str, FloatArray], trees: dict[str
     for name in (a, b):
         if name not in trees:
             trees[name] = KDTree(surfaces[name])
-    answer = trees[a].query(candidates, distance_upper_bound=TOLERANCES.search)
+    answer = trees[a].query(candidates, distance_upper_bound=reach)
     distances, nearest = np.asarray(answer[0]), np.asarray(answer[1])
     close = np.isfinite(distances)
     if not close.any():
         return None
     middles = (candidates[close] + first[nearest[close]]) / 2
     spots = thin(middles, TOLERANCES.footprint)
-    return _patch(a, b, spots, first, second, trees)
+    return _patch(a, b, spots, surfaces, trees, reach)
 
 
 def _patch(
-    a: str, b: str, spots: FloatArray, first: FloatArray, second: FloatArray, trees: dict[str, KDTree]
+    a: str,
+    b: str,
+    spots: FloatArray,
+    surfaces: Mapping[str, FloatArray],
+    trees: dict[str, KDTree],
+    reach: float,
 ) -> Contact | None:
     """Normals and gaps at the spots: taken from the flatter of the two surfaces there."""
+    first, second = surfaces[a], surfaces[b]
     points: list[FloatArray] = []
     normals: list[FloatArray] = []
     gaps: list[float] = []
@@ -250,7 +261,7 @@ def _patch(
             gap = _edge(pb @ normal, lowest=True) - float((pa @ normal).mean())
         else:
             gap = float((pb @ normal).mean()) - _edge(pa @ normal, lowest=False)
-        if gap <= TOLERANCES.search:
+        if gap <= reach:
             points.append(spot)
             normals.append(normal)
             gaps.append(gap)

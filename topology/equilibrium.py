@@ -5,7 +5,7 @@ from dataclasses import dataclass
 
 import numpy as np
 from scipy.optimize import linprog
-from scipy.sparse import coo_matrix
+from scipy.sparse import coo_array, csr_array
 
 from topple.topology.arrays import FloatArray
 from topple.topology.contact import Contact
@@ -70,21 +70,8 @@ def balance(
     names = list(weights)
     if not names:
         return Balance({}, tuple(np.zeros(len(c.gaps)) for c in contacts))
-    row_of = {name: 6 * i for i, name in enumerate(names)}
-    columns = _force_columns(weights, row_of, contacts, friction)
-    rows, cols, values, owner, count = columns
-    slack_rows = np.repeat(np.arange(6 * len(names)), 2)
-    slack_cols = count + np.arange(12 * len(names))
-    slack_values = np.tile([1.0, -1.0], 6 * len(names))
-    matrix = coo_matrix(
-        (
-            np.concatenate([values, slack_values]),
-            (np.concatenate([rows, slack_rows]), np.concatenate([cols, slack_cols])),
-        ),
-        shape=(6 * len(names), count + 12 * len(names)),
-    ).tocsr()
-    demand = np.zeros(6 * len(names))
-    demand[2::6] = 1.0  # every object's equations are divided by its weight
+    matrix, demand, count = equations(weights, contacts, friction)
+    owner = np.repeat(np.arange(len(contacts)), [CONE_EDGES * len(c.gaps) for c in contacts])
     price = np.concatenate([_prices(contacts, costs, owner, weights), np.ones(12 * len(names))])
     solution = linprog(price, A_eq=matrix, b_eq=demand, bounds=(0, None), method="highs")
     if solution.x is None:  # the slacks make every instance feasible and bounded: a solver failure
@@ -94,6 +81,38 @@ def balance(
     ends = np.cumsum([len(c.gaps) for c in contacts])[:-1]
     loads = np.split(forces, ends) if len(contacts) else []
     return Balance({name: float(s) for name, s in zip(names, slack, strict=True)}, tuple(loads))
+
+
+def equations(
+    weights: Mapping[str, Weight], contacts: Sequence[Contact], friction: float
+) -> tuple[csr_array, FloatArray, int]:
+    """The equations of equilibrium, with slack forces and torques that nobody supplies.
+
+    Args:
+        weights: The objects that can move, six equations each, divided by the weight.
+        contacts: Patches between them and with anything fixed; a name without a weight is fixed.
+        friction: Coefficient of friction of every contact.
+
+    Returns:
+        The matrix, what it has to give, and the number of its first columns that are forces along the
+        edges of friction pyramids; two slacks per equation, up and down, follow.
+    """
+    row_of = {name: 6 * i for i, name in enumerate(weights)}
+    height = 6 * len(row_of)
+    rows, cols, values, count = _force_columns(weights, row_of, contacts, friction)
+    slack_rows = np.repeat(np.arange(height), 2)
+    slack_cols = count + np.arange(2 * height)
+    slack_values = np.tile([1.0, -1.0], height)
+    matrix = coo_array(
+        (
+            np.concatenate([values, slack_values]),
+            (np.concatenate([rows, slack_rows]), np.concatenate([cols, slack_cols])),
+        ),
+        shape=(height, count + 2 * height),
+    ).tocsr()
+    demand = np.zeros(height)
+    demand[2::6] = 1.0
+    return matrix, demand, count
 
 
 def _prices(
@@ -114,14 +133,13 @@ def _prices(
 
 def _force_columns(
     weights: Mapping[str, Weight], row_of: Mapping[str, int], contacts: Sequence[Contact], friction: float
-) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray, int]:
+) -> tuple[np.ndarray, np.ndarray, np.ndarray, int]:
     """Sparse columns: the wrench each friction-pyramid edge puts on the two objects it acts between."""
     rows: list[np.ndarray] = []
     cols: list[np.ndarray] = []
     values: list[np.ndarray] = []
-    owner: list[np.ndarray] = []
     count = 0
-    for index, contact in enumerate(contacts):
+    for contact in contacts:
         edges = cone_edges(contact.normals, friction)  # (k, E, 3)
         k = edges.shape[0] * edges.shape[1]
         points = np.repeat(contact.points, edges.shape[1], axis=0)
@@ -136,12 +154,11 @@ def _force_columns(
             rows.append(np.tile(row_of[name] + np.arange(6), k))
             cols.append(np.repeat(columns, 6))
             values.append(wrench.ravel())
-        owner.append(np.full(k, index))
         count += k
     if count == 0:
         empty = np.zeros(0, dtype=np.int64)
-        return empty, empty, np.zeros(0), empty, 0
-    return np.concatenate(rows), np.concatenate(cols), np.concatenate(values), np.concatenate(owner), count
+        return empty, empty, np.zeros(0), 0
+    return np.concatenate(rows), np.concatenate(cols), np.concatenate(values), count
 
 
 def cone_edges(normals: FloatArray, friction: float) -> FloatArray:

@@ -2,6 +2,7 @@
 
 from collections.abc import Collection, Mapping
 from dataclasses import dataclass
+from functools import cached_property
 from types import MappingProxyType
 from typing import TYPE_CHECKING
 
@@ -12,6 +13,7 @@ from topple.topology.arrays import BoolArray, FloatArray
 from topple.topology.complete import complete
 from topple.topology.contact import TOLERANCES, Contact, find_contacts
 from topple.topology.equilibrium import Weight, balance
+from topple.topology.falling import REACH, Fall, falls
 from topple.topology.hidden import hidden_contacts
 from topple.topology.sight import Sight
 from topple.topology.upright import SPACING, Upright
@@ -94,6 +96,30 @@ class Statics:
         return Statics(
             upright, surfaces, contacts, MappingProxyType(weights), MappingProxyType(dict(unexplained)), sight
         )
+
+    @cached_property
+    def _catching(self) -> tuple[Contact, ...]:
+        """All contacts a falling body may meet."""
+        near = find_contacts(self.upright, self.surfaces, REACH)
+        return near + tuple(c for c in self.contacts if c.inferred)
+
+    @cached_property
+    def _settled(self) -> Mapping[str, Fall]:
+        """How far bodies seem to sink while everything is in place: what contacts leave open."""
+        return falls(self.weights, self._catching)
+
+    def fallen_without(self, away: Collection[str]) -> dict[str, float]:
+        """Who falls once some objects are gone, for clouds that show whole surfaces.
+
+        Args:
+            away: Names taken out of the scene.
+
+        Returns:
+            name -> how far, 1 where it just counts as a move, for those who move.
+        """
+        found = falls(self.weights, self._catching, without=away)
+        far = {name: fall.beyond(self._settled[name]) for name, fall in found.items()}
+        return {name: share for name, share in far.items() if share > 1.0}
 
     def unsteady_without(self, away: Collection[str], friction: float | None = None) -> dict[str, float]:
         """Who does not stay where it is once some objects are gone.
