@@ -16,6 +16,7 @@ from topple.topology.statics import Statics
 from topple.topology.support import Support, supports
 
 if TYPE_CHECKING:
+    from topple.robots.arm import Arm
     from topple.topology.pairs import Relations
     from topple.topology.scene import Scene
 
@@ -78,7 +79,7 @@ def order(
     seed: int = 0,
     verify: bool = False,
     budget: float | None = None,
-    robot: object | None = None,
+    robot: "Arm | str | None" = None,
     relations: "Relations | None" = None,
 ) -> Order:
     """Find the order that frees the targets with the fewest removals.
@@ -89,7 +90,7 @@ def order(
         seed: Seed of the simulations, where there are any.
         verify: Check the dependencies by simulation.
         budget: Seconds the simulations may take; what is not checked by then stays as reasoned.
-        robot: An arm, for the access of its gripper.
+        robot: An arm or its name: what bars its gripper's way to the objects of the order is then said.
         relations: The scene's relations where they are known.
 
     Returns:
@@ -125,7 +126,19 @@ def order(
         said,
         doubts,
     )
-    return replace(found, verified=verify and not notes["budget_exhausted"], notes=MappingProxyType(notes))
+    found = replace(found, verified=verify and not notes["budget_exhausted"], notes=MappingProxyType(notes))
+    return found if robot is None else _with_access(found, scene, robot)
+
+
+def _with_access(found: Order, scene: "Scene", robot: "Arm | str") -> Order:
+    """An order that also says what bars the gripper's way."""
+    from topple.planner.access import access  # arms are not wanted without a robot
+    from topple.robots.catalog import robot as robot_named
+
+    arm = robot_named(robot) if isinstance(robot, str) else robot
+    ways = access(scene, found.order, found.graph, arm)
+    said = [f"{arm.name} finds no grasp of {name}, whatever is taken away" for name in ways.graspless]
+    return replace(found, access=ways.bars, assumptions=(*found.assumptions, *said))
 
 
 def arrange(

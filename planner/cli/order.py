@@ -31,6 +31,11 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         metavar="S",
         help="seconds --verify may take; the best answer so far counts",
     )
+    parser.add_argument(
+        "--robot",
+        metavar="NAME",
+        help="say what bars the gripper's way: panda, panda-suction, iiwa, xarm6 or FILE.urdf",
+    )
 
 
 def execute(args: argparse.Namespace) -> int:
@@ -44,14 +49,16 @@ def execute(args: argparse.Namespace) -> int:
     """
     if args.budget is not None and not args.verify:
         args.parser.error("--budget bounds --verify: give both or neither")
-    if args.verify:
+    if args.verify or args.robot:
         import_quietly("pybullet")
     from topple.planner.order import order
 
     with Progress("order") as progress:
 
         def act(path: str, scene: "Scene") -> int:
-            found = order(scene, args.target, seed=args.seed, verify=args.verify, budget=args.budget)
+            found = order(
+                scene, args.target, seed=args.seed, verify=args.verify, budget=args.budget, robot=args.robot
+            )
             progress.clear()
             document = found.to_json()
             if args.json:

@@ -69,6 +69,8 @@ def print_order(title: str, document: Document, movable: int | None = None) -> N
         print_table(("supporter", "supported", "confidence"), carried, right=(2,))
     for group in document["groups"]:
         print_text(f"{listed(group)} hold each other: take them together, or hold the others.")
+    for bar in document["access"]:
+        print_text(f"{bar['reason']}: it has to go before a hand gets there.")
 
 
 def print_run(title: str, document: Document) -> None:

@@ -9,6 +9,7 @@ from topple.planner.grasp.candidates import surroundings
 from topple.planner.grasp.foreign import ForeignGrasps, grasps_from_array
 from topple.planner.grasp.grasp import Grasp
 from topple.planner.grasp.hand import HandShape, hand_shape
+from topple.planner.grasp.reach import reachable
 from topple.planner.grasp.tolerances import GRASP_TOLERANCES
 from topple.planner.order import order
 from topple.planner.solids import up_of
@@ -148,15 +149,10 @@ def _local(cloud: FloatArray, grasp: Grasp) -> FloatArray:
 
 
 def _reachable(found: list[RankedGrasp], arm: Arm, base: FloatArray) -> list[RankedGrasp]:
-    """Ask inverse kinematics about what is left, hand turned half included."""
+    """Ask inverse kinematics about what is left."""
     left = [ranked for ranked in found if ranked.dropped is None]
-    if not left:
-        return found
-    world_to_base = np.linalg.inv(base)
-    both = [grasp for ranked in left for grasp in (ranked.grasp, ranked.grasp.turned())]
-    poses = world_to_base @ np.array([grasp.pose_tool_to_world for grasp in both])
-    solved = [len(states) > 0 for states in arm.inverse(poses, left[0].grasp.tool)]
-    unreachable = {ranked.index for k, ranked in enumerate(left) if not (solved[2 * k] or solved[2 * k + 1])}
+    solved = reachable([ranked.grasp for ranked in left], arm, base)
+    unreachable = {ranked.index for ranked, yes in zip(left, solved, strict=True) if not yes}
     return [
         replace(ranked, dropped="out of reach") if ranked.index in unreachable else ranked for ranked in found
     ]
