@@ -6,7 +6,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 from scipy.spatial import ConvexHull
 
-from topple.planner.seating import Shape, floor_cut, part, seat
+from topple.planner.seating import Seat, Shape, balanced, floor_cut, part, seat
 from topple.robots.bodies import Body
 from topple.robots.body_clouds import Piece, shell, solid
 from topple.robots.world import World
@@ -82,18 +82,21 @@ def rebuild(statics: Statics, jitter: float = 0.0, seed: int = 0) -> Rebuilt:
     shapes = {name: floor_cut(shape, upright.floor) for name, shape in shapes.items()}
     part({**shapes, **grounds})
     lowest = {name: float(upright.clouds[name][:, 2].min()) for name in shapes}
-    centres: dict[str, FloatArray] = {}
+    seats: dict[str, Seat] = {}
     for name in sorted(shapes, key=lowest.__getitem__):
         centre = _centre(shapes[name], statics, name)
-        centres[name] = seat(name, shapes, grounds, upright.floor, centre, statics.sight)
+        seats[name] = seat(name, shapes, grounds, upright.floor, centre, statics.sight)
+    masses = {name: statics.weights[name].mass * DENSITY / 1e3 for name in shapes}
+    hidden = statics.sight is not None  # else the mass is where the shape has it
+    centres = balanced(seats, masses) if hidden else {name: each.centre for name, each in seats.items()}
     part(shapes)
     bodies: dict[str, Body] = {}
     poses: dict[str, FloatArray] = {}
     for name, shape in {**shapes, **grounds}.items():
         origin = statics.surfaces[name].mean(axis=0)
         fixed = name in grounds
-        mass = None if fixed else statics.weights[name].mass * DENSITY / 1e3
-        body = Body.of(name, [piece.corners - origin for piece in shape], mass=mass, kind="cloud")
+        parts = [piece.corners - origin for piece in shape]
+        body = Body.of(name, parts, mass=masses.get(name), kind="cloud")
         bodies[name] = body if fixed else replace(body, centre_of_mass=centres[name] - origin)
         poses[name] = np.eye(4)
         poses[name][:3, 3] = origin

@@ -161,11 +161,26 @@ class _Under:
         return self.bottom - self.top
 
 
+@dataclass(frozen=True, eq=False)
+class Seat:
+    """Where a body is carried.
+
+    Attributes:
+        centre: (3,) its centre of mass as its shape has it [m].
+        cells: (M, 2) middles of the plan cells at which it is carried [m]; none where nothing does.
+        carriers: Names of the bodies that do.
+    """
+
+    centre: FloatArray
+    cells: FloatArray
+    carriers: tuple[str, ...]
+
+
 def seat(
     name: str, shapes: Mapping[str, Shape], grounds: Mapping[str, Shape], floor: float,
     centre: FloatArray, sight: Sight | None,
-) -> FloatArray:  # fmt: skip
-    """Set a body down on what lies below it, in place, and say where its weight is.
+) -> Seat:  # fmt: skip
+    """Set a body down on what lies below it, in place, and say where its weight may be.
 
     The closest cells of the underside are drawn down to what they face. Where nobody saw the underside, more
     cells follow until the weight lies over the outline of what carries it.
@@ -179,19 +194,19 @@ def seat(
         sight: What was seen to be empty, or None where the cloud is whole.
 
     Returns:
-        (3,) the centre of mass [m]: where it was, or over the nearest place at which it is carried.
+        The places at which it is carried, and by whom.
     """
-    others = [shape for other, shape in (*shapes.items(), *grounds.items()) if other != name]
-    under = _look_below(shapes[name], others, floor)
+    every = {other: shape for other, shape in (*shapes.items(), *grounds.items()) if other != name}
+    under = _look_below(shapes[name], list(every.values()), floor)
     if under is None:
-        return centre
+        return Seat(centre, np.empty((0, 2)), ())
     gap = np.maximum(under.gap, 0.0)
     free = gap < (NEAR if sight is None else FAR)
     if sight is not None:
         middle = np.column_stack([under.cells, under.bottom - gap / 2])
         free &= ~sight.empty(middle) | (gap < NEAR)
     if not free.any():
-        return centre
+        return Seat(centre, np.empty((0, 2)), ())
     chosen = _supports(under.cells, gap, under.owner, free, centre, hidden=sight is not None)
     alone = len(np.unique(under.owner[free])) == 1
     near = chosen if alone else chosen & (gap <= NEAR)
@@ -205,7 +220,8 @@ def seat(
         # Legs at the outermost places: a hull over all of them would reach into what stands between.
         for i in np.unique(index[np.argmax(under.cells[index] @ _AROUND.T, axis=0)]):
             shape.append(_leg(under.cells[i], float(under.top[i]), float(under.bottom[i])))
-    return centre if sight is None else _carried(centre, under.cells[chosen])
+    carriers = tuple(list(every)[k] for k in np.unique(under.owner[chosen]) if k >= 0)
+    return Seat(centre, under.cells[chosen], carriers)
 
 
 def _leg(cell: FloatArray, foot: float, top: float) -> Piece:
@@ -238,12 +254,41 @@ def _supports(
     return chosen
 
 
-def _carried(centre: FloatArray, cells: FloatArray) -> FloatArray:
-    """A centre of mass, moved level until it lies over the outline of what carries it."""
+def balanced(seats: Mapping[str, Seat], masses: Mapping[str, float]) -> dict[str, FloatArray]:
+    """Centres of mass, each moved level until it and all it carries are over what carries them.
+
+    Args:
+        seats: name -> where it is carried, the lowest bodies first.
+        masses: name -> mass [kg].
+
+    Returns:
+        name -> (3,) centre of mass [m]. A load on several bodies is shared evenly.
+    """
+    loads: dict[str, list[tuple[float, FloatArray]]] = {name: [] for name in seats}
+    found: dict[str, FloatArray] = {}
+    for name in reversed(list(seats)):
+        seat_of, mass = seats[name], masses[name]
+        weights = np.array([mass, *(load for load, _ in loads[name])])
+        places = np.stack([seat_of.centre[:2], *(place for _, place in loads[name])])
+        common = weights @ places / weights.sum()
+        wanted = _carried(common, seat_of.cells) if len(seat_of.cells) else common
+        shift = (wanted - common) * weights.sum() / mass
+        own = seat_of.centre[:2] + shift
+        if len(seat_of.cells):
+            own = _carried(own, seat_of.cells)  # it stands without its load, too
+        found[name] = np.append(own, seat_of.centre[2])
+        for carrier in seat_of.carriers:
+            if carrier in loads:
+                loads[carrier].append((float(weights.sum()) / len(seat_of.carriers), wanted))
+    return found
+
+
+def _carried(place: FloatArray, cells: FloatArray) -> FloatArray:
+    """A place in plan, moved until it lies over the outline of cells."""
     middle = (cells.min(axis=0) + cells.max(axis=0)) / 2
-    places = [(1 - share) * centre[:2] + share * middle for share in np.linspace(0.0, 1.0, 11)]
-    outside = np.maximum([_outside(place, cells) for place in places], -SURELY)
-    return np.append(places[int(np.argmin(outside))], centre[2])
+    places = [(1 - share) * place + share * middle for share in np.linspace(0.0, 1.0, 11)]
+    outside = np.maximum([_outside(each, cells) for each in places], -SURELY)
+    return places[int(np.argmin(outside))]
 
 
 def _outside(point: FloatArray, cells: FloatArray) -> float:
