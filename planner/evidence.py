@@ -4,9 +4,9 @@ The odds that a dependency holds are multiplied by how much more often simulatio
 holds than where none does (Bayes' rule with measured likelihoods). The three trials of a pair are not
 independent, as they share most of the rebuilt bodies, so their count has a likelihood of its own.
 
-The rates were counted on piles of `topple.planner.piles` with even seeds from 7,300,000 (45 seen by one camera,
-22 by three), which no score is reported on, half a case added to every count. From whole clouds simulation got
-one pair wrong in ten piles, too few to count: those rates are guesses on the careful side.
+The rates were counted on piles of `topple.planner.piles` with even seeds from 7,300,000 (45 seen by one
+camera, 22 by three), which no score is reported on, half a case added to every count. From whole clouds
+simulation got one pair wrong in ten piles, too few to count: those rates are guesses on the careful side.
 """
 
 from dataclasses import dataclass
