@@ -21,6 +21,9 @@ MOVED = 0.01
 
 REASONS = ("contained", "supported", "leaning", "counterweight", "blocking")
 
+PRESSED = -0.3
+"""Upward part of a contact normal below which what is taken away lies on what is left."""
+
 CLEARLY = 0.25
 """Two objects hook into each other over areas of like size; a share below this is what masks get wrong."""
 
@@ -164,14 +167,24 @@ def dependencies(
         _lifted(first, then, over, touching, statics) for (first, then), over in _hanging(statics).items()
     ]
     for then in names:
-        # Whole surfaces tell how far something falls; where half of a body is a guess, only that it may.
-        if statics.sight is None:
-            lost = {name: far - 1.0 for name, far in statics.fallen_without([then]).items()}
-        else:
-            lost = statics.unsteady_without([then])
+        lost = _fallen(then, touching, statics)
         found += [_falls(first, then, missing, touching) for first, missing in lost.items()]
     graph = DependencyGraph.of(names, found)
     return graph.reduced() if direct else graph
+
+
+def _fallen(then: str, touching: Mapping[tuple[str, str], float], statics: Statics) -> dict[str, float]:
+    """Who falls without an object, and by how much more than what just counts (or the share of its weight).
+
+    Whole surfaces tell how far something falls; where half of a body is a guess, only that it may. That a
+    body falls once a weight is taken off it is believed where no forces hold it, either: sparse feet tilt.
+    """
+    if statics.sight is not None:
+        return statics.unsteady_without([then])
+    lost = {name: far - 1.0 for name, far in statics.fallen_without([then]).items()}
+    freed = [name for name in lost if touching.get((then, name), 0.0) < PRESSED]
+    unheld = statics.unsteady_without([then]) if freed else {}
+    return {name: far for name, far in lost.items() if name not in freed or name in unheld}
 
 
 def _hanging(statics: Statics) -> dict[tuple[str, str], Overlap]:
@@ -229,7 +242,7 @@ def _falls(first: str, then: str, missing: float, touching: Mapping[tuple[str, s
     """The edge for an object that loses its equilibrium."""
     confidence = float(np.clip(0.4 + missing / 2, 0.4, 0.95))
     up = touching.get((then, first))
-    if up is not None and up < -0.3:
+    if up is not None and up < PRESSED:
         return Dependency(first, then, "counterweight", confidence)
     if up is not None and up < 0.7:
         return Dependency(first, then, "leaning", confidence)
