@@ -69,11 +69,13 @@ def access(scene: Scene, names: Sequence[str], graph: DependencyGraph, arm: Arm)
 
 def _fewest(name: str, gone: Collection[str], around: Sequence[str], hand: "_Hand") -> tuple[str, ...] | None:
     """The fewest neighbours without which an object can be grasped, None where that does not help."""
+    if not hand.holds(name, {*gone, *around}):
+        return None
     for count in range(1, TOGETHER + 1):
         for some in combinations(around, count):
             if hand.holds(name, {*gone, *some}):
                 return some
-    return tuple(around) if hand.holds(name, {*gone, *around}) else None
+    return tuple(around)
 
 
 class _Hand:
