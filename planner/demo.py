@@ -18,6 +18,7 @@ from topple.planner.report.record import INTERRUPTED, RunRecord
 from topple.planner.report.run_page import run_page
 from topple.planner.run import ClosedLoop
 from topple.robots.catalog import robot as robot_named
+from topple.robots.film import filmed
 from topple.robots.scenarios import Scenario, scenario_called
 from topple.robots.simulated_arm import SimulatedArm
 
@@ -32,6 +33,7 @@ def demo(
     cameras: int = 3,
     mask_noise: float = 0.0,
     folder: str | Path = "topple-demo",
+    video: Path | None = None,
     progress: Progress | None = None,
 ) -> RunRecord:
     """Plays a built-in scene.
@@ -43,6 +45,7 @@ def demo(
         cameras: How many depth cameras look on, 1 to 3.
         mask_noise: By how many pixels the edges of their masks are wrong (standard deviation).
         folder: Where relations.json, order.json, plan.json, run.json and report.html are written.
+        video: Where a film of it is written, an MP4 file.
         progress: Called with a line before and after each action.
 
     Returns:
@@ -66,7 +69,8 @@ def demo(
             base = stage.pose_base_to_world
             task = (first.scene, stage.goal, robot)
             planned = other.apply_async(plan, task, {"base": base, "seed": seed})
-            record = loop.run(first)
+            with filmed(video, loop.robot, stage.cameras[0]):
+                record = loop.run(first)
             try:
                 whole = None if record.interrupted else planned.get()
             except NoSafePlan as error:  # what the first look hides, later ones may show

@@ -5,6 +5,7 @@ import time
 from collections import Counter
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field, replace
+from pathlib import Path
 
 import numpy as np
 
@@ -24,6 +25,7 @@ from topple.planner.transfer import scene_after
 from topple.robots.arm import Arm
 from topple.robots.camera import Camera
 from topple.robots.catalog import robot as robot_named
+from topple.robots.film import filmed
 from topple.robots.simulated_arm import SimulatedArm
 from topple.robots.world import World
 from topple.topology.arrays import FloatArray
@@ -45,6 +47,7 @@ def run(
     base: FloatArray | None = None,
     cameras: int = 3,
     mask_noise: float = 0.0,
+    video: Path | None = None,
     seed: int = 0,
     progress: Progress | None = None,
 ) -> RunRecord:
@@ -57,6 +60,7 @@ def run(
         base: (4, 4) pose_base_to_scene; the scene's `robot_base`, or else searched for.
         cameras: How many depth cameras look on, 1 to 3.
         mask_noise: By how many pixels the edges of their masks are wrong (standard deviation).
+        video: Where a film of it is written, an MP4 file.
         seed: Of sensor noise and every search.
         progress: Called with a line before and after each action.
 
@@ -79,7 +83,8 @@ def run(
             seed=seed,
             progress=progress,
         )
-        record = loop.run()
+        with filmed(video, loop.robot, stage.cameras[0]):
+            record = loop.run()
     return replace(record, notes=(*scene.assumptions, *stage.notes()))
 
 

@@ -5,9 +5,12 @@ import math
 from typing import TYPE_CHECKING
 
 from topple.planner.cli.options import add_target
+from topple.planner.files import check_writable
 from topple.topology.errors import InvalidInput
 
 if TYPE_CHECKING:
+    from pathlib import Path
+
     from topple.topology.arrays import FloatArray
     from topple.topology.scene import Scene
 
@@ -77,6 +80,35 @@ def add_cameras(parser: argparse.ArgumentParser) -> None:
         metavar="PIXELS",
         help="how far edges of the masks are off, as those of a segmentation are (0)",
     )
+
+
+def add_video(parser: argparse.ArgumentParser) -> None:
+    """Add where a film goes.
+
+    Args:
+        parser: The sub-command's parser.
+    """
+    parser.add_argument("--video", metavar="FILE", help="write a film of it, out.mp4 (extra 'video')")
+
+
+def video_of(args: argparse.Namespace) -> "Path | None":
+    """Where the film goes, checked before anything else is done.
+
+    Args:
+        args: The parsed arguments.
+
+    Returns:
+        The path, None where no film is wanted.
+
+    Raises:
+        InvalidInput: Nothing can be written there, or the encoder is not installed.
+    """
+    if args.video is None:
+        return None
+    from topple.robots.film import encoder
+
+    encoder()
+    return check_writable(args.video)
 
 
 def base_of(args: argparse.Namespace, scene: "Scene") -> "FloatArray | None":

@@ -6,7 +6,15 @@ from topple.planner.cli.console import complain, import_quietly, print_json, pri
 from topple.planner.cli.main import DONE, INTERRUPTED, NO_SAFE_PLAN
 from topple.planner.cli.options import add_common, read_scene, scene_paths
 from topple.planner.cli.progress import Progress
-from topple.planner.cli.robot_options import add_cameras, add_goal, add_robot, base_of, goal_of
+from topple.planner.cli.robot_options import (
+    add_cameras,
+    add_goal,
+    add_robot,
+    add_video,
+    base_of,
+    goal_of,
+    video_of,
+)
 from topple.planner.cli.tables import print_run
 from topple.planner.files import check_writable, write_whole
 
@@ -21,6 +29,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     add_goal(parser)
     add_robot(parser)
     add_cameras(parser)
+    add_video(parser)
     parser.add_argument("--report", metavar="FILE", help="where to write the report, e.g. out.html")
 
 
@@ -40,16 +49,17 @@ def execute(args: argparse.Namespace) -> int:
     (path,) = scene_paths(args, many=False)
     goal = goal_of(args)
     place = None if args.report is None else check_writable(args.report)
+    import_quietly("pybullet")
+    video = video_of(args)
     with Progress("run") as progress:
         progress(f"reading {path}")
         scene = read_scene(args, path)
-        import_quietly("pybullet")
         from topple.planner.run import run
 
         progress(f"{path}: rebuilding the scene")
         record = run(
             scene, goal, args.robot, base=base_of(args, scene), cameras=args.cameras,
-            mask_noise=args.mask_noise, seed=args.seed, progress=progress,
+            mask_noise=args.mask_noise, video=video, seed=args.seed, progress=progress,
         )  # fmt: skip
         if place is not None:
             from topple.planner.report.run_page import run_page
@@ -61,7 +71,7 @@ def execute(args: argparse.Namespace) -> int:
     else:
         print_run(path, document)
         print_text(*(f"Note: {note.rstrip('.')}." for note in record.notes))
-        if place is not None:
-            print_text(f"Written: {place}")
+        for written in filter(None, (place, video)):
+            print_text(f"Written: {written}")
     complain(*(f"{path}: {violation}" for violation in record.violations))
     return INTERRUPTED if record.interrupted else DONE if record.success else NO_SAFE_PLAN
