@@ -170,16 +170,18 @@ def as_pose(pose: ArrayLike, what: str) -> FloatArray:
         raise InvalidInput(f"{what} holds NaN or infinity: expected a finite 4x4 transform")
     if np.abs(matrix[3] - [0.0, 0.0, 0.0, 1.0]).max() > _RIGID:
         raise InvalidInput(
-            f"{what} ends in the row {_listed(matrix[3])}: expected 0 0 0 1; it may be transposed"
+            f"{what} ends in the row {_listed(matrix[3])}: expected 0 0 0 1; transpose it if it is"
         )
     rotation = matrix[:3, :3]
     if np.abs(rotation @ rotation.T - np.eye(3)).max() > _RIGID:
         raise InvalidInput(
-            f"{what} is not rigid: its rotation scales or shears; expected orthonormal columns"
+            f"{what} is not rigid: its rotation scales or shears; expected orthonormal columns: "
+            "scale the points instead, and leave rotation and translation here"
         )
     if np.linalg.det(rotation) < 0:
         raise InvalidInput(
-            f"{what} is mirrored: its rotation has determinant -1; expected a right-handed frame"
+            f"{what} is mirrored: its rotation has determinant -1; expected a right-handed frame, +1: "
+            "turn one axis round, or mirror the points instead"
         )
     return frozen(matrix)
 

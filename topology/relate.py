@@ -74,10 +74,11 @@ def _rule(scene: Scene, deviation: float | None, plain: bool) -> Rule:
 
 
 def _check_deviation(scene: Scene, deviation: float) -> None:
-    largest = max(float(np.ptp(cloud, axis=0).max()) for cloud in scene.clouds.values())
+    judged = scene.movable or scene.names  # a table is larger than any mistake
+    largest = max(float(np.ptp(scene.clouds[name], axis=0).max()) for name in judged)
     if not np.isfinite(deviation) or deviation <= 0:
         raise InvalidInput(f"deviation {deviation} is no length: give metres > 0, 0.002 for a depth camera")
-    if deviation > largest:
+    if deviation > max(largest, TOLERANCES.greatest_deviation):  # what noise alone may reach is no mistake
         raise InvalidInput(
             f"deviation {deviation:g} m is larger than every object (the largest measures {largest:.3g} m): "
             "give metres, 0.002 for a depth camera"

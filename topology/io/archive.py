@@ -97,7 +97,9 @@ def _read_npz(path: Path) -> dict[str, Array]:
             twice = [name for name, count in Counter(members).items() if count > 1]
             if twice:
                 name = twice[0].removesuffix(_MEMBER)
-                raise InvalidInput(f"the name {name!r} occurs twice: expected one array per name")
+                raise InvalidInput(
+                    f"the name {name!r} occurs twice: expected one array per name, so rename one"
+                )
             return {name.removesuffix(_MEMBER): _read_member(archive, name) for name in members}
     except (zipfile.BadZipFile, NotImplementedError) as error:
         raise InvalidInput(f"the file is a broken .npz ({error}): write it again") from error

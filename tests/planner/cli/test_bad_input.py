@@ -2,6 +2,7 @@
 
 import json
 import re
+import zipfile
 from collections.abc import Callable
 from pathlib import Path
 
@@ -54,13 +55,19 @@ def _npz(folder: Path, **arrays: object) -> Path:
         ({**FINE, "cup": np.full((9, 3), np.nan)}, ["'cup'", "NaN", "9 of 9"]),
         ({**FINE, "cup": np.zeros((1, 3))}, ["'cup'", "single point"]),
         ({**FINE, "cup": np.zeros((9, 4))}, ["'cup'", "(9, 4)", "(N, 3)"]),
-        ({**FINE, "cup": BOX * 1000}, ["'cup'", "millimetres"]),
+        ({**FINE, "cup": BOX * 1000}, ["'cup'", "99.", "more than 20 m", "millimetres: points / 1000"]),
         ({**FINE, "cup": np.array([None])}, ["'cup'", "pickle"]),
         ({**FINE, "up": [0, 0, 0]}, ["up"]),
-        ({**FINE, "robot_base": np.diag([-1, 1, 1, 1])}, ["robot_base", "mirrored"]),
+        ({**FINE, "robot_base": np.diag([-1, 1, 1, 1])}, ["robot_base", "mirrored", "right-handed", "turn"]),
+        ({**FINE, "robot_base": np.diag([2, 2, 2, 1])}, ["robot_base", "not rigid", "orthonormal", "scale"]),
         ({"depth": DEPTH, "K": K, "label": LABEL[:9]}, ["(9, 80)", "(60, 80)"]),
         ({"depth": DEPTH, "K": np.eye(3), "label": LABEL}, ["K", "intrinsic"]),
         ({"depth": DEPTH, "K": K}, ["label"]),
+        ({"depth": DEPTH * 1000, "K": K, "label": LABEL}, ["depth", "millimetres", "divide by 1000"]),
+        (
+            {"depth": DEPTH, "K": K, "label": LABEL, "pose_camera_to_world": np.diag([1, 1, -1, 1])},
+            ["pose_camera_to_world", "mirrored", "turn"],
+        ),
     ],
 )
 def test_bad_arrays(
@@ -82,6 +89,37 @@ def test_files_that_are_not_scenes(refused: Refused, tmp_path: Path) -> None:
     folder.mkdir()
     (folder / "cup.ply").write_text("hello")
     assert "'cup'" in refused("relate", folder)
+
+
+@pytest.mark.parametrize(
+    ("described", "named"),
+    [
+        ({"poses": {"cup": np.diag([1, -1, 1, 1]).tolist()}}, ["'cup' in scene.json", "mirrored", "turn"]),
+        ({"poses": {"cup": np.diag([3, 3, 3, 1]).tolist()}}, ["'cup' in scene.json", "not rigid", "scale"]),
+        ({"poses": {"cup": np.eye(4)[::-1].tolist()}}, ["'cup' in scene.json", "row [1 0 0 0]", "transpose"]),
+        ({"robot_base": np.diag([-1, 1, 1, 1]).tolist()}, ["robot_base", "mirrored", "turn"]),
+    ],
+)
+def test_poses_of_a_folder_have_to_be_rigid(
+    refused: Refused, tmp_path: Path, described: dict[str, object], named: list[str]
+) -> None:
+    np.savetxt(tmp_path / "cup.xyz", BOX)
+    (tmp_path / "scene.json").write_text(json.dumps(described))
+    line = refused("relate", tmp_path)
+    assert str(tmp_path) in line
+    for words in named:
+        assert words in line
+
+
+def test_two_things_of_one_name_are_refused(refused: Refused, tmp_path: Path) -> None:
+    for suffix in ("xyz", "ply"):
+        np.savetxt(tmp_path / f"cup.{suffix}", BOX)
+    line = refused("relate", tmp_path)
+    assert "cup.ply and cup.xyz are both object 'cup': rename one" in line
+    _npz(tmp_path, **FINE)
+    with zipfile.ZipFile(tmp_path / "scene.npz", "a") as archive, pytest.warns(UserWarning, match="Dupl"):
+        archive.writestr("mug.npy", b"")
+    assert "'mug' occurs twice" in refused("relate", tmp_path / "scene.npz")
 
 
 def test_unknown_names_are_answered_with_the_known_ones(refused: Refused, tmp_path: Path) -> None:
@@ -157,7 +195,7 @@ def test_up_has_to_point_somewhere(refused: Refused, tmp_path: Path, up: tuple[s
     assert "up is" in refused("relate", _npz(tmp_path, **FINE), "--up", *up)
 
 
-@pytest.mark.parametrize("deviation", ["0", "-0.002", "nan", "5", "inf"])
+@pytest.mark.parametrize("deviation", ["0", "-0.002", "nan", "0.3", "5", "inf"])
 def test_a_deviation_is_a_length_below_the_objects(refused: Refused, tmp_path: Path, deviation: str) -> None:
     path = _npz(tmp_path, **FINE)
     assert "deviation" in refused("relate", path, "--deviation", deviation)
