@@ -215,9 +215,10 @@ def closest(a: SurfaceCloud, b: SurfaceCloud) -> Closest:
     slack = 2 * (a.cell + b.cell)
     if a.cell == 0 or b.cell == 0:  # patches of single points reach as far as their neighbours do
         slack += 3 * max(a.spacing, b.spacing)
-    bound = float(np.min(b.tree.query(_at_most(a.coarse, PROBES))[0])) * (1 + 1e-9)
+    more = 1 + 1e-9  # a distance there and one back differ by their rounding
+    bound = float(np.min(b.tree.query(_at_most(a.coarse, PROBES))[0])) * more
     near_a = _distances(a.coarse, b, bound + slack)
-    limit = float(near_a.min()) + slack
+    limit = float(near_a.min()) * more + slack
     near_b = _distances(b.coarse, a, limit)
     fine_a = _at_most(a.rows_of(np.flatnonzero(near_a <= limit)), FINE)
     fine_b = _at_most(b.rows_of(np.flatnonzero(near_b <= limit)), FINE)
