@@ -111,5 +111,5 @@ def test_a_thing_far_off_is_related_as_near(name: str, plain: bool) -> None:
     away = relate(Scene({"thing": ZOO[name] + FAR, "ground": ground + FAR}), plain=plain)
     assert away.between("thing", "ground").relation is near.between("thing", "ground").relation
     pair = near.between("thing", "ground")
-    # By the paper's rule a thing thinner than the ground's spacing has no point of the ground on its boundary.
+    # By the paper's rule a thing narrower than the ground's spacing may have no point of it on its boundary.
     assert pair.relation is Relation.TOUCH or (plain and pair.kind == ONE_SIDED_CONTACT)
