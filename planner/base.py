@@ -3,8 +3,8 @@
 import numpy as np
 from scipy.spatial import KDTree
 
-from topple.planner.free_space import FreeSpace, free_space
-from topple.planner.resting import PLACEMENT_TOLERANCES
+from topple.planner.place.free_space import FreeSpace, free_space
+from topple.planner.place.resting import PLACEMENT_TOLERANCES
 from topple.planner.samples import voxel_means
 from topple.planner.solids import Solids, level_axes, solids_of, table_top, up_of
 from topple.robots.arm import Arm

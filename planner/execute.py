@@ -4,13 +4,13 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from topple.planner.handling import MARGIN
 from topple.planner.motion.collision import Checker
 from topple.planner.motion.planner import MotionFailure, plan_motion
 from topple.planner.motion.trajectory import retime
-from topple.planner.segments import Segment
+from topple.planner.pick_place.handling import MARGIN
+from topple.planner.pick_place.segments import Segment
+from topple.planner.pick_place.transfer import Transfer
 from topple.planner.solids import Solids
-from topple.planner.transfer import Transfer
 from topple.robots.poses import angle_between
 from topple.robots.simulated_arm import SimulatedArm
 from topple.topology.arrays import FloatArray

@@ -12,14 +12,14 @@ from typing import Protocol
 import numpy as np
 
 from topple.planner.errors import NoSafePlan
-from topple.planner.failure import Setback, TransferFailure
 from topple.planner.goal import Goal, Place, holds
 from topple.planner.grasp.grasp import Grasp
 from topple.planner.order import Order, order
-from topple.planner.placement import Placement, placements
+from topple.planner.pick_place.failure import Setback, TransferFailure
+from topple.planner.pick_place.transfer import Transfer, plan_transfer
+from topple.planner.place.placement import Placement, placements
+from topple.planner.place.stacking import inset, placements_on
 from topple.planner.solids import Solids, apart, level_axes, solids_of, up_of
-from topple.planner.stacking import inset, placements_on
-from topple.planner.transfer import Transfer, plan_transfer
 from topple.robots.arm import Arm
 from topple.topology.arrays import FloatArray
 from topple.topology.relate import Relations, relate

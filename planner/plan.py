@@ -11,11 +11,11 @@ from topple.planner.base import choose_base
 from topple.planner.errors import NoSafePlan
 from topple.planner.goal import Goal, parse_goal
 from topple.planner.next_step import NextStep, Station, StepChooser
+from topple.planner.pick_place.transfer import scene_after, solids_after
 from topple.planner.plan_data import objects_data, step_data
 from topple.planner.plan_format import DependencyData, Plan, Step
 from topple.planner.plan_start import check_start, check_upright
 from topple.planner.solids import Solids, solids_of, up_of
-from topple.planner.transfer import scene_after, solids_after
 from topple.robots.arm import Arm
 from topple.robots.catalog import robot as robot_named
 from topple.topology.arrays import FloatArray

@@ -5,6 +5,8 @@ from collections.abc import Mapping
 import numpy as np
 
 from topple.planner.motion.trajectory import Trajectory
+from topple.planner.pick_place.segments import Segment
+from topple.planner.pick_place.transfer import Transfer
 from topple.planner.plan_format import (
     AttachmentData,
     GraspData,
@@ -15,9 +17,7 @@ from topple.planner.plan_format import (
     SegmentData,
     Step,
 )
-from topple.planner.segments import Segment
 from topple.planner.solids import Solids
-from topple.planner.transfer import Transfer
 from topple.robots.gripper import ToolState
 from topple.topology.arrays import FloatArray
 from topple.topology.scene import Scene

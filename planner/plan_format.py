@@ -4,7 +4,7 @@ from typing import TYPE_CHECKING, Any
 
 import msgspec
 
-from topple.planner.segments import KINDS
+from topple.planner.pick_place.segments import KINDS
 from topple.topology.errors import InvalidInput
 
 if TYPE_CHECKING:
@@ -37,7 +37,7 @@ class SegmentData(msgspec.Struct, frozen=True):
     """One piece of a step.
 
     Attributes:
-        kind: One of `topple.planner.segments.KINDS`.
+        kind: One of `topple.planner.pick_place.segments.KINDS`.
         tool: "fingers" or "suction".
         hand: Set before the motion; for grasp and release what the hand is brought to.
         motion: Null for grasp and release.

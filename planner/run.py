@@ -18,10 +18,10 @@ from topple.planner.look import Look, Observer, unexpected
 from topple.planner.motion.collision import Checker
 from topple.planner.next_step import PLACE, NextStep, Orderer, Station, StepChooser
 from topple.planner.order import order
-from topple.planner.rehearsal import Rehearsal
+from topple.planner.pick_place.transfer import scene_after
+from topple.planner.rebuilt.rehearsal import Rehearsal
 from topple.planner.report.record import INTERRUPTED, RunRecord, StepRecord
 from topple.planner.solids import solids_of
-from topple.planner.transfer import scene_after
 from topple.robots.arm import Arm
 from topple.robots.camera import Camera
 from topple.robots.catalog import robot as robot_named

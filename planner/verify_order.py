@@ -12,7 +12,7 @@ import numpy as np
 
 from topple.planner.dependency import Dependency, DependencyGraph
 from topple.planner.evidence import posterior, rates_for
-from topple.planner.rebuild import rebuild
+from topple.planner.rebuilt.rebuild import rebuild
 from topple.planner.whatif import FRICTIONS, Move, Stage, Trial
 from topple.topology.statics import Statics
 

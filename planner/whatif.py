@@ -12,7 +12,7 @@ from topple.robots.world import World
 from topple.topology.arrays import FloatArray
 
 if TYPE_CHECKING:
-    from topple.planner.rebuild import Rebuilt
+    from topple.planner.rebuilt.rebuild import Rebuilt
 
 SPEED = 0.08
 """Speed of the straight lift [m/s]."""

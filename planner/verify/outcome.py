@@ -130,8 +130,8 @@ def check_rest(plan: Plan, before: "list[Beat]") -> tuple[Residual, ...]:
 
 def _beyond(place: FloatArray, points: FloatArray, up: FloatArray) -> float:
     """How far a place is beside the level outline of points, or below them [m]."""
+    from topple.planner.place.stacking import inset
     from topple.planner.solids import level_axes
-    from topple.planner.stacking import inset
 
     axes = np.stack(level_axes(up))
     aside = -float(inset(points @ axes.T, (place[:3] @ axes.T)[None])[0])

@@ -1,10 +1,10 @@
 import numpy as np
 import pytest
 
-from topple.planner.placement import placements
-from topple.planner.resting import resting_poses
+from topple.planner.place.placement import placements
+from topple.planner.place.resting import resting_poses
+from topple.planner.place.stacking import placements_on
 from topple.planner.solids import fixed_parts, hidden_depth, solids_of, table_top
-from topple.planner.stacking import placements_on
 from topple.robots.bodies import Body
 from topple.robots.shapes.boxes import box, can
 from topple.robots.shapes.cutlery import spoon

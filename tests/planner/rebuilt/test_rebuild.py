@@ -5,7 +5,7 @@ from collections.abc import Mapping
 import numpy as np
 import pytest
 
-from topple.planner.rebuild import Rebuilt, rebuild
+from topple.planner.rebuilt.rebuild import Rebuilt, rebuild
 from topple.robots import shapes
 from topple.robots.bodies import Body
 from topple.robots.camera import Camera

@@ -6,7 +6,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 from scipy.spatial import ConvexHull
 
-from topple.planner.seating import Seat, Shape, balanced, floor_cut, part, seat
+from topple.planner.rebuilt.seating import Seat, Shape, balanced, floor_cut, part, seat
 from topple.robots.bodies import Body
 from topple.robots.body_clouds import Piece, shell, solid
 from topple.robots.world import World

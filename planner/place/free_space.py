@@ -7,7 +7,7 @@ import numpy as np
 from scipy.ndimage import distance_transform_edt
 from scipy.spatial import ConvexHull, Delaunay, QhullError
 
-from topple.planner.resting import PLACEMENT_TOLERANCES, PlacementTolerances
+from topple.planner.place.resting import PLACEMENT_TOLERANCES, PlacementTolerances
 from topple.planner.solids import Solids, level_axes, table_top, up_of
 from topple.topology.arrays import BoolArray, FloatArray
 from topple.topology.scene import Scene

@@ -6,13 +6,13 @@ from functools import cached_property
 
 import numpy as np
 
-from topple.planner.failure import Tally
 from topple.planner.grasp.grasp import Grasp
 from topple.planner.motion.cartesian import straight_line
 from topple.planner.motion.collision import Checker
 from topple.planner.motion.model import Attachment
 from topple.planner.motion.shortcut import densely
-from topple.planner.placement import Placement
+from topple.planner.pick_place.failure import Tally
+from topple.planner.place.placement import Placement
 from topple.planner.solids import Solids, apart, moved, up_of
 from topple.robots.arm import Arm
 from topple.robots.gripper import ToolState

@@ -5,8 +5,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from topple.planner.free_space import FreeSpace, free_space
-from topple.planner.resting import PLACEMENT_TOLERANCES, PlacementTolerances, Rest, about, resting_poses
+from topple.planner.place.free_space import FreeSpace, free_space
+from topple.planner.place.resting import PLACEMENT_TOLERANCES, PlacementTolerances, Rest, about, resting_poses
 from topple.planner.samples import voxel_means
 from topple.planner.solids import Solids, level_axes, solids_of, up_of
 from topple.topology.arrays import FloatArray, frozen

@@ -5,18 +5,18 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from topple.planner.failure import Setback, Tally, TransferFailure
 from topple.planner.grasp.candidates import grasp_candidates
 from topple.planner.grasp.grasp import Grasp
 from topple.planner.grasp.hand import hand_shape
-from topple.planner.handling import MARGIN, Handling, Reached
-from topple.planner.legs import Leg, segments_of
 from topple.planner.motion.certificate import Certifier
 from topple.planner.motion.collision import Checker
 from topple.planner.motion.planner import Motion, MotionFailure, plan_motion
 from topple.planner.motion.upright import plan_upright
-from topple.planner.placement import Placement, placements
-from topple.planner.segments import Segment
+from topple.planner.pick_place.failure import Setback, Tally, TransferFailure
+from topple.planner.pick_place.handling import MARGIN, Handling, Reached
+from topple.planner.pick_place.legs import Leg, segments_of
+from topple.planner.pick_place.segments import Segment
+from topple.planner.place.placement import Placement, placements
 from topple.planner.solids import Solids, moved, solids_of, up_of
 from topple.robots.arm import Arm
 from topple.topology.arrays import FloatArray, frozen

@@ -6,7 +6,7 @@ from types import TracebackType
 import numpy as np
 
 from topple.planner.base import choose_base
-from topple.planner.rebuild import rebuild
+from topple.planner.rebuilt.rebuild import rebuild
 from topple.planner.solids import table_top, up_of
 from topple.robots.arm import Arm
 from topple.robots.camera import Camera

@@ -6,11 +6,11 @@ from dataclasses import dataclass
 import numpy as np
 
 from topple.planner.grasp.grasp import Grasp
-from topple.planner.handling import Handling
 from topple.planner.motion.certificate import Certificate
 from topple.planner.motion.collision import Checker
 from topple.planner.motion.trajectory import retime
-from topple.planner.segments import Segment, no_faster_than
+from topple.planner.pick_place.handling import Handling
+from topple.planner.pick_place.segments import Segment, no_faster_than
 from topple.robots.gripper import ToolState
 from topple.topology.arrays import FloatArray
 
@@ -20,7 +20,7 @@ class Leg:
     """One motion of a transfer.
 
     Attributes:
-        kind: One of `topple.planner.segments.KINDS` that moves the arm.
+        kind: One of `topple.planner.pick_place.segments.KINDS` that moves the arm.
         path: (k, n) joint values [rad].
         checker: What it was checked against.
         straight: Whether the tool goes in a straight line, slowly.

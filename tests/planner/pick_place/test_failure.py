@@ -2,9 +2,9 @@ import numpy as np
 import pytest
 
 from topple.planner.errors import NoSafePlan
-from topple.planner.failure import STEPS, Tally, TransferFailure
+from topple.planner.pick_place.failure import STEPS, Tally, TransferFailure
+from topple.planner.pick_place.transfer import plan_transfer
 from topple.planner.plan import plan
-from topple.planner.transfer import plan_transfer
 from topple.robots.catalog import robot
 from topple.robots.shapes.boxes import box, can
 from topple.topology.errors import InvalidInput

@@ -6,8 +6,8 @@ import numpy as np
 from scipy.ndimage import binary_closing, distance_transform_edt
 from scipy.spatial import ConvexHull, QhullError
 
-from topple.planner.placement import Placement
-from topple.planner.resting import PLACEMENT_TOLERANCES, PlacementTolerances, Rest, about, resting_poses
+from topple.planner.place.placement import Placement
+from topple.planner.place.resting import PLACEMENT_TOLERANCES, PlacementTolerances, Rest, about, resting_poses
 from topple.planner.samples import centre_of_mass, sampled, voxel_means
 from topple.planner.solids import Solids, hull_vertices, level_axes, solids_of, table_top, up_of
 from topple.topology.arrays import FloatArray, IntArray

@@ -2,9 +2,9 @@ import numpy as np
 import pytest
 
 from topple.planner.base import NoBase, choose_base
-from topple.planner.handling import Handling
-from topple.planner.segments import KINDS, no_faster_than
-from topple.planner.transfer import Transfer, TransferFailure, plan_transfer, scene_after
+from topple.planner.pick_place.handling import Handling
+from topple.planner.pick_place.segments import KINDS, no_faster_than
+from topple.planner.pick_place.transfer import Transfer, TransferFailure, plan_transfer, scene_after
 from topple.robots.catalog import robot
 from topple.robots.shapes.boxes import box, can
 from topple.topology.errors import UnknownObject
