@@ -69,7 +69,7 @@ def print_order(title: str, document: Document, movable: int | None = None) -> N
         print_table(("supporter", "supported", "confidence"), carried, right=(2,))
     for group in document["groups"]:
         print_text(f"{listed(group)} hold each other: take them together, or hold the others.")
-    for bar in document["access"]:
+    for bar in document.get("access", ()):
         print_text(f"{bar['reason']}: it has to go before a hand gets there.")
 
 
