@@ -10,7 +10,7 @@ import numpy as np
 from topple.topology.arrays import BoolArray, FloatArray
 from topple.topology.hull import Hull
 from topple.topology.surface import SurfaceCloud
-from topple.topology.visibility import MARGIN, Sight
+from topple.topology.visibility import MARGIN, Visibility
 
 PLACES = 256
 """Places looked at on a hull: one in 1.5 cm of a box with edges of 10 cm."""
@@ -24,7 +24,7 @@ SETTLED = 0.95
 """Share of the facing places that must be settled: a stem or a foot takes a twentieth of an underside."""
 
 
-def facing_seen(a: SurfaceCloud, b: SurfaceCloud, sight: Sight) -> bool:
+def facing_seen(a: SurfaceCloud, b: SurfaceCloud, sight: Visibility) -> bool:
     """Whether the surfaces two objects turn to each other were seen, or the space between them was.
 
     Args:
@@ -35,7 +35,7 @@ def facing_seen(a: SurfaceCloud, b: SurfaceCloud, sight: Sight) -> bool:
     return settled_share(a, b, sight) >= SETTLED
 
 
-def settled_share(a: SurfaceCloud, b: SurfaceCloud, sight: Sight) -> float:
+def settled_share(a: SurfaceCloud, b: SurfaceCloud, sight: Visibility) -> float:
     """Share of the facing places, on both hulls, where no contact can be hidden.
 
     Args:
@@ -72,7 +72,7 @@ def _across(a: SurfaceCloud, b: SurfaceCloud) -> tuple[FloatArray, FloatArray, F
     return places, ends, length
 
 
-def _seen(a: SurfaceCloud, places: FloatArray, towards: FloatArray, sight: Sight) -> BoolArray:
+def _seen(a: SurfaceCloud, places: FloatArray, towards: FloatArray, sight: Visibility) -> BoolArray:
     """Which places of a hull have a surface near them that some camera sees from the side it faces."""
     covered = np.asarray(a.tree.query(places)[0]) <= max(COVERED * a.spacing, MARGIN)
     outward = towards - places

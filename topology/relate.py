@@ -14,7 +14,7 @@ from topple.topology.plain import PlainRule
 from topple.topology.robust import RobustRule
 from topple.topology.scene import Scene
 from topple.topology.tolerances import TOLERANCES
-from topple.topology.visibility import Sight
+from topple.topology.visibility import Visibility
 
 __all__ = ["PairRelation", "Relations", "relate", "relate_all"]
 
@@ -65,7 +65,7 @@ def _rule(scene: Scene, deviation: float | None, plain: bool) -> Rule:
         _check_deviation(scene, deviation)
     if plain:
         return PlainRule(TOLERANCES.plain_deviation if deviation is None else float(deviation))
-    sight = Sight(scene.clouds, scene.viewpoints, scene.images)
+    sight = Visibility(scene.clouds, scene.viewpoints, scene.images)
     return RobustRule(
         deviation=estimate_deviation(scene) if deviation is None else float(deviation),
         up=scene.up,

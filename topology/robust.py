@@ -20,7 +20,7 @@ from topple.topology.relation import Relation, classify, kind_of
 from topple.topology.scene import Scene
 from topple.topology.surface import SurfaceCloud, closest
 from topple.topology.tolerances import TOLERANCES
-from topple.topology.visibility import Sight
+from topple.topology.visibility import Visibility
 
 WALL = 600
 """Points that stand for a container's wall: 24 directions, some 25 each."""
@@ -41,7 +41,7 @@ class RobustRule:
 
     deviation: float
     up: FloatArray | None = None
-    sight: Sight | None = field(default=None, repr=False)
+    sight: Visibility | None = field(default=None, repr=False)
     reach: float = TOLERANCES.reach
 
     def prepare(self, name: str, cloud: FloatArray) -> SurfaceCloud:

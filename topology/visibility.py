@@ -14,7 +14,7 @@ MARGIN = 0.006
 """How far behind the first surface a place must lie to count as hidden [m]: noise of a depth camera."""
 
 
-class Sight:
+class Visibility:
     """The free space of a scene, from its depth images or, without them, from clouds and camera centres."""
 
     def __init__(
@@ -35,7 +35,7 @@ class Sight:
         }
         self._tables = self._ranges()
 
-    def after(self, name: str, cloud: FloatArray) -> "Sight":
+    def after(self, name: str, cloud: FloatArray) -> "Visibility":
         """The free space once one object's cloud is another; depth images stay what they are.
 
         Args:

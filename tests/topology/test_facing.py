@@ -10,7 +10,7 @@ from topple.topology.relate import relate
 from topple.topology.relation import Relation
 from topple.topology.scene import Scene
 from topple.topology.surface import SurfaceCloud
-from topple.topology.visibility import Sight
+from topple.topology.visibility import Visibility
 
 
 def pose(x, y, z):
@@ -70,7 +70,7 @@ def test_what_is_seen_does_not_depend_on_which_object_is_named_first():
     scene = rendered(
         [(shapes.can("can"), (0, 0, 0.03)), (shapes.box("box", (0.1, 0.1, 0.05)), (0.1, 0, 0))], FRONT
     )
-    sight = Sight(scene.clouds, scene.viewpoints, scene.images)
+    sight = Visibility(scene.clouds, scene.viewpoints, scene.images)
     one, other = (SurfaceCloud.of(name, scene.clouds[name]) for name in ("can", "box"))
     assert settled_share(one, other, sight) == settled_share(other, one, sight)
 

@@ -9,7 +9,7 @@ from topple.topology.relate import relate
 from topple.topology.relation import Relation
 from topple.topology.scene import Scene
 from topple.topology.surface import SurfaceCloud, closest
-from topple.topology.visibility import Sight
+from topple.topology.visibility import Visibility
 
 SHARED = Path(__file__).resolve().parents[2].parent / "shared"
 LINE = np.linspace([0, 0, 0], [0.1, 0, 0], 9)
@@ -130,7 +130,7 @@ def test_sight_ends_at_the_first_surface():
     wall = np.stack(np.meshgrid([0.5], np.linspace(-0.2, 0.2, 90), np.linspace(-0.2, 0.2, 90)), -1).reshape(
         -1, 3
     )
-    sight = Sight({"wall": wall}, np.zeros((1, 3)))
+    sight = Visibility({"wall": wall}, np.zeros((1, 3)))
     assert sight.known
     assert sight.free(np.array([[0.3, 0, 0], [0.7, 0, 0]])).tolist() == [True, False]
 
