@@ -15,10 +15,13 @@ from topple.planner.order import order
 from topple.planner.plan import plan, plan_as_done
 from topple.planner.plan_format import plan_to_json
 from topple.planner.report.record import INTERRUPTED, RunRecord
+from topple.planner.report.rerun_file import RATE as RERUN_RATE
+from topple.planner.report.rerun_file import rerun_file
 from topple.planner.report.run_page import run_page
 from topple.planner.run import ClosedLoop
 from topple.robots.catalog import robot as robot_named
 from topple.robots.film import filmed
+from topple.robots.recording import Recording
 from topple.robots.scenarios import Scenario, scenario_called
 from topple.robots.simulated_arm import SimulatedArm
 
@@ -34,6 +37,7 @@ def demo(
     mask_noise: float = 0.0,
     folder: str | Path = "topple-demo",
     video: Path | None = None,
+    rerun: Path | None = None,
     progress: Progress | None = None,
 ) -> RunRecord:
     """Plays a built-in scene.
@@ -46,6 +50,7 @@ def demo(
         mask_noise: By how many pixels the edges of their masks are wrong (standard deviation).
         folder: Where relations.json, order.json, plan.json, run.json and report.html are written.
         video: Where a film of it is written, an MP4 file.
+        rerun: Where a recording for the Rerun viewer is written, an .rrd file.
         progress: Called with a line before and after each action.
 
     Returns:
@@ -69,6 +74,7 @@ def demo(
             base = stage.pose_base_to_world
             task = (first.scene, stage.goal, robot)
             planned = other.apply_async(plan, task, {"base": base, "seed": seed})
+            recording = Recording(loop.robot, RERUN_RATE) if rerun is not None else None
             with filmed(video, loop.robot, stage.cameras[0]):
                 record = loop.run(first)
             try:
@@ -82,6 +88,8 @@ def demo(
             arm, goal = robot_named(robot), parse_goal(stage.goal, first.scene)
             whole = plan_as_done(first.scene, goal, Station(arm, base, arm.home), loop.followed, seed)
         write_whole(place / "plan.json", plan_to_json(whole))
+        if rerun is not None and recording is not None:
+            write_whole(rerun, rerun_file(record, recording))
     write_whole(place / "run.json", _text(record.to_json()))
     write_whole(place / "report.html", run_page(record))
     return record

@@ -11,6 +11,7 @@ import numpy as np
 
 from topple.planner.errors import NoSafePlan
 from topple.planner.execute import Outcome, execute, withdraw
+from topple.planner.files import write_whole
 from topple.planner.goal import Goal, parse_goal
 from topple.planner.grasp.grasp import Grasp
 from topple.planner.judge import LIMITS, displacements, tilts, truly_unmet, violations
@@ -21,11 +22,14 @@ from topple.planner.order import order
 from topple.planner.pick_place.transfer import scene_after
 from topple.planner.rebuilt.rehearsal import Rehearsal
 from topple.planner.report.record import INTERRUPTED, RunRecord, StepRecord
+from topple.planner.report.rerun_file import RATE as RERUN_RATE
+from topple.planner.report.rerun_file import rerun_file
 from topple.planner.solids import solids_of
 from topple.robots.arm import Arm
 from topple.robots.camera import Camera
 from topple.robots.catalog import robot as robot_named
 from topple.robots.film import filmed
+from topple.robots.recording import Recording
 from topple.robots.simulated_arm import SimulatedArm
 from topple.robots.world import World
 from topple.topology.arrays import FloatArray
@@ -48,6 +52,7 @@ def run(
     cameras: int = 3,
     mask_noise: float = 0.0,
     video: Path | None = None,
+    rerun: Path | None = None,
     seed: int = 0,
     progress: Progress | None = None,
 ) -> RunRecord:
@@ -61,6 +66,7 @@ def run(
         cameras: How many depth cameras look on, 1 to 3.
         mask_noise: By how many pixels the edges of their masks are wrong (standard deviation).
         video: Where a film of it is written, an MP4 file.
+        rerun: Where a recording for the Rerun viewer is written, an .rrd file.
         seed: Of sensor noise and every search.
         progress: Called with a line before and after each action.
 
@@ -83,9 +89,13 @@ def run(
             seed=seed,
             progress=progress,
         )
+        recording = Recording(loop.robot, RERUN_RATE) if rerun is not None else None
         with filmed(video, loop.robot, stage.cameras[0]):
             record = loop.run()
-    return replace(record, notes=(*scene.assumptions, *stage.notes()))
+        record = replace(record, notes=(*scene.assumptions, *stage.notes()))
+        if rerun is not None and recording is not None:
+            write_whole(rerun, rerun_file(record, recording))
+    return record
 
 
 @dataclass(frozen=True)

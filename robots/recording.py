@@ -21,6 +21,7 @@ class Recording:
         rate: Samples a second.
         times: Simulated time of each sample in [s].
         poses: For each sample name -> (4, 4) pose_object_to_world.
+        links: For each sample name -> (4, 4) pose_link_to_world of every link of the arm and its hand.
         joints: For each sample (k,) values of every joint of the arm and its hand, as PyBullet numbers them.
         constraints: For each sample what ties bodies together.
     """
@@ -29,6 +30,7 @@ class Recording:
     rate: float = RATE
     times: list[float] = field(default_factory=list[float])
     poses: list[dict[str, FloatArray]] = field(default_factory=list[dict[str, FloatArray]])
+    links: list[dict[str, FloatArray]] = field(default_factory=list[dict[str, FloatArray]])
     joints: list[FloatArray] = field(default_factory=list[FloatArray])
     constraints: list[tuple["Constraint", ...]] = field(default_factory=list[tuple["Constraint", ...]])
 
@@ -49,6 +51,7 @@ class Recording:
         world, client = self.robot.world, self.robot.world.client
         self.times.append(world.time)
         self.poses.append(world.poses())
+        self.links.append(self.robot.link_poses())
         count = pybullet.getNumJoints(self.robot.id, physicsClientId=client)
         states: Any = pybullet.getJointStates(self.robot.id, list(range(count)), physicsClientId=client)
         self.joints.append(np.array([state[0] for state in states]))

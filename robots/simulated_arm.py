@@ -303,6 +303,11 @@ class SimulatedArm:
         )
         return pose_from(state[4], state[5])
 
+    def link_poses(self) -> dict[str, FloatArray]:
+        """Link -> (4, 4) measured pose of its frame in the world."""
+        found = {link: self.link_pose(link) for link in self.arm.links if link in self._link}
+        return {self.arm.links[0]: self.pose_base_to_world, **found}
+
     def _error(self) -> float:
         return float(np.abs(self.q - self.q_target).max())
 

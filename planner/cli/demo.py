@@ -9,7 +9,7 @@ from topple.planner.cli.console import complain, import_quietly, print_json, pri
 from topple.planner.cli.main import DONE, INTERRUPTED, NO_SAFE_PLAN
 from topple.planner.cli.options import add_common
 from topple.planner.cli.progress import Progress
-from topple.planner.cli.robot_options import add_cameras, add_video, video_of
+from topple.planner.cli.robot_options import add_cameras, add_recordings, rerun_of, video_of
 from topple.planner.cli.tables import print_order, print_relations, print_run
 
 _FOLDER = "topple-demo"
@@ -30,7 +30,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         help="panda, panda-suction, iiwa, xarm6 or FILE.urdf (the one the scene is made for)",
     )
     add_cameras(parser)
-    add_video(parser)
+    add_recordings(parser)
     parser.add_argument(
         "-o", "--output", default=_FOLDER, metavar="FOLDER", help=f"where everything is written ({_FOLDER})"
     )
@@ -57,11 +57,10 @@ def execute(args: argparse.Namespace) -> int:
         import_quietly("pybullet")
         from topple.planner.demo import demo
 
-        video = video_of(args)
-
+        video, rerun = video_of(args), rerun_of(args)
         record = demo(
             args.name, seed=args.seed, robot=args.robot, cameras=args.cameras, mask_noise=args.mask_noise,
-            folder=folder, video=video, progress=progress,
+            folder=folder, video=video, rerun=rerun, progress=progress,
         )  # fmt: skip
     run = record.to_json()
     if args.json:

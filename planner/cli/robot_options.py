@@ -82,13 +82,16 @@ def add_cameras(parser: argparse.ArgumentParser) -> None:
     )
 
 
-def add_video(parser: argparse.ArgumentParser) -> None:
-    """Add where a film goes.
+def add_recordings(parser: argparse.ArgumentParser) -> None:
+    """Add where a film and a recording go.
 
     Args:
         parser: The sub-command's parser.
     """
     parser.add_argument("--video", metavar="FILE", help="write a film of it, out.mp4 (extra 'video')")
+    parser.add_argument(
+        "--rerun", metavar="FILE", help="write a recording for the Rerun viewer, out.rrd (extra 'rerun')"
+    )
 
 
 def video_of(args: argparse.Namespace) -> "Path | None":
@@ -109,6 +112,26 @@ def video_of(args: argparse.Namespace) -> "Path | None":
 
     encoder()
     return check_writable(args.video)
+
+
+def rerun_of(args: argparse.Namespace) -> "Path | None":
+    """Where the recording goes, checked before anything else is done.
+
+    Args:
+        args: The parsed arguments.
+
+    Returns:
+        The path, None where no recording is wanted.
+
+    Raises:
+        InvalidInput: Nothing can be written there, or the library is not installed.
+    """
+    if args.rerun is None:
+        return None
+    from topple.planner.report.rerun_file import library
+
+    library()
+    return check_writable(args.rerun)
 
 
 def base_of(args: argparse.Namespace, scene: "Scene") -> "FloatArray | None":

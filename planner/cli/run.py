@@ -9,10 +9,11 @@ from topple.planner.cli.progress import Progress
 from topple.planner.cli.robot_options import (
     add_cameras,
     add_goal,
+    add_recordings,
     add_robot,
-    add_video,
     base_of,
     goal_of,
+    rerun_of,
     video_of,
 )
 from topple.planner.cli.tables import print_run
@@ -29,7 +30,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     add_goal(parser)
     add_robot(parser)
     add_cameras(parser)
-    add_video(parser)
+    add_recordings(parser)
     parser.add_argument("--report", metavar="FILE", help="where to write the report, e.g. out.html")
 
 
@@ -50,7 +51,7 @@ def execute(args: argparse.Namespace) -> int:
     goal = goal_of(args)
     place = None if args.report is None else check_writable(args.report)
     import_quietly("pybullet")
-    video = video_of(args)
+    video, rerun = video_of(args), rerun_of(args)
     with Progress("run") as progress:
         progress(f"reading {path}")
         scene = read_scene(args, path)
@@ -59,7 +60,7 @@ def execute(args: argparse.Namespace) -> int:
         progress(f"{path}: rebuilding the scene")
         record = run(
             scene, goal, args.robot, base=base_of(args, scene), cameras=args.cameras,
-            mask_noise=args.mask_noise, video=video, seed=args.seed, progress=progress,
+            mask_noise=args.mask_noise, video=video, rerun=rerun, seed=args.seed, progress=progress,
         )  # fmt: skip
         if place is not None:
             from topple.planner.report.run_page import run_page
@@ -71,7 +72,7 @@ def execute(args: argparse.Namespace) -> int:
     else:
         print_run(path, document)
         print_text(*(f"Note: {note.rstrip('.')}." for note in record.notes))
-        for written in filter(None, (place, video)):
+        for written in filter(None, (place, video, rerun)):
             print_text(f"Written: {written}")
     complain(*(f"{path}: {violation}" for violation in record.violations))
     return INTERRUPTED if record.interrupted else DONE if record.success else NO_SAFE_PLAN
