@@ -3,7 +3,7 @@
 import numpy as np
 from numpy.typing import ArrayLike
 
-from topple.topology.arrays import FloatArray, frozen
+from topple.topology.arrays import FloatArray, bounds, frozen
 from topple.topology.errors import InvalidInput
 
 _LARGEST_EXTENT = 20.0  # [m] no object on a table, nor the table, is longer; millimetres always are
@@ -58,13 +58,14 @@ def as_points(points: ArrayLike, what: str) -> FloatArray:
         )
     if array.ndim != 2 or array.shape[1] != 3:
         raise InvalidInput(f"{what} has shape {array.shape}: expected points (N, 3), one x y z per row")
-    broken = int((~np.isfinite(array)).any(axis=1).sum())
-    if broken:
+    if not np.isfinite(array).all():
+        broken = int((~np.isfinite(array)).any(axis=1).sum())
         raise InvalidInput(
             f"{what} has NaN or infinity in {broken} of {len(array)} points: "
             "drop them, points[numpy.isfinite(points).all(axis=1)]"
         )
-    extent = float(np.ptp(array, axis=0).max())
+    lower, upper = bounds(array)
+    extent = float((upper - lower).max())
     if extent > _LARGEST_EXTENT:
         raise InvalidInput(
             f"{what} extends over {extent:.4g} m, more than {_LARGEST_EXTENT:g} m: it looks like millimetres "

@@ -5,7 +5,7 @@ from collections.abc import Mapping
 import numpy as np
 from scipy.spatial import KDTree
 
-from topple.topology.arrays import FloatArray
+from topple.topology.arrays import FloatArray, bounds
 from topple.topology.scene import Scene
 from topple.topology.tolerances import TOLERANCES
 
@@ -42,8 +42,9 @@ def thinned(points: FloatArray, spacing: float) -> FloatArray:
     Returns:
         (M, 3) points of the cloud, M <= N, at most `spacing` * √3 from every dropped one.
     """
-    cells = np.floor((points - points.min(axis=0)) / spacing).astype(np.int64)
-    counts = cells.max(axis=0) + 1
+    lower, upper = bounds(points)
+    cells = np.floor((points - lower) / spacing).astype(np.int64)
+    counts = np.floor((upper - lower) / spacing).astype(np.int64) + 1
     _, first = np.unique((cells[:, 0] * counts[1] + cells[:, 1]) * counts[2] + cells[:, 2], return_index=True)
     return points[np.sort(first)]
 
@@ -61,8 +62,8 @@ def noise_and_spacing(points: FloatArray) -> tuple[float, float]:
     if len(points) < 6:
         return 0.0, 0.0
     if len(points) > REGION:
-        middle = points[len(points) // 2]
-        points = points[np.argpartition(((points - middle) ** 2).sum(axis=1), REGION)[:REGION]]
+        offset = points - points[len(points) // 2]
+        points = points[np.argpartition(np.einsum("ni,ni->n", offset, offset), REGION)[:REGION]]
     probes = points[:: -(-len(points) // PROBES)]
     tree = KDTree(points)
     distance, index = tree.query(probes, k=min(NEIGHBOURS, len(points)))

@@ -1,6 +1,6 @@
 """Contacts that no camera saw and gravity demands: what floats in the clouds is held by something."""
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Collection, Mapping
 from dataclasses import replace
 
 import numpy as np
@@ -11,6 +11,9 @@ from topple.topology.pairs import PairRelation, Relations
 from topple.topology.relation import Relation
 from topple.topology.scene import Scene
 from topple.topology.tolerances import TOLERANCES
+
+CLOSE = 0.02
+"""Gap [m] from which objects carry each other no more: twice what a search for contacts allows."""
 
 _HELD_BY = frozenset({Relation.WITHIN, Relation.PARTIAL_WITHIN, Relation.CROSS})
 
@@ -34,17 +37,31 @@ def infer_contacts(
     if scene.up is None or len(scene.clouds) < 2:
         return relations
     floating = floating_objects(scene, relations)
-    open_pairs = (pair for name in floating for pair in relations.of(name) if _may_touch(pair))
-    hidden = {frozenset((pair.a, pair.b)) for pair in open_pairs if not apart(pair)}
+    open_pairs = [pair for name in floating for pair in relations.of(name) if _may_touch(pair)]
+    open_pairs = [pair for pair in open_pairs if not apart(pair)]
+    hidden = {frozenset((pair.a, pair.b)) for pair in open_pairs}
     if not hidden:
         return relations
-    from topple.topology.support import supports  # statics is heavy, and needed by few scenes
+    from topple.topology.statics import Statics  # heavy, and needed by few scenes
+    from topple.topology.support import supports
 
-    for support in supports(scene, relations):
+    concerned = _hanging_together(floating.union(*hidden), scene, relations)
+    for support in supports(scene, relations, Statics.of(scene, concerned)):
         pair = relations.between(support.supporter, support.supported)
         if support.supported in floating and frozenset((pair.a, pair.b)) in hidden:
             relations = relations.with_pair(_touching(pair, support.confidence))
     return relations
+
+
+def _hanging_together(names: Collection[str], scene: Scene, relations: Relations) -> frozenset[str]:
+    """Some objects and the movable ones that meet them, or others that do: what gravity sees as one."""
+    found = set(names)
+    border = found - scene.fixed
+    while border:
+        meeting = {pair.b for name in border for pair in relations.of(name) if pair.gap <= CLOSE}
+        border = meeting - found - scene.fixed
+        found |= border
+    return frozenset(found)
 
 
 def floating_objects(scene: Scene, relations: Relations) -> frozenset[str]:

@@ -183,6 +183,15 @@ class Relations:
     def _index(self) -> dict[str, int]:
         return {name: i for i, name in enumerate(self.objects)}
 
+    @cached_property
+    def _around(self) -> dict[int, list[tuple[int, int]]]:
+        """The keys of `near` in which each position occurs."""
+        around: dict[int, list[tuple[int, int]]] = {}
+        for key in self.near:
+            for position in key:
+                around.setdefault(position, []).append(key)
+        return around
+
     def __iter__(self) -> Iterator[PairRelation]:
         return iter(self.pairs)
 
@@ -216,11 +225,9 @@ class Relations:
             UnknownObject: The name is not in the scene.
         """
         wanted = self._position(name)
-        for (i, j), pair in self.near.items():
-            if wanted == i:
-                yield pair
-            elif wanted == j:
-                yield pair.converse
+        for i, j in self._around.get(wanted, ()):
+            pair = self.near[i, j]
+            yield pair if wanted == i else pair.converse
 
     def with_pair(self, pair: PairRelation) -> "Relations":
         """Copy with one pair replaced.

@@ -82,10 +82,9 @@ class RobustRule:
         for one in kept.values():
             if one.dropped:
                 scene = scene.with_cloud(one.name, one.points)
-        sight = self.sight
-        if sight is None:
+        if self.sight is None:
             return infer_contacts(scene, relations)
-        return infer_contacts(scene, relations, lambda pair: facing_seen(kept[pair.a], kept[pair.b], sight))
+        return infer_contacts(scene, relations, lambda pair: pair.observed)
 
     def _interior(self, a: SurfaceCloud, b: SurfaceCloud) -> BoolArray:
         """Which mean points of A lie in B's solid or hollow: in its hull, with B standing higher around."""

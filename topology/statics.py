@@ -9,11 +9,11 @@ from typing import TYPE_CHECKING
 import numpy as np
 from scipy.spatial import ConvexHull, QhullError
 
-from topple.topology.arrays import BoolArray, FloatArray
+from topple.topology.arrays import BoolArray, FloatArray, bounds
 from topple.topology.complete import complete
 from topple.topology.contact import TOLERANCES, Contact, find_contacts
 from topple.topology.equilibrium import Weight, balance
-from topple.topology.falling import REACH, Fall, falls
+from topple.topology.falling import REACH, Fall, catching, falls, islands
 from topple.topology.hidden import hidden_contacts
 from topple.topology.sight import Sight
 from topple.topology.upright import SPACING, Upright
@@ -68,11 +68,13 @@ class Statics:
     sight: Sight | None = None
 
     @staticmethod
-    def of(scene: "Scene") -> "Statics":
+    def of(scene: "Scene", among: Collection[str] | None = None) -> "Statics":
         """Complete the bodies of a scene and find their contacts.
 
         Args:
             scene: A scene that knows where up is.
+            among: The movable objects to look at; all of them where not given. What meets none of them
+                changes nothing for them, except for what was seen past it, which is kept.
 
         Returns:
             The scene at rest.
@@ -84,6 +86,8 @@ class Statics:
         sight = None
         if upright.viewpoints is not None:
             sight = Sight(np.concatenate(list(upright.clouds.values())), upright.viewpoints)
+        if among is not None:
+            upright = upright.among(among)
         surfaces = complete(upright, sight)
         contacts = find_contacts(upright, surfaces)
         weights = {name: weigh(surfaces[name]) for name in upright.movable}
@@ -101,7 +105,7 @@ class Statics:
     def _catching(self) -> tuple[Contact, ...]:
         """All contacts a falling body may meet."""
         near = find_contacts(self.upright, self.surfaces, REACH)
-        return near + tuple(c for c in self.contacts if c.inferred)
+        return catching((*near, *(c for c in self.contacts if c.inferred)))
 
     @cached_property
     def _settled(self) -> Mapping[str, Fall]:
@@ -117,7 +121,8 @@ class Statics:
         Returns:
             name -> how far, 1 where it just counts as a move, for those who move.
         """
-        found = falls(self.weights, self._catching, without=away)
+        met = {name for c in self._catching if c.a in away or c.b in away for name in (c.a, c.b)}
+        found = falls(self.weights, self._catching, beside=met, without=away)
         far = {name: fall.beyond(self._settled[name]) for name, fall in found.items()}
         return {name: share for name, share in far.items() if share > 1.0}
 
@@ -132,9 +137,12 @@ class Statics:
             name -> share of its weight that nothing carries any more, only for those for whom it
             grew beyond `UNSTEADY` (`GUESSED` where hidden sides were completed).
         """
-        left = {name: weight for name, weight in self.weights.items() if name not in away}
+        met = {name for c in self.contacts if c.a in away or c.b in away for name in (c.a, c.b)}
         contacts = [c for c in self.contacts if c.a not in away and c.b not in away]
-        usable = within_reach(contacts, left)
+        joined = islands(self.weights.keys() - set(away), contacts)
+        moving = set[str]().union(*(island for island in joined if not island.isdisjoint(met)))
+        left = {name: weight for name, weight in self.weights.items() if name in moving}
+        usable = within_reach([c for c in contacts if c.a in moving or c.b in moving], left)
         found = balance(left, usable) if friction is None else balance(left, usable, friction)
         limit = UNSTEADY if self.sight is None else GUESSED
         return {
@@ -154,7 +162,7 @@ def weigh(points: FloatArray) -> Weight:
         A weight in litres of material: the hull's volume for solid things, the surface times a wall
         for hollow ones, whichever is less.
     """
-    lower, upper = points.min(axis=0), points.max(axis=0)
+    lower, upper = bounds(points)
     try:
         volume = float(ConvexHull(points).volume)
     except (QhullError, ValueError):

@@ -5,6 +5,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from topple.topology.arrays import bounds
 from topple.topology.contact import Contact
 from topple.topology.relation import Relation
 from topple.topology.statics import Statics, within_reach
@@ -118,7 +119,7 @@ def _inside(above: str, below: str, statics: Statics) -> bool:
     inner, outer = statics.surfaces[above], statics.surfaces[below]
     centre = inner.mean(axis=0)
     rim = outer[:, 2].max()
-    lower, upper = outer.min(axis=0), outer.max(axis=0)
+    lower, upper = bounds(outer)
     return bool(
         inner[:, 2].min() < rim - 0.01
         and (centre[:2] > lower[:2]).all()

@@ -8,7 +8,7 @@ from scipy.sparse import coo_matrix
 from scipy.sparse.csgraph import connected_components
 from scipy.spatial import KDTree
 
-from topple.topology.arrays import BoolArray, FloatArray, IntArray
+from topple.topology.arrays import BoolArray, FloatArray, IntArray, bounds
 from topple.topology.hull import Hull
 from topple.topology.tolerances import TOLERANCES
 
@@ -22,6 +22,8 @@ PROBES = 32
 """Points that bound the distance of two surfaces before all are looked at."""
 CANDIDATES = 400
 """Points whose distance to the other surface is measured with planes, the nearest to its samples."""
+FAR = 2.0
+"""Widths of the cells around both surfaces, from which the mean points tell their distance: to 2 %."""
 PATCH = 8
 """Neighbours that make a local plane."""
 LINKS = 6
@@ -96,7 +98,7 @@ class SurfaceCloud:
 
     @cached_property
     def _box(self) -> tuple[FloatArray, FloatArray]:
-        return self.points.min(axis=0), self.points.max(axis=0)
+        return bounds(self.points)
 
     @property
     def lower(self) -> FloatArray:
@@ -124,7 +126,8 @@ def _cells(cloud: FloatArray) -> tuple[IntArray, IntArray, float]:
     """Order of the points by cell, where each cell starts, and the cell's edge."""
     if len(cloud) <= COARSE:
         return np.arange(len(cloud)), np.arange(len(cloud) + 1), 0.0
-    lower, extent = cloud.min(axis=0), np.ptp(cloud, axis=0)
+    lower, upper = bounds(cloud)
+    extent = upper - lower
     cell = max(float(extent.max()), 1e-9) / 40
     # Cells of a surface go with the inverse square of their edge: one look at a part settles the edge.
     probe = cloud[:: -(-len(cloud) // (8 * COARSE))]
@@ -218,7 +221,10 @@ def closest(a: SurfaceCloud, b: SurfaceCloud) -> Closest:
     more = 1 + 1e-9  # a distance there and one back differ by their rounding
     bound = float(np.min(b.tree.query(_at_most(a.coarse, PROBES))[0])) * more
     near_a = _distances(a.coarse, b, bound + slack)
-    limit = float(near_a.min()) * more + slack
+    apart = float(near_a.min())
+    if 0 < FAR * slack < apart:
+        return _far(a, b, near_a)
+    limit = apart * more + slack
     near_b = _distances(b.coarse, a, limit)
     fine_a = _at_most(a.rows_of(np.flatnonzero(near_a <= limit)), FINE)
     fine_b = _at_most(b.rows_of(np.flatnonzero(near_b <= limit)), FINE)
@@ -233,6 +239,13 @@ def closest(a: SurfaceCloud, b: SurfaceCloud) -> Closest:
         [np.stack([fine_a[first], feet[first]], axis=1), np.stack([heads[second], fine_b[second]], axis=1)]
     )
     return Closest(min(_ranked(forward, rank), _ranked(backward, rank)), pairs)
+
+
+def _far(a: SurfaceCloud, b: SurfaceCloud, near_a: FloatArray) -> Closest:
+    """The nearest mean points: how they lie in their cells hardly lengthens a distance of many cells."""
+    chosen = np.argsort(near_a, kind="stable")[:64]
+    feet = b.coarse[np.asarray(b.tree.query(a.coarse[chosen])[1])]
+    return Closest(float(near_a[chosen[0]]), np.stack([a.coarse[chosen], feet], axis=1))
 
 
 def _distances(points: FloatArray, other: SurfaceCloud, limit: float) -> FloatArray:

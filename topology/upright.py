@@ -1,13 +1,13 @@
 """The scene as gravity sees it: turned so that up is +z, cut to the objects, thinned to one spacing."""
 
-from collections.abc import Mapping
-from dataclasses import dataclass
+from collections.abc import Collection, Mapping
+from dataclasses import dataclass, replace
 from types import MappingProxyType
 from typing import TYPE_CHECKING
 
 import numpy as np
 
-from topple.topology.arrays import FloatArray, frozen
+from topple.topology.arrays import FloatArray, bounds, frozen
 from topple.topology.errors import InvalidInput
 
 if TYPE_CHECKING:
@@ -43,6 +43,11 @@ class Upright:
     def movable(self) -> tuple[str, ...]:
         """Names that can move, in the scene's order."""
         return tuple(name for name in self.clouds if name not in self.fixed)
+
+    def among(self, names: Collection[str]) -> "Upright":
+        """The fixed objects, and of the movable ones only those named."""
+        kept = {name: cloud for name, cloud in self.clouds.items() if name in self.fixed or name in names}
+        return replace(self, clouds=MappingProxyType(kept))
 
     @staticmethod
     def of(scene: "Scene") -> "Upright":
@@ -110,8 +115,9 @@ def thin(points: FloatArray, spacing: float) -> FloatArray:
     """
     if len(points) == 0:
         return points
-    cells = np.floor((points - points.min(axis=0)) / spacing).astype(np.int64)
-    sizes = cells.max(axis=0) + 1
+    lower, upper = bounds(points)
+    cells = np.floor((points - lower) / spacing).astype(np.int64)
+    sizes = np.floor((upper - lower) / spacing).astype(np.int64) + 1
     keys = (cells[:, 0] * sizes[1] + cells[:, 1]) * sizes[2] + cells[:, 2]
     _, inverse, counts = np.unique(keys, return_inverse=True, return_counts=True)
     sums = np.stack([np.bincount(inverse, weights=points[:, k]) for k in range(3)], axis=1)
@@ -122,8 +128,8 @@ def _box(clouds: list[FloatArray]) -> tuple[FloatArray, FloatArray]:
     """Box around the clouds, grown by `REACH`; unbounded where there is no cloud."""
     if not clouds:
         return np.full(3, -np.inf), np.full(3, np.inf)
-    lower = np.min([c.min(axis=0) for c in clouds], axis=0) - REACH
-    upper = np.max([c.max(axis=0) for c in clouds], axis=0) + REACH
+    corners = np.array([bounds(cloud) for cloud in clouds])
+    lower, upper = corners[:, 0].min(axis=0) - REACH, corners[:, 1].max(axis=0) + REACH
     lower[2] = -np.inf  # what lies far below still catches what falls
     return lower, upper
 
