@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 from scipy.spatial import ConvexHull, QhullError
 
-from topple.topology.arrays import FloatArray
+from topple.topology.arrays import FloatArray, bounds
 from topple.topology.complete import is_hollow
 from topple.topology.statics import Statics
 
@@ -51,9 +51,12 @@ def _unfixed(scene: "Scene") -> tuple[str, ...]:
 def _overlaps(statics: Statics) -> tuple[str, ...]:
     """Pairs of which one lies within the other, which is not hollow: bodies cannot."""
     clouds = statics.upright.clouds
+    boxes = {name: bounds(clouds[name]) for name in statics.upright.movable}
     said: list[str] = []
     for inner, outer in permutations(statics.upright.movable, 2):
-        lower, upper = clouds[outer].min(axis=0) + DEEP, clouds[outer].max(axis=0) - DEEP
+        lower, upper = boxes[outer][0] + DEEP, boxes[outer][1] - DEEP
+        if (boxes[inner][0] >= upper).any() or (boxes[inner][1] <= lower).any():
+            continue
         boxed = clouds[inner][((clouds[inner] > lower) & (clouds[inner] < upper)).all(axis=1)]
         if len(boxed) <= SHARE * len(clouds[inner]):
             continue

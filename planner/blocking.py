@@ -5,7 +5,7 @@ from dataclasses import dataclass
 import numpy as np
 from scipy.ndimage import maximum_filter
 
-from topple.topology.arrays import FloatArray
+from topple.topology.arrays import FloatArray, bounds
 
 LIFT = 0.25
 """Height of the lift [m]: what is higher than this above an object is not met."""
@@ -47,9 +47,9 @@ def overlap(upper: FloatArray, lower: FloatArray) -> Overlap | None:
     Returns:
         The overlap, or None where no part of `upper` is above a part of `lower` within the lift.
     """
-    low = np.maximum(upper[:, :2].min(axis=0), lower[:, :2].min(axis=0)) - CELL
-    high = np.minimum(upper[:, :2].max(axis=0), lower[:, :2].max(axis=0)) + CELL
-    if (low >= high).any() or upper[:, 2].max() < lower[:, 2].min():
+    (least, most), (lowest, highest) = bounds(upper), bounds(lower)
+    low, high = np.maximum(least, lowest)[:2] - CELL, np.minimum(most, highest)[:2] + CELL
+    if (low >= high).any() or most[2] < lowest[2]:
         return None
     size = np.ceil((high - low) / CELL).astype(np.int64) + 1
     ceiling = _plan(upper, low, size, highest=True)
@@ -66,13 +66,20 @@ def overlap(upper: FloatArray, lower: FloatArray) -> Overlap | None:
     # Sideways escape: past the farthest lower point that is lower than what hangs over it.
     below = lower[lower[:, 2] < ceiling[above].max() - CLEAR][:, :2]
     reach = (below @ DIRECTIONS.T).max(axis=0) - (spots @ DIRECTIONS.T).min(axis=0)
-    footprint = len(np.unique(np.floor(upper[:, :2] / CELL).astype(np.int64), axis=0))
+    footprint = _cells(upper)
     return Overlap(
         evasion=float(reach.min()),
         area=len(cells) * CELL**2,
         share=len(cells) / max(footprint, 1),
         clearance=float(height[above].min()),
     )
+
+
+def _cells(points: FloatArray) -> int:
+    """How many cells of a plan view points lie in."""
+    cells = np.floor(points[:, :2] / CELL).astype(np.int64)
+    cells -= cells.min(axis=0)
+    return len(np.unique(cells[:, 0] * (cells[:, 1].max() + 1) + cells[:, 1]))
 
 
 def _plan(points: FloatArray, low: FloatArray, size: np.ndarray, highest: bool) -> FloatArray:

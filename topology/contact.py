@@ -6,7 +6,7 @@ from dataclasses import dataclass
 import numpy as np
 from scipy.spatial import KDTree
 
-from topple.topology.arrays import BoolArray, FloatArray, frozen
+from topple.topology.arrays import BoolArray, FloatArray, IntArray, bounds, frozen
 from topple.topology.broadphase import near_pairs
 from topple.topology.upright import SPACING, Upright, thin
 
@@ -159,8 +159,7 @@ def find_contacts(
 def _meeting(surfaces: Mapping[str, FloatArray], planes: Mapping[str, Plane | None]) -> list[tuple[str, str]]:
     """Pairs whose boxes are near each other, and every pair with a plane: it goes on behind the objects."""
     names = list(surfaces)
-    lower = np.array([points.min(axis=0) for points in surfaces.values()]).reshape(-1, 3)
-    upper = np.array([points.max(axis=0) for points in surfaces.values()]).reshape(-1, 3)
+    lower, upper = np.array([bounds(points) for points in surfaces.values()]).reshape(-1, 2, 3).swapaxes(0, 1)
     pairs = {(i, j) for i, j in near_pairs(lower, upper, TOLERANCES.search).tolist()}
     for number in (i for i, name in enumerate(names) if planes.get(name) is not None):
         pairs |= {(min(i, number), max(i, number)) for i in range(len(names)) if i != number}
@@ -179,10 +178,7 @@ def _on_plane(ground: str, plane: Plane, name: str, points: FloatArray, reach: f
         return None
     # The lowest point of each cell: surfaces above it in the same cell are walls, not the foot.
     low = points[near][np.argsort(heights[near], kind="stable")]
-    cells = np.unique(
-        np.floor(low[:, :2] / TOLERANCES.footprint).astype(np.int64), axis=0, return_index=True
-    )[1]
-    feet = low[np.sort(cells)]
+    feet = low[_first_of_cells(low, TOLERANCES.footprint)]
     # Only undersides say how the body stands: the inner side of a thin wall would blur the normal.
     sole = _lowest(points[over & (heights < SOLE)], 2 * SPACING)
     around = KDTree(sole).query_ball_point(feet, 1.5 * TOLERANCES.patch)
@@ -195,9 +191,15 @@ def _on_plane(ground: str, plane: Plane, name: str, points: FloatArray, reach: f
 def _lowest(points: FloatArray, cell: float) -> FloatArray:
     """The lowest point of every plan cell."""
     rising = points[np.argsort(points[:, 2], kind="stable")]
-    cells = np.floor(rising[:, :2] / cell).astype(np.int64)
-    first = np.unique(cells, axis=0, return_index=True)[1]
-    return rising[np.sort(first)]
+    return rising[_first_of_cells(rising, cell)]
+
+
+def _first_of_cells(points: FloatArray, cell: float) -> IntArray:
+    """Positions of the first point in every plan cell, ascending."""
+    cells = np.floor(points[:, :2] / cell).astype(np.int64)
+    cells -= cells.min(axis=0)
+    keys = cells[:, 0] * (cells[:, 1].max() + 1) + cells[:, 1]
+    return np.sort(np.unique(keys, return_index=True)[1])
 
 
 def _between(
@@ -205,8 +207,8 @@ def _between(
 ) -> Contact | None:
     """Contact of two clouds."""
     first, second = surfaces[a], surfaces[b]
-    lower = np.maximum(first.min(axis=0), second.min(axis=0)) - reach
-    upper = np.minimum(first.max(axis=0), second.max(axis=0)) + reach
+    corners = np.array([bounds(first), bounds(second)])
+    lower, upper = corners[:, 0].max(axis=0) - reach, corners[:, 1].min(axis=0) + reach
     if (lower > upper).any():
         return None
     candidates = second[((second >= lower) & (second <= upper)).all(axis=1)]
@@ -235,41 +237,70 @@ def _patch(
 ) -> Contact | None:
     """Normals and gaps at the spots: taken from the flatter of the two surfaces there."""
     first, second = surfaces[a], surfaces[b]
-    points: list[FloatArray] = []
-    normals: list[FloatArray] = []
-    gaps: list[float] = []
-    turns: list[float] = []
     around_a: list[list[int]] = list(trees[a].query_ball_point(spots, TOLERANCES.patch))
     around_b: list[list[int]] = list(trees[b].query_ball_point(spots, TOLERANCES.patch))
     normals_a, spreads_a = local_normals(first, around_a)
     normals_b, spreads_b = local_normals(second, around_b)
-    apart = second.mean(axis=0) - first.mean(axis=0)
-    for k, spot in enumerate(spots):
-        rough_a, rough_b = float(spreads_a[k]), float(spreads_b[k])
-        if not np.isfinite(rough_a) or not np.isfinite(rough_b):
-            continue
-        pa, pb, na, nb = first[around_a[k]], second[around_b[k]], normals_a[k], normals_b[k]
-        normal = na if rough_a <= rough_b else nb
-        # b lies on the side of the contact where its points are; two faces that lie flat on each
-        # other have none there, and the rest of the bodies tells.
-        offset = float((pb.mean(axis=0) - pa.mean(axis=0)) @ normal)
-        if abs(offset) < TOLERANCES.smooth:
-            offset = float(apart @ normal)
-        if offset < 0:
-            normal = -normal
-        if rough_a <= rough_b:
-            gap = _edge(pb @ normal, lowest=True) - float((pa @ normal).mean())
-        else:
-            gap = float((pb @ normal).mean()) - _edge(pa @ normal, lowest=False)
-        if gap <= reach:
-            points.append(spot)
-            normals.append(normal)
-            gaps.append(gap)
-            smooth = max(rough_a, rough_b) < TOLERANCES.smooth
-            turns.append(_turn(na, nb) if smooth else 0.0)
-    if not points:
+    known = np.flatnonzero(np.isfinite(spreads_a) & np.isfinite(spreads_b))
+    if len(known) == 0:
         return None
-    return Contact(a, b, np.array(points), np.array(normals), np.array(gaps), np.array(turns))
+    normals_a, normals_b = normals_a[known], normals_b[known]
+    a_is_flatter = spreads_a[known] <= spreads_b[known]
+    normals = np.where(a_is_flatter[:, None], normals_a, normals_b)
+    near_a = _Groups.of(first, [around_a[k] for k in known])
+    near_b = _Groups.of(second, [around_b[k] for k in known])
+    # b lies on the side of the contact where its points are; two faces that lie flat on each
+    # other have none there, and the rest of the bodies tells.
+    offsets = near_b.mean(normals) - near_a.mean(normals)
+    apart = normals @ (second.mean(axis=0) - first.mean(axis=0))
+    offsets = np.where(np.abs(offsets) < TOLERANCES.smooth, apart, offsets)
+    normals = np.where(offsets[:, None] < 0, -normals, normals)
+    gaps = np.where(
+        a_is_flatter,
+        near_b.lowest(normals) - near_a.mean(normals),
+        near_b.mean(normals) + near_a.lowest(-normals),
+    )
+    smooth = np.maximum(spreads_a[known], spreads_b[known]) < TOLERANCES.smooth
+    between = np.arccos(np.minimum(1.0, np.abs((normals_a * normals_b).sum(axis=1))))
+    patch = Contact(a, b, spots[known], normals, gaps, np.where(smooth, between, 0.0))
+    return patch.only(gaps <= reach)
+
+
+@dataclass(frozen=True, eq=False)
+class _Groups:
+    """Points in groups of at least three, one group after the other.
+
+    Attributes:
+        points: (N, 3) points [m].
+        counts: (k,) sizes of the groups.
+    """
+
+    points: FloatArray
+    counts: IntArray
+
+    @staticmethod
+    def of(points: FloatArray, groups: Sequence[Sequence[int]]) -> "_Groups":
+        """The points of groups of positions."""
+        members = np.concatenate([np.asarray(group, dtype=np.int64) for group in groups])
+        return _Groups(points[members], np.array([len(group) for group in groups]))
+
+    @property
+    def _starts(self) -> IntArray:
+        return np.cumsum(self.counts) - self.counts
+
+    def _along(self, directions: FloatArray) -> FloatArray:
+        """(N,) how far each point lies along the (k, 3) direction of its group [m]."""
+        return np.asarray((self.points * np.repeat(directions, self.counts, axis=0)).sum(axis=1))
+
+    def mean(self, directions: FloatArray) -> FloatArray:
+        """(k,) how far the points of each group lie along its (k, 3) direction [m]."""
+        return np.add.reduceat(self._along(directions), self._starts) / self.counts
+
+    def lowest(self, directions: FloatArray) -> FloatArray:
+        """(k,) where each group begins along its (k, 3) direction, one stray point aside [m]."""
+        along = self._along(directions)
+        ranked = np.lexsort((along, np.repeat(np.arange(len(self.counts)), self.counts)))
+        return along[ranked[self._starts + 1]]
 
 
 def local_normals(points: FloatArray, groups: Sequence[Sequence[int]]) -> tuple[FloatArray, FloatArray]:
@@ -299,16 +330,3 @@ def local_normals(points: FloatArray, groups: Sequence[Sequence[int]]) -> tuple[
     normals[whole] = vectors[:, :, 0]
     spreads[whole] = np.sqrt(np.maximum(values[:, 0], 0.0))
     return normals, spreads
-
-
-def _turn(first: FloatArray, second: FloatArray) -> float:
-    """Angle [rad] between two planes given by their unit normals."""
-    return float(np.arccos(min(1.0, abs(float(first @ second)))))
-
-
-def _edge(values: FloatArray, lowest: bool) -> float:
-    """The second smallest (largest) value: the edge of the points, one stray point aside."""
-    ordered = np.sort(values)
-    if len(ordered) < 3:
-        return float(ordered[0] if lowest else ordered[-1])
-    return float(ordered[1] if lowest else ordered[-2])

@@ -73,7 +73,9 @@ def balance(
     matrix, demand, count = equations(weights, contacts, friction)
     owner = np.repeat(np.arange(len(contacts)), [CONE_EDGES * len(c.gaps) for c in contacts])
     price = np.concatenate([_prices(contacts, costs, owner, weights), np.ones(12 * len(names))])
-    solution = linprog(price, A_eq=matrix, b_eq=demand, bounds=(0, None), method="highs")
+    solution = linprog(
+        price, A_eq=matrix, b_eq=demand, bounds=(0, None), method="highs", options={"presolve": False}
+    )
     if solution.x is None:  # the slacks make every instance feasible and bounded: a solver failure
         return Balance(dict.fromkeys(names, 1.0), tuple(np.zeros(len(c.gaps)) for c in contacts))
     slack = solution.x[count:].reshape(len(names), 12).sum(axis=1)
@@ -97,9 +99,8 @@ def equations(
         The matrix, what it has to give, and the number of its first columns that are forces along the
         edges of friction pyramids; two slacks per equation, up and down, follow.
     """
-    row_of = {name: 6 * i for i, name in enumerate(weights)}
-    height = 6 * len(row_of)
-    rows, cols, values, count = _force_columns(weights, row_of, contacts, friction)
+    height = 6 * len(weights)
+    rows, cols, values, count = _force_columns(weights, contacts, friction)
     slack_rows = np.repeat(np.arange(height), 2)
     slack_cols = count + np.arange(2 * height)
     slack_values = np.tile([1.0, -1.0], height)
@@ -132,33 +133,33 @@ def _prices(
 
 
 def _force_columns(
-    weights: Mapping[str, Weight], row_of: Mapping[str, int], contacts: Sequence[Contact], friction: float
+    weights: Mapping[str, Weight], contacts: Sequence[Contact], friction: float
 ) -> tuple[np.ndarray, np.ndarray, np.ndarray, int]:
     """Sparse columns: the wrench each friction-pyramid edge puts on the two objects it acts between."""
+    if not contacts:
+        empty = np.zeros(0, dtype=np.int64)
+        return empty, empty, np.zeros(0), 0
+    forces = cone_edges(np.concatenate([c.normals for c in contacts]), friction).reshape(-1, 3)
+    points = np.repeat(np.concatenate([c.points for c in contacts]), CONE_EDGES, axis=0)
+    each = [CONE_EDGES * len(c.gaps) for c in contacts]
+    place = {name: i for i, name in enumerate(weights)}
+    centres = np.array([weight.centre for weight in weights.values()])
+    sizes = np.array([weight.size for weight in weights.values()])
+    masses = np.array([weight.mass for weight in weights.values()])
     rows: list[np.ndarray] = []
     cols: list[np.ndarray] = []
     values: list[np.ndarray] = []
-    count = 0
-    for contact in contacts:
-        edges = cone_edges(contact.normals, friction)  # (k, E, 3)
-        k = edges.shape[0] * edges.shape[1]
-        points = np.repeat(contact.points, edges.shape[1], axis=0)
-        forces = edges.reshape(k, 3)
-        columns = count + np.arange(k)
-        for name, sign in ((contact.a, -1.0), (contact.b, 1.0)):
-            if name not in row_of:
-                continue
-            weight = weights[name]
-            torque = np.cross(points - weight.centre, forces) / weight.size
-            wrench = sign * np.concatenate([forces, torque], axis=1) / weight.mass
-            rows.append(np.tile(row_of[name] + np.arange(6), k))
-            cols.append(np.repeat(columns, 6))
-            values.append(wrench.ravel())
-        count += k
-    if count == 0:
-        empty = np.zeros(0, dtype=np.int64)
-        return empty, empty, np.zeros(0), 0
-    return np.concatenate(rows), np.concatenate(cols), np.concatenate(values), count
+    for side, sign in (([c.a for c in contacts], -1.0), ([c.b for c in contacts], 1.0)):
+        pushed = np.repeat([place.get(name, -1) for name in side], each)
+        columns = np.flatnonzero(pushed >= 0)
+        body = pushed[columns]
+        arms, force = points[columns] - centres[body], forces[columns]
+        torque = np.cross(arms, force) / sizes[body, None]
+        wrench = sign * np.concatenate([force, torque], axis=1) / masses[body, None]
+        rows.append((6 * body[:, None] + np.arange(6)).ravel())
+        cols.append(np.repeat(columns, 6))
+        values.append(wrench.ravel())
+    return np.concatenate(rows), np.concatenate(cols), np.concatenate(values), len(points)
 
 
 def cone_edges(normals: FloatArray, friction: float) -> FloatArray:

@@ -11,9 +11,11 @@ what stays at rest.
 from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass
 
+import networkx as nx
 import numpy as np
 from scipy.optimize import linprog
 from scipy.sparse import eye_array, hstack, kron
+from scipy.spatial import ConvexHull, QhullError
 
 from topple.topology.arrays import FloatArray
 from topple.topology.contact import Contact
@@ -62,28 +64,86 @@ class Fall:
         return max((self.distance - before.distance) / SUNK, (self.angle - before.angle) / TILTED)
 
 
+def catching(contacts: Sequence[Contact]) -> tuple[Contact, ...]:
+    """The parts of contacts that can stop a body that sinks.
+
+    Args:
+        contacts: Patches between bodies, gaps up to `REACH`.
+
+    Returns:
+        What is left of them: round things roll no further than `ROLL`, and of a flat patch those points
+        whose gaps no others imply.
+    """
+    level = (contact.only(contact.turns <= ROLL) for contact in contacts)
+    return tuple(_outline(contact) for contact in level if contact is not None)
+
+
+def _outline(contact: Contact) -> Contact:
+    """The points of a flat patch that matter.
+
+    A small motion closes gaps linearly across a plane: a gap no smaller than what its neighbours' gaps
+    interpolate to never closes first. What is left is the lower convex hull of the gaps over the plane.
+    """
+    if len(contact.gaps) < 5 or np.ptp(contact.normals, axis=0).max() > 1e-9:
+        return contact
+    normal = contact.normals[0]
+    flat = contact.points - np.outer(contact.points @ normal, normal)
+    gaps = np.maximum(contact.gaps - SEATED, 0.0)
+    raised = flat + gaps[:, None] * normal
+    try:
+        # One point far above makes the body's upper side empty, and keeps a level patch from being flat.
+        hull = ConvexHull(np.vstack([raised, flat.mean(axis=0) + normal]))
+    except QhullError:  # all in one line
+        return contact
+    keep = np.zeros(len(contact.gaps), dtype=np.bool_)
+    keep[hull.vertices[hull.vertices < len(keep)]] = True
+    return contact.only(keep) or contact
+
+
+def islands(names: Collection[str], contacts: Sequence[Contact]) -> list[frozenset[str]]:
+    """Sets of names that contacts join: how one set sinks does not depend on any other.
+
+    Args:
+        names: The objects that can move.
+        contacts: Patches; those with anything else join nothing.
+    """
+    network: nx.Graph[str] = nx.Graph()
+    network.add_nodes_from(names)
+    network.add_edges_from((c.a, c.b) for c in contacts if c.a in network and c.b in network)
+    return [frozenset(island) for island in nx.connected_components(network)]
+
+
 def falls(
     weights: Mapping[str, Weight],
     contacts: Sequence[Contact],
     friction: float = FRICTION,
+    beside: Collection[str] | None = None,
     without: Collection[str] = (),
 ) -> dict[str, Fall]:
     """How far every body sinks, all together.
 
     Args:
         weights: The objects that can move.
-        contacts: Patches between them and with anything fixed, gaps up to `REACH`.
+        contacts: Patches between them and with anything fixed, from `catching`.
         friction: Coefficient of friction.
+        beside: Only what hangs together with one of these is asked about; everything where not given.
         without: Names that are gone.
 
     Returns:
-        name -> fall, for all that are left.
+        name -> fall, for all that are left and asked about.
     """
     left = {name: weight for name, weight in weights.items() if name not in without}
-    if not left:
-        return {}
-    usable = [c.only(c.turns <= ROLL) for c in contacts if c.a not in without and c.b not in without]
-    near = [contact for contact in usable if contact is not None]
+    near = [c for c in contacts if c.a not in without and c.b not in without]
+    found: dict[str, Fall] = {}
+    for island in islands(left, near):
+        if beside is None or not island.isdisjoint(beside):
+            part = {name: weight for name, weight in left.items() if name in island}
+            found |= _sunk(part, [c for c in near if c.a in island or c.b in island], friction)
+    return {name: found[name] for name in left if name in found}
+
+
+def _sunk(left: Mapping[str, Weight], near: Sequence[Contact], friction: float) -> dict[str, Fall]:
+    """How far the bodies of an island sink."""
     matrix, demand, count = equations(left, near, friction)
     mass = np.array([weight.mass for weight in left.values()])
     share = mass / mass.mean()
@@ -103,6 +163,7 @@ def falls(
         b_eq=demand,
         bounds=np.stack([np.zeros_like(most), most], axis=1),
         method="highs",
+        options={"presolve": False},  # it takes longer than it saves on programmes this small
     )
     if solution.x is None:  # feasible and bounded by construction: a solver failure
         return dict.fromkeys(left, Fall(0.0, 0.0))
