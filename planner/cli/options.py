@@ -2,8 +2,12 @@
 
 import argparse
 import os
+import signal
 from collections.abc import Callable
-from typing import TYPE_CHECKING, cast
+from contextlib import ExitStack
+from dataclasses import dataclass
+from functools import partial
+from typing import TYPE_CHECKING, TypeVar, cast
 
 from topple.planner.cli.console import complain
 from topple.planner.cli.main import WRONG_USE, ShowVersion
@@ -12,6 +16,11 @@ from topple.topology.errors import InvalidInput
 
 if TYPE_CHECKING:
     from topple.topology.scene import Scene
+
+Answer = TypeVar("Answer")
+
+SCENES_A_WORKER = 3
+"""Scenes from which another process pays: it takes half a second to start, a scene as long or longer."""
 
 _SCENE_SUFFIXES = (".npz", ".npy")
 _LISTS = ("fixed", "target")  # options that take one name after the other
@@ -118,30 +127,68 @@ def read_scene(args: argparse.Namespace, path: str) -> "Scene":
     return load_scene(path, fixed=args.fixed or (), up=args.up)
 
 
-def for_each_scene(args: argparse.Namespace, act: Callable[[str, "Scene"], int], progress: Progress) -> int:
-    """Do the same to every scene; one that fails keeps none of the others from its turn.
+def for_each_scene(
+    args: argparse.Namespace,
+    work: Callable[[str], Answer],
+    show: Callable[[str, Answer], int],
+    progress: Progress,
+    processes: bool = True,
+) -> int:
+    """Do the same to every scene, on all cores where there are many.
+
+    One that fails keeps none of the others from its turn, and the answers come in the order given.
 
     Args:
         args: The parsed arguments.
-        act: Takes path and scene, prints the answer, returns the exit code.
+        work: Takes a path, returns the answer; it and its answer can go to another process.
+        show: Takes path and answer, prints it, returns the exit code.
         progress: Where to say what is going on.
+        processes: False where the work takes all cores by itself.
 
     Returns:
         The greatest exit code of all.
     """
+    paths = scene_paths(args)
+    workers = min(os.cpu_count() or 1, len(paths) // SCENES_A_WORKER) if processes else 1
     codes = [0]
-    for path in scene_paths(args):
-        try:
-            progress(f"reading {path}")
-            scene = read_scene(args, path)
-            progress(f"{path}: {len(scene.names)} objects")
-            codes.append(act(path, scene))
-        except InvalidInput as error:
+    with ExitStack() as stack:
+        answers = map(partial(_attempt, work), paths)
+        if workers > 1:
+            from concurrent.futures import ProcessPoolExecutor
+            from multiprocessing import get_context
+
+            pool = ProcessPoolExecutor(workers, get_context("spawn"), initializer=_leave_interrupts)
+            stack.callback(pool.shutdown, cancel_futures=True)
+            answers = pool.map(partial(_attempt, work), paths)
+        for number, path in enumerate(paths, 1):
+            progress(f"{path} ({number} of {len(paths)})")
+            answer = next(answers)
             progress.clear()
-            message = str(error)
-            complain(message if message.startswith(path) else f"{path}: {message}")
-            codes.append(WRONG_USE)
+            if isinstance(answer, _Refused):
+                complain(answer.why if answer.why.startswith(path) else f"{path}: {answer.why}")
+                codes.append(WRONG_USE)
+            else:
+                codes.append(show(path, answer))
     return max(codes)
+
+
+@dataclass(frozen=True)
+class _Refused:
+    """Why a scene has no answer."""
+
+    why: str
+
+
+def _attempt(work: Callable[[str], Answer], path: str) -> "Answer | _Refused":
+    try:
+        return work(path)
+    except InvalidInput as error:
+        return _Refused(str(error))
+
+
+def _leave_interrupts() -> None:
+    """Ctrl-C ends the command, which then ends its workers."""
+    signal.signal(signal.SIGINT, signal.SIG_IGN)
 
 
 def positive(text: str) -> float:

@@ -1,17 +1,15 @@
 """`topple order`: which object to take next, and why."""
 
 import argparse
-from typing import TYPE_CHECKING
+from dataclasses import dataclass
+from functools import partial
+from typing import Any
 
 from topple.planner.cli.console import complain, import_quietly, print_json
 from topple.planner.cli.main import DONE, NO_SAFE_PLAN
 from topple.planner.cli.options import add_common, add_target, for_each_scene, positive
 from topple.planner.cli.progress import Progress
 from topple.planner.cli.tables import print_assumptions, print_order
-
-if TYPE_CHECKING:
-    from topple.planner.order import Order
-    from topple.topology.scene import Scene
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
@@ -51,27 +49,44 @@ def execute(args: argparse.Namespace) -> int:
         args.parser.error("--budget bounds --verify: give both or neither")
     if args.verify or args.robot:
         import_quietly("pybullet")
-    from topple.planner.order import order
-
+    options = {"seed": args.seed, "verify": args.verify, "budget": args.budget, "robot": args.robot}
+    work = partial(_answer, args.fixed, args.up, args.target, options)
+    by_scenes = not (args.verify or args.robot)  # those take all cores, and import what prints when imported
     with Progress("order") as progress:
-
-        def act(path: str, scene: "Scene") -> int:
-            found = order(
-                scene, args.target, seed=args.seed, verify=args.verify, budget=args.budget, robot=args.robot
-            )
-            progress.clear()
-            document = found.to_json()
-            if args.json:
-                print_json({"scene": path, **document})
-            else:
-                print_order(path, document, len(scene.movable))
-                print_assumptions(document["assumptions"])
-            return _judge(path, found)
-
-        return for_each_scene(args, act, progress)
+        return for_each_scene(args, work, partial(_show, args.json), progress, processes=by_scenes)
 
 
-def _judge(path: str, found: "Order") -> int:
-    for cycle in found.unresolved:
+@dataclass(frozen=True)
+class _Answer:
+    """What is shown of an order."""
+
+    document: dict[str, Any]
+    movable: int
+    unresolved: tuple[tuple[str, ...], ...]
+
+
+def _answer(
+    fixed: list[str] | None,
+    up: list[float] | None,
+    target: list[str] | None,
+    options: dict[str, Any],
+    path: str,
+) -> _Answer:
+    """The order of a scene file."""
+    from topple.planner.order import order
+    from topple.topology.io import load_scene
+
+    scene = load_scene(path, fixed=fixed or (), up=up)
+    found = order(scene, target, **options)
+    return _Answer(found.to_json(), len(scene.movable), tuple(found.unresolved))
+
+
+def _show(as_json: bool, path: str, answer: _Answer) -> int:
+    if as_json:
+        print_json({"scene": path, **answer.document})
+    else:
+        print_order(path, answer.document, answer.movable)
+        print_assumptions(answer.document["assumptions"])
+    for cycle in answer.unresolved:
         complain(f"{path}: no safe order: {' -> '.join([*cycle, cycle[0]])} is a cycle, each has to go first")
-    return NO_SAFE_PLAN if found.unresolved else DONE
+    return NO_SAFE_PLAN if answer.unresolved else DONE

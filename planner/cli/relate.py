@@ -1,16 +1,14 @@
 """`topple relate`: the relation of every two objects of one or more scenes."""
 
 import argparse
-from typing import TYPE_CHECKING
+from functools import partial
+from typing import Any
 
 from topple.planner.cli.console import print_json
 from topple.planner.cli.main import DONE
 from topple.planner.cli.options import add_common, for_each_scene
 from topple.planner.cli.progress import Progress
 from topple.planner.cli.tables import print_assumptions, print_relations
-
-if TYPE_CHECKING:
-    from topple.topology.scene import Scene
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
@@ -40,19 +38,27 @@ def execute(args: argparse.Namespace) -> int:
     Returns:
         Exit code 0, or 2 where a scene cannot be read or the deviation makes no sense for it.
     """
+    work = partial(_document, args.fixed, args.up, args.deviation, args.plain)
+    with Progress("relate") as progress:
+        return for_each_scene(args, work, partial(_show, args.json), progress)
+
+
+def _document(
+    fixed: list[str] | None, up: list[float] | None, deviation: float | None, plain: bool, path: str
+) -> dict[str, Any]:
+    """The relations of a scene file, and what was assumed."""
+    from topple.topology.io import load_scene
     from topple.topology.relate import relate
 
-    with Progress("relate") as progress:
+    scene = load_scene(path, fixed=fixed or (), up=up)
+    relations = relate(scene, deviation=deviation, plain=plain)
+    return {**relations.to_json(), "assumptions": list(scene.assumptions)}
 
-        def act(path: str, scene: "Scene") -> int:
-            relations = relate(scene, deviation=args.deviation, plain=args.plain)
-            progress.clear()
-            document = relations.to_json()
-            if args.json:
-                print_json({"scene": path, **document, "assumptions": list(scene.assumptions)})
-            else:
-                print_relations(path, document)
-                print_assumptions(list(scene.assumptions))
-            return DONE
 
-        return for_each_scene(args, act, progress)
+def _show(as_json: bool, path: str, document: dict[str, Any]) -> int:
+    if as_json:
+        print_json({"scene": path, **document})
+    else:
+        print_relations(path, document)
+        print_assumptions(document["assumptions"])
+    return DONE

@@ -109,6 +109,18 @@ def test_several_scenes_are_json_lines(stack: Path, capsys: pytest.CaptureFixtur
         assert [document["scene"] for document in documents] == [str(stack)] * 2
 
 
+def test_many_scenes_go_to_several_processes(stack: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    broken = stack.with_name("broken.npz")
+    broken.write_bytes(b"no archive")
+    scenes = [stack, broken, *[stack] * 5]
+    assert main(["relate", *map(str, scenes), "--json"]) == 2
+    printed = capsys.readouterr()
+    documents = [json.loads(line) for line in printed.out.splitlines()]
+    assert [document["scene"] for document in documents] == [str(stack)] * 6
+    assert all(document["relations"] == documents[0]["relations"] for document in documents)
+    assert str(broken) in printed.err
+
+
 def test_the_same_seed_prints_the_same(stack: Path, capsys: pytest.CaptureFixture[str]) -> None:
     first = _json(capsys, "order", stack, "--json", "--seed", "3")
     assert _json(capsys, "order", stack, "--json", "--seed", "3") == first
