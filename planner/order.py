@@ -1,16 +1,21 @@
 """In which order to take things: the fewest removals that free the targets, and why."""
 
+import math
 import time
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
-from itertools import pairwise
+from itertools import pairwise, permutations
 from types import MappingProxyType
 from typing import TYPE_CHECKING, Any
 
 import networkx as nx
+import numpy as np
 
 from topple.planner.assumptions import assumptions as assumed
 from topple.planner.dependency import Dependency, DependencyGraph, dependencies
+from topple.planner.evidence import reasoned
+from topple.planner.sequence import safest
+from topple.topology.arrays import FloatArray
 from topple.topology.errors import InvalidInput, UnknownObject
 from topple.topology.statics import Statics
 from topple.topology.support import Support, supports
@@ -104,28 +109,21 @@ def order(
     started = time.monotonic()
     wanted = _check_targets(scene, targets)
     statics = Statics.of(scene)
-    graph = dependencies(scene, relations, statics, direct=not verify)
-    doubts: dict[tuple[str, str], float] = {}
+    full = dependencies(scene, relations, statics, direct=False)
+    chance = reasoned(full, statics, len(scene.viewpoints) or None)
     notes: dict[str, Any] = {}
     said = (*scene.assumptions, *assumed(scene, statics))
     if verify:
         from topple.planner.verify_order import BUDGET, ask, chances, confirmed  # pybullet only if wanted
 
-        votes = ask(statics, graph, seed, started + (BUDGET if budget is None else max(budget, 0.0)))
-        doubts = chances(graph, votes, len(scene.viewpoints) or None)
-        graph = confirmed(graph, doubts).reduced()
+        votes = ask(statics, full, seed, started + (BUDGET if budget is None else max(budget, 0.0)))
+        chance = chances(chance, votes, len(scene.viewpoints) or None)
+        full = confirmed(full, chance, votes)
         notes = {"trials": votes.trials, "budget_exhausted": not votes.complete}
         if not votes.complete:
             said = (*said, f"the budget ran out after {votes.trials} simulated lifts: the best answer so far")
-    heights = {name: float(statics.surfaces[name][:, 2].max()) for name in graph.names}
-    found = arrange(
-        graph,
-        wanted,
-        heights,
-        supports(scene, relations, statics),
-        said,
-        doubts,
-    )
+    tops = {name: statics.surfaces[name][np.argmax(statics.surfaces[name][:, 2])] for name in full.names}
+    found = arrange(full.reduced(), wanted, tops, supports(scene, relations, statics), said, chance)
     found = replace(found, verified=verify and not notes["budget_exhausted"], notes=MappingProxyType(notes))
     return found if robot is None else _with_access(found, scene, robot)
 
@@ -144,21 +142,22 @@ def _with_access(found: Order, scene: "Scene", robot: "Arm | str") -> Order:
 def arrange(
     graph: DependencyGraph,
     targets: Sequence[str],
-    heights: Mapping[str, float],
+    tops: Mapping[str, FloatArray],
     carried: tuple[Support, ...] = (),
     assumptions: tuple[str, ...] = (),
-    doubts: Mapping[tuple[str, str], float] | None = None,
+    chances: Mapping[tuple[str, str], float] | None = None,
 ) -> Order:
     """Order the objects of a dependency graph.
 
     Args:
         graph: Who must go before whom.
         targets: What is to be freed; all objects where empty.
-        heights: name -> height of its top [m]: of several objects that could go, the highest goes.
+        tops: name -> (3,) highest point [m]. Of orders equally safe the one with the shortest level way from
+            top to top is taken, and of those equally short the one that takes the highest first.
         carried: Supports to report.
         assumptions: Sentences to report.
-        doubts: (first, then) -> chance that there is a dependency after all: of several objects that
-            could go, the one that would move the least goes.
+        chances: (first, then) -> chance that there is a dependency, whatever the graph says: of all orders
+            that the graph allows, the safest is taken.
 
     Returns:
         The order with fewest removals: the targets and their ancestors, cycles as groups.
@@ -166,43 +165,34 @@ def arrange(
     wanted = tuple(targets) or graph.names
     needed = set(wanted).union(*(graph.before(name) for name in wanted)) if wanted else set[str]()
     part = graph.graph().subgraph(needed)
+    height = {name: float(top[2]) for name, top in tops.items()}
     condensed = nx.condensation(part)
-    members: dict[int, list[str]] = {c: sorted(condensed.nodes[c]["members"]) for c in condensed}
-    top = {c: max(heights.get(name, 0.0) for name in names) for c, names in members.items()}
-    risk_of = _risks(graph, needed)
-    steps: list[str] = []
-    groups: list[tuple[str, ...]] = []
-    doubts = {} if doubts is None else doubts
-    waits = {c: int(condensed.in_degree(c)) for c in condensed}
-    while waits:
-        left = {name for c in waits for name in members[c]}
-        worst = {
-            c: max(
-                (doubts.get((x, y), 0.0) for y in members[c] for x in left.difference(members[c])),
-                default=0.0,
-            )
-            for c, count in waits.items()
-            if count == 0
-        }
-        chosen = min(worst, key=lambda c: (round(worst[c], 6), -top[c], members[c]))
-        cycle = members[chosen]
-        if len(cycle) > 1:
-            cycle = _least_bad(part.subgraph(cycle), heights)
-            groups.append(tuple(cycle))
-        for name in cycle:
-            risk_of[name] = max(risk_of[name], worst[chosen])
-        steps.extend(cycle)
-        del waits[chosen]
-        for after in condensed.successors(chosen):
-            waits[after] -= 1
+    members = {c: _least_bad(part.subgraph(condensed.nodes[c]["members"]), height) for c in condensed}
+    ranked = sorted(
+        members, key=lambda c: (-max(height.get(name, 0.0) for name in members[c]), sorted(members[c]))
+    )
+    place = {c: i for i, c in enumerate(ranked)}
+    chances = {} if chances is None else chances
+    # How far down the arm reaches is the same in any order: the way between the takes is level.
+    level = {name: top[:2] for name, top in tops.items() if name in needed}
+    ways = {(a, b): float(np.linalg.norm(level[a] - level[b])) for a, b in permutations(level, 2)}
+    chosen = safest(
+        [members[c] for c in ranked],
+        [frozenset(place[p] for p in condensed.predecessors(c)) for c in ranked],
+        chances,
+        ways,
+    )
+    units = [members[ranked[i]] for i in chosen]
+    steps = [name for unit in units for name in unit]
+    groups = tuple(tuple(unit) for unit in units if len(unit) > 1)
     return Order(
         targets=tuple(targets),
         order=tuple(steps),
         graph=graph,
         supports=carried,
-        groups=tuple(groups),
+        groups=groups,
         unresolved=(),
-        risk=MappingProxyType({name: risk_of[name] for name in steps}),
+        risk=MappingProxyType(_risks(units, graph, chances)),
         assumptions=assumptions,
         explanation=_explain(steps, groups, graph, set(wanted)),
     )
@@ -224,13 +214,19 @@ def _least_bad(cycle: "nx.DiGraph[str]", heights: Mapping[str, float]) -> list[s
     return steps
 
 
-def _risks(graph: DependencyGraph, needed: set[str]) -> dict[str, float]:
-    """Chance that a step moves something: one of the edges thought absent or reversed is there."""
-    risk = dict.fromkeys(needed, 0.02)
-    for cycle in graph.cycles():
-        for edge in graph.dependencies:
-            if edge.first in cycle and edge.then in cycle and edge.then in risk:
-                risk[edge.then] = max(risk[edge.then], edge.confidence)
+def _risks(
+    units: Sequence[Sequence[str]], graph: DependencyGraph, chances: Mapping[tuple[str, str], float]
+) -> dict[str, float]:
+    """Chance that a step moves something that is still there, what is held with it apart from the others."""
+    risk: dict[str, float] = {}
+    left = set(graph.names)
+    for unit in units:
+        left -= set(unit)
+        for number, name in enumerate(unit, start=1):
+            safe = math.prod(1.0 - chances.get((other, name), 0.0) for other in sorted(left))
+            held = unit[number:]
+            against = [e.confidence for e in graph.dependencies if e.then == name and e.first in held]
+            risk[name] = max(1.0 - safe, *against, 0.0)
     return risk
 
 

@@ -172,42 +172,43 @@ def _count(lifts: Sequence[_Lift], complete: bool) -> Votes:
     return Votes({pair: tuple(each) for pair, each in moved.items()}, sagged, len(lifts), complete)
 
 
-def chances(graph: DependencyGraph, votes: Votes, cameras: int | None) -> dict[tuple[str, str], float]:
+def chances(
+    prior: Mapping[tuple[str, str], float], votes: Votes, cameras: int | None
+) -> dict[tuple[str, str], float]:
     """Chance of every dependency, from reasoning and simulation together.
 
     Args:
-        graph: Dependencies by reasoning, with every edge, not reduced.
+        prior: (first, then) -> chance by reasoning, of every ordered pair.
         votes: What simulation said.
         cameras: How many cameras saw the scene; None where the clouds show whole surfaces.
 
     Returns:
         (first, then) -> 0..1, for every ordered pair.
     """
-    known = {(edge.first, edge.then): edge.confidence for edge in graph.dependencies}
     rates = rates_for(cameras)
-    found: dict[tuple[str, str], float] = {}
-    for then in graph.names:
-        for first in graph.names:
-            if first != then:
-                pair = (first, then)
-                each = votes.moved.get(pair, ())
-                found[pair] = posterior(known.get(pair), sum(each), len(each), votes.steady(*pair), rates)
-    return found
+    return {
+        pair: posterior(chance, sum(each), len(each), votes.steady(*pair), rates)
+        for pair, chance in prior.items()
+        for each in [votes.moved.get(pair, ())]
+    }
 
 
-def confirmed(graph: DependencyGraph, chance: Mapping[tuple[str, str], float]) -> DependencyGraph:
+def confirmed(
+    graph: DependencyGraph, chance: Mapping[tuple[str, str], float], votes: Votes
+) -> DependencyGraph:
     """The graph after simulation.
 
     Args:
         graph: Dependencies by reasoning, with every edge, not reduced.
         chance: (first, then) -> chance that it holds, of every pair.
+        votes: What simulation said: where it said nothing, reasoning stands.
 
     Returns:
         The edges that more likely hold than not, with the reasons statics gave where it found them too.
     """
     kept: list[Dependency] = []
     for (first, then), value in chance.items():
-        if value >= 0.5:
-            known = graph.between(first, then)
+        known = graph.between(first, then)
+        if value >= 0.5 or (known is not None and (first, then) not in votes.moved):
             kept.append(Dependency(first, then, "blocking" if known is None else known.reason, value))
     return DependencyGraph.of(graph.names, kept)

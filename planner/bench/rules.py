@@ -57,5 +57,6 @@ def nearest(scene: Scene, point: FloatArray) -> Guess:
 def _as_order(scene: Scene, targets: Sequence[str], guess: Guess) -> Order:
     """All that a rule takes before the targets, in its order."""
     edges = tuple(Dependency(first, then, "blocking", 1.0) for first, then in sorted(guess.pairs))
-    ranks = {name: -float(place) for place, name in enumerate(guess.order)}
+    # One above the other in one place, all ways are equally short: the highest goes first.
+    ranks = {name: np.array([0.0, 0.0, -float(place)]) for place, name in enumerate(guess.order)}
     return arrange(DependencyGraph(scene.movable, edges), targets, ranks)

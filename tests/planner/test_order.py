@@ -68,12 +68,29 @@ def test_the_order_is_least_on_every_acyclic_graph_of_five_objects() -> None:
             assert len(arrange(graph, [target], {}).order) == _least(graph, target)
 
 
+def _tops(**heights: float) -> dict[str, np.ndarray]:
+    return {name: np.array([0.0, 0.0, height]) for name, height in heights.items()}
+
+
 def test_the_safer_of_two_goes_first_and_then_the_higher() -> None:
     graph = DependencyGraph(("a", "b", "c"), ())
-    assert arrange(graph, (), {"a": 0.1, "b": 0.3, "c": 0.2}).order == ("b", "c", "a")
-    found = arrange(graph, (), {"a": 0.1, "b": 0.3, "c": 0.2}, doubts={("a", "b"): 0.4})
+    tops = _tops(a=0.1, b=0.3, c=0.2)
+    assert arrange(graph, (), tops).order == ("b", "c", "a")
+    found = arrange(graph, (), tops, chances={("a", "b"): 0.4})
     assert found.order == ("c", "a", "b")
-    assert found.risk["b"] < 0.1
+    assert found.risk["b"] == 0.0
+
+
+def test_the_risk_of_a_step_is_the_chance_that_anything_left_moves() -> None:
+    chances = {("b", "a"): 0.5, ("c", "a"): 0.2, ("a", "b"): 0.9, ("a", "c"): 0.9}
+    found = arrange(DependencyGraph(("a", "b", "c"), ()), ["a"], {}, chances=chances)
+    assert found.order == ("a",)
+    assert found.risk["a"] == pytest.approx(1 - 0.5 * 0.8)
+
+
+def test_of_equally_safe_orders_the_shortest_way_is_taken() -> None:
+    tops = {name: np.array([x, 0.0, 0.1]) for name, x in (("a", 0.0), ("b", 0.5), ("c", 0.1), ("d", 0.4))}
+    assert arrange(DependencyGraph(("a", "b", "c", "d"), ()), (), tops).order == ("a", "c", "d", "b")
 
 
 def test_a_cycle_is_named_with_its_weakest_edge_and_broken_there() -> None:

@@ -5,8 +5,9 @@ import time
 import numpy as np
 import pytest
 
+from topple.planner.bench.rates import Counts
 from topple.planner.dependency import Dependency, DependencyGraph
-from topple.planner.evidence import ONE, SEVERAL, WHOLE, Rates, posterior, rates_for
+from topple.planner.evidence import ONE, SEVERAL, WHOLE, Rates, posterior, reasoned, standing
 from topple.planner.order import order
 from topple.planner.verify_order import Votes, ask, chances, confirmed
 from topple.robots import shapes
@@ -72,9 +73,11 @@ def test_a_budget_that_runs_out_gives_the_best_answer_so_far_and_says_so(scene: 
     assert hasty.graph.before("plate") == reasoned.graph.before("plate") == {"on"}
 
 
-def test_an_edge_that_reasoning_made_up_is_dropped_and_one_it_overlooked_is_added(votes: Votes) -> None:
+def test_an_edge_that_reasoning_made_up_is_dropped_and_one_it_overlooked_is_added(
+    statics: Statics, votes: Votes
+) -> None:
     wrong = DependencyGraph.of(NOTHING.names, [Dependency("beside", "plate", "blocking", confidence=0.6)])
-    checked = confirmed(wrong, chances(wrong, votes, cameras=None))
+    checked = confirmed(wrong, chances(reasoned(wrong, statics, None), votes, cameras=None), votes)
     assert {(edge.first, edge.then) for edge in checked.dependencies} == {("on", "plate")}
 
 
@@ -87,7 +90,31 @@ def test_more_trials_that_moved_make_a_dependency_likelier(rates: Rates) -> None
 
 
 def test_what_was_not_tried_stays_as_reasoned() -> None:
-    rates = rates_for(3)
-    assert posterior(0.45, 0, 0, True, rates) >= 0.5
-    assert posterior(None, 0, 0, True, rates) == rates.overlooked
-    assert posterior(0.9, 0, 0, True, rates) == pytest.approx(0.9)
+    graph = DependencyGraph.of(("a", "b"), [Dependency("a", "b", "leaning", confidence=0.45)])
+    nothing = Votes({}, {}, 0, complete=False)
+    prior = {("a", "b"): 0.45, ("b", "a"): 0.3}
+    assert chances(prior, nothing, cameras=3) == prior
+    assert confirmed(graph, prior, nothing).dependencies == graph.dependencies
+
+
+def test_of_things_that_touch_the_higher_is_likelier_to_depend_on_the_lower(statics: Statics) -> None:
+    assert standing(statics)["on", "plate"] == (0, 1)
+    assert standing(statics)["plate", "on"] == (0, 0)
+    assert standing(statics)["beside", "plate"] == (2, 1)
+    chance = reasoned(NOTHING, statics, None)
+    assert chance["on", "plate"] > chance["plate", "on"] > chance["beside", "plate"]
+
+
+def test_counted_rates_tell_what_happened_with_a_dependency_and_without(
+    statics: Statics, votes: Votes
+) -> None:
+    labels = {
+        then: {first: int((first, then) == ("on", "plate")) for first in NOTHING.names}
+        for then in NOTHING.names
+    }
+    counts = Counts.of(labels, NOTHING, votes, standing(statics))
+    assert counts.steady[3].tolist() == [1, 0] and counts.steady[0].tolist() == [0, 5]
+    assert counts.overlooked[0, 1].tolist() == [1, 0]
+    rates = counts.rates([counts])
+    assert rates.steady[3] == (round(2.5 / 4, 3), round(0.5 / 12, 3))
+    assert sum(with_it for with_it, _ in rates.steady) == pytest.approx(1, abs=2e-3)
