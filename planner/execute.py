@@ -1,5 +1,6 @@
 """Carries out one transfer with an arm in the world, noticing when the object is not in the hand any more."""
 
+from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
@@ -18,6 +19,8 @@ from topple.topology.arrays import FloatArray
 PRESS = 0.6  # share of the jaw's continuous force used for a grip: crockery and fruit should survive it
 WATCHED = ("lift", "transfer", "place")  # segments during which the object must be in the hand
 TOUCHDOWN = 1.0  # [N] an object that presses this much on what is below stands on it: the arm goes no further
+TOUCHED = 2.0  # [N] fingers that press so much on their way in push: less does not move a can
+SHALLOW = 0.005  # [m] before the end of the way in that a grasp still holds: a third of a pad
 OFF_COURSE = 0.03  # [rad] an arm this far from its goal is held up by something
 NOTHING = 0.001  # [m] pads closer than this have nothing between them
 AT_HOME = 0.01  # [rad]
@@ -108,16 +111,16 @@ def retreat(transfer: Transfer, done: list[Segment], robot: SimulatedArm) -> Non
     if not done:
         return
     last = done[-1]
-    back = last if last.kind in ("approach", "lift") else None
-    if back is not None and back.trajectory is not None:
-        path = back.trajectory
-        reverse = type(path)(
-            path.times,
-            np.ascontiguousarray(path.positions[::-1]),
-            np.ascontiguousarray(-path.velocities[::-1]),
-        )
-        if back.kind == "approach":
-            robot.follow(reverse)
+    if last.kind == "approach" and last.trajectory is not None:
+        path = last.trajectory
+        come = int(np.abs(path.positions - robot.q_target).max(axis=1).argmin()) + 1  # it may have stopped
+        if come > 1:
+            positions, velocities = path.positions[:come][::-1], -path.velocities[:come][::-1]
+            robot.follow(
+                type(path)(
+                    path.times[:come], np.ascontiguousarray(positions), np.ascontiguousarray(velocities)
+                )
+            )
     robot.extend(0.0)
     robot.open()
 
@@ -140,8 +143,10 @@ def _drive(segment: Segment, transfer: Transfer, robot: SimulatedArm) -> str | N
             robot.extend(segment.hand.cup_extension)
         if segment.kind != "retreat":
             robot.open(segment.hand.opening)
-    lowering = segment.kind == "place"
-    error = robot.follow(segment.trajectory, (lambda: robot.load_on(name) > TOUCHDOWN) if lowering else None)
+    error = robot.follow(segment.trajectory, _guard(segment, name, robot))
+    if segment.kind == "approach" and _way_left(segment, robot) > SHALLOW:
+        touched = robot.strongest_touch()
+        return f"the fingers met {touched[0] if touched else 'something'} on their way in."
     if segment.kind in WATCHED and not robot.holds(name):
         return f"{name} slipped out of the hand during the {segment.kind}."
     if error > OFF_COURSE:
@@ -149,6 +154,23 @@ def _drive(segment: Segment, transfer: Transfer, robot: SimulatedArm) -> str | N
         what = f" against {touched[0]}" if touched else ""
         return f"the arm was held up during the {segment.kind}{what}."
     return None
+
+
+def _guard(segment: Segment, name: str, robot: SimulatedArm) -> Callable[[], bool] | None:
+    """What stops a segment before its end: an object that stands, or fingers that meet something."""
+    if segment.kind == "place":
+        return lambda: robot.load_on(name) > TOUCHDOWN
+    if segment.kind == "approach" and segment.tool == "fingers":
+        return lambda: robot.press() > TOUCHED
+    return None
+
+
+def _way_left(segment: Segment, robot: SimulatedArm) -> float:
+    """How far the tool stopped before the end of a segment [m]."""
+    assert segment.trajectory is not None
+    states = np.stack([robot.q_target, segment.trajectory.positions[-1]])
+    here, there = robot.arm.tool_pose(states, segment.tool)[:, :3, 3]
+    return float(np.linalg.norm(there - here))
 
 
 def _take(segment: Segment, transfer: Transfer, robot: SimulatedArm) -> str | None:

@@ -19,12 +19,13 @@ from topple.planner.pick_place.failure import Setback, TransferFailure
 from topple.planner.pick_place.transfer import Transfer, plan_transfer
 from topple.planner.place.placement import Placement, placements
 from topple.planner.place.stacking import inset, placements_on
-from topple.planner.solids import Solids, apart, level_axes, solids_of, up_of
+from topple.planner.solids import Solids, apart, hull_vertices, level_axes, solids_of, up_of
 from topple.robots.arm import Arm
 from topple.topology.arrays import FloatArray
 from topple.topology.relate import Relations, relate
 from topple.topology.relation import Relation
 from topple.topology.scene import Scene
+from topple.topology.statics import Statics
 from topple.topology.support import Support, supports
 
 FREE, REMOVE, PLACE = "free", "remove", "place"
@@ -122,8 +123,12 @@ class StepChooser:
         return solids_of(self.scene) if self._given_solids is None else self._given_solids
 
     @cached_property
+    def _statics(self) -> Statics:
+        return Statics.of(self.scene)
+
+    @cached_property
     def _supports(self) -> tuple[Support, ...]:
-        return supports(self.scene, self.relations)
+        return supports(self.scene, self.relations, self._statics)
 
     def unmet(self) -> tuple[str, ...]:
         """What is still missing for the goal, in words."""
@@ -302,13 +307,26 @@ class StepChooser:
         base = self.station.pose_base_to_world
         if places is None:
             own = [self.scene.clouds[name]]  # elsewhere is off where it lies now
-            places = placements(name, self.scene, self._solids, pose_base_to_world=base, avoid=own)
-            places = places or placements(name, self.scene, self._solids, pose_base_to_world=base)
+            scene, solids = self._completed(name)
+            places = placements(name, scene, solids, pose_base_to_world=base, avoid=own)
+            places = places or placements(name, scene, solids, pose_base_to_world=base)
         return plan_transfer(
             name, self.scene, self._solids, self.station.arm, base, self.station.q, places,
             avoid=self.avoid.get(name, ()), riding=self._riding(name),
             upright=name in self.upright, seed=self.seed,
         )  # fmt: skip
+
+    def _completed(self, name: str) -> tuple[Scene, Solids]:
+        """The scene with what no camera saw of an object guessed: it stands on its own faces.
+
+        What one camera saw of it is a shell, and the open side of that looks like the best face of all.
+        """
+        if not len(self.scene.viewpoints):
+            return self.scene, self._solids
+        guessed = self._statics.surfaces[name] @ self._statics.upright.rotation
+        whole = np.vstack([self.scene.clouds[name], guessed])
+        body = hull_vertices(np.vstack([whole, *self._solids[name]]))
+        return self.scene.with_cloud(name, whole), {**self._solids, name: (body,)}
 
     def _riding(self, name: str) -> tuple[str, ...]:
         """What lies in an object that is kept upright."""

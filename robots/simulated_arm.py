@@ -194,6 +194,11 @@ class SimulatedArm:
         points: Any = pybullet.getContactPoints(self.world.ids[name], physicsClientId=self.world.client)
         return float(sum(point[9] for point in points if point[2] != self.id))
 
+    def press(self) -> float:
+        """Largest force in [N] with which the robot presses on anything now: what a wrist's sensor feels."""
+        points: Any = pybullet.getContactPoints(bodyA=self.id, physicsClientId=self.world.client)
+        return max((float(point[9]) for point in points if point[2] != self.id), default=0.0)
+
     # -- what it does
 
     def step(self, count: int = 1) -> None:

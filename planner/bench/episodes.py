@@ -1,4 +1,4 @@
-"""Seeded runs of the built-in scenes, and how they ended."""
+"""Seeded runs of the built-in scenes and of real frames, and how they ended."""
 
 import os
 import signal
@@ -29,16 +29,18 @@ class Episode:
     """What is played.
 
     Attributes:
-        scenario: One of `topple.robots.scenarios.SCENARIOS`.
+        scenario: One of `topple.robots.scenarios.SCENARIOS`, or the name of a frame.
         seed: Of the scene, the sensor noise and every search.
         cameras: How many of the scene's cameras look.
         rule: Who decides the order: `TOPPLE`, or one of `topple.planner.bench.rules.RULES`.
+        folder: Where the frame is; empty for a built-in scene.
     """
 
     scenario: str
     seed: int
     cameras: int = 3
     rule: str = TOPPLE
+    folder: str = ""
 
 
 @dataclass(frozen=True)
@@ -58,6 +60,8 @@ class Ending:
         robot_seconds: Simulated time the arm moved [s].
         memory: What the process holds afterwards [bytes].
         process: Which process played it: those of one number came one after the other.
+        sagged: How far the body that moved most got while a rebuilt world came to rest [m]; None where the
+            world is not rebuilt.
     """
 
     episode: Episode
@@ -72,6 +76,7 @@ class Ending:
     robot_seconds: float = 0.0
     memory: int = 0
     process: int = 0
+    sagged: float | None = None
 
     @property
     def success(self) -> bool:
@@ -126,6 +131,13 @@ def play(episode: Episode) -> Ending:
 
 
 def _played(episode: Episode, begun: float) -> Ending:
+    if episode.folder:
+        from topple.planner.bench.frames import act_out  # nothing of it is needed for built-in scenes
+
+        record, sagged, movable = act_out(
+            Path(episode.folder), episode.scenario, episode.seed, episode.cameras
+        )
+        return _ended(episode, record, begun, movable, sagged=sagged)
     with scenario_called(episode.scenario, episode.seed) as stage:
         base = stage.pose_base_to_world
         orderer = order if episode.rule == TOPPLE else order_by(episode.rule, base)
@@ -135,19 +147,33 @@ def _played(episode: Episode, begun: float) -> Ending:
         record = loop.run(first)
         missing = len(truly_unmet(goal, stage.world, stage.up))
         movable = len(stage.world.movable)
+    places = len(goal.places)
+    return _ended(episode, record, begun, movable, placed=max(places - missing, 0), places=places)
+
+
+def _ended(
+    episode: Episode,
+    record: RunRecord,
+    begun: float,
+    movable: int,
+    placed: int = 0,
+    places: int = 0,
+    sagged: float | None = None,
+) -> Ending:
     return Ending(
         episode=episode,
         ending=_ending(record),
         violations=record.violations,
         violated=sum(_violated(step) for step in record.steps),
         objects=movable,
-        placed=max(len(goal.places) - missing, 0),
-        places=len(goal.places),
+        placed=placed,
+        places=places,
         steps=len(record.steps),
         seconds=time.perf_counter() - begun,
         robot_seconds=sum(step.robot_seconds or 0.0 for step in record.steps),
         memory=_memory(),
         process=os.getpid(),
+        sagged=sagged,
     )
 
 

@@ -1,5 +1,6 @@
 """Results kept line by line, so that a bench of hours may be stopped and goes on."""
 
+import ast
 import hashlib
 import json
 from collections.abc import Mapping
@@ -11,6 +12,12 @@ from typing import Any
 from topple.topology.errors import InvalidInput
 
 PACKAGES = ("topple.topology", "topple.robots", "topple.planner")
+
+ASIDE = ("planner/report/", "planner/cli/", "planner/export/", "planner/verify/", "planner/bench/")
+"""What draws, prints, hands on, checks afterwards or counts: no episode goes otherwise for it."""
+
+PLAYED = tuple(f"planner/bench/{name}.py" for name in ("episodes", "frames", "guesses", "recorded", "rules"))
+"""What of it decides how an episode goes all the same."""
 
 
 class Journal:
@@ -59,10 +66,37 @@ class Journal:
 
 @cache
 def code() -> str:
-    """Fingerprint of topple's source: results of another one are not to be mixed with today's."""
+    """Fingerprint of what topple does: results of other code are not to be mixed with today's.
+
+    Comments, docstrings and what only shows results do not count.
+    """
     digest = hashlib.sha256()
     for package in PACKAGES:
         folder = Path(str(import_module(package).__file__)).parent
         for path in sorted(folder.rglob("*.py")):
-            digest.update(path.read_bytes())
+            place = f"{folder.name}/{path.relative_to(folder).as_posix()}"
+            if place in PLAYED or not place.startswith(ASIDE):
+                digest.update(behaviour(path.read_text(encoding="utf-8")).encode())
     return digest.hexdigest()[:16]
+
+
+def behaviour(source: str) -> str:
+    """A module's text without what does nothing: comments, docstrings, blanks.
+
+    Args:
+        source: Python.
+    """
+    tree = ast.parse(source)
+    for node in ast.walk(tree):
+        if isinstance(node, ast.Module | ast.ClassDef | ast.FunctionDef | ast.AsyncFunctionDef):
+            texts = [line for line in node.body if _is_text(line)]
+            node.body = [line for line in node.body if line not in texts]
+    return ast.dump(tree)
+
+
+def _is_text(line: ast.stmt) -> bool:
+    return (
+        isinstance(line, ast.Expr)
+        and isinstance(line.value, ast.Constant)
+        and isinstance(line.value.value, str)
+    )

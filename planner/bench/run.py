@@ -2,11 +2,14 @@
 
 - dishes, lemon and tower with three cameras; random piles of five to eight things of which one is freed, with
   three cameras and with one; a pile sorted into two bins.
+- With `--data DIR`, annotated camera frames, each rebuilt as bodies in which an arm frees the object that
+  most others have to go before.
 - The first piles again with the same arm, grasps and motions, but with the order decided by a rule of thumb:
   what is nearest to the arm first, the highest top first, or the paper's relations and height.
 
 Every episode that ends is kept in a journal: a bench that was stopped goes on, and the figures are of all
-that was played with the same code. Shares have Wilson's 95 % intervals.
+that was played with the same code, in as many sittings as it took. Shares have Wilson's 95 % intervals. A
+sitting of half an hour shows whether anything leaks or breaks: its rows are those of memory and crashes.
 """
 
 import os
@@ -21,13 +24,8 @@ from pathlib import Path
 from statistics import median
 from typing import Any
 
-from topple.planner.bench.episodes import (
-    TOPPLE,
-    Ending,
-    Episode,
-    ignore_interrupts,
-    play,
-)
+from topple.planner.bench.episodes import ENDINGS, TOPPLE, Ending, Episode, ignore_interrupts, play
+from topple.planner.bench.frames import frames_in
 from topple.planner.bench.journal import Journal
 from topple.planner.bench.row import Progress, Row
 from topple.planner.bench.rules import RULES
@@ -35,11 +33,13 @@ from topple.planner.bench.scores import share_interval
 
 JOURNAL = Path("topple-bench-run.jsonl")
 WARM = 3  # episodes after which a process has loaded and cached what it needs
+LOOP = 30  # [min] that a process has to go on without a break
+STAYED = 0.01  # [m] a rebuilt body may move until it is at rest
 
 
 @dataclass(frozen=True)
 class Series:
-    """Seeds of one scenario.
+    """Seeds of one scenario, or the frames of a folder.
 
     Attributes:
         scenario: Its name.
@@ -47,6 +47,8 @@ class Series:
         cameras: How many look.
         rule: Who decides the order.
         bar: Share of successes that is aimed at [%], None where there is none.
+        folder: Where the frames are; None for a scenario.
+        frames: Their names.
     """
 
     scenario: str
@@ -54,9 +56,14 @@ class Series:
     cameras: int = 3
     rule: str = TOPPLE
     bar: int | None = None
+    folder: Path | None = None
+    frames: tuple[str, ...] = ()
 
     def episodes(self, seed: int) -> list[Episode]:
         """Its episodes, from a first seed on."""
+        if self.folder is not None:
+            folder = str(self.folder.resolve())
+            return [Episode(name, seed, self.cameras, self.rule, folder) for name in self.frames]
         return [
             Episode(self.scenario, seed + number, self.cameras, self.rule) for number in range(self.seeds)
         ]
@@ -85,6 +92,7 @@ def rows(
     progress: Progress,
     journal: Path = JOURNAL,
     minutes: float | None = None,
+    data: Path | None = None,
 ) -> list[dict[str, Any]]:
     """Play what is not in the journal yet, and count.
 
@@ -94,11 +102,16 @@ def rows(
         progress: Called as episodes end.
         journal: Where endings are kept, line by line.
         minutes: After this time no further episode is begun; the figures are of what was played.
+        data: A folder with annotated camera frames, to be acted out too.
 
     Returns:
         The bench's rows.
     """
     series = QUICK if quick else FULL
+    if data is not None:
+        frames = frames_in(data)
+        kept = frames[:1] if quick else frames
+        series = (*series, Series("real frames", len(kept), bar=70, folder=data, frames=kept))
     book = Journal(journal)
     if book.stale:
         progress(f"{book.stale} results of other code are left out")
@@ -111,7 +124,10 @@ def rows(
         book.add(ending.to_json())
         progress(f"{sum(e in known for e in wanted)} of {len(wanted)} episodes: {ending}")
     found = {one: [known[e] for e in one.episodes(seed) if e in known] for one in series}
-    return [row.to_json() for row in figures(found)]
+    if missing := sum(episode not in known for episode in wanted):
+        progress(f"{missing} of {len(wanted)} episodes are left: the same command goes on with them")
+    rows = [Row("episodes left to play", missing, f"of {len(wanted)}"), *figures(found)]
+    return [row.to_json() for row in rows]
 
 
 def _in_turn(lists: Sequence[Sequence[Episode]]) -> Iterator[Episode]:
@@ -122,7 +138,7 @@ def _in_turn(lists: Sequence[Sequence[Episode]]) -> Iterator[Episode]:
 
 def _played(episodes: Sequence[Episode], until: float | None) -> Iterator[Ending]:
     """Endings as they come, from one process a core; a process that dies is a crash, and is replaced."""
-    waiting = iter(episodes)
+    waiting = (e for e in episodes if until is None or time.monotonic() < until)
     lanes = [_Lane() for _ in range(os.cpu_count() or 1)]
     try:
         for lane in lanes:
@@ -132,8 +148,7 @@ def _played(episodes: Sequence[Episode], until: float | None) -> Iterator[Ending
             for lane in busy:
                 if lane.future is not None and lane.future.done():
                     yield lane.end()
-                    late = until is not None and time.monotonic() > until
-                    lane.begin(None if late else next(waiting, None))
+                    lane.begin(next(waiting, None))
     finally:  # on Ctrl-C what still runs is dropped; what ended is in the journal
         for lane in lanes:
             lane.close()
@@ -188,21 +203,39 @@ def figures(found: Mapping[Series, Sequence[Ending]]) -> list[Row]:
             rows += _of_series(one, endings)
     rows += _against_rules(found)
     ours = [ending for endings in found.values() for ending in endings]
-    crashes = sum(ending.ending == "crash" for ending in ours)
-    rows.append(Row(f"episodes in which the program failed, of {len(ours)}", crashes, "", bar="<= 0"))
-    if (growth := _growth(ours)) is not None:
+    return rows + _endurance(ours)
+
+
+def _endurance(endings: Sequence[Ending]) -> list[Row]:
+    """Whether it goes on: crashes, failures nobody has a name for, memory, and for how long."""
+    crashes = sum(ending.ending == "crash" for ending in endings)
+    nameless = sum(ending.ending not in ENDINGS for ending in endings)
+    rows = [
+        Row(f"episodes in which the program failed, of {len(endings)}", crashes, "", bar="<= 0"),
+        Row(f"failures of no known kind, of {len(endings)}", nameless, "", bar="<= 0"),
+    ]
+    if (growth := _growth(endings)) is not None:
+        worked: Counter[int] = Counter()
+        for ending in endings:
+            worked[ending.process] += round(ending.seconds)
+        longest = max(worked.values()) / 60
         rows.append(Row("memory of a process, last episodes against first", growth, "x", bar="<= 1.2"))
+        rows.append(Row("longest that a process went on", longest, "min", bar=f">= {LOOP}"))
     return rows
 
 
 def _of_series(one: Series, endings: Sequence[Ending]) -> list[Row]:
-    played = f"{one}, {len(endings)} of {one.seeds} seeds"
+    what = "seeds" if one.folder is None else "frames"
+    played = f"{one}, {len(endings)} of {one.seeds} {what}"
     good = sum(ending.success for ending in endings)
     clean = sum(ending.clean for ending in endings)
     rows = [
         _share(f"goal reached, nothing disturbed: {played}", good, len(endings), one.bar),
         _share(f"nothing disturbed: {played}", clean, len(endings)),
     ]
+    if one.folder is not None:
+        stayed = sum(ending.sagged is not None and ending.sagged < STAYED for ending in endings)
+        rows.append(_share(f"rebuilt, every body moves below 1 cm: {played}", stayed, len(endings), 80))
     if places := sum(ending.places for ending in endings):
         placed = sum(ending.placed for ending in endings)
         rows.append(_share(f"things where they belong: {played}", placed, places, 90))

@@ -30,7 +30,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         "name", nargs="?", metavar="NAME", help="relate, order, motion, paper or run (all, one by one)"
     )
     parser.add_argument("--quick", action="store_true", help="smaller and fewer cases: below two minutes")
-    parser.add_argument("--data", metavar="DIR", help="relate, order: score the labelled frames of a folder")
+    parser.add_argument("--data", metavar="DIR", help="relate, order, run: the labelled frames of a folder")
     parser.add_argument("--piles", metavar="DIR", help="order: score the recorded piles of a folder instead")
     parser.add_argument("--verify", action="store_true", help="order: score --verify too, which is slow")
     parser.add_argument("--models", metavar="DIR", help="paper: YCB models, as 011_banana (procedural)")

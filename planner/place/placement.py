@@ -14,6 +14,7 @@ from topple.topology.errors import UnknownObject
 from topple.topology.scene import Scene
 
 KEPT = 80  # best places of each attitude and heading that are compared
+SPARE = 3  # places of each attitude that comes off worse: a hand may not get down in the better ones
 
 
 @dataclass(frozen=True, eq=False)
@@ -69,7 +70,7 @@ def placements(
         solids: Convex parts of the objects; made from the scene where not given.
         pose_base_to_world: (4, 4) the arm's base: places within its reach and off its foot.
         avoid: (N, 3) points each: places to keep free besides.
-        limit: At most so many, spread over the table.
+        limit: At most so many, spread over the table; the last of them in other attitudes.
         tolerances: Distances.
 
     Returns:
@@ -86,10 +87,16 @@ def placements(
     if space is None:
         return []
     base = None if pose_base_to_world is None else np.stack(level_axes(up)) @ pose_base_to_world[:3, 3]
-    found: list[Placement] = []
-    for rest in resting_poses(scene.clouds[name], solids[name], up, tolerances):
-        found += _at_rest(scene.clouds[name], solids[name], rest, space, up, base, tolerances)
-    return _spread_out(found, scene.clouds[name].mean(axis=0), limit)
+    cloud, parts = scene.clouds[name], solids[name]
+    middle = cloud.mean(axis=0)
+    found = [
+        _at_rest(cloud, parts, rest, space, up, base, tolerances)
+        for rest in resting_poses(cloud, parts, up, tolerances)
+    ]
+    best = _spread_out([place for places in found for place in places], middle, limit)
+    worse = [places for places in found if not any(place in best for place in places)]
+    spare = [place for places in worse for place in _spread_out(places, middle, SPARE)]
+    return [*best[: max(limit - len(spare), limit // 2)], *spare][:limit]
 
 
 def _at_rest(

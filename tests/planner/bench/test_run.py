@@ -7,7 +7,9 @@ import numpy as np
 import pytest
 
 from topple.planner.bench.episodes import Ending, Episode, play
-from topple.planner.bench.journal import Journal, code
+from topple.planner.bench.frames import frames_in, wanted_of
+from topple.planner.bench.journal import Journal, behaviour, code
+from topple.planner.bench.recorded import Frame
 from topple.planner.bench.row import Row
 from topple.planner.bench.rules import RULES, order_by
 from topple.planner.bench.run import QUICK, Series, figures, rows
@@ -71,6 +73,13 @@ def test_results_of_other_code_do_not_count(tmp_path: Path) -> None:
     assert (book.entries, book.stale) == ([], 1)
 
 
+def test_words_about_code_do_not_void_results() -> None:
+    plain = "def f(x):\n    return x + 1\n"
+    told = '"""Adds."""\n\n\ndef f(x):\n    """One more."""\n    return x + 1  # why\n'
+    assert behaviour(plain) == behaviour(told)
+    assert behaviour(plain) != behaviour(plain.replace("1", "2"))
+
+
 @pytest.mark.parametrize("text", ['{"a": 1}\n', "[1, 2]\n"])
 def test_another_file_is_no_journal(tmp_path: Path, text: str) -> None:
     path = tmp_path / "mine.jsonl"
@@ -89,6 +98,37 @@ def test_a_bench_goes_on_from_its_journal(tmp_path: Path) -> None:
     found = rows(True, 5, said.append, journal=book.path)
     assert said == []  # nothing was left to play
     assert [row["value"] for row in found if row["what"].startswith("goal reached")] == [100.0] * 3
+
+
+def test_what_is_left_is_said(tmp_path: Path) -> None:
+    book = Journal(tmp_path / "endings.jsonl")
+    book.add(Ending(QUICK[0].episodes(5)[0], "success", seconds=40.0).to_json())
+    said: list[str] = []
+    found = rows(True, 5, said.append, journal=book.path, minutes=0.0)
+    assert found[0]["what"] == "episodes left to play"
+    assert found[0]["value"] == len(QUICK) - 1
+    left = len(QUICK) - 1
+    assert said == [f"{left} of {len(QUICK)} episodes are left: the same command goes on with them"]
+
+
+def test_frames_are_counted_by_what_stayed_and_what_went_well(tmp_path: Path) -> None:
+    series = Series("real frames", 2, bar=70, folder=tmp_path, frames=("a", "b"))
+    first, second = series.episodes(0)
+    assert first == Episode("a", 0, folder=str(tmp_path))
+    endings = [Ending(first, "success", sagged=0.004), Ending(second, "disturbed", sagged=0.02)]
+    found = {row.what: row for row in figures({series: endings})}
+    assert _only(found, "rebuilt, every body moves below 1 cm").value == 50.0
+    assert _only(found, "goal reached, nothing disturbed: real frames").value == 50.0
+
+
+def test_of_a_frame_that_is_freed_which_waits_for_most(shelf: Scene) -> None:
+    needed = frozenset({("3", "2"), ("4", "3"), ("6", "5")})
+    assert wanted_of(Frame("frame", shelf, needed, frozenset())) == "2"
+
+
+def test_a_folder_without_frames_is_said(tmp_path: Path) -> None:
+    with pytest.raises(InvalidInput, match="no frames with removal constraints"):
+        frames_in(tmp_path)
 
 
 def test_shares_have_intervals_and_endings_are_counted() -> None:

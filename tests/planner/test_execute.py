@@ -1,0 +1,40 @@
+"""Carrying a transfer out: what is not where it was seen is met, not pushed."""
+
+import numpy as np
+
+from topple.planner.execute import execute
+from topple.planner.pick_place.transfer import Transfer, plan_transfer
+from topple.robots import shapes
+from topple.robots.catalog import robot
+from topple.robots.scenarios.scenario import pose_at
+from topple.robots.simulated_arm import SimulatedArm
+from topple.robots.world import World
+from topple.topology.scene import Scene
+
+BASE = pose_at(-0.5, 0.0, 0.0)
+PANDA = robot("panda")
+
+
+def test_fingers_that_meet_the_object_stop_and_go_back() -> None:
+    with World() as world:
+        world.add_table(size=(1.4, 1.2))
+        world.add(shapes.box("box", (0.05, 0.05, 0.12), mass=0.2), pose_at(0.0, 0.0, 0.0))
+        world.settle()
+        points = world.body("box").surface(3000, np.random.default_rng(0))
+        table = np.stack(np.meshgrid(np.arange(-0.6, 0.6, 0.008), np.arange(-0.6, 0.6, 0.008)), -1)
+        flat = np.column_stack([table.reshape(-1, 2), np.zeros(table.size // 2)])
+        scene = Scene({"box": points, "table": flat}, fixed=["table"], up=(0, 0, 1))
+        found = plan_transfer("box", scene, None, PANDA, BASE, np.asarray(PANDA.home))
+        assert isinstance(found, Transfer)
+        across = found.grasp.pose_tool_to_world[:3, 1]  # a finger now comes down on top of it
+        pose = world.pose("box")
+        pose[:3, 3] += 0.03 * across
+        world.place("box", pose)
+        arm = SimulatedArm(world, PANDA, BASE)
+        outcome = execute(found, arm)
+        moved = np.linalg.norm(world.pose("box")[:3, 3] - pose[:3, 3])
+        assert not outcome.success
+        assert outcome.text == "the fingers met box on their way in."
+        assert moved < 0.003
+        assert arm.touched["box"].impulse < 0.3  # [N s] a knock, no push of half a second
+        assert np.abs(arm.q - found.segments[1].trajectory.positions[0]).max() < 0.02  # above it again
