@@ -5,9 +5,10 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from topple.planner.grasp.frames import frames
 from topple.planner.grasp.grasp import Grasp
 from topple.planner.grasp.hand import HandShape, hand_shape
-from topple.planner.grasp.pinch import Pinch, frames, pinches
+from topple.planner.grasp.pinch import Pinch, pinches
 from topple.planner.grasp.suction import CupShape, cup_shape, patches, seal_score
 from topple.planner.grasp.surface import Surface, surface_of
 from topple.planner.grasp.tolerances import GRASP_TOLERANCES, GraspTolerances
@@ -134,14 +135,10 @@ def _pinch_grasps(
     for tilts in (tolerances.tilts, tolerances.steep_tilts):
         if len(found) >= tolerances.enough:
             break
-        origin, near = None, others
-        for frame in frames(surface, up, tilts):
-            if frame.origin is not origin:
-                origin = frame.origin
-                near = others[np.linalg.norm(others - origin, axis=1) < tolerances.reach]
-            found += [
-                _as_grasp(name, pinch) for pinch in pinches(frame, surface, near, floor, up, hand, tolerances)
-            ]
+        for directions in frames(surface, up, tilts):
+            near = others[np.linalg.norm(others - directions.origin, axis=1) < tolerances.reach]
+            pinched = pinches(directions, surface, near, floor, up, hand, tolerances)
+            found += [_as_grasp(name, pinch) for pinch in pinched]
     return found
 
 

@@ -14,6 +14,8 @@ if TYPE_CHECKING:
     from topple.robots.arm import Arm
 
 FINGER_SLABS = (0.008, 0.015)  # fingers taper over their last two centimetres [m]
+Opening = float | FloatArray
+
 HAND_REACH = 0.16  # what is further from the tool's origin does not meet what is grasped [m]
 
 
@@ -56,17 +58,17 @@ class HandShape:
     force: float = 40.0
     friction: float = 0.5
 
-    def footprints(self, opening: float) -> list[tuple[float, float, float, float, float]]:
+    def footprints(self, opening: Opening) -> list[tuple[float, float, Opening, Opening, float]]:
         """Rectangles swept by the open hand.
 
         Args:
-            opening: Distance of the pads [m].
+            opening: Distance of the pads [m], or an array (P,) of distances.
 
         Returns:
             For each prism (x low, x high, y low, y high, z of its front) [m], those of the fingers first.
         """
         half = opening / 2.0
-        found: list[tuple[float, float, float, float, float]] = []
+        found: list[tuple[float, float, Opening, Opening, float]] = []
         for prism in self.finger:
             low, high = half + prism.y[0], half + prism.y[1]
             found.append((*prism.x, low, high, prism.front))

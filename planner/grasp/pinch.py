@@ -1,43 +1,30 @@
-"""Pinching between two fingers: where pads can reach an object's sides past everything around it."""
+"""Pinching between two fingers: where pads can reach an object's sides past everything around it.
 
-from collections.abc import Sequence
+All hand directions at a point of the object, and all depths of the finger tips, are looked at together:
+arrays have one row for each pair of direction and depth that is still in the running.
+"""
+
 from dataclasses import dataclass
 
 import numpy as np
+from numpy.typing import NDArray
 
-from topple.planner.grasp.hand import HandShape
+from topple.planner.grasp.frames import Frames
+from topple.planner.grasp.hand import HandShape, Prism
+from topple.planner.grasp.pads import Between, antipodality, between, extents, packed
 from topple.planner.grasp.surface import Surface
 from topple.planner.grasp.tolerances import GRASP_TOLERANCES, GraspTolerances
-from topple.topology.arrays import BoolArray, FloatArray
+from topple.topology.arrays import BoolArray, FloatArray, IntArray
 
 OWN_MARGIN = 0.0005  # fingers may come this close to the object they take [m]
 BRUSH = (0.006, 0.01)  # beside and below the hand: less room than this halves the clearance term [m]
-NORMAL_BIAS = (
-    0.15  # normals next to a silhouette average in what lies before it, 3 mm of a can: 9 degrees [rad]
-)
-CENTRAL = 0.03  # around the centre of mass, where a grasp hardly turns in the hand [m]
-SLOPED = 0.2  # a level top has normals square to the closing direction, give or take 10 degrees of noise
-SLOPE_LENGTH = 0.01  # below the tips, where the object's widening tells a slope from noise [m]
-
-
-@dataclass(frozen=True, eq=False)
-class Frame:
-    """A hand direction to try at a point of the object.
-
-    Attributes:
-        origin: (3,) point of the object [m].
-        rotation: (3, 3) columns x, y (closing), z (approach) in the world.
-        tilt: Angle between the approach and straight down [rad].
-    """
-
-    origin: FloatArray
-    rotation: FloatArray
-    tilt: float
+ROUGH = 1e-5  # more than single precision is off by at the size of a hand [m]
+TIGHT = 0.4  # the clearance term where something is that close
 
 
 @dataclass(frozen=True, eq=False)
 class Pinch:
-    """A pinch found in a frame.
+    """A pinch found at one point of the object.
 
     Attributes:
         pose_tool_to_world: (4, 4).
@@ -56,112 +43,8 @@ class Pinch:
     terms: dict[str, float]
 
 
-def frames(surface: Surface, up: FloatArray, tilts: Sequence[float], count: int = 32) -> list[Frame]:
-    """Lay out the hand directions to try: points spread over the object x closing directions x tilts.
-
-    Args:
-        surface: The object.
-        up: (3,) unit vector against gravity.
-        tilts: Angles between the approach and straight down, about the closing axis [rad].
-        count: Points of the object to try.
-
-    Returns:
-        The frames, nearest to the centre of mass first. Deterministic.
-    """
-    points = surface.points[: surface.seen]
-    flat = points - np.outer(points @ up, up)
-    across_all = _closing_directions(points, up)
-    found: list[Frame] = []
-    for origin in _places(points, surface.centre, up, count):
-        near = points[np.linalg.norm(flat - (origin - up * float(origin @ up)), axis=1) < 0.02]
-        normal = _facing(near, up)
-        closings = _distinct([*_closing_directions(near, up), *across_all])
-        for closing in closings:
-            # on a face that leans sideways the pads close along the face, or a thin thing rolls in them
-            along = closing - up * float(closing @ normal) / float(normal @ up)
-            along /= np.linalg.norm(along)
-            across = cross(up, along)
-            across /= np.linalg.norm(across)
-            down = cross(across, along)
-            for tilt in tilts:
-                approach = np.cos(tilt) * down + np.sin(tilt) * across
-                rotation = np.column_stack([cross(along, approach), along, approach])
-                found.append(Frame(origin, rotation, float(np.arccos(np.clip(-approach @ up, -1.0, 1.0)))))
-    return found
-
-
-def _places(points: FloatArray, centre: FloatArray, up: FloatArray, count: int) -> list[FloatArray]:
-    """Points to try: spread over the object, and closer together around its centre of mass."""
-    offsets = points - centre
-    aside = np.linalg.norm(offsets - np.outer(offsets @ up, up), axis=1)
-    central = points[aside < CENTRAL]
-    chosen = [points[index] for index in spread(points, centre, count)]
-    return chosen + [central[index] for index in spread(central, centre, count // 4)]
-
-
-def _facing(points: FloatArray, up: FloatArray) -> FloatArray:
-    """Normal of the face some points lie on, where they lie on one that faces up; up otherwise."""
-    if len(points) < 8:
-        return up
-    values, vectors = np.linalg.eigh(np.cov(points.T))
-    normal = vectors[:, 0] if vectors[:, 0] @ up > 0 else -vectors[:, 0]
-    return normal if values[0] < 0.15 * values[1] and normal @ up > 0.8 else up
-
-
-def cross(a: FloatArray, b: FloatArray) -> FloatArray:
-    """Cross product of two (3,) vectors, without the overhead of the general one."""
-    (ax, ay, az), (bx, by, bz) = a.tolist(), b.tolist()
-    return np.array([ay * bz - az * by, az * bx - ax * bz, ax * by - ay * bx])
-
-
-def spread(points: FloatArray, first: FloatArray, count: int) -> list[int]:
-    """Pick points far from one another (farthest point sampling).
-
-    Args:
-        points: (N, 3) points [m].
-        first: (3,) the sampling starts at the point nearest to this one.
-        count: How many.
-
-    Returns:
-        Indices of the picked points.
-    """
-    if len(points) == 0:
-        return []
-    chosen = [int(np.argmin(np.linalg.norm(points - first, axis=1)))]
-    distance = np.linalg.norm(points - points[chosen[0]], axis=1)
-    while len(chosen) < min(count, len(points)):
-        chosen.append(int(np.argmax(distance)))
-        distance = np.minimum(distance, np.linalg.norm(points - points[chosen[-1]], axis=1))
-    return chosen
-
-
-def _closing_directions(points: FloatArray, up: FloatArray) -> list[FloatArray]:
-    """Level directions to close along: across the narrow side first; four where none stands out."""
-    east = np.cross(up, [0.0, 1.0, 0.0] if abs(up[1]) < 0.9 else [1.0, 0.0, 0.0])
-    east /= np.linalg.norm(east)
-    north = np.cross(up, east)
-    if len(points) < 4:
-        return [east, north]
-    plane = np.stack([(points - points.mean(axis=0)) @ east, (points - points.mean(axis=0)) @ north])
-    values, vectors = np.linalg.eigh(plane @ plane.T)
-    narrow = vectors[0, 0] * east + vectors[1, 0] * north
-    wide = vectors[0, 1] * east + vectors[1, 1] * north
-    if values[0] < 0.5 * values[1]:
-        return [narrow, wide]
-    turns = np.arange(4) * np.pi / 4.0
-    return [np.cos(turn) * narrow + np.sin(turn) * wide for turn in turns]
-
-
-def _distinct(directions: list[FloatArray], angle: float = 0.2) -> list[FloatArray]:
-    kept: list[FloatArray] = []
-    for direction in directions:
-        if all(abs(float(direction @ other)) < np.cos(angle) for other in kept):
-            kept.append(direction)
-    return kept
-
-
 def pinches(
-    frame: Frame,
+    frames: Frames,
     surface: Surface,
     others: FloatArray,
     floor: float,
@@ -169,10 +52,10 @@ def pinches(
     hand: HandShape,
     tolerances: GraspTolerances = GRASP_TOLERANCES,
 ) -> list[Pinch]:
-    """Find how deep the fingers can go in one frame, and what they would hold.
+    """Find how deep the fingers can go at one point of an object, and what they would hold.
 
     Args:
-        frame: Point and directions of the hand.
+        frames: The point and the directions of the hand.
         surface: The object.
         others: (M, 3) points of everything else nearby [m].
         floor: Height along `up` nothing of the hand may go below [m].
@@ -181,201 +64,274 @@ def pinches(
         tolerances: Clearances and depths.
 
     Returns:
-        At most two pinches: the deepest free one and the best-scored one.
+        At most two pinches for each direction: the best-scored one and the deepest free one.
     """
-    own = (surface.points - frame.origin) @ frame.rotation
-    strip = (np.abs(own[:, 0]) <= hand.pad_width / 2.0) & (np.abs(own[:, 1]) <= hand.max_opening / 2.0)
-    if np.count_nonzero(strip) < 4:
+    look = _look(frames, surface, hand, tolerances)
+    if look is None:
         return []
-    foreign = (others - frame.origin) @ frame.rotation
-    top = float(np.sort(own[strip, 2])[min(tolerances.stray_points, np.count_nonzero(strip) - 1)])
-    look = _Look(
-        frame,
-        own,
-        surface.normals @ frame.rotation,
-        strip,
-        (surface.centre - frame.origin) @ frame.rotation,
-        top,
-        up @ frame.rotation,
-        float(frame.origin @ up - floor),
-        *_in_reach(own, foreign, top, hand, tolerances),
+    hold = _holds(look, hand, tolerances)
+    hold = hold.of(_over_floor(look, hold, float(frames.origin @ up - floor), up, hand, tolerances))
+    clearance = _room(look, hold, surface.points, others, hand, tolerances)
+    hold, clearance = hold.of(clearance > 0.0), clearance[clearance > 0.0]
+    held = antipodality(
+        look.held.of(hold.row), hold.window, hold.low, hold.high, hold.opening, hand, tolerances
     )
-    found = [pinch for depth in tolerances.depths if (pinch := _at_depth(look, depth, hand, tolerances))]
-    if not found:
-        return []
-    best = max(found, key=lambda pinch: sum(pinch.terms.values()))
-    return [best] if best is found[-1] else [best, found[-1]]
+    hold, clearance, held = hold.of(held > 0.0), clearance[held > 0.0], held[held > 0.0]
+    return _best_and_deepest(look, hold, clearance, held, surface.centre, hand, tolerances)
 
 
 @dataclass(frozen=True, eq=False)
 class _Look:
-    """An object and its surroundings seen along one hand direction: all in the frame's axes."""
+    """An object seen along F hand directions: in their axes."""
 
-    frame: Frame
-    own: FloatArray
-    normals: FloatArray
-    strip: BoolArray
-    com: FloatArray
-    top: float
-    up: FloatArray
-    over_floor: float
-    at_fingers: FloatArray  # (K, 5): x, y, z, margin, whether it is the object's own
-    at_palm: FloatArray
+    origin: FloatArray
+    rotations: FloatArray
+    tilts: FloatArray
+    held: Between
+    top: FloatArray
 
 
-def _in_reach(
-    own: FloatArray, foreign: FloatArray, top: float, hand: HandShape, tolerances: GraspTolerances
-) -> tuple[FloatArray, FloatArray]:
-    """The points fingers and palm can meet at any depth, with the margin each keeps to them."""
-    points = np.vstack(
-        [
-            np.column_stack([own, np.full(len(own), OWN_MARGIN), np.ones(len(own))]),
-            np.column_stack(
-                [foreign, np.full(len(foreign), tolerances.under_clearance), np.zeros(len(foreign))]
-            ),
-        ]
-    )
-    deepest = top + max(tolerances.depths) - hand.tip + BRUSH[1]
-    found: list[FloatArray] = []
-    for group in (hand.finger, hand.palm):
-        wide = max(max(-prism.x[0], prism.x[1]) for prism in group) + BRUSH[0] if group else 0.0
-        front = max(prism.front for prism in group) if group else -np.inf
-        found.append(points[(np.abs(points[:, 0]) < wide) & (points[:, 2] < deepest + front)])
-    return found[0], found[1]
+@dataclass(frozen=True, eq=False)
+class _Reach:
+    """Points that a part of the hand can meet at any depth, F rows filled up to the longest."""
+
+    x: FloatArray
+    y: FloatArray
+    z: FloatArray  # inf where there is no point
+    margin: FloatArray  # that the hand keeps to it
 
 
-def _at_depth(look: _Look, depth: float, hand: HandShape, tolerances: GraspTolerances) -> Pinch | None:
-    """What the hand holds with its tips `depth` below the object's top, or None where it cannot go there."""
-    own, tip = look.own, look.top + depth
-    window = look.strip & (own[:, 2] <= tip) & (own[:, 2] >= tip - hand.pad_length)
-    if np.count_nonzero(window) < 3:
+@dataclass(frozen=True, eq=False)
+class _Hold:
+    """P pairs of direction and depth: what the pads would close on there."""
+
+    row: IntArray  # of the direction in the look
+    column: IntArray  # of the depth among those tried
+    depth: FloatArray
+    tip: FloatArray
+    window: BoolArray  # (P, S) which points between the pads they would meet
+    low: FloatArray
+    high: FloatArray
+    opening: FloatArray
+
+    @property
+    def middle(self) -> FloatArray:
+        return (self.low + self.high) / 2.0
+
+    def of(self, keep: BoolArray | IntArray) -> "_Hold":
+        return _Hold(
+            self.row[keep], self.column[keep], self.depth[keep], self.tip[keep], self.window[keep],
+            self.low[keep], self.high[keep], self.opening[keep],
+        )  # fmt: skip
+
+
+def _look(frames: Frames, surface: Surface, hand: HandShape, tolerances: GraspTolerances) -> _Look | None:
+    """See the object in the axes of each direction that has points of it between the pads."""
+    points = surface.points - frames.origin
+    x, y = (frames.rotations[:, :, axis] @ points.T for axis in (0, 1))
+    inside = (np.abs(x) <= hand.pad_width / 2.0) & (np.abs(y) <= hand.max_opening / 2.0)
+    some = np.count_nonzero(inside, axis=1) >= 4
+    if not some.any():
         return None
-    low, high = _extent(own[window, 1], tolerances)
-    window &= (own[:, 1] >= low) & (own[:, 1] <= high)
-    width, middle = high - low, (high + low) / 2.0
-    if width + 2.0 * tolerances.least_side_clearance > hand.max_opening:
-        return None
-    opening = min(hand.max_opening, width + 2.0 * tolerances.side_clearance)
-    shift = np.array([0.0, middle, tip - hand.tip])
-    if _lowest_corner(look, shift, hand, opening) < tolerances.under_clearance:
-        return None
-    clearance = _room(look, shift, hand, opening, tolerances)
-    if clearance is None:
-        return None
-    held = _antipodality(look, window, low, high, opening, hand, tolerances)
-    if held <= 0.0:
-        return None
-    lever = float(np.hypot(look.com[0], look.com[1] - middle))
-    terms = {
-        "antipodality": held,
-        "balance": float(1.0 / (1.0 + (lever / tolerances.lever) ** 2)),
-        "clearance": clearance,
-        "depth": min(1.0, depth / (0.5 * hand.pad_length)),
-        "upright": 1.0 - 0.5 * look.frame.tilt,
-    }
-    pose = np.eye(4)
-    pose[:3, :3] = look.frame.rotation
-    pose[:3, 3] = look.frame.origin + look.frame.rotation @ shift
-    rim = abs(float(look.com[1]) - middle) > width / 2.0 + 0.01
-    return Pinch(pose, width, opening, depth, rim, terms)
+    rotations = frames.rotations[some]
+    held = between(points, surface.normals, rotations, inside[some])
+    heights = np.sort(np.where(held.there, held.points[:, :, 2], np.inf), axis=1)
+    last = np.count_nonzero(held.there, axis=1) - 1
+    top = heights[np.arange(len(heights)), np.minimum(tolerances.stray_points, last)]
+    return _Look(frames.origin, rotations, frames.tilts[some], held, top)
 
 
-def _extent(values: FloatArray, tolerances: GraspTolerances) -> tuple[float, float]:
-    """Bounds of the values around 0 up to a gap a finger could enter; one in fifty is left out."""
-    ordered = np.sort(values)
-    ends = np.flatnonzero(np.diff(ordered) > 2.5 * tolerances.spacing)
-    runs = np.split(ordered, ends + 1)
-    run = min(runs, key=lambda values: float(np.abs(values).min()))
-    skip = len(run) // 50
-    return float(run[skip]), float(run[len(run) - 1 - skip])
+def _holds(look: _Look, hand: HandShape, tolerances: GraspTolerances) -> _Hold:
+    """What the pads would close on at each depth, where it is no wider than the hand opens."""
+    depths = np.array(tolerances.depths)
+    tips = look.top[:, None] + depths
+    z = look.held.points[:, None, :, 2]
+    window = look.held.there[:, None] & (z <= tips[..., None]) & (z >= tips[..., None] - hand.pad_length)
+    row, at = np.nonzero(np.count_nonzero(window, axis=2) >= 3)
+    y, window = look.held.points[row, :, 1], window[row, at]
+    low, high = extents(y, window, tolerances)
+    window &= (y >= low[:, None]) & (y <= high[:, None])
+    opening = np.minimum(hand.max_opening, high - low + 2.0 * tolerances.side_clearance)
+    hold = _Hold(row, at, depths[at], tips[row, at], window, low, high, opening)
+    return hold.of(high - low + 2.0 * tolerances.least_side_clearance <= hand.max_opening)
+
+
+def _over_floor(
+    look: _Look, hold: _Hold, height: float, up: FloatArray, hand: HandShape, tolerances: GraspTolerances
+) -> BoolArray:
+    """(P,) whether the hand's lowest corner stays over the floor, which is `height` below the point."""
+    x, y, z = (up @ look.rotations)[hold.row].T
+    corners = [
+        np.minimum(x * x0, x * x1) + np.minimum(y * y0, y * y1) + z * front
+        for x0, x1, y0, y1, front in hand.footprints(hold.opening)
+    ]
+    lowest = np.min(corners, axis=0) + y * hold.middle + z * (hold.tip - hand.tip)
+    return height + lowest >= tolerances.under_clearance
 
 
 def _room(
-    look: _Look, shift: FloatArray, hand: HandShape, opening: float, tolerances: GraspTolerances
-) -> float | None:
-    """How free the way in is, 0..1, or None where the hand meets points."""
-    worst = 1.0
-    fingers = 2 * len(hand.finger)
-    for number, (x0, x1, y0, y1, front) in enumerate(hand.footprints(opening)):
-        points = look.at_fingers if number < fingers else look.at_palm
-        x, y, z, margin = points[:, 0], points[:, 1] - shift[1], points[:, 2] - shift[2], points[:, 3]
-        # distance beside the footprint, negative within
-        aside = np.maximum(np.maximum(x0 - x, x - x1), np.maximum(y0 - y, y - y1))
-        if np.count_nonzero((aside < margin) & (z < front + margin)) > tolerances.stray_points:
-            return None
-        if np.count_nonzero((aside < BRUSH[0]) & (z < front + BRUSH[1])) > tolerances.stray_points:
-            worst = 0.4
-    x, y, z, own = (look.at_fingers[:, k] for k in (0, 1, 2, 4))
-    between = (own < 0.5) & (np.abs(x) < hand.pad_width / 2.0) & (np.abs(y - shift[1]) < opening / 2.0)
-    if np.count_nonzero(between & (z - shift[2] < hand.tip)) > tolerances.stray_points:
-        return None  # a neighbour would be pinched along
-    return worst
-
-
-def _lowest_corner(look: _Look, shift: FloatArray, hand: HandShape, opening: float) -> float:
-    """Height of the hand's lowest corner over the floor [m]."""
-    x, y, z = look.up
-    lowest = min(
-        min(x * x0, x * x1) + min(y * y0, y * y1) + z * front
-        for x0, x1, y0, y1, front in hand.footprints(opening)
-    )
-    return look.over_floor + float(shift @ look.up) + lowest
-
-
-def _antipodality(
     look: _Look,
-    window: BoolArray,
-    low: float,
-    high: float,
-    opening: float,
+    hold: _Hold,
+    own: FloatArray,
+    others: FloatArray,
     hand: HandShape,
     tolerances: GraspTolerances,
-) -> float:
-    """How well two opposed pads hold: 1 for faces square to the closing direction, 0 at the friction cone.
+) -> FloatArray:
+    """(P,) how free the way in is, 0..1; 0 where the hand meets points or would pinch a neighbour along."""
+    half, count = hold.opening / 2.0, len(hold.row)
+    if count == 0:
+        return np.empty(0)
+    fingers, palm, pads = _reaches(look, hold, own, others, hand, tolerances)
+    pair, at, y = _met(pads, look, hold, hand, hand.tip)
+    closed = (np.abs(pads.x.reshape(-1)[at]) < hand.pad_width / 2.0) & (np.abs(y) < half[pair])
+    met = np.bincount(pair[closed], minlength=count) > tolerances.stray_points
+    brushed = np.zeros(count, dtype=bool)
+    for reach, prisms in ((fingers, hand.finger), (palm, hand.palm)):
+        left = np.flatnonzero(~met)
+        passed = _passed(reach, prisms, look, hold.of(left), hand, prisms is hand.finger, tolerances)
+        brushed[left], met[left] = brushed[left] | passed[0], passed[1]
+    return np.where(met, 0.0, np.where(brushed, TIGHT, 1.0))
 
-    Where the object's side is seen its normals decide. Where the silhouette ends between the pads (thin or
-    steep sides, not seen from above) the outline's direction within the pads does, and the hidden side is
-    taken as upright. Where the object widens below the tips, the pads meet a slope.
+
+def _reaches(
+    look: _Look,
+    hold: _Hold,
+    own: FloatArray,
+    others: FloatArray,
+    hand: HandShape,
+    tolerances: GraspTolerances,
+) -> tuple[_Reach, _Reach, _Reach]:
+    """Points that fingers, palm, and the pads as they close can meet at any of the depths in question.
+
+    Nearly all points are far from all of them: that is found with half the digits and `ROUGH` to spare.
     """
-    own, cone, worst = look.own, np.arctan(tolerances.friction), 1.0
-    tip, middle = float(own[window, 2].max()), (low + high) / 2.0
-    below = look.strip & (own[:, 2] > tip) & (own[:, 2] < tip + SLOPE_LENGTH)
-    beyond = own[below & (np.abs(own[:, 1] - middle) < opening / 2.0), 1]
-    for side, edge in ((-1.0, low), (1.0, high)):
-        contact = window & (np.abs(own[:, 1] - edge) < 0.003)
-        if abs(float(own[contact, 0].mean())) > 0.3 * hand.pad_width:
-            return 0.0  # only a pad's edge would touch
-        facing = look.normals[contact]
-        seen = facing[facing @ np.array([0.0, side, 0.0]) > 0.5]
-        if len(seen) >= max(2, 0.3 * len(facing)):
-            mean = seen.mean(axis=0)
-            angle = float(np.arccos(np.clip(side * mean[1] / np.linalg.norm(mean), -1.0, 1.0)))
-            angle = max(0.0, angle - NORMAL_BIAS)
-        elif float(np.median(facing @ np.array([0.0, side, 0.0]))) > SLOPED:
-            return 0.0  # a seen face, and too flat a slope to press on: pads would slide off its wedge
-        else:
-            angle = 0.25 * cone + _outline_angle(own[window], side)
-        widening = float((side * beyond).max()) - side * edge if len(beyond) > 0 else 0.0
-        if widening > tolerances.spacing:
-            angle = max(angle, float(np.arctan2(widening, SLOPE_LENGTH)))
-        worst = min(worst, 1.0 - angle / cone)
-    return max(0.0, worst)
+    points = np.vstack([own, others]) - look.origin
+    foreign = np.arange(len(points)) >= len(own)
+    margin = np.where(foreign, tolerances.under_clearance, OWN_MARGIN)
+    rough, turns = points.T.astype(np.float32), look.rotations.astype(np.float32)
+    x, y, z = (turns[:, :, axis] @ rough for axis in range(3))
+    half = hold.opening / 2.0
+    shift, least = (
+        _extreme(look, hold, hold.tip - hand.tip, 1.0),
+        _extreme(look, hold, half - hold.middle, -1.0),
+    )
+    inner, outer = _extreme(look, hold, half + hold.middle, -1.0), _extreme(look, hold, half, 1.0)
+    middle = _extreme(look, hold, np.abs(hold.middle), 1.0)
+    x = np.abs(x)
+
+    def those(near: BoolArray, front: float) -> _Reach:
+        index, there = packed(near & (z < shift + np.float32(front + ROUGH)))
+        exact = np.matmul(points[index], look.rotations)
+        z_in = np.where(there, exact[:, :, 2], np.inf)
+        return _Reach(exact[:, :, 0], exact[:, :, 1], z_in, margin[index])
+
+    first = min((prism.y[0] for prism in hand.finger), default=0.0) - BRUSH[0] - ROUGH
+    beside = (y > inner + np.float32(first)) | (-y > least + np.float32(first))
+    found: list[_Reach] = []
+    for prisms, near in ((hand.finger, beside), (hand.palm, np.ones_like(beside))):
+        wide = max((max(-prism.x[0], prism.x[1]) for prism in prisms), default=-np.inf) + BRUSH[0] + ROUGH
+        aside = max((max(-prism.y[0], prism.y[1]) for prism in prisms), default=0.0) + BRUSH[0] + ROUGH
+        limit = middle + np.float32(aside) + (outer if prisms is hand.finger else np.float32(0.0))
+        front = max((prism.front for prism in prisms), default=-np.inf) + BRUSH[1]
+        found.append(those(near & (x < np.float32(wide)) & (np.abs(y) < limit), front))
+    closing = (
+        foreign
+        & (x < np.float32(hand.pad_width / 2.0 + ROUGH))
+        & (np.abs(y) < middle + outer + np.float32(ROUGH))
+    )
+    return found[0], found[1], those(closing, hand.tip)
 
 
-def _outline_angle(points: FloatArray, side: float) -> float:
-    """Angle between the pad and the object's outline along x, from the outermost points of slices [rad]."""
-    low, high = float(points[:, 0].min()), float(points[:, 0].max())
-    if high - low < 0.004:
-        return 0.0  # a rod along the approach
-    slices = np.minimum(((points[:, 0] - low) / (high - low) * 4).astype(int), 3)
-    middles, edges = [], []
-    for index in range(4):
-        inside = points[slices == index]
-        if len(inside) > 0:
-            outermost = inside[np.argmax(side * inside[:, 1])]
-            middles.append(outermost[0])
-            edges.append(outermost[1])
-    if len(middles) < 3:
-        return 0.0
-    slope = float(np.polyfit(np.array(middles), np.array(edges), 1)[0])
-    return float(abs(np.arctan(slope)))
+def _extreme(look: _Look, hold: _Hold, values: FloatArray, sign: float) -> NDArray[np.float32]:
+    """(F, 1) the largest (sign 1) or smallest (-1) of (P,) values of each direction, in half the digits."""
+    found = np.full(len(look.top), -np.inf)
+    np.maximum.at(found, hold.row, sign * values)
+    return (sign * found).astype(np.float32)[:, None]
+
+
+def _met(
+    reach: _Reach, look: _Look, hold: _Hold, hand: HandShape, front: float
+) -> tuple[IntArray, IntArray, FloatArray]:
+    """Points before `front` at each pair: the pair's number, the point's, and its y in the hand."""
+    shape = len(look.top), int(hold.column.max(initial=0)) + 1
+    limit, number = np.full(shape, -np.inf), np.zeros(shape, dtype=np.int64)
+    limit[hold.row, hold.column] = hold.tip - hand.tip + front
+    number[hold.row, hold.column] = np.arange(len(hold.row))
+    row, column, place = np.nonzero(reach.z[:, None, :] < limit[:, :, None])
+    pair, at = number[row, column], row * reach.z.shape[1] + place
+    return pair, at, reach.y.reshape(-1)[at] - hold.middle[pair]
+
+
+def _passed(
+    reach: _Reach,
+    prisms: tuple[Prism, ...],
+    look: _Look,
+    hold: _Hold,
+    hand: HandShape,
+    mirrored: bool,
+    tolerances: GraspTolerances,
+) -> tuple[BoolArray, BoolArray]:
+    """(P,) whether more than stray points are brushed by, and met by, any prism of fingers or palm."""
+    count = len(hold.row)
+    brushed, met = np.zeros(2 * count, dtype=bool), np.zeros(2 * count, dtype=bool)
+    if not prisms:
+        return brushed[:count], met[:count]
+    key, at, y = _met(reach, look, hold, hand, max(prism.front for prism in prisms) + BRUSH[1])
+    if mirrored:  # from the one pad outwards, and from the other, which counts for itself
+        half = (hold.opening / 2.0)[key]
+        key, at, y = np.concatenate([key, key + count]), np.tile(at, 2), np.concatenate([y - half, -y - half])
+    first, last = min(prism.y[0] for prism in prisms), max(prism.y[1] for prism in prisms)
+    near = np.flatnonzero((y > first - BRUSH[0]) & (y < last + BRUSH[0]))
+    key, at, y = key[near], at[near], y[near]
+    x, z, margin = (values.reshape(-1)[at] for values in (reach.x, reach.z, reach.margin))
+    z = z - (hold.tip - hand.tip)[key % count]
+    for prism in prisms:
+        near = np.flatnonzero(z < prism.front + BRUSH[1])
+        a, b, c, keep = x[near], y[near], z[near], margin[near]
+        # distance beside the prism, negative within
+        aside = np.maximum(
+            np.maximum(prism.x[0] - a, a - prism.x[1]), np.maximum(prism.y[0] - b, b - prism.y[1])
+        )
+        for found, hit in ((brushed, aside < BRUSH[0]), (met, (aside < keep) & (c < prism.front + keep))):
+            found |= np.bincount(key[near[hit]], minlength=2 * count) > tolerances.stray_points
+    return brushed[:count] | brushed[count:], met[:count] | met[count:]
+
+
+def _best_and_deepest(
+    look: _Look,
+    hold: _Hold,
+    clearance: FloatArray,
+    held: FloatArray,
+    centre: FloatArray,
+    hand: HandShape,
+    tolerances: GraspTolerances,
+) -> list[Pinch]:
+    """The best-scored and the deepest pinch of each direction."""
+    com = ((centre - look.origin) @ look.rotations)[hold.row]
+    lever = np.hypot(com[:, 0], com[:, 1] - hold.middle)
+    width = hold.high - hold.low
+    rim = np.abs(com[:, 1] - hold.middle) > width / 2.0 + 0.01
+    terms = {
+        "antipodality": held,
+        "balance": 1.0 / (1.0 + (lever / tolerances.lever) ** 2),
+        "clearance": clearance,
+        "depth": np.minimum(1.0, hold.depth / (0.5 * hand.pad_length)),
+        "upright": 1.0 - 0.5 * look.tilts[hold.row],
+    }
+    total = np.sum(list(terms.values()), axis=0)
+    found: list[Pinch] = []
+    for row in np.unique(hold.row):
+        here = np.flatnonzero(hold.row == row)
+        best, deepest = int(here[np.argmax(total[here])]), int(here[-1])
+        for k in (best, deepest) if best != deepest else (best,):
+            pose = np.eye(4)
+            pose[:3, :3] = look.rotations[row]
+            shift = np.array([0.0, hold.middle[k], hold.tip[k] - hand.tip])
+            pose[:3, 3] = look.origin + look.rotations[row] @ shift
+            parts = {name: float(values[k]) for name, values in terms.items()}
+            found.append(
+                Pinch(
+                    pose, float(width[k]), float(hold.opening[k]), float(hold.depth[k]), bool(rim[k]), parts
+                )
+            )
+    return found

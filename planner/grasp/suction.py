@@ -5,8 +5,8 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from topple.planner.grasp.frames import spread
 from topple.planner.grasp.hand import FINGER_SLABS, Prism, hand_bodies, prisms
-from topple.planner.grasp.pinch import spread
 from topple.planner.grasp.surface import Surface
 from topple.planner.grasp.tolerances import GRASP_TOLERANCES, GraspTolerances
 from topple.robots.gripper import SuctionCup

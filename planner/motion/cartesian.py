@@ -33,18 +33,42 @@ def straight_line(
     Returns:
         (k, n) joint path, or None where the arm cannot follow or would hit something.
     """
-    targets = _line(arm.tool_pose(q_start, tool)[0], pose_tool_to_base)
-    flange = np.matmul(targets, np.linalg.inv(arm.tool_to_flange(tool)))
-    path = [np.asarray(q_start, dtype=float)]
-    for target in flange[1:]:
-        found, _ = solve(arm.chain, target[None], path[-1][None], CONTINUED)
-        if not len(found) or np.abs(found[0] - path[-1]).max() > JUMP:
-            return None
-        path.append(found[0])
-    result = np.array(path)
-    if checker is not None and not checker.edges_free(result[:-1], result[1:], step=0.01).all():
-        return None
-    return result
+    result = straight_lines(arm, q_start[None], pose_tool_to_base[None], tool)[0]
+    if result is None or checker is None:
+        return result
+    return result if checker.edges_free(result[:-1], result[1:], step=0.01).all() else None
+
+
+def straight_lines(
+    arm: Arm, q_start: FloatArray, poses_tool_to_base: FloatArray, tool: str = "fingers"
+) -> list[FloatArray | None]:
+    """Move a tool along many straight lines, each on its own: kinematics alone, one batch for each waypoint.
+
+    Args:
+        arm: The arm.
+        q_start: (m, n) states to start from.
+        poses_tool_to_base: (m, 4, 4) poses at the ends.
+        tool: The tool that moves.
+
+    Returns:
+        For each line its (k, n) joint path, or None where the arm cannot follow.
+    """
+    starts = arm.tool_pose(q_start, tool)
+    to_flange = np.linalg.inv(arm.tool_to_flange(tool))
+    lines = [np.matmul(_line(a, b), to_flange) for a, b in zip(starts, poses_tool_to_base, strict=True)]
+    paths = [[np.asarray(q, dtype=np.float64)] for q in q_start]
+    following = list(range(len(lines)))
+    for waypoint in range(1, max((len(line) for line in lines), default=0)):
+        following = [k for k in following if len(paths[k]) == waypoint]
+        moving = [k for k in following if len(lines[k]) > waypoint]
+        if not moving:
+            break
+        targets = np.array([lines[k][waypoint] for k in moving])
+        seeds = np.array([paths[k][-1] for k in moving])[:, None, :]
+        for q, owner in zip(*solve(arm.chain, targets, seeds, CONTINUED), strict=True):
+            if np.abs(q - seeds[owner, 0]).max() <= JUMP:
+                paths[moving[int(owner)]].append(q)
+    return [np.array(p) if len(p) == len(line) else None for p, line in zip(paths, lines, strict=True)]
 
 
 def _line(start: FloatArray, end: FloatArray) -> FloatArray:

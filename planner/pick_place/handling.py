@@ -7,7 +7,7 @@ from functools import cached_property
 import numpy as np
 
 from topple.planner.grasp.grasp import Grasp
-from topple.planner.motion.cartesian import straight_line
+from topple.planner.motion.cartesian import straight_lines
 from topple.planner.motion.collision import Checker
 from topple.planner.motion.model import Attachment
 from topple.planner.motion.shortcut import densely
@@ -275,7 +275,13 @@ class Handling:
         self, checker: Checker, q: FloatArray, target: FloatArray, tool: str, step: str, tally: Tally
     ) -> FloatArray | None:
         """(k, n) straight from a state to a tool pose in the world; what bars it is noted."""
-        path = straight_line(self.arm, None, q, self.world_to_base @ target, tool)
+        path = straight_lines(self.arm, q[None], (self.world_to_base @ target)[None], tool)[0]
+        return self._clear(path, checker, q, step, tally)
+
+    def _clear(
+        self, path: FloatArray | None, checker: Checker, q: FloatArray, step: str, tally: Tally
+    ) -> FloatArray | None:
+        """A straight path from a state where nothing bars it; what does is noted."""
         if path is None:
             tally.note(step, "reach", f"no straight {step} within the arm's reach", q)
         elif not checker.edges_free(path[:-1], path[1:], step=LINE_STEP).all():
@@ -309,9 +315,10 @@ class Handling:
         Returns:
             Up to `most` ends, best placements first.
         """
-        grasp, found = state.grasp, list[End]()
+        grasp = state.grasp
         checker = self.carrying(grasp, 0.0, places[0].into if places else None)
         targets = [place.pose_before_to_after @ grasp.pose_tool_to_world for place in places]
+        tried: list[tuple[Placement, FloatArray, FloatArray]] = []
         for place, target, states in zip(
             places, targets, self._inverse([grasp] * len(places), targets, near), strict=True
         ):
@@ -321,33 +328,37 @@ class Handling:
             free = checker.free(states)
             if not free.any():
                 _blame(tally, checker, states[0], "place")
-            for q in states[free][:2]:
-                end = self._end(grasp, place, target, q, (drop, retreat), checker, tally)
-                if end is not None:
-                    found.append(end)
-                    break
-            if len(found) >= most:
-                break
-        return found
+            tried += [(place, target, q) for q in states[free][:2]]
+        return self._free_ends(grasp, tried, (drop, retreat), checker, most, tally)
 
-    def _end(
+    def _free_ends(
         self,
         grasp: Grasp,
-        place: Placement,
-        target: FloatArray,
-        q: FloatArray,
+        tried: Sequence[tuple[Placement, FloatArray, FloatArray]],
         ways: tuple[float, float],
         carrying: Checker,
+        most: int,
         tally: Tally,
-    ) -> End | None:
-        above, back = target.copy(), np.eye(4)
-        above[:3, 3] += ways[0] * self.up
+    ) -> list[End]:
+        """Of places with tool poses and states there the first `most` with straight ways in and out."""
+        if not tried:
+            return []
+        states, to_base = np.array([q for _, _, q in tried]), self.world_to_base
+        above, back = np.array([to_base @ target for _, target, _ in tried]), np.eye(4)
+        above[:, :3, 3] += ways[0] * to_base[:3, :3] @ self.up
         back[2, 3] = -ways[1]
-        raised = self._straight(carrying, q, above, grasp.tool, "place", tally)
-        if raised is None:
-            return None
-        out = self._straight(self.leaving(grasp), q, target @ back, grasp.tool, "retreat", tally)
-        return None if out is None else End(place, raised[::-1], out)
+        out = np.array([to_base @ target @ back for _, target, _ in tried])
+        raised = straight_lines(self.arm, states, above, grasp.tool)
+        drawn = straight_lines(self.arm, states, out, grasp.tool)
+        found: list[End] = []
+        for (place, _, q), rising, leaving in zip(tried, raised, drawn, strict=True):
+            if len(found) >= most or any(end.placement is place for end in found):
+                continue
+            up = self._clear(rising, carrying, q, "place", tally)
+            away = None if up is None else self._clear(leaving, self.leaving(grasp), q, "retreat", tally)
+            if up is not None and away is not None:
+                found.append(End(place, up[::-1], away))
+        return found
 
 
 def _blame(tally: Tally, checker: Checker, q: FloatArray, step: str) -> None:

@@ -1,0 +1,109 @@
+import numpy as np
+import pytest
+
+from topple.planner.grasp.candidates import surroundings
+from topple.planner.grasp.frames import frames
+from topple.planner.grasp.hand import hand_shape
+from topple.planner.grasp.pads import extents, packed
+from topple.planner.grasp.pinch import OWN_MARGIN, Pinch, pinches
+from topple.planner.grasp.surface import Surface, surface_of
+from topple.planner.grasp.tolerances import GRASP_TOLERANCES
+from topple.robots.bodies import Body
+from topple.robots.catalog import robot
+from topple.robots.shapes.boxes import box, can
+from topple.robots.shapes.tableware import bowl, mug, plate
+from topple.topology.scene import Scene
+
+HAND = hand_shape(robot("panda"))
+UP = np.array([0.0, 0.0, 1.0])
+
+
+def clouds(**bodies: tuple[Body, tuple[float, float, float]]) -> Scene:
+    rng = np.random.default_rng(3)
+    axis = np.arange(-0.3, 0.3, 0.006)
+    x, y = np.meshgrid(axis, axis)
+    found = {"table": np.column_stack([x.ravel(), y.ravel(), np.zeros(x.size)])}
+    for name, (body, place) in bodies.items():
+        points = body.surface(5000, rng) + np.array(place)
+        found[name] = points + rng.normal(0.0, 0.0005, points.shape)
+    return Scene(found, fixed=["table"], up=UP)
+
+
+def searched(scene: Scene, name: str) -> tuple[Surface, np.ndarray, list[list[Pinch]]]:
+    others, floor = surroundings(name, scene, UP)
+    surface = surface_of(scene.clouds[name], UP, others=others)
+    found = [
+        pinches(one, surface, others, floor, UP, HAND)
+        for one in frames(surface, UP, GRASP_TOLERANCES.tilts, count=8)
+    ]
+    return surface, others, found
+
+
+@pytest.mark.parametrize("name", ["can", "bowl"])
+def test_every_prism_of_the_hand_is_clear_of_every_point_looked_at_one_by_one(name: str) -> None:
+    scene = clouds(
+        can=(can(), (0.0, 0.0, 0.0)),
+        wall=(box("wall", (0.2, 0.03, 0.1)), (0.0, 0.08, 0.0)),
+        bowl=(bowl(), (0.0, -0.16, 0.0)),
+    )
+    surface, others, found = searched(scene, name)
+    assert sum(map(len, found)) > 10
+    for pinch in [pinch for at_point in found for pinch in at_point]:
+        to_tool = np.linalg.inv(pinch.pose_tool_to_world)
+        for cloud, margin in ((surface.points, OWN_MARGIN), (others, GRASP_TOLERANCES.under_clearance)):
+            local = cloud @ to_tool[:3, :3].T + to_tool[:3, 3]
+            for x0, x1, y0, y1, front in HAND.footprints(pinch.opening):
+                x, y, z = local.T
+                inside = (x > x0 - margin) & (x < x1 + margin) & (y > y0 - margin) & (y < y1 + margin)
+                met = np.count_nonzero(inside & (z < front + margin - 1e-9))
+                assert met <= GRASP_TOLERANCES.stray_points
+
+
+@pytest.mark.parametrize("body", [bowl("thing"), mug("thing")], ids=["bowl", "mug"])
+def test_hollow_ware_is_taken_by_its_rim_with_one_finger_on_either_side_of_the_wall(body: Body) -> None:
+    scene = clouds(thing=(body, (0.0, 0.0, 0.0)))
+    _, _, found = searched(scene, "thing")
+    rims = [pinch for at_point in found for pinch in at_point if pinch.rim]
+    assert rims
+    best = max(rims, key=lambda pinch: sum(pinch.terms.values()))
+    outer = np.linalg.norm(scene.clouds["thing"][:, :2], axis=1).max()
+    assert 0.4 * outer < np.linalg.norm(best.pose_tool_to_world[:2, 3]) < 1.1 * outer
+    assert best.width < 0.04  # of the wall, not of the whole
+
+
+def test_a_plate_flat_on_a_table_leaves_no_room_for_a_finger_below_its_rim() -> None:
+    _, _, found = searched(clouds(thing=(plate("thing"), (0.0, 0.0, 0.0))), "thing")
+    assert not any(found)
+
+
+def test_directions_looked_at_together_give_what_each_gives_alone() -> None:
+    scene = clouds(can=(can(), (0.0, 0.0, 0.0)), wall=(box("wall", (0.2, 0.03, 0.1)), (0.0, 0.08, 0.0)))
+    others, floor = surroundings("can", scene, UP)
+    surface = surface_of(scene.clouds["can"], UP, others=others)
+    for many in frames(surface, UP, GRASP_TOLERANCES.tilts, count=3):
+        together = pinches(many, surface, others, floor, UP, HAND)
+        alone = [
+            pinch
+            for k in range(len(many.tilts))
+            for pinch in pinches(
+                type(many)(many.origin, many.rotations[k : k + 1], many.tilts[k : k + 1]),
+                surface, others, floor, UP, HAND,
+            )
+        ]  # fmt: skip
+        assert len(together) == len(alone)
+        for a, b in zip(together, alone, strict=True):
+            assert np.allclose(a.pose_tool_to_world, b.pose_tool_to_world)
+            assert a.terms == pytest.approx(b.terms)
+
+
+def test_the_extent_between_pads_ends_at_a_gap_a_finger_could_enter() -> None:
+    y = np.array([[-0.02, 0.0, 0.004, 0.008, 0.03, 0.034]])
+    low, high = extents(y, np.ones((1, 6), dtype=bool), GRASP_TOLERANCES)
+    assert (low[0], high[0]) == (0.0, 0.008)
+    low, high = extents(y, np.array([[True, True, False, False, True, True]]), GRASP_TOLERANCES)
+    assert (low[0], high[0]) == (0.0, 0.0)
+
+
+def test_packed_rows_name_the_columns_that_are_set() -> None:
+    index, there = packed(np.array([[False, True, True], [False, False, False], [True, False, False]]))
+    assert [row[have].tolist() for row, have in zip(index, there, strict=True)] == [[1, 2], [], [0]]
