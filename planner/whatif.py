@@ -1,6 +1,6 @@
 """Take something away in simulation: what moves?"""
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
@@ -54,7 +54,11 @@ class Move:
 
 
 def take_away(
-    world: World, name: str, seconds: float = SETTLE, before: Mapping[str, FloatArray] | None = None
+    world: World,
+    name: str,
+    seconds: float = SETTLE,
+    before: Mapping[str, FloatArray] | None = None,
+    watch: Callable[[World], None] | None = None,
 ) -> dict[str, Move]:
     """Lift an object straight up, rigidly, take it out of the world, and see what became of the others.
 
@@ -66,6 +70,7 @@ def take_away(
         seconds: Time to settle after the lift [s].
         before: name -> (4, 4) pose that the others are compared with: where they would be had nobody lifted
             anything. Where they are now, if not given.
+        watch: Called after every step of the lift, and once all is over, before the world is put back.
 
     Returns:
         name -> move, for everything else that can move.
@@ -83,6 +88,8 @@ def take_away(
         )
         pybullet.resetBaseVelocity(number, (0, 0, SPEED), (0, 0, 0), physicsClientId=client)
         world.step()
+        if watch is not None:
+            watch(world)
         if step % 12 == 0 and _is_clear(world, name):
             break  # the rest of the way meets nothing
     # Out of reach of everything, where it falls for as long as the others settle.
@@ -91,6 +98,8 @@ def take_away(
         world.step(24)
         if _at_rest(world, name):
             break
+    if watch is not None:
+        watch(world)
     after = world.poses()
     world.restore(kept)
     pybullet.removeState(kept.number, physicsClientId=client)
