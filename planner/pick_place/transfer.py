@@ -1,5 +1,6 @@
 """One pick and place: grasps, inverse kinematics and placements screened together, then the motions."""
 
+from collections import Counter
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
@@ -56,6 +57,7 @@ class TransferLimits:
 
 
 TRANSFER_LIMITS = TransferLimits()
+TIRED = 2  # failures of one tool after which another has its turn: a surface that leaks leaks elsewhere too
 LEVEL = 0.02  # [rad] a placement that tilts a thing less keeps it upright: noise of the up direction
 ROUNDING = 2e-5  # [m] proven clearance that writing a plan with six digits cannot use up
 NO_GRASP, NO_PLACE = "no grasp that holds and has room", "no free place within reach"
@@ -139,6 +141,9 @@ def plan_transfer(
     searched = grasps is None
     if grasps is None:
         grasps = _others(grasp_candidates(name, scene, arm, solids=bodies), avoid)
+        if grasps and "fingers" in arm.tools and all(grasp.tool in _tired(avoid) for grasp in grasps):
+            pinches = grasp_candidates(name, scene, hand=hand_shape(arm), solids=bodies)
+            grasps = _others(pinches, avoid) or grasps
     if places is None:
         places = placements(name, scene, bodies, pose_base_to_world=pose_base_to_world)
     level = bool(riding) if upright is None else upright
@@ -158,8 +163,16 @@ def plan_transfer(
 
 
 def _others(grasps: list[Grasp], avoid: Sequence[Grasp]) -> list[Grasp]:
-    """The grasps that are not near any of those to avoid; all of them where that leaves none."""
-    return [grasp for grasp in grasps if not any(grasp.near(other) for other in avoid)] or grasps
+    """The grasps by a tool that did not fail time and again, and not near one that failed, if there are."""
+    tired = _tired(avoid)
+    far = [grasp for grasp in grasps if not any(grasp.near(other) for other in avoid)]
+    return [grasp for grasp in far if grasp.tool not in tired] or far or grasps
+
+
+def _tired(failed: Sequence[Grasp]) -> set[str]:
+    """Tools that failed so often that another one should be tried."""
+    counts = Counter(grasp.tool for grasp in failed)
+    return {tool for tool, count in counts.items() if count >= TIRED}
 
 
 class _Search:
@@ -179,25 +192,30 @@ class _Search:
         self.tally = Tally(frozenset(handling.bodies) - {handling.name})
 
     def run(self, grasps: Sequence[Grasp]) -> Transfer | TransferFailure:
-        for lenient in (False, True):
-            grasps = grasps[: self.limits.grasps]
-            reached = self.handling.reached(grasps, self.q_start, lenient, self.tally)
-            for state in reached[: self.limits.reached]:
-                transfer = self._with(state)
-                if transfer is not None:
-                    return transfer
+        grasps = grasps[: self.limits.grasps]
+        for places in self._choices():
+            for lenient in (False, True):
+                reached = self.handling.reached(grasps, self.q_start, lenient, self.tally)
+                for state in reached[: self.limits.reached]:
+                    transfer = self._with(state, places)
+                    if transfer is not None:
+                        return transfer
         return self.tally.failure(self.handling.name)
 
-    def _with(self, state: Reached) -> Transfer | None:
-        """Complete a transfer that starts with one reachable grasp."""
+    def _choices(self) -> list[tuple[Placement, ...]]:
+        """Places where the object cannot roll, and only if none of them can be reached the others."""
+        steady = tuple(place for place in self.places if not place.rolls)
+        rolling = tuple(place for place in self.places if place.rolls)
+        return [places for places in (steady, rolling) if places]
+
+    def _with(self, state: Reached, places: tuple[Placement, ...]) -> Transfer | None:
+        """Complete a transfer to one of some places that starts with one reachable grasp."""
         grasp, limits, handling = state.grasp, self.limits, self.handling
         approach = handling.way_in(state, limits.approach, self.tally)
         lift = None if approach is None else handling.way_up(state, limits.lift, self.tally)
         if approach is None or lift is None:
             return None
-        ends = handling.ends(
-            state, self.places, lift[-1], limits.drop, limits.retreat, limits.goals, self.tally
-        )
+        ends = handling.ends(state, places, lift[-1], limits.drop, limits.retreat, limits.goals, self.tally)
         if not ends:
             return None
         ahead = [Leg("approach", approach, handling.approaching(grasp, state.lenient), straight=True)]

@@ -45,6 +45,17 @@ def test_segments_come_in_order_and_join(transfer: Transfer) -> None:
     assert np.allclose(q, transfer.q_end)
 
 
+def test_a_tool_that_failed_twice_gives_way_to_the_other() -> None:
+    first = plan_transfer("can", scene(), None, ARM, BASE, np.array(ARM.home))
+    assert isinstance(first, Transfer)
+    assert first.grasp.tool == "suction"
+    again = [
+        plan_transfer("can", scene(), None, ARM, BASE, np.array(ARM.home), avoid=[first.grasp] * n)
+        for n in (1, 2)
+    ]
+    assert [found.grasp.tool for found in again if isinstance(found, Transfer)] == ["suction", "fingers"]
+
+
 def test_the_hand_is_at_the_grasp_when_it_closes(transfer: Transfer) -> None:
     approach = transfer.segments[1].trajectory
     assert approach is not None
