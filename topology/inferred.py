@@ -1,16 +1,21 @@
 """Contacts that no camera saw and gravity demands: what floats in the clouds is held by something."""
 
-from collections.abc import Callable, Collection, Mapping
+from collections.abc import Callable, Collection, Mapping, Sequence
 from dataclasses import replace
+from typing import TYPE_CHECKING
 
 import numpy as np
 
 from topple.topology.arrays import FloatArray, IntArray
-from topple.topology.hull import Hull
+from topple.topology.outline import covers, outline
 from topple.topology.pairs import PairRelation, Relations
 from topple.topology.relation import Relation
 from topple.topology.scene import Scene
 from topple.topology.tolerances import TOLERANCES
+from topple.topology.upright import upright_axes
+
+if TYPE_CHECKING:
+    from topple.topology.support import Support
 
 CLOSE = 0.02
 """Gap [m] from which objects carry each other no more: twice what a search for contacts allows."""
@@ -46,11 +51,32 @@ def infer_contacts(
     from topple.topology.support import supports
 
     concerned = _hanging_together(floating.union(*hidden), scene, relations)
-    for support in supports(scene, relations, Statics.of(scene, concerned)):
-        pair = relations.between(support.supporter, support.supported)
-        if support.supported in floating and frozenset((pair.a, pair.b)) in hidden:
-            relations = relations.with_pair(_touching(pair, support.confidence))
+    found = supports(scene, relations, Statics.of(scene, concerned))
+    for name in sorted(floating):
+        below = [support for support in found if support.supported == name]
+        for support in _uppermost(name, below, scene, relations):
+            if frozenset((name, support.supporter)) in hidden:
+                pair = relations.between(support.supporter, name)
+                relations = relations.with_pair(_touching(pair, support.confidence))
     return relations
+
+
+def _uppermost(name: str, below: Sequence["Support"], scene: Scene, relations: Relations) -> list["Support"]:
+    """What may carry an object, without what lies under another that reaches below its middle already.
+
+    Between the two lies the upper one, hidden as it may be: a bowl on two plates meets the upper plate.
+    """
+    up = np.asarray(scene.up)
+    middle = scene.clouds[name].mean(axis=0) @ upright_axes(up)[:2].T
+    seen = {pair.b for pair in relations.of(name) if _holds(pair, scene.clouds, up, scene.fixed)}
+    height = {other: _height(scene.clouds[other], up) for other in seen.union(one.supporter for one in below)}
+    reaching = [
+        height[other]
+        for other in height.keys() - scene.fixed
+        if height[other] < _height(scene.clouds[name], up)
+        and covers([outline(scene.clouds[other], up)], middle, TOLERANCES.flat)
+    ]
+    return [one for one in below if height[one.supporter] >= max(reaching, default=-np.inf)]
 
 
 def _hanging_together(names: Collection[str], scene: Scene, relations: Relations) -> frozenset[str]:
@@ -85,14 +111,8 @@ def _held(name: str, scene: Scene, relations: Relations, up: FloatArray) -> bool
         return True
     if not holders:
         return False
-    below = Hull.of(np.concatenate([_level(scene.clouds[pair.b], up) for pair in holders]))
-    middle = _level(scene.clouds[name], up).mean(axis=0)
-    return bool(below.facet_distance(middle[None])[0] <= TOLERANCES.flat)
-
-
-def _level(points: FloatArray, up: FloatArray) -> FloatArray:
-    """The points (N, 3) moved along `up` into one plane [m]."""
-    return points - np.outer(points @ up, up)
+    middle = scene.clouds[name].mean(axis=0) @ upright_axes(up)[:2].T
+    return covers([outline(scene.clouds[pair.b], up) for pair in holders], middle, TOLERANCES.flat)
 
 
 def _holds(
@@ -103,7 +123,12 @@ def _holds(
         return True
     if pair.relation is not Relation.TOUCH:
         return False
-    return pair.b in fixed or float(np.median(clouds[pair.b] @ up)) < float(np.median(clouds[pair.a] @ up))
+    return pair.b in fixed or _height(clouds[pair.b], up) < _height(clouds[pair.a], up)
+
+
+def _height(points: FloatArray, up: FloatArray) -> float:
+    """Middle height of points (N, 3) along `up` [m]: strays do not move it."""
+    return float(np.median(points @ up))
 
 
 def _may_touch(pair: PairRelation) -> bool:

@@ -96,7 +96,7 @@ def test_boxes_deep_in_each_other_cross_with_a_negative_gap():
     assert pair.gap < -0.005
 
 
-@pytest.mark.parametrize("gap", [0.0, 0.01, 0.04])
+@pytest.mark.parametrize("gap", [0.0, 0.01, 0.04, 0.07])
 def test_the_gap_is_the_distance_of_the_surfaces(gap):
     first, second = box((0.05, 0.05, 0.05), [0, 0, 0]), box((0.05, 0.05, 0.05), [0.05 + gap, 0, 0], seed=7)
     pair = between(first, second, deviation=0.003)
