@@ -28,6 +28,7 @@ class Placement:
         drop: How far it falls when it is let go [m].
         into: What it is put on or into, whose inferred body it may enter: its seen surface was kept clear of.
         inside: Share of its height that is below the rim of what it is put into; 0 on a table.
+        rolls: Whether it could roll away from there.
     """
 
     pose_before_to_after: FloatArray
@@ -36,6 +37,7 @@ class Placement:
     drop: float = 0.0
     into: str | None = None
     inside: float = 0.0
+    rolls: bool = False
 
     def __post_init__(self) -> None:
         object.__setattr__(self, "pose_before_to_after", frozen(self.pose_before_to_after))
@@ -134,7 +136,7 @@ def _at_rest(
                 pose[:3, :3], pose[:3, 3] = rotation, target - rotation @ middle
                 turned_by, gap = np.degrees(rest.turn), 1e3 * float(room[index])
                 words = f"turned {turned_by:.0f} deg onto a face, {gap:.0f} mm free"
-                found.append(Placement(pose, float(scores[index]), words, tolerances.drop))
+                found.append(Placement(pose, float(scores[index]), words, tolerances.drop, rolls=rest.rolls))
     return found
 
 
@@ -161,10 +163,10 @@ def _scores(
 
 
 def _spread_out(found: list[Placement], middle: FloatArray, limit: int) -> list[Placement]:
-    """Best first, at most three headings at a place and places at least 6 cm apart."""
+    """What cannot roll first, then best first: at most three headings at a place, places 6 cm apart."""
     kept: list[Placement] = []
     spots: list[FloatArray] = []
-    for placement in sorted(found, key=lambda placement: -placement.score):
+    for placement in sorted(found, key=lambda placement: (placement.rolls, -placement.score)):
         pose = placement.pose_before_to_after
         spot = pose[:3, :3] @ middle + pose[:3, 3]
         near = [other for other in spots if np.linalg.norm(other - spot) < 0.06]

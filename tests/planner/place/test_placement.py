@@ -130,3 +130,20 @@ def test_a_noisy_table_is_a_slab_whose_top_is_its_plane() -> None:
     assert abs(top[1]) < 5e-4
     (slab,) = fixed_parts(noisy, UP)
     assert abs(slab[:, 2].max()) < 2e-3
+
+
+def test_a_can_that_lies_is_stood_up_and_only_then_laid_on_its_round_side() -> None:
+    cloud = tilted(can(), 1.35)
+    rests = resting_poses(cloud, [cloud], UP)
+    assert not rests[0].rolls
+    assert rests[0].barrier > 0.003
+    assert np.ptp(cloud @ rests[0].rotation.T @ UP) == pytest.approx(
+        np.ptp(tilted(can(), 0.0)[:, 2]), abs=0.01
+    )
+    assert any(rest.rolls and rest.barrier < 0.001 for rest in rests)
+
+
+def test_what_cannot_roll_comes_first_of_all_placements() -> None:
+    rolls = [place.rolls for place in placements("can", on_table(can=tilted(can(), 1.35)))]
+    assert not rolls[0]
+    assert rolls == sorted(rolls)
