@@ -20,6 +20,7 @@ PRESS = 0.6  # share of the jaw's continuous force used for a grip: crockery and
 WATCHED = ("lift", "transfer", "place")  # segments during which the object must be in the hand
 TOUCHDOWN = 1.0  # [N] an object that presses this much on what is below stands on it: the arm goes no further
 TOUCHED = 2.0  # [N] fingers that press so much on their way in push: less does not move a can
+SEATED = 8.0  # [N] seat a cup's lip; what an arm presses beyond that counts against what the vacuum holds
 SHALLOW = 0.005  # [m] before the end of the way in that a grasp still holds: a third of a pad
 OFF_COURSE = 0.03  # [rad] an arm this far from its goal is held up by something
 NOTHING = 0.001  # [m] pads closer than this have nothing between them
@@ -144,7 +145,7 @@ def _drive(segment: Segment, transfer: Transfer, robot: SimulatedArm) -> str | N
         if segment.kind != "retreat":
             robot.open(segment.hand.opening)
     error = robot.follow(segment.trajectory, _guard(segment, name, robot))
-    if segment.kind == "approach" and _way_left(segment, robot) > SHALLOW:
+    if segment.kind == "approach" and segment.tool == "fingers" and _way_left(segment, robot) > SHALLOW:
         touched = robot.strongest_touch()
         return f"the fingers met {touched[0] if touched else 'something'} on their way in."
     if segment.kind in WATCHED and not robot.holds(name):
@@ -157,11 +158,12 @@ def _drive(segment: Segment, transfer: Transfer, robot: SimulatedArm) -> str | N
 
 
 def _guard(segment: Segment, name: str, robot: SimulatedArm) -> Callable[[], bool] | None:
-    """What stops a segment before its end: an object that stands, or fingers that meet something."""
+    """What stops a segment before its end: an object that stands, a hand that meets something."""
     if segment.kind == "place":
         return lambda: robot.load_on(name) > TOUCHDOWN
-    if segment.kind == "approach" and segment.tool == "fingers":
-        return lambda: robot.press() > TOUCHED
+    if segment.kind == "approach":
+        most = TOUCHED if segment.tool == "fingers" else SEATED
+        return lambda: robot.press() > most
     return None
 
 

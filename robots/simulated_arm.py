@@ -214,18 +214,23 @@ class SimulatedArm:
     def follow(self, trajectory: Motion, until: Callable[[], bool] | None = None) -> float:
         """Follows a joint trajectory and waits until its end is reached.
 
+        An arm that stopped short of where the trajectory starts does not jump there: it joins on the way.
+
         Args:
-            trajectory: Times, positions and velocities; it should start where the arm is.
+            trajectory: Times, positions and velocities; it should start where the arm is, or near.
             until: Asked after every step; as soon as it says yes the arm stops (a guarded motion).
 
         Returns:
             The largest joint error at the end in [rad]: above `Control.settled` something is in the way.
         """
         times, steps = trajectory.times, int(np.ceil(trajectory.times[-1] / self.world.time_step))
+        short = self.q_target - trajectory.positions[0]
         for k in range(1, steps + 1):
             t = min(k * self.world.time_step, float(times[-1]))
             q = np.array([np.interp(t, times, column) for column in trajectory.positions.T])
             v = np.array([np.interp(t, times, column) for column in trajectory.velocities.T])
+            q += (1.0 - t / times[-1]) * short
+            v -= short / times[-1]
             self._drive(q, v)
             self._advance()
             if until is not None and until():

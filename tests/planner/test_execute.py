@@ -15,16 +15,34 @@ BASE = pose_at(-0.5, 0.0, 0.0)
 PANDA = robot("panda")
 
 
+def _seen(height: float) -> Scene:
+    """A box on a table, as whole clouds show it."""
+    points = shapes.box("box", (0.05, 0.05, height)).surface(3000, np.random.default_rng(0))
+    grid = np.stack(np.meshgrid(np.arange(-0.6, 0.6, 0.008), np.arange(-0.6, 0.6, 0.008)), -1).reshape(-1, 2)
+    table = np.column_stack([grid, np.zeros(len(grid))])
+    return Scene({"box": points, "table": table}, fixed=["table"], up=(0, 0, 1))
+
+
+def test_a_cup_that_meets_the_object_early_is_not_pressed_on() -> None:
+    hand = robot("panda-suction")
+    with World() as world:
+        world.add_table(size=(1.4, 1.2))
+        world.add(shapes.box("box", (0.05, 0.05, 0.124), mass=0.2), pose_at(0.0, 0.0, 0.0))
+        world.settle()
+        found = plan_transfer("box", _seen(0.12), None, hand, BASE, np.asarray(hand.home))
+        assert isinstance(found, Transfer)
+        assert found.grasp.tool == "suction"
+        arm = SimulatedArm(world, hand, BASE)
+        outcome = execute(found, arm)
+        assert outcome.success, outcome.text
+
+
 def test_fingers_that_meet_the_object_stop_and_go_back() -> None:
     with World() as world:
         world.add_table(size=(1.4, 1.2))
         world.add(shapes.box("box", (0.05, 0.05, 0.12), mass=0.2), pose_at(0.0, 0.0, 0.0))
         world.settle()
-        points = world.body("box").surface(3000, np.random.default_rng(0))
-        table = np.stack(np.meshgrid(np.arange(-0.6, 0.6, 0.008), np.arange(-0.6, 0.6, 0.008)), -1)
-        flat = np.column_stack([table.reshape(-1, 2), np.zeros(table.size // 2)])
-        scene = Scene({"box": points, "table": flat}, fixed=["table"], up=(0, 0, 1))
-        found = plan_transfer("box", scene, None, PANDA, BASE, np.asarray(PANDA.home))
+        found = plan_transfer("box", _seen(0.12), None, PANDA, BASE, np.asarray(PANDA.home))
         assert isinstance(found, Transfer)
         across = found.grasp.pose_tool_to_world[:3, 1]  # a finger now comes down on top of it
         pose = world.pose("box")
