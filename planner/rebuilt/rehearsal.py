@@ -1,12 +1,13 @@
 """A world rebuilt from a scene: bodies from the observed clouds, a table, and cameras to look again."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from types import TracebackType
 
 import numpy as np
 
 from topple.planner.base import choose_base
-from topple.planner.rebuilt.rebuild import rebuild
+from topple.planner.rebuilt.rebuild import Rebuilt, rebuild
+from topple.planner.report.palette import object_colours
 from topple.planner.solids import table_top, up_of
 from topple.robots.arm import Arm
 from topple.robots.camera import Camera
@@ -83,7 +84,7 @@ class Rehearsal:
         pose_base = choose_base(level, arm) if given is None else to_world @ given
         world = World()
         try:
-            rebuilt = rebuild(Statics.of(level))
+            rebuilt = _coloured(rebuild(Statics.of(level)), level)
             ground = level.clouds[table]
             low, high = ground[:, :2].min(axis=0) - EDGE, ground[:, :2].max(axis=0) + EDGE
             size, centre = high - low, (high + low) / 2.0
@@ -105,6 +106,16 @@ class Rehearsal:
         middle = np.mean([level.clouds[name].mean(axis=0) for name in level.movable], axis=0)
         cameras = around((float(middle[0]), float(middle[1]), 0.03))
         return cls(world, cameras, pose_base, to_world, given is None, sagged)
+
+
+def _coloured(rebuilt: Rebuilt, scene: Scene) -> Rebuilt:
+    """The same bodies in the colours that pages and graphs give them, to be told apart in pictures."""
+    shares = {name: np.divide(rgb, 255.0) for name, rgb in object_colours(scene.names, scene.fixed).items()}
+    bodies = {
+        name: body.colored((float(shares[name][0]), float(shares[name][1]), float(shares[name][2]), 1.0))
+        for name, body in rebuilt.bodies.items()
+    }
+    return replace(rebuilt, bodies=bodies)
 
 
 def relax(world: World) -> None:
