@@ -204,11 +204,16 @@ def confirmed(
         votes: What simulation said: where it said nothing, reasoning stands.
 
     Returns:
-        The edges that more likely hold than not, with the reasons statics gave where it found them too.
+        The edges that more likely hold than not, with the reasons statics gave where it found them too. New
+        ones are between bodies that stood still by themselves.
     """
     kept: list[Dependency] = []
     for (first, then), value in chance.items():
         known = graph.between(first, then)
-        if value >= 0.5 or (known is not None and (first, then) not in votes.moved):
+        tried = (first, then) in votes.moved
+        # A body that was rebuilt so wrongly that it sags by itself moves at any touch: no news.
+        if known is None and not votes.steady(first, then):
+            continue
+        if value >= 0.5 or (known is not None and not tried):
             kept.append(Dependency(first, then, "blocking" if known is None else known.reason, value))
     return DependencyGraph.of(graph.names, kept)

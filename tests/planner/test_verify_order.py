@@ -81,6 +81,14 @@ def test_an_edge_that_reasoning_made_up_is_dropped_and_one_it_overlooked_is_adde
     assert {(edge.first, edge.then) for edge in checked.dependencies} == {("on", "plate")}
 
 
+def test_bodies_that_sag_by_themselves_add_no_dependency() -> None:
+    nothing, moved = DependencyGraph.of(("a", "b"), ()), {("a", "b"): (True, True, True)}
+    chance = {("a", "b"): 0.9, ("b", "a"): 0.1}
+    steady, sagging = (Votes(moved, {"a": sag, "b": 0.0}, 3, complete=True) for sag in (0.1, 0.9))
+    assert len(confirmed(nothing, chance, steady).dependencies) == 1
+    assert not confirmed(nothing, chance, sagging).dependencies
+
+
 @pytest.mark.parametrize("rates", [WHOLE, SEVERAL, ONE])
 def test_more_trials_that_moved_make_a_dependency_likelier(rates: Rates) -> None:
     for steady in (True, False):
