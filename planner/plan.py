@@ -189,7 +189,7 @@ class _Planning:
         self.steps.append(step_data(transfer, chosen.action, chosen.reason, after, self.moved, spent))
         self.tried.update(transfer.tried)
         self.seconds += transfer.seconds
-        self.scene, self.q = scene_after(self.scene, transfer), transfer.q_end
+        self.scene, self.q = scene_after(self.scene, transfer, self.solids), transfer.q_end
         self.solids = solids_after(self.solids, transfer, self.up)
         pose = transfer.placement.pose_at_rest(self.up)
         for name in (transfer.object, *transfer.riding):

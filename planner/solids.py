@@ -68,10 +68,23 @@ def solids_of(scene: Scene) -> dict[str, tuple[FloatArray, ...]]:
         if name in scene.fixed:
             found[name] = fixed_parts(cloud, up)
         else:
-            gap = hidden_depth(name, scene, up)
-            parts = parts_of(cloud, scene)
-            found[name] = tuple(drawn_down(part, gap, up) for part in parts)
+            found[name] = standing_parts(name, scene)
     return found
+
+
+def standing_parts(name: str, scene: Scene) -> tuple[FloatArray, ...]:
+    """Convex parts of a movable object, drawn down to what it stands on.
+
+    Args:
+        name: The object.
+        scene: The scene, with `up`.
+
+    Returns:
+        (V, 3) vertices of each part.
+    """
+    up = up_of(scene)
+    gap = hidden_depth(name, scene, up)
+    return tuple(drawn_down(part, gap, up) for part in parts_of(scene.clouds[name], scene))
 
 
 def parts_of(cloud: FloatArray, scene: Scene) -> tuple[FloatArray, ...]:

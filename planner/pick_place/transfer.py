@@ -18,7 +18,8 @@ from topple.planner.pick_place.handling import MARGIN, Handling, Reached
 from topple.planner.pick_place.legs import Leg, segments_of
 from topple.planner.pick_place.segments import Segment
 from topple.planner.place.placement import Placement, placements
-from topple.planner.solids import Solids, moved, solids_of, up_of
+from topple.planner.samples import sampled
+from topple.planner.solids import GRAIN, Solids, moved, solids_of, standing_parts, up_of
 from topple.robots.arm import Arm
 from topple.topology.arrays import FloatArray, frozen
 from topple.topology.errors import UnknownObject
@@ -279,19 +280,30 @@ class _Search:
         return found
 
 
-def scene_after(scene: Scene, transfer: Transfer) -> Scene:
+def scene_after(scene: Scene, transfer: Transfer, solids: Solids | None = None) -> Scene:
     """Predict the scene once a transfer is done.
+
+    What was put down on a table rests there on its underside, which cameras will see the edge of: where its
+    cloud ends above that, points of its body are added below.
 
     Args:
         scene: The scene before it.
         transfer: The transfer.
+        solids: Convex parts of the objects before it; of the object alone they are made where not given.
 
     Returns:
         The scene with the object and what rides in it at its place; all else is where it was.
     """
-    pose = transfer.placement.pose_at_rest(up_of(scene))
-    for name in (transfer.object, *transfer.riding):
-        scene = scene.with_cloud(name, moved((scene.clouds[name],), pose)[0])
+    up, name = up_of(scene), transfer.object
+    pose = transfer.placement.pose_at_rest(up)
+    parts = standing_parts(name, scene) if solids is None else solids[name]
+    body = sampled(parts, 2.0 * GRAIN)
+    hidden = body[body @ pose[:3, :3].T @ up < float((scene.clouds[name] @ pose[:3, :3].T @ up).min())]
+    for other in (name, *transfer.riding):
+        cloud = scene.clouds[other]
+        if other == name and transfer.placement.into is None:
+            cloud = np.vstack([cloud, hidden])
+        scene = scene.with_cloud(other, moved((cloud,), pose)[0])
     return scene
 
 

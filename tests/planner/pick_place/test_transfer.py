@@ -1,3 +1,5 @@
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
@@ -8,6 +10,8 @@ from topple.planner.pick_place.transfer import Transfer, TransferFailure, plan_t
 from topple.robots.catalog import robot
 from topple.robots.shapes.boxes import box, can
 from topple.topology.errors import UnknownObject
+from topple.topology.relate import relate
+from topple.topology.relation import Relation
 from topple.topology.scene import Scene
 
 ARM = robot("panda-suction")
@@ -147,3 +151,13 @@ def test_no_base_reaches_what_is_too_high() -> None:
     high = {name: cloud + np.array([0.0, 0.0, 5.0 * (name != "table")]) for name, cloud in now.clouds.items()}
     with pytest.raises(NoBase, match="--base"):
         choose_base(Scene(high, fixed=["table"], up=[0, 0, 1]), ARM)
+
+
+def test_what_was_put_down_is_predicted_to_rest_on_its_unseen_underside(transfer: Transfer) -> None:
+    whole = scene()
+    shell = whole.clouds["can"][whole.clouds["can"][:, 2] > 0.012]
+    seen = whole.with_cloud("can", shell)
+    placement = replace(transfer.placement, pose_before_to_after=np.eye(4), drop=0.0)
+    after = scene_after(seen, replace(transfer, placement=placement))
+    assert after.clouds["can"][:, 2].min() == pytest.approx(0.0, abs=0.003)
+    assert relate(after).between("table", "can").relation is Relation.TOUCH
