@@ -1,6 +1,6 @@
 """What `relate` answers: one relation for every unordered pair of objects."""
 
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from functools import cached_property, partial
 from itertools import combinations
@@ -256,20 +256,8 @@ class Relations:
             UnknownObject: The name is not in the scene.
             InvalidInput: The cloud is no cloud.
         """
-        moved = self._position(name)
-        scene = self.scene.with_cloud(name, cloud)
-        rule = self.rule.after(name, scene.clouds[name])
-        new = rule.prepare(name, scene.clouds[name])
-        prepared = (*self.prepared[:moved], new, *self.prepared[moved + 1 :])
-        inferred = {key for key, pair in self.near.items() if pair.inferred and moved not in key}
-        near = {key: pair for key, pair in self.near.items() if moved not in key and key not in inferred}
-        lower = np.array([other.lower for other in prepared]) - rule.reach
-        upper = np.array([other.upper for other in prepared]) + rule.reach
-        meeting = np.flatnonzero(((lower <= new.upper) & (upper >= new.lower)).all(axis=1)).tolist()
-        own = {(min(moved, other), max(moved, other)) for other in meeting if other != moved}
-        for i, j in sorted(own | inferred):
-            near[i, j] = rule.relate(prepared[i], prepared[j])
-        return rule.conclude(scene, replace(self, rule=rule, near=near, prepared=prepared, scene=scene))
+        self._position(name)
+        return self._moved(self.scene.with_cloud(name, cloud), [name])
 
     def followed(self, scene: "Scene") -> "Relations":
         """Relations of the next frame of a tracked scene: only what changed is looked at again.
@@ -282,11 +270,29 @@ class Relations:
         """
         if scene.names != self.objects:
             raise InvalidInput(f"the frame has {', '.join(scene.names)}, expected {', '.join(self.objects)}")
-        relations = self
-        for name, cloud in scene.clouds.items():
-            if cloud is not self.scene.clouds[name]:
-                relations = relations.updated(name, cloud)
-        return relations
+        changed = [name for name, cloud in scene.clouds.items() if cloud is not self.scene.clouds[name]]
+        return self._moved(scene, changed) if changed else self
+
+    def _moved(self, scene: "Scene", names: Sequence[str]) -> "Relations":
+        """Relations of a scene of the same objects in which some have other clouds."""
+        rule, prepared = self.rule, list(self.prepared)
+        for name in names:
+            rule = rule.after(name, scene.clouds[name])
+        for name in names:
+            prepared[self._position(name)] = rule.prepare(name, scene.clouds[name])
+        moved = {self._position(name) for name in names}
+        again = {key for key, pair in self.near.items() if pair.inferred and moved.isdisjoint(key)}
+        near = {key: pair for key, pair in self.near.items() if moved.isdisjoint(key) and key not in again}
+        lower = np.array([other.lower for other in prepared]) - rule.reach
+        upper = np.array([other.upper for other in prepared]) + rule.reach
+        for one in moved:
+            meeting = ((lower <= prepared[one].upper) & (upper >= prepared[one].lower)).all(axis=1)
+            again |= {(min(one, other), max(one, other)) for other in np.flatnonzero(meeting).tolist()}
+        for i, j in sorted(again):
+            if i != j:
+                near[i, j] = rule.relate(prepared[i], prepared[j])
+        related = replace(self, rule=rule, near=near, prepared=tuple(prepared), scene=scene)
+        return rule.conclude(scene, related)
 
     def to_json(self) -> dict[str, Any]:
         """The relations as plain JSON data: format "topple.relations", version 1."""
