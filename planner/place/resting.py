@@ -12,6 +12,7 @@ from topple.topology.arrays import FloatArray
 
 FLATNESS = 0.2  # thickness over length below which a thing lies flat by itself, as cutlery does
 MOST_TILT = 0.35  # what turned over by so much comes to lie on another face [rad]
+ALIKE = 0.2  # [rad] attitudes closer than this are one to a hand
 FLAT_SHARE = 0.5  # of its thickness: what of a bent thing counts as its underside
 
 
@@ -85,8 +86,8 @@ def resting_poses(
         tolerances: What counts as one face and as steady.
 
     Returns:
-        Resting poses, those that cannot roll before those that can, at least one: where no face holds it, it
-        keeps the attitude it has.
+        Resting poses, those that cannot roll before those that can; one near the attitude it has is among
+        them, and is all there is where no face holds it.
     """
     few = voxel_means(cloud, 0.004)
     corners = hull_vertices(np.vstack([few, *parts]))
@@ -108,7 +109,11 @@ def resting_poses(
     found.sort(
         key=lambda rest: (rest.rolls, rest.turn - 0.15 * min(1.0, rest.steadiness / tolerances.steady))
     )
-    return found[:3]
+    kept = found[:3]
+    if all(rest.turn > ALIKE for rest in kept):  # a hand may reach nothing but how it lies now
+        least = min(found, key=lambda rest: rest.turn)
+        kept.append(least if least.turn <= ALIKE else Rest(np.eye(3), 0.0, 0.0, rolls=True))
+    return kept
 
 
 def _barrier(corners: FloatArray, down: FloatArray) -> float:
