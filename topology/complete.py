@@ -218,7 +218,8 @@ def _roof(points: FloatArray) -> FloatArray:
     lower, upper = tops[:, :2].min(axis=0), tops[:, :2].max(axis=0)
     cells = _grid(lower, upper)
     taken = KDTree(tops[:, :2]).query(cells)[0] < 2 * SPACING
-    cells = cells[~taken]
+    # Outside their hull the search for a triangle looks at all of them, for nothing.
+    cells = _over(tops[:, :2], cells[~taken])
     heights = np.asarray(surface(cells))
     inside = np.isfinite(heights)
     return np.column_stack([cells[inside], heights[inside]])
@@ -227,7 +228,11 @@ def _roof(points: FloatArray) -> FloatArray:
 def _plan_cells(points: FloatArray, hull: ConvexHull) -> FloatArray:
     """(N, 2) cell centres inside the plan view of a hull."""
     corners = points[hull.vertices][:, :2]
-    cells = _grid(corners.min(axis=0), corners.max(axis=0))
+    return _over(corners, _grid(corners.min(axis=0), corners.max(axis=0)))
+
+
+def _over(corners: FloatArray, cells: FloatArray) -> FloatArray:
+    """The plan cells (N, 2) inside the hull of some points (M, 2); none where those have no area."""
     try:
         plan = ConvexHull(corners)
     except QhullError:
