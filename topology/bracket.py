@@ -41,8 +41,9 @@ class Bracket:
         self._columns = columns
         self._low, self._high = np.full(13, np.inf), np.full(13, -np.inf)
         least, greatest = np.zeros(13, dtype=np.int64), np.zeros(13, dtype=np.int64)
+        room = _room(columns)
         for start in range(0, columns.shape[1], BLOCK):
-            along = _along_directions(columns[:, start : start + BLOCK])
+            along = _along_directions(columns[:, start : start + BLOCK], room)
             for found, best, where, wins in (
                 (along.argmin(axis=1), self._low, least, np.less),
                 (along.argmax(axis=1), self._high, greatest, np.greater),
@@ -90,8 +91,9 @@ class Bracket:
         kept = np.ones(columns.shape[1], dtype=np.bool_)
         least = ((self._low + depth - SLACK) * _LENGTHS)[:, None]
         greatest = ((self._high - depth + SLACK) * _LENGTHS)[:, None]
+        room = _room(columns)
         for start in range(0, len(kept), BLOCK):
-            along = _along_directions(columns[:, start : start + BLOCK])
+            along = _along_directions(columns[:, start : start + BLOCK], room)
             kept[start : start + BLOCK] = ((along > least) & (along < greatest)).all(axis=0)
         return columns[:, kept]
 
@@ -132,10 +134,15 @@ class Bracket:
         return np.asarray((sides @ columns < (furthest - depth + SLACK)[:, None]).all(axis=0))
 
 
-def _along_directions(columns: FloatArray) -> FloatArray:
-    """(13, N) coordinates of points (3, N) along the directions, times the directions' lengths."""
+def _room(columns: FloatArray) -> FloatArray:
+    """(13, n) numbers to write one block after the other into: fresh memory costs more than the sums."""
+    return np.empty((13, min(BLOCK, columns.shape[1])))
+
+
+def _along_directions(columns: FloatArray, room: FloatArray) -> FloatArray:
+    """(13, N) coordinates of points (3, N) along the directions, times their lengths, written into `room`."""
     x, y, z = columns
-    along = np.empty((13, len(x)))
+    along = room[:, : len(x)]
     along[:3] = columns
     for row, (one, other) in enumerate(((x, y), (x, z), (y, z))):
         np.add(one, other, out=along[3 + 2 * row])

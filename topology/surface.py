@@ -51,6 +51,7 @@ class SurfaceCloud:
         coarse: (M, 3) mean point of each cell [m].
         cell: Edge of the cells [m], 0 where every point is a cell of its own.
         dropped: Number of stray points left out.
+        tree: Search tree of the mean points.
     """
 
     name: str
@@ -59,6 +60,7 @@ class SurfaceCloud:
     coarse: FloatArray
     cell: float
     dropped: int
+    tree: KDTree
 
     @staticmethod
     def of(name: str, cloud: FloatArray) -> "SurfaceCloud":
@@ -72,12 +74,14 @@ class SurfaceCloud:
         points = cloud[order]
         sizes = np.diff(starts)
         coarse = np.add.reduceat(points, starts[:-1], axis=0) / sizes[:, None]
-        kept = _well_connected(coarse, sizes, cell)
-        kept[kept] = _main_pieces(coarse[kept])
-        if not kept.all():
+        tree = KDTree(coarse)
+        kept = _well_connected(tree, sizes, cell)
+        kept[kept] = _main_pieces(tree if kept.all() else KDTree(coarse[kept]))
+        dropped = len(points) - int(sizes[kept].sum())
+        if dropped:
             points, sizes, coarse = points[np.repeat(kept, sizes)], sizes[kept], coarse[kept]
-            starts = np.concatenate([[0], np.cumsum(sizes)])
-        return SurfaceCloud(name, points, starts, coarse, cell, len(cloud) - len(points))
+            starts, tree = np.concatenate([[0], np.cumsum(sizes)]), KDTree(coarse)
+        return SurfaceCloud(name, points, starts, coarse, cell, dropped, tree)
 
     @cached_property
     def hull(self) -> Hull:
@@ -85,16 +89,11 @@ class SurfaceCloud:
         return Hull.of(self.coarse)
 
     @cached_property
-    def tree(self) -> KDTree:
-        """Search tree of the mean points."""
-        return KDTree(self.coarse)
-
-    @cached_property
     def spacing(self) -> float:
         """Typical distance from a mean point to its fourth neighbour [m]."""
         if len(self.coarse) < 5:
             return 0.0
-        return float(np.median(self.tree.query(self.coarse, k=5)[0][:, -1]))
+        return float(np.median(np.asarray(self.tree.query(self.coarse, k=5)[0])[:, -1]))
 
     @cached_property
     def _box(self) -> tuple[FloatArray, FloatArray]:
@@ -146,30 +145,32 @@ def _cell_keys(points: FloatArray, lower: FloatArray, extent: FloatArray, cell: 
     return (index[:, 0] * counts[1] + index[:, 1]) * counts[2] + index[:, 2]
 
 
-def _well_connected(coarse: FloatArray, sizes: IntArray, cell: float) -> BoolArray:
+def _well_connected(tree: KDTree, sizes: IntArray, cell: float) -> BoolArray:
     """Which cells are filled like a surface, or lie beside one that is.
 
     At a mask's edge pixels show the neighbour, or hang in the air between the two: lines of cells that hold
     few points.
     """
+    kept = np.ones(len(sizes), dtype=np.bool_)
     if cell == 0:
-        return np.ones(len(coarse), dtype=np.bool_)
-    tree = KDTree(coarse)
+        return kept
     pairs = tree.query_pairs(AROUND * cell, output_type="ndarray")
     around = sizes.astype(np.float64)
     for one, other in ((0, 1), (1, 0)):
-        around += np.bincount(pairs[:, one], weights=sizes[pairs[:, other]], minlength=len(coarse))
+        around += np.bincount(pairs[:, one], weights=sizes[pairs[:, other]], minlength=len(sizes))
     core = around >= FILLED * np.median(around)
-    if not core.any():
-        return np.ones(len(coarse), dtype=np.bool_)
-    return np.asarray(KDTree(coarse[core]).query(coarse)[0]) <= BESIDE * cell
+    if core.any() and not core.all():
+        coarse = np.asarray(tree.data)
+        kept[~core] = np.asarray(KDTree(coarse[core]).query(coarse[~core])[0]) <= BESIDE * cell
+    return kept
 
 
-def _main_pieces(coarse: FloatArray) -> BoolArray:
+def _main_pieces(tree: KDTree) -> BoolArray:
     """Which points belong to a piece of the cloud that is no stray: large enough a share of the whole."""
+    coarse = np.asarray(tree.data)
     if len(coarse) < 30:
         return np.ones(len(coarse), dtype=np.bool_)
-    distance, index = KDTree(coarse).query(coarse, k=LINKS + 1)
+    distance, index = tree.query(coarse, k=LINKS + 1)
     distance = np.asarray(distance)
     limit = BREAK * float(np.median(distance[:, 4]))
     rows = np.repeat(np.arange(len(coarse)), LINKS)
