@@ -4,8 +4,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 
 import numpy as np
-from scipy.interpolate import LinearNDInterpolator
-from scipy.spatial import ConvexHull, KDTree, QhullError
+from scipy.spatial import ConvexHull, Delaunay, KDTree, QhullError
 
 from topple.topology.arrays import FloatArray
 from topple.topology.sight import Sight
@@ -13,6 +12,9 @@ from topple.topology.upright import SPACING, Upright, thin
 
 BARE = 0.01
 """A place on the hull this far [m] from every point has no surface near it: twice a cloud's spacing."""
+
+BLOCK = 1 << 16
+"""Pairs of a cell and a triangle looked at at once (0.5 MB)."""
 
 SAMPLES = 400
 """Places on a hull that are looked at: a mouth of a tenth of its surface is 40 of them."""
@@ -211,18 +213,45 @@ def _roof(points: FloatArray) -> FloatArray:
     tops = points[order[first]]
     if len(tops) < 4:
         return points[:0]
-    try:
-        surface = LinearNDInterpolator(tops[:, :2], tops[:, 2])
-    except QhullError:
-        return points[:0]
     lower, upper = tops[:, :2].min(axis=0), tops[:, :2].max(axis=0)
     cells = _grid(lower, upper)
     taken = KDTree(tops[:, :2]).query(cells)[0] < 2 * SPACING
-    # Outside their hull the search for a triangle looks at all of them, for nothing.
     cells = _over(tops[:, :2], cells[~taken])
-    heights = np.asarray(surface(cells))
+    heights = _interpolated(tops, cells)
     inside = np.isfinite(heights)
     return np.column_stack([cells[inside], heights[inside]])
+
+
+def _interpolated(tops: FloatArray, cells: FloatArray) -> FloatArray:
+    """(N,) heights over plan cells (N, 2) of the triangles between points (M, 3); NaN over none.
+
+    scipy's interpolator inverts a matrix a triangle; where LAPACK has several threads, these wait for each
+    other longer than all of the rest takes.
+    """
+    heights = np.full(len(cells), np.nan)
+    try:
+        triangles = tops[Delaunay(tops[:, :2]).simplices]
+    except QhullError:
+        return heights
+    origin, first, second = (
+        triangles[:, 0],
+        triangles[:, 1] - triangles[:, 0],
+        triangles[:, 2] - triangles[:, 0],
+    )
+    area = first[:, 0] * second[:, 1] - first[:, 1] * second[:, 0]
+    solid = np.abs(area) > 1e-15
+    origin, first, second, area = origin[solid], first[solid], second[solid], area[solid]
+    step = max(1, BLOCK // max(len(area), 1))
+    for start in range(0, len(cells), step):
+        offset = cells[start : start + step, None] - origin[:, :2]
+        along = (offset[..., 0] * second[:, 1] - offset[..., 1] * second[:, 0]) / area
+        across = (offset[..., 1] * first[:, 0] - offset[..., 0] * first[:, 1]) / area
+        depth = np.minimum(np.minimum(along, across), 1 - along - across)
+        row = np.arange(len(depth))
+        best = depth.argmax(axis=1)
+        height = origin[best, 2] + along[row, best] * first[best, 2] + across[row, best] * second[best, 2]
+        heights[start : start + step] = np.where(depth[row, best] >= -1e-12, height, np.nan)
+    return heights
 
 
 def _plan_cells(points: FloatArray, hull: ConvexHull) -> FloatArray:
