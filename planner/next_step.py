@@ -17,9 +17,10 @@ from topple.planner.grasp.grasp import Grasp
 from topple.planner.order import Order, order
 from topple.planner.pick_place.failure import Setback, TransferFailure
 from topple.planner.pick_place.transfer import Transfer, plan_transfer
+from topple.planner.place.drops import standing, staying
 from topple.planner.place.placement import Placement, placements
-from topple.planner.place.stacking import inset, placements_on
-from topple.planner.solids import Solids, apart, hull_vertices, level_axes, solids_of, up_of
+from topple.planner.place.stacking import over, placements_on
+from topple.planner.solids import Solids, apart, hull_vertices, solids_of, up_of
 from topple.robots.arm import Arm
 from topple.topology.arrays import FloatArray
 from topple.topology.relate import Relations, relate
@@ -32,7 +33,6 @@ FREE, REMOVE, PLACE = "free", "remove", "place"
 """free: take a target clear, put it down; remove: take away what is in the way; place: as the goal says."""
 
 INSIDE = (Relation.WITHIN, Relation.PARTIAL_WITHIN)
-DEEP = 0.15  # share of its height below the rim at which it shows that a thing is in there: 7 mm of a lemon
 BESIDE = 0.05  # [m] what is closer to an object than this bars a hand: half an open hand's width
 
 
@@ -71,7 +71,15 @@ class Station:
 class Orderer(Protocol):
     """Whoever says in which order to free targets: `topple.planner.order.order`, or a rule of thumb."""
 
-    def __call__(self, scene: Scene, targets: Sequence[str], *, relations: Relations, seed: int) -> Order:
+    def __call__(
+        self,
+        scene: Scene,
+        targets: Sequence[str],
+        *,
+        relations: Relations,
+        seed: int,
+        statics: Statics | None = None,
+    ) -> Order:
         """The order, as `topple.planner.order.order` gives it."""
         ...
 
@@ -90,6 +98,7 @@ class StepChooser:
             is then made again.
         given_up: Objects that are not to be tried again, with the reason.
         avoid: Grasps that failed, by object.
+        stirred: What moved when an object was lifted a little: it goes first where it can.
         solids: Convex parts of the objects; made from the scene where not given.
         upright: Objects that are kept upright, with what is in them.
         orderer: Who decides the order; another one only to compare with.
@@ -107,6 +116,7 @@ class StepChooser:
         observed: bool = False,
         given_up: Mapping[str, str] | None = None,
         avoid: Mapping[str, Sequence[Grasp]] | None = None,
+        stirred: Mapping[str, Sequence[str]] | None = None,
         solids: Solids | None = None,
         upright: Collection[str] = (),
         orderer: Orderer = order,
@@ -116,7 +126,9 @@ class StepChooser:
         self._orderer = orderer
         self.relations = relate(scene) if relations is None else relations
         self.observed, self.given_up, self.avoid = observed, given_up or {}, avoid or {}
+        self.stirred = stirred or {}
         self.upright, self._given_solids = upright, solids
+        self._needed: set[str] = set()  # what orders said has to be taken
 
     @cached_property
     def _solids(self) -> Solids:
@@ -166,6 +178,8 @@ class StepChooser:
         chosen = self._ordered(targets)
         failures: list[TransferFailure] = []
         for name in _may_go(chosen):
+            if (step := self._stirred_first(name)) is not None:
+                return step
             found = self._transfer(name, None)
             if isinstance(found, Transfer):
                 if name in targets:
@@ -187,17 +201,33 @@ class StepChooser:
         barred = {failure.object for failure in failures}
         for failure in failures:
             for other in self._barring(failure):
-                try:
-                    chosen = self._ordered([other])
-                except NoSafePlan:
-                    continue
-                for first in _may_go(chosen):
-                    if first in barred or (first, REMOVE) in self.done:
-                        continue
-                    found = self._transfer(first, None)
-                    if isinstance(found, Transfer):
-                        words = f"it is in the way to {failure.object} ({failure})"
-                        return NextStep(found, REMOVE, words, chosen)
+                step = self._taken_away(other, barred, f"it is in the way to {failure.object} ({failure})")
+                if step is not None:
+                    return step
+        return None
+
+    def _stirred_first(self, name: str) -> NextStep | None:
+        """What moved when an object was lifted a little goes first, unless the object has to go before it."""
+        movable = set(self.scene.movable) - set(self.given_up)
+        steps = (
+            self._taken_away(other, {name}, f"it moved when {name} was lifted")
+            for other in self.stirred.get(name, ())
+            if other in movable
+        )
+        return next((step for step in steps if step is not None), None)
+
+    def _taken_away(self, other: str, barred: Collection[str], why: str) -> NextStep | None:
+        """The first step to take an object away, once, that is about none of the barred ones."""
+        try:
+            chosen = self._ordered([other])
+        except NoSafePlan:
+            return None
+        for first in _may_go(chosen):
+            if first in barred or (first, REMOVE) in self.done:
+                continue
+            found = self._transfer(first, None)
+            if isinstance(found, Transfer):
+                return NextStep(found, REMOVE, why, chosen)
         return None
 
     def _barring(self, failure: TransferFailure) -> list[str]:
@@ -225,7 +255,7 @@ class StepChooser:
             )
         contents = self._in_the_way(place) if place.how == "within" else []
         places = placements_on(name, self.scene, where, place.how, self._solids)
-        room = [found for found in places if found.inside >= DEEP] if contents else places
+        room = staying(places, name, where, self.relations, self._solids) if contents else places
         if (name, PLACE) in self.done and contents:
             room = []  # it was tried, and it is not there: more room is needed
         found = self._transfer(name, room) if room else _no_room(place)
@@ -273,21 +303,17 @@ class StepChooser:
             for support in self._supports
             if support.supporter == place.where
             and support.supported not in settled
-            and (support.kind == "rests" or self._over(support.supported, place.where))
+            and (support.kind == "rests" or over(self.scene, support.supported, place.where))
         )
-
-    def _over(self, upper: str, lower: str) -> bool:
-        """Whether the middle of what leans on an object is over it: it is then on it, not at its side."""
-        axes = np.stack(level_axes(up_of(self.scene)))
-        middle, outline = self.scene.clouds[upper].mean(axis=0) @ axes.T, self.scene.clouds[lower] @ axes.T
-        return inset(outline, middle[None])[0] > 0.0
 
     def _ordered(self, targets: Sequence[str]) -> Order:
         scene, relations = self._loaded(targets)
-        chosen = self._orderer(scene, targets, relations=relations, seed=self.seed)
+        statics = self._statics if scene is self.scene else None
+        chosen = self._orderer(scene, targets, relations=relations, statics=statics, seed=self.seed)
         if chosen.unresolved:
             cycles = tuple("cycle: " + " before ".join([*cycle, cycle[0]]) for cycle in chosen.unresolved)
             raise NoSafePlan(f"no safe order frees {', '.join(targets)}: {cycles[0]}", cycles)
+        self._needed.update(chosen.order)
         return chosen
 
     def _loaded(self, targets: Sequence[str]) -> tuple[Scene, Relations]:
@@ -308,13 +334,21 @@ class StepChooser:
         if places is None:
             own = [self.scene.clouds[name]]  # elsewhere is off where it lies now
             scene, solids = self._completed(name)
-            places = placements(name, scene, solids, pose_base_to_world=base, avoid=own)
-            places = places or placements(name, scene, solids, pose_base_to_world=base)
+            left = self._remaining(name)
+            places = placements(name, scene, solids, pose_base_to_world=base, avoid=own, remaining=left)
+            places = places or placements(name, scene, solids, pose_base_to_world=base, remaining=left)
+            places = standing(places, name, self.scene, self._solids) if places else places
         return plan_transfer(
             name, self.scene, self._solids, self.station.arm, base, self.station.q, places,
             avoid=self.avoid.get(name, ()), riding=self._riding(name),
             upright=name in self.upright, seed=self.seed,
         )  # fmt: skip
+
+    def _remaining(self, name: str) -> frozenset[str]:
+        """What is still to be taken once an object is gone, or to have something put on or into it."""
+        places = [place for place in self.goal.places if (place.object, PLACE) not in self.done]
+        named = {other for place in places for other in (place.object, place.where)}
+        return frozenset(named.union(self._needed, self._not_free()) - {name})
 
     def _completed(self, name: str) -> tuple[Scene, Solids]:
         """The scene with what no camera saw of an object guessed: it stands on its own faces.

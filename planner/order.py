@@ -86,6 +86,7 @@ def order(
     budget: float | None = None,
     robot: "Arm | str | None" = None,
     relations: "Relations | None" = None,
+    statics: Statics | None = None,
 ) -> Order:
     """Find the order that frees the targets with the fewest removals.
 
@@ -97,6 +98,7 @@ def order(
         budget: Seconds the simulations may take; what is not checked by then stays as reasoned.
         robot: An arm or its name: what bars its gripper's way to the objects of the order is then said.
         relations: The scene's relations where they are known.
+        statics: The scene at rest where it has been worked out before.
 
     Returns:
         The order. What must go before a target is what has a path to it in the dependency graph,
@@ -108,7 +110,7 @@ def order(
     """
     started = time.monotonic()
     wanted = _check_targets(scene, targets)
-    statics = Statics.of(scene)
+    statics = Statics.of(scene) if statics is None else statics
     full = dependencies(scene, relations, statics, direct=False)
     chance = reasoned(full, statics, len(scene.viewpoints) or None)
     notes: dict[str, Any] = {}

@@ -19,6 +19,7 @@ from topple.planner.solids import Solids, solids_of, up_of
 from topple.robots.arm import Arm
 from topple.robots.catalog import robot as robot_named
 from topple.topology.arrays import FloatArray
+from topple.topology.relate import relate
 from topple.topology.scene import Scene
 
 Progress = Callable[[str], None]
@@ -122,16 +123,18 @@ class _Planning:
 
     def run(self) -> None:
         done: list[tuple[str, str]] = []
+        relations = relate(self.scene)
         for _ in range(MOST_STEPS * len(self.scene.movable)):
             station = Station(self.arm, self.pose_base_to_world, self.q)
             chosen = StepChooser(
-                self.scene, self.goal, station, done=done, solids=self.solids, upright=self.upright,
-                seed=self.seed,
+                self.scene, self.goal, station, done=done, relations=relations, solids=self.solids,
+                upright=self.upright, seed=self.seed,
             ).choose()  # fmt: skip
             if chosen is None:
                 return
             self.take(chosen)
             done.append((chosen.transfer.object, chosen.action))
+            relations = relations.followed(self.scene)
         again = ", ".join(sorted({step.object for step in self.steps[-3:]}))
         words = f"no end after {len(self.steps)} steps: the last ones move {again} again and again"
         raise NoSafePlan(words, (words,))

@@ -185,7 +185,8 @@ def hidden_depth(name: str, scene: Scene, up: FloatArray) -> float:
             continue
         top = table_top(cloud, up) if other in scene.fixed else None
         if top is not None:
-            gap = min(gap, float(np.quantile(own @ top[0], 0.02)) - top[1])
+            # of the same points that the parts are drawn around: they shall end on the table, not below
+            gap = min(gap, float((voxel_means(own, GRAIN) @ top[0]).min()) - top[1])
             continue
         places = np.floor(cloud @ axes.T / CELL).astype(np.int64) - corner
         shared = np.all((places >= 0) & (places < size), axis=1)

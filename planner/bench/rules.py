@@ -11,6 +11,7 @@ from topple.planner.order import Order, arrange
 from topple.topology.arrays import FloatArray
 from topple.topology.relate import Relations
 from topple.topology.scene import Scene
+from topple.topology.statics import Statics
 
 RULES = ("nearest first", "top height first", "plain 6IM + height")
 """Names of the rules."""
@@ -32,8 +33,15 @@ def order_by(rule: str, base: FloatArray) -> Callable[..., Order]:
         "plain 6IM + height": naive,
     }
 
-    def chosen(scene: Scene, targets: Sequence[str], *, relations: Relations, seed: int) -> Order:
-        del relations, seed  # a rule of thumb asks for neither
+    def chosen(
+        scene: Scene,
+        targets: Sequence[str],
+        *,
+        relations: Relations,
+        seed: int,
+        statics: Statics | None = None,
+    ) -> Order:
+        del relations, statics, seed  # a rule of thumb asks for none of them
         return _as_order(scene, targets, guess[rule](scene))
 
     return chosen

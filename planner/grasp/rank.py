@@ -4,11 +4,12 @@ from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
+from scipy.spatial import KDTree
 
 from topple.planner.grasp.candidates import surroundings
 from topple.planner.grasp.foreign import ForeignGrasps, grasps_from_array
 from topple.planner.grasp.grasp import Grasp
-from topple.planner.grasp.hand import HandShape, hand_shape
+from topple.planner.grasp.hand import HAND_REACH, HandShape, hand_shape
 from topple.planner.grasp.reach import reachable
 from topple.planner.grasp.tolerances import GRASP_TOLERANCES
 from topple.planner.order import order
@@ -16,6 +17,8 @@ from topple.planner.solids import up_of
 from topple.robots.arm import Arm
 from topple.robots.catalog import robot as robot_named
 from topple.topology.arrays import FloatArray
+from topple.topology.checks import as_pose
+from topple.topology.errors import InvalidInput, UnknownObject
 from topple.topology.scene import Scene
 
 
@@ -58,16 +61,19 @@ def rank_grasps(
             asked.
 
     Returns:
-        All grasps, best first; those that cannot be used now say why.
+        All grasps, best first; those that cannot be used now say all that speaks against them.
 
     Raises:
-        InvalidInput: The grasps or the scene are not what they should be.
+        InvalidInput: The grasps, a pose or the scene are not what they should be, no grasp is near anything
+            in the scene, or the arm has no tool for them.
+        UnknownObject: A grasp names an object that is not in the scene.
     """
     given = _as_grasps(grasps, pose_source_to_world)
     if not given:
         return []
     arm = robot_named(robot) if isinstance(robot, str) else robot
-    hand = hand_shape(robot_named("panda") if arm is None else arm)
+    _check(given, scene, arm)
+    hand = hand_shape(arm if arm is not None and "fingers" in arm.tools else robot_named("panda"))
     graph = order(scene).graph
     base = scene.robot_base if pose_base_to_world is None else pose_base_to_world
     found: list[RankedGrasp] = []
@@ -78,12 +84,12 @@ def rank_grasps(
             continue
         grasp = replace(grasp, object=name)
         before = tuple(sorted(graph.before(name)))
-        dropped = _in_the_way(grasp, scene, hand)
-        if dropped is None and before:
-            dropped = f"{', '.join(before)} would move: has to go before {name}"
-        found.append(RankedGrasp(index, grasp, before, dropped))
+        against = _in_the_way(grasp, scene, hand)
+        if before:
+            against.append(f"{', '.join(before)} would move: has to go before {name}")
+        found.append(RankedGrasp(index, grasp, before, "; ".join(against) or None))
     if arm is not None and base is not None:
-        found = _reachable(found, arm, np.asarray(base, dtype=np.float64))
+        found = _reachable(found, arm, as_pose(base, "pose_base_to_world"))
     return sorted(found, key=_key)
 
 
@@ -97,15 +103,33 @@ def _as_grasps(
 ) -> list[Grasp]:
     if isinstance(grasps, np.ndarray):
         grasps = grasps_from_array(grasps)
+    to_world = (
+        np.eye(4) if pose_source_to_world is None else as_pose(pose_source_to_world, "pose_source_to_world")
+    )
     if not isinstance(grasps, ForeignGrasps):
-        return list(grasps)
-    poses = grasps.poses_tool_to_source
-    if pose_source_to_world is not None:
-        poses = np.asarray(pose_source_to_world, dtype=np.float64) @ poses
+        return [replace(grasp, pose_tool_to_world=to_world @ grasp.pose_tool_to_world) for grasp in grasps]
+    poses = to_world @ grasps.poses_tool_to_source
     return [
         Grasp("", "pinch", pose, 0.0, float(np.nan_to_num(width)), float(score), grasps.source)
         for pose, width, score in zip(poses, grasps.widths, grasps.scores, strict=True)
     ]
+
+
+def _check(grasps: Sequence[Grasp], scene: Scene, arm: Arm | None) -> None:
+    """Refuse grasps of nothing that can move, by tools that are not there, or in another frame or unit."""
+    for grasp in grasps:
+        if grasp.object and grasp.object not in scene.movable:
+            raise UnknownObject(grasp.object, scene.movable, role="object to grasp")
+        if arm is not None and grasp.tool not in arm.tools:
+            raise InvalidInput(f"{arm.name} has no {grasp.tool}: it has {', '.join(arm.tools)}")
+    places = np.array([grasp.pose_tool_to_world[:3, 3] for grasp in grasps])
+    away = {name: float(KDTree(scene.clouds[name]).query(places)[0].min()) for name in scene.movable}
+    nearest = min(away, key=lambda name: away[name], default="")
+    if nearest and away[nearest] > HAND_REACH:
+        raise InvalidInput(
+            f"no grasp is near anything: the nearest is {away[nearest]:.2f} m from {nearest}: give the frame "
+            "they are in (pose_source_to_world), in metres"
+        )
 
 
 def _held(grasp: Grasp, scene: Scene, hand: HandShape) -> str:
@@ -123,24 +147,28 @@ def _held(grasp: Grasp, scene: Scene, hand: HandShape) -> str:
     return best if best and counts[best] > GRASP_TOLERANCES.stray_points else ""
 
 
-def _in_the_way(grasp: Grasp, scene: Scene, hand: HandShape) -> str | None:
-    """What the open hand meets on its straight way in."""
+def _in_the_way(grasp: Grasp, scene: Scene, hand: HandShape) -> list[str]:
+    """What the open hand meets on its straight way in, in words."""
     if grasp.kind == "suction":
-        return None
+        return []
     opening = min(hand.max_opening, grasp.opening) if grasp.opening > 0.0 else hand.max_opening
+    met: list[str] = []
     for name, cloud in scene.clouds.items():
         local = _local(cloud, grasp)
         local = local[(local[:, 2] > -GRASP_TOLERANCES.reach) & (np.abs(local[:, :2]).max(axis=1) < 0.12)]
-        for x0, x1, y0, y1, front in hand.footprints(opening):
-            inside = (
-                (local[:, 0] > x0) & (local[:, 0] < x1) & (local[:, 1] > y0) & (local[:, 1] < y1)
-                & (local[:, 2] < front - GRASP_TOLERANCES.under_clearance)
-            )  # fmt: skip
-            if np.count_nonzero(inside) > GRASP_TOLERANCES.stray_points:
-                return f"the hand meets {name}"
+        fronts = (
+            (local[:, 0] > x0) & (local[:, 0] < x1) & (local[:, 1] > y0) & (local[:, 1] < y1)
+            & (local[:, 2] < front - GRASP_TOLERANCES.under_clearance)
+            for x0, x1, y0, y1, front in hand.footprints(opening)
+        )  # fmt: skip
+        if any(np.count_nonzero(inside) > GRASP_TOLERANCES.stray_points for inside in fronts):
+            met.append(name)
+    against = [f"the hand meets {', '.join(met)}"] if met else []
     _, floor = surroundings(grasp.object, scene, up_of(scene))
     tip = grasp.pose_tool_to_world[:3, 3] + hand.tip * grasp.approach
-    return "the fingers would go below the ground" if float(tip @ up_of(scene)) < floor else None
+    return (
+        [*against, "the fingers would go below the ground"] if float(tip @ up_of(scene)) < floor else against
+    )
 
 
 def _local(cloud: FloatArray, grasp: Grasp) -> FloatArray:

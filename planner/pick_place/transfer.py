@@ -204,10 +204,10 @@ class _Search:
         return self.tally.failure(self.handling.name)
 
     def _choices(self) -> list[tuple[Placement, ...]]:
-        """Places where the object cannot roll, and only if none of them can be reached the others."""
-        steady = tuple(place for place in self.places if not place.rolls)
-        rolling = tuple(place for place in self.places if place.rolls)
-        return [places for places in (steady, rolling) if places]
+        """Places where it neither rolls nor bars a way out, and only if none can be reached the others."""
+        kinds = [(False, False), (False, True), (True, False), (True, True)]
+        groups = [tuple(p for p in self.places if (p.rolls, p.bars) == kind) for kind in kinds]
+        return [places for places in groups if places]
 
     def _with(self, state: Reached, places: tuple[Placement, ...]) -> Transfer | None:
         """Complete a transfer to one of some places that starts with one reachable grasp."""

@@ -9,7 +9,7 @@ from scipy.spatial import ConvexHull, Delaunay, QhullError
 
 from topple.planner.place.resting import PLACEMENT_TOLERANCES, PlacementTolerances
 from topple.planner.solids import Solids, level_axes, table_top, up_of
-from topple.topology.arrays import BoolArray, FloatArray
+from topple.topology.arrays import BoolArray, FloatArray, IntArray
 from topple.topology.scene import Scene
 
 
@@ -20,6 +20,8 @@ class FreeSpace:
     Attributes:
         origin: (2,) level coordinates of the grid's corner [m].
         distance: (I, J) distance of each cell to the nearest thing, edge or unseen table [m].
+        ways: (I, J) whether what stands there would be in the way of lifting what is still to be taken, or
+            of the hand around it.
         normal: (3,) unit normal of the table.
         height: Of the table along the normal [m].
         cell: Edge of a cell [m].
@@ -27,6 +29,7 @@ class FreeSpace:
 
     origin: FloatArray
     distance: FloatArray
+    ways: BoolArray
     normal: FloatArray
     height: float
     cell: float
@@ -40,11 +43,25 @@ class FreeSpace:
         Returns:
             (...) distances [m], 0 outside the table.
         """
+        i, j, inside = self._cells(places)
+        return np.where(inside, self.distance[i, j], 0.0)
+
+    def barring(self, places: FloatArray) -> BoolArray:
+        """Whether what stands there is in the way of what is still to be taken.
+
+        Args:
+            places: (..., 2) level coordinates [m].
+        """
+        i, j, inside = self._cells(places)
+        return self.ways[i, j] & inside
+
+    def _cells(self, places: FloatArray) -> tuple[IntArray, IntArray, BoolArray]:
+        """Indices of the cells of places, and whether they are on the map at all."""
         index = np.floor((places - self.origin) / self.cell).astype(np.int64)
         shape = np.array(self.distance.shape)
         inside = np.all((index >= 0) & (index < shape), axis=-1)
         index = np.clip(index, 0, shape - 1)
-        return np.where(inside, self.distance[index[..., 0], index[..., 1]], 0.0)
+        return index[..., 0], index[..., 1], inside
 
 
 def free_space(
@@ -53,15 +70,19 @@ def free_space(
     *,
     leave_out: Collection[str] = (),
     avoid: Sequence[FloatArray] = (),
+    remaining: Collection[str] = (),
     tolerances: PlacementTolerances = PLACEMENT_TOLERANCES,
 ) -> FreeSpace | None:
     """Map what of the table is free, everything seen from straight above.
+
+    The way out of an object is its column, straight up, and half an open hand's width around it.
 
     Args:
         scene: The scene.
         solids: Convex parts of its objects.
         leave_out: Objects that do not count, for they are to be moved.
         avoid: (N, 3) points each, of places to keep free besides.
+        remaining: Objects that are still to be taken, or put something on or into.
         tolerances: Grid and distance from the edge.
 
     Returns:
@@ -84,14 +105,21 @@ def free_space(
     free = _within(middles, ground)
     edge = _to_nearest(free) * tolerances.cell
     free &= edge > tolerances.edge
+    clear = np.ones_like(free)
     for name in scene.names:
         if name != table and name not in leave_out:
+            taken = np.zeros_like(free)
             for part in solids[name]:
-                free &= ~_within(middles, part @ axes.T)
-            _mark(free, scene.clouds[name] @ axes.T, origin, tolerances.cell)
+                taken |= _within(middles, part @ axes.T)
+            _mark(taken, scene.clouds[name] @ axes.T, origin, tolerances.cell)
+            free &= ~taken
+            if name in remaining:
+                clear &= ~taken
     for points in avoid:
         free &= ~_within(middles, points @ axes.T)
-    return FreeSpace(origin, _to_nearest(free) * tolerances.cell, normal, height, tolerances.cell)
+    away: FloatArray = np.asarray(distance_transform_edt(clear)) * tolerances.cell
+    ways = (away < tolerances.good_gap) & (not clear.all())
+    return FreeSpace(origin, _to_nearest(free) * tolerances.cell, ways, normal, height, tolerances.cell)
 
 
 def _to_nearest(free: BoolArray) -> FloatArray:
@@ -112,7 +140,7 @@ def _within(places: FloatArray, points: FloatArray) -> BoolArray:
     return result
 
 
-def _mark(free: BoolArray, points: FloatArray, origin: FloatArray, cell: float) -> None:
+def _mark(taken: BoolArray, points: FloatArray, origin: FloatArray, cell: float) -> None:
     index = np.floor((points - origin) / cell).astype(np.int64)
-    inside = np.all((index >= 0) & (index < np.array(free.shape)), axis=1)
-    free[index[inside, 0], index[inside, 1]] = False
+    inside = np.all((index >= 0) & (index < np.array(taken.shape)), axis=1)
+    taken[index[inside, 0], index[inside, 1]] = True

@@ -1,6 +1,6 @@
 """Where to put things down: free, reachable places on the table, the object resting as it would by itself."""
 
-from collections.abc import Sequence
+from collections.abc import Collection, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -9,11 +9,12 @@ from topple.planner.place.free_space import FreeSpace, free_space
 from topple.planner.place.resting import PLACEMENT_TOLERANCES, PlacementTolerances, Rest, about, resting_poses
 from topple.planner.samples import voxel_means
 from topple.planner.solids import Solids, level_axes, solids_of, up_of
-from topple.topology.arrays import FloatArray, frozen
+from topple.topology.arrays import BoolArray, FloatArray, frozen
 from topple.topology.errors import UnknownObject
 from topple.topology.scene import Scene
 
 KEPT = 80  # best places of each attitude and heading that are compared
+BARRING = 0.1  # share of its score that a place in the way of what remains keeps: below any that is not
 SPARE = 3  # places of each attitude that comes off worse: a hand may not get down in the better ones
 
 
@@ -27,8 +28,8 @@ class Placement:
         rest: How it stands there, in words.
         drop: How far it falls when it is let go [m].
         into: What it is put on or into, whose inferred body it may enter: its seen surface was kept clear of.
-        inside: Share of its height that is below the rim of what it is put into; 0 on a table.
         rolls: Whether it could roll away from there.
+        bars: Whether it would be in the way of taking what is still to be taken.
     """
 
     pose_before_to_after: FloatArray
@@ -36,8 +37,8 @@ class Placement:
     rest: str = ""
     drop: float = 0.0
     into: str | None = None
-    inside: float = 0.0
     rolls: bool = False
+    bars: bool = False
 
     def __post_init__(self) -> None:
         object.__setattr__(self, "pose_before_to_after", frozen(self.pose_before_to_after))
@@ -61,10 +62,11 @@ def placements(
     *,
     pose_base_to_world: FloatArray | None = None,
     avoid: Sequence[FloatArray] = (),
+    remaining: Collection[str] = (),
     limit: int = 24,
     tolerances: PlacementTolerances = PLACEMENT_TOLERANCES,
 ) -> list[Placement]:
-    """Find free places on the table for an object.
+    """Find free places on the table for an object, off the ways out of what remains while there are any.
 
     Args:
         name: The object.
@@ -72,6 +74,7 @@ def placements(
         solids: Convex parts of the objects; made from the scene where not given.
         pose_base_to_world: (4, 4) the arm's base: places within its reach and off its foot.
         avoid: (N, 3) points each: places to keep free besides.
+        remaining: Objects that are still to be taken, or put something on or into.
         limit: At most so many, spread over the table; the last of them in other attitudes.
         tolerances: Distances.
 
@@ -85,7 +88,9 @@ def placements(
         raise UnknownObject(name, scene.names)
     up = up_of(scene)
     solids = solids_of(scene) if solids is None else solids
-    space = free_space(scene, solids, leave_out={name}, avoid=avoid, tolerances=tolerances)
+    space = free_space(
+        scene, solids, leave_out={name}, avoid=avoid, remaining=remaining, tolerances=tolerances
+    )
     if space is None:
         return []
     base = None if pose_base_to_world is None else np.stack(level_axes(up)) @ pose_base_to_world[:3, 3]
@@ -125,9 +130,12 @@ def _at_rest(
         rotation = about(up, 2.0 * np.pi * k / yaws) @ rest.rotation
         turned = (body - middle) @ rotation.T
         outline = np.unique(np.round(turned @ axes.T / space.cell), axis=0) * space.cell
-        room = space.at(places[:, None, :] + outline[None, :, :]).min(axis=1)
+        covered = places[:, None, :] + outline[None, :, :]
+        room = space.at(covered).min(axis=1)
+        bars: BoolArray = np.asarray(space.barring(covered).any(axis=1))
         lift = space.height + tolerances.drop - float((turned @ space.normal).min())
         scores = _scores(places, room, rest, axes @ middle, base, k / yaws, tolerances)
+        scores[bars & (scores > 0.0)] *= BARRING
         for index in np.argsort(-scores, kind="stable")[:KEPT]:
             if room[index] > tolerances.gap:
                 target = axes.T @ places[index]
@@ -136,7 +144,12 @@ def _at_rest(
                 pose[:3, :3], pose[:3, 3] = rotation, target - rotation @ middle
                 turned_by, gap = np.degrees(rest.turn), 1e3 * float(room[index])
                 words = f"turned {turned_by:.0f} deg onto a face, {gap:.0f} mm free"
-                found.append(Placement(pose, float(scores[index]), words, tolerances.drop, rolls=rest.rolls))
+                found.append(
+                    Placement(
+                        pose, float(scores[index]), words, tolerances.drop,
+                        rolls=rest.rolls, bars=bool(bars[index]),
+                    )
+                )  # fmt: skip
     return found
 
 
@@ -163,10 +176,10 @@ def _scores(
 
 
 def _spread_out(found: list[Placement], middle: FloatArray, limit: int) -> list[Placement]:
-    """What cannot roll first, then best first: at most three headings at a place, places 6 cm apart."""
+    """Steady ones that bar no way first, best first: at most three headings at a place, places 6 cm apart."""
     kept: list[Placement] = []
     spots: list[FloatArray] = []
-    for placement in sorted(found, key=lambda placement: (placement.rolls, -placement.score)):
+    for placement in sorted(found, key=lambda placement: (placement.rolls, placement.bars, -placement.score)):
         pose = placement.pose_before_to_after
         spot = pose[:3, :3] @ middle + pose[:3, 3]
         near = [other for other in spots if np.linalg.norm(other - spot) < 0.06]

@@ -97,7 +97,6 @@ def placements_on(
             rotation = about(up, 2.0 * np.pi * k / YAWS) @ rest.rotation
             turned = (body - centre) @ rotation.T
             level, height = _underside(turned @ axes.T, turned @ up)
-            tall = float(np.ptp(turned @ up))
             landings = _landings(level, height, middle + offsets, heights, target)
             for offset, landing in zip(offsets, landings, strict=True):
                 if landing is None:
@@ -110,8 +109,7 @@ def placements_on(
                     turn = np.degrees(rest.turn)
                     words = f"{how} {where}, turned {turn:.0f} deg onto a face"
                     value = (score or 0.0) - 0.01 * min(k, YAWS - k) - 3.0 * drop
-                    inside = float(np.clip(landing.depth / tall, 0.0, 1.0))
-                    found.append(Placement(pose, value, words, drop, where, inside))
+                    found.append(Placement(pose, value, words, drop, where))
     return _varied(found, centre, limit)
 
 
@@ -250,3 +248,16 @@ def inset(outline: FloatArray, points: FloatArray) -> FloatArray:
     except (QhullError, ValueError):
         return np.full(len(points), -1.0)
     return -(points @ hull.equations[:, :2].T + hull.equations[:, 2]).max(axis=1)
+
+
+def over(scene: Scene, upper: str, lower: str) -> bool:
+    """Whether the middle of what leans on an object is over it: it is then on it, not at its side.
+
+    Args:
+        scene: The scene, with `up`.
+        upper: What leans.
+        lower: On what.
+    """
+    axes = np.stack(level_axes(up_of(scene)))
+    middle, outline = scene.clouds[upper].mean(axis=0) @ axes.T, scene.clouds[lower] @ axes.T
+    return inset(outline, middle[None])[0] > 0.0

@@ -4,18 +4,17 @@ import networkx as nx
 import numpy as np
 
 from topple.planner.goal import parse_goal
+from topple.planner.place.drops import Drops
 from topple.planner.plan_format import Plan, Step
+from topple.planner.solids import moved
 from topple.planner.verify.record import Residual, Worst
 from topple.planner.verify.replay import Beat, parts_of
-from topple.robots.bodies import Body
 from topple.robots.poses import angle_between
-from topple.robots.world import World
 from topple.topology.arrays import FloatArray
 from topple.topology.scene import Scene
 
 SHIFT = 0.015  # [m] a thing may move until it rests: its body is a guess from noisy points
 TURN = 0.35  # [rad] and turn: it lies down on the face next to the one that was meant
-SECONDS = 1.5  # of simulation
 
 
 def check_precedence(plan: Plan, scene: Scene | None) -> tuple[Residual, ...]:
@@ -100,58 +99,37 @@ def check_rest(plan: Plan, before: "list[Beat]") -> tuple[Residual, ...]:
     """
     shift, turn = Worst("shift after letting go", "m", SHIFT), Worst("turn after letting go", "rad", TURN)
     out = Worst("outside of its container after letting go", "m")
-    level = _upright(np.array(plan.up))
-    parts = parts_of(plan)
-    bodies = {name: Body.of(name, pieces) for name, pieces in parts.items()}
+    up, parts = np.array(plan.up), parts_of(plan)
     for beat in before:
-        step, poses = beat.step, {**beat.poses}
-        now = poses[step.object]
-        release = now.copy()
-        release[:3, 3] += step.placement.drop * np.array(plan.up)
-        with World() as world:
-            for name, pose in poses.items():
-                if name != step.object:
-                    world.add(bodies[name], level @ pose, fixed=True)
-            world.add(bodies[step.object], level @ release)
-            world.settle(SECONDS)
-            after = np.linalg.inv(level) @ world.pose(step.object)
-        centre = bodies[step.object].centre_of_mass
-        way = (after - now) @ np.append(centre, 1.0)
+        step = beat.step
+        bodies = {name: moved(parts[name], pose) for name, pose in beat.poses.items()}
+        release = np.eye(4)
+        release[:3, 3] += step.placement.drop * up
+        with Drops(step.object, bodies, up) as drops:
+            after, centre = drops.rest(release), drops.centre_of_mass
+        place = after[:3, :3] @ centre + after[:3, 3]
         where = f"step {beat.index + 1} ({step.object})"
         into = step.placement.into
         if into is not None and step.placement.rest.startswith("within"):
-            box = np.vstack([part @ poses[into][:3, :3].T + poses[into][:3, 3] for part in parts[into]])
-            out.note(_beyond(after @ np.append(centre, 1.0), box, np.array(plan.up)), where)
+            out.note(_beyond(place, np.vstack(bodies[into]), up), where)
         else:
-            shift.note(float(np.linalg.norm(way[:3])), where)
-            turn.note(angle_between(now, after), where)
+            shift.note(float(np.linalg.norm(place - centre)), where)
+            turn.note(angle_between(np.eye(4), after), where)
     return shift.residual(), turn.residual(), out.residual()
 
 
 def _beyond(place: FloatArray, points: FloatArray, up: FloatArray) -> float:
-    """How far a place is beside the level outline of points, or below them [m]."""
+    """How far a place (3,) is beside the level outline of points, or below them [m]."""
     from topple.planner.place.stacking import inset
     from topple.planner.solids import level_axes
 
     axes = np.stack(level_axes(up))
-    aside = -float(inset(points @ axes.T, (place[:3] @ axes.T)[None])[0])
-    below = float((points @ up).min() - place[:3] @ up)
+    aside = -float(inset(points @ axes.T, (place @ axes.T)[None])[0])
+    below = float((points @ up).min() - place @ up)
     return max(0.0, aside, below)
 
 
 def _at_rest(step: Step, up: FloatArray) -> FloatArray:
     pose = np.array(step.placement.pose_before_to_after)
     pose[:3, 3] -= step.placement.drop * up
-    return pose
-
-
-def _upright(up: FloatArray) -> FloatArray:
-    """(4, 4) turn that brings up to z."""
-    axis = np.cross(up, [0.0, 0.0, 1.0])
-    pose = np.eye(4)
-    if np.linalg.norm(axis) < 1e-9:
-        pose[:3, :3] = np.diag([1.0, np.sign(up[2]), np.sign(up[2])])
-        return pose
-    x = axis / np.linalg.norm(axis)
-    pose[:3, :3] = np.stack([x, np.cross(up, x), up])
     return pose

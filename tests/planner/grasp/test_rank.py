@@ -1,8 +1,13 @@
-import numpy as np
+from dataclasses import replace
 
+import numpy as np
+import pytest
+
+from topple.planner.grasp.grasp import Grasp
 from topple.planner.grasp.rank import rank_grasps
 from topple.robots.catalog import robot
 from topple.robots.shapes.boxes import box
+from topple.topology.errors import InvalidInput, UnknownObject
 from topple.topology.scene import Scene
 
 
@@ -49,3 +54,39 @@ def test_what_the_arm_cannot_reach_is_dropped() -> None:
 
 def test_no_grasps_give_no_ranking() -> None:
     assert rank_grasps(scene(), np.empty((0, 4, 4))) == []
+
+
+def test_all_that_speaks_against_a_grasp_is_said() -> None:
+    ranked = {entry.index: entry for entry in rank_grasps(scene(), GRASPS)}
+    assert "the hand meets upper" in (ranked[0].dropped or "")
+    assert "upper would move: has to go before lower" in (ranked[0].dropped or "")
+
+
+def test_of_what_may_go_now_what_can_be_done_comes_before_a_better_score() -> None:
+    blocked, free = down(0.0, 0.0, 0.088), down(0.0, 0.0, 0.088)
+    blocked[2, 3] = 0.03  # so deep that the palm meets the top
+    poses = [
+        Grasp("upper", "pinch", pose, 0.05, 0.06, score) for pose, score in ((blocked, 0.9), (free, 0.2))
+    ]
+    better = replace(poses[1], score=0.3)
+    ranked = rank_grasps(scene(), [*poses, better])
+    assert [entry.index for entry in ranked] == [2, 1, 0]
+    assert ranked[2].dropped is not None
+
+
+def test_grasps_in_another_frame_are_brought_to_the_world_or_refused() -> None:
+    away, back = np.eye(4), np.eye(4)
+    away[0, 3], back[0, 3] = 2.0, -2.0
+    with pytest.raises(InvalidInput, match=r"no grasp is near anything.*pose_source_to_world"):
+        rank_grasps(scene(), away @ GRASPS)
+    ranked = rank_grasps(scene(), away @ GRASPS, pose_source_to_world=back)
+    assert [entry.grasp.object for entry in ranked] == ["upper", "lower", ""]
+    with pytest.raises(InvalidInput, match="pose_source_to_world"):
+        rank_grasps(scene(), GRASPS, pose_source_to_world=np.eye(3))
+
+
+def test_grasps_of_what_is_not_there_and_by_tools_that_are_missing_are_refused() -> None:
+    with pytest.raises(UnknownObject, match="cup"):
+        rank_grasps(scene(), [Grasp("cup", "pinch", down(0.0, 0.0, 0.088), 0.05, 0.06, 1.0)])
+    with pytest.raises(InvalidInput, match="panda has no suction"):
+        rank_grasps(scene(), [Grasp("upper", "suction", down(0.0, 0.0, 0.1), 0.0, 0.0, 1.0)], "panda")

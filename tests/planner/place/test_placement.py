@@ -147,3 +147,28 @@ def test_what_cannot_roll_comes_first_of_all_placements() -> None:
     rolls = [place.rolls for place in placements("can", on_table(can=tilted(can(), 1.35)))]
     assert not rolls[0]
     assert rolls == sorted(rolls)
+
+
+def beside(size: float, aside: float) -> Scene:
+    block = tilted(box("box", (0.05, 0.05, 0.05)), 0.0, aside=aside)
+    return on_table(size, can=tilted(can(), 0.0, aside=-aside), box=block)
+
+
+def test_places_keep_off_the_way_out_of_what_is_still_to_be_taken() -> None:
+    scene = beside(0.24, 0.1)
+    block = scene.clouds["box"][::10, None, :2]
+
+    def nearest(remaining: tuple[str, ...]) -> float:
+        found = placements("can", scene, remaining=remaining)
+        clouds = [after(scene, "can", place.pose_before_to_after)[::5, :2] for place in found]
+        return min(float(np.linalg.norm(cloud - block, axis=2).min()) for cloud in clouds)
+
+    assert nearest(()) < 0.08
+    assert nearest(("box",)) > 0.09  # half an open hand's width, less a cell
+
+
+def test_where_all_room_is_on_a_way_out_it_is_used_and_marked() -> None:
+    assert not any(place.bars for place in placements("can", beside(0.15, 0.06)))
+    found = placements("can", beside(0.15, 0.06), remaining=("box",))
+    assert found
+    assert all(place.bars for place in found)

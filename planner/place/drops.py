@@ -1,0 +1,167 @@
+"""Where a thing comes to rest once it is let go: dropped in PyBullet among bodies that hold still."""
+
+from collections.abc import Sequence
+from dataclasses import replace
+from types import TracebackType
+
+import numpy as np
+
+from topple.planner.place.placement import Placement
+from topple.planner.solids import Solids, moved, up_of
+from topple.robots.poses import angle_between
+from topple.topology.arrays import FloatArray
+from topple.topology.pairs import Relations
+from topple.topology.relation import Relation
+from topple.topology.scene import Scene
+
+SECONDS = 1.5  # of simulation: a fall of 4 cm takes 0.1, rolling down a bowl and back half a second
+KEPT = 0.01  # [m] what moves less than this has stayed: the same as for a violation
+TURNED = 0.25  # [rad] a face found on noisy points is that far from the one it stands on
+
+
+class Drops:
+    """A simulated world in which one object is let go time and again, to be used with `with`.
+
+    Args:
+        name: The object.
+        bodies: Convex parts of all objects, in the world; the others stay where they are.
+        up: (3,) unit vector.
+    """
+
+    def __init__(self, name: str, bodies: Solids, up: FloatArray) -> None:
+        from topple.robots.bodies import Body  # pybullet only where something is dropped
+        from topple.robots.world import World
+
+        self.name, self._level = name, _levelling(up)
+        self._world = World()
+        for other, parts in bodies.items():
+            self._world.add(Body.of(other, parts), self._level, fixed=other != name)
+
+    def __enter__(self) -> "Drops":
+        return self
+
+    def __exit__(
+        self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
+    ) -> None:
+        self._world.close()
+
+    @property
+    def centre_of_mass(self) -> FloatArray:
+        """(3,) of the object where `bodies` has it [m]."""
+        return self._world.body(self.name).centre_of_mass
+
+    @property
+    def _corners(self) -> FloatArray:
+        """(V, 3) of the object's parts where `bodies` has it [m]."""
+        return np.vstack(self._world.body(self.name).parts)
+
+    def rest(self, pose_before_to_release: FloatArray) -> FloatArray:
+        """Let the object go.
+
+        Args:
+            pose_before_to_release: (4, 4) rigid transform in the world from where `bodies` has it.
+
+        Returns:
+            (4, 4) rigid transform from there to where it comes to rest, or is after `SECONDS`.
+        """
+        self._world.place(self.name, self._level @ pose_before_to_release)
+        self._world.settle(SECONDS)
+        return np.asarray(self._level.T @ self._world.pose(self.name), dtype=np.float64)
+
+    def tipping(self, place: Placement, up: FloatArray) -> tuple[FloatArray, float] | None:
+        """How the object turns (3, 3) in its own axes from how a placement has it, and how low it then is.
+
+        None where it stays.
+        """
+        meant, rest = place.pose_at_rest(up), self.rest(place.pose_before_to_after)
+        way = (rest - meant) @ np.append(self.centre_of_mass, 1.0)
+        if np.linalg.norm(way) < KEPT and angle_between(rest, meant) < TURNED:
+            return None
+        low = float((self._corners @ rest[:3, :3].T @ up).min() + rest[:3, 3] @ up)
+        return meant[:3, :3].T @ rest[:3, :3], low
+
+    def laid(self, place: Placement, turn: FloatArray, low: float, up: FloatArray) -> Placement:
+        """A placement turned in the object's own axes by (3, 3) and brought to a height.
+
+        Its centre of mass stays over the same spot.
+        """
+        pose, centre = place.pose_before_to_after.copy(), self.centre_of_mass
+        middle = pose[:3, :3] @ centre + pose[:3, 3]
+        pose[:3, :3] = pose[:3, :3] @ turn
+        pose[:3, 3] = middle - pose[:3, :3] @ centre
+        lowest = float((self._corners @ pose[:3, :3].T @ up).min() + pose[:3, 3] @ up)
+        pose[:3, 3] += (low + place.drop - lowest) * up
+        return replace(place, pose_before_to_after=pose, rest="as it comes to lie by itself", rolls=True)
+
+
+def staying(
+    places: Sequence[Placement], name: str, where: str, relations: Relations, bodies: Solids
+) -> list[Placement]:
+    """The placements from which an object comes to rest in a container, by the relation of what is seen.
+
+    Asked of where each one puts it, and of where it rolls to when it is let go there in simulation.
+
+    Args:
+        places: Placements into the container.
+        name: The object.
+        where: The container.
+        relations: Of the scene, with `up`.
+        bodies: Convex parts of its objects.
+
+    Returns:
+        Those that hold, in their order.
+    """
+    scene, rule = relations.scene, relations.rule
+    up, container = up_of(scene), rule.prepare(where, scene.clouds[where])
+
+    def inside(pose: FloatArray) -> bool:
+        (cloud,) = moved((scene.clouds[name],), pose)
+        pair = rule.relate(rule.prepare(name, cloud), container)
+        return pair.relation in (Relation.WITHIN, Relation.PARTIAL_WITHIN)
+
+    found = [place for place in places if inside(place.pose_at_rest(up))]
+    if not found:
+        return []
+    with Drops(name, bodies, up) as drops:
+        return [place for place in found if inside(drops.rest(place.pose_before_to_after))]
+
+
+def standing(places: Sequence[Placement], name: str, scene: Scene, bodies: Solids) -> list[Placement]:
+    """Placements on a table in attitudes that an object keeps when it is let go there in simulation.
+
+    Faces are found on a body completed by what nobody saw, and each attitude is tried once with the body that
+    is known. Where that tips over, it is put down as it came to lie, and counts as what could roll.
+
+    Args:
+        places: Placements on something fixed.
+        name: The object.
+        scene: The scene, with `up`.
+        bodies: Convex parts of its objects.
+
+    Returns:
+        As many placements, in their order.
+    """
+    up = up_of(scene)
+    among = {other: parts for other, parts in bodies.items() if other == name or other in scene.fixed}
+    known: dict[tuple[float, ...], tuple[FloatArray, float] | None] = {}
+    found: list[Placement] = []
+    with Drops(name, among, up) as drops:
+        for place in places:
+            attitude = tuple(np.round(place.pose_before_to_after[:3, :3].T @ up, 3).tolist())
+            if attitude not in known:
+                known[attitude] = drops.tipping(place, up)
+            tipped = known[attitude]
+            found.append(place if tipped is None else drops.laid(place, *tipped, up))
+    return found
+
+
+def _levelling(up: FloatArray) -> FloatArray:
+    """(4, 4) turn that brings up to z; its transpose is its inverse."""
+    axis = np.cross(up, [0.0, 0.0, 1.0])
+    pose = np.eye(4)
+    if np.linalg.norm(axis) < 1e-9:
+        pose[:3, :3] = np.diag([1.0, np.sign(up[2]), np.sign(up[2])])
+        return pose
+    x = axis / np.linalg.norm(axis)
+    pose[:3, :3] = np.stack([x, np.cross(up, x), up])
+    return pose
