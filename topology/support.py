@@ -1,13 +1,12 @@
 """Who carries whom: contacts read with gravity."""
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from topple.topology.arrays import bounds
 from topple.topology.contact import Contact
-from topple.topology.relation import Relation
 from topple.topology.statics import Statics, within_reach
 
 if TYPE_CHECKING:
@@ -72,30 +71,6 @@ def supports(
             found.append(support)
     found.sort(key=lambda s: (order[s.supported], order[s.supporter]))
     return tuple(found)
-
-
-def infer_contacts(scene: "Scene", relations: "Relations", statics: Statics | None = None) -> "Relations":
-    """Add the contacts that no camera saw and that there must be, since everything is at rest.
-
-    Args:
-        scene: A scene that knows where up is.
-        relations: Its relations from the clouds alone.
-        statics: The scene at rest where it has been worked out before.
-
-    Returns:
-        The relations with "touch" in place of "disjoint", marked as inferred, for pairs of which one
-        carries the other.
-
-    Raises:
-        InvalidInput: The scene has no `up`.
-    """
-    for support in supports(scene, relations, statics):
-        pair = relations.between(support.supported, support.supporter)
-        if pair.relation is Relation.DISJOINT:
-            sure = min(support.confidence, 0.9)
-            touch = replace(pair, relation=Relation.TOUCH, confidence=sure, observed=False, inferred=True)
-            relations = relations.with_pair(touch)
-    return relations
 
 
 def _read(contact: Contact, statics: Statics) -> Support | None:

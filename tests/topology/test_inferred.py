@@ -45,6 +45,20 @@ def test_a_box_with_a_hidden_foot_touches_the_table_by_inference():
     assert (pair.matrix[:, 1] >= 1).all()
 
 
+def test_a_lid_with_a_hidden_underside_touches_the_box_below_by_inference():
+    low, lid = top_of_box((0.1, 0.1, 0.06), [0, 0, 0.03]), top_of_box((0.08, 0.08, 0.05), [0, 0, 0.085])
+    stack = Scene(
+        {"table": table(), "low": low, "lid": lid[lid[:, 2] > 0.075]},
+        fixed=["table"],
+        up=UP,
+        viewpoints=CAMERA,
+    )
+    assert relate(stack, plain=True).between("lid", "low").relation is Relation.DISJOINT
+    pair = relate(stack).between("lid", "low")
+    assert pair.relation is Relation.TOUCH
+    assert pair.inferred
+
+
 def test_without_up_or_by_the_plain_rule_nothing_is_inferred():
     assert relate(scene()).between("table", "box").relation is Relation.DISJOINT
     assert not any(pair.inferred for pair in relate(scene(up=UP), plain=True).pairs)
