@@ -1,7 +1,7 @@
 """Who must go first: a directed graph whose every edge has a reason."""
 
 from collections.abc import Iterable, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from itertools import combinations, permutations
 from typing import TYPE_CHECKING, Any
 
@@ -9,6 +9,7 @@ import networkx as nx
 import numpy as np
 
 from topple.planner.blocking import Overlap, overlap
+from topple.planner.evidence import rates_for, way_found
 from topple.topology.errors import UnknownObject
 from topple.topology.statics import Statics
 
@@ -163,14 +164,46 @@ def dependencies(
     statics = Statics.of(scene) if statics is None else statics
     names = statics.upright.movable
     touching = _touching(statics)
-    found = [
-        _lifted(first, then, over, touching, statics) for (first, then), over in _hanging(statics).items()
-    ]
-    for then in names:
-        lost = _fallen(then, touching, statics)
-        found += [_falls(first, then, missing, touching) for first, missing in lost.items()]
-    graph = DependencyGraph.of(names, found)
+    hanging, lost = _hanging(statics), _lost(statics, touching)
+    found = [_lifted(first, then, over, touching, statics) for (first, then), over in hanging.items()]
+    found += [_falls(first, then, missing, touching) for (first, then), missing in lost.items()]
+    # The reason with the wider margin is given; how far it is believed has been counted.
+    cameras = statics.upright.viewpoints
+    rates = rates_for(None if cameras is None else len(cameras)).found
+    ways = _ways(hanging, lost)
+    edges = DependencyGraph.of(names, found).dependencies
+    believed = [replace(edge, confidence=rates[ways[edge.first, edge.then]]) for edge in edges]
+    graph = DependencyGraph(names, tuple(believed))
     return graph.reduced() if direct else graph
+
+
+def ways_found(statics: Statics) -> dict[tuple[str, str], int]:
+    """In which way reasoning finds its dependencies.
+
+    Args:
+        statics: The scene at rest.
+
+    Returns:
+        (first, then) -> position in `topple.planner.evidence.Found`, for every pair that it finds.
+    """
+    return _ways(_hanging(statics), _lost(statics, _touching(statics)))
+
+
+def _ways(
+    hanging: Mapping[tuple[str, str], Overlap], lost: Mapping[tuple[str, str], float]
+) -> dict[tuple[str, str], int]:
+    """In which way each pair was found."""
+    pushes = {pair: hanging[pair].evasion if pair in hanging else None for pair in (*hanging, *lost)}
+    return {pair: way_found(push, pair in lost) for pair, push in pushes.items()}
+
+
+def _lost(statics: Statics, touching: Mapping[tuple[str, str], float]) -> dict[tuple[str, str], float]:
+    """(first, then) -> by how much first falls without then, for those that do."""
+    return {
+        (first, then): missing
+        for then in statics.upright.movable
+        for first, missing in _fallen(then, touching, statics).items()
+    }
 
 
 def _fallen(then: str, touching: Mapping[tuple[str, str], float], statics: Statics) -> dict[str, float]:

@@ -183,14 +183,17 @@ def chances(
         cameras: How many cameras saw the scene; None where the clouds show whole surfaces.
 
     Returns:
-        (first, then) -> 0..1, for every ordered pair.
+        (first, then) -> 0..1, for every ordered pair; from cameras no less than by reasoning.
     """
     rates = rates_for(cameras)
-    return {
-        pair: posterior(chance, sum(each), len(each), votes.steady(*pair), rates)
-        for pair, chance in prior.items()
-        for each in [votes.moved.get(pair, ())]
-    }
+    found: dict[tuple[str, str], float] = {}
+    for pair, chance in prior.items():
+        each = votes.moved.get(pair, ())
+        found[pair] = posterior(chance, sum(each), len(each), votes.steady(*pair), rates)
+        if cameras is not None:
+            # Bodies with guessed sides are completed so that they stand: that one stood is no news.
+            found[pair] = max(found[pair], chance)
+    return found
 
 
 def confirmed(
@@ -201,19 +204,18 @@ def confirmed(
     Args:
         graph: Dependencies by reasoning, with every edge, not reduced.
         chance: (first, then) -> chance that it holds, of every pair.
-        votes: What simulation said: where it said nothing, reasoning stands.
+        votes: What simulation said.
 
     Returns:
-        The edges that more likely hold than not, with the reasons statics gave where it found them too. New
-        ones are between bodies that stood still by themselves.
+        The edges that more likely hold than not, and those that reasoning found and simulation does not speak
+        against, with the reasons statics gave. New ones are between bodies that stood still by themselves.
     """
     kept: list[Dependency] = []
     for (first, then), value in chance.items():
         known = graph.between(first, then)
-        tried = (first, then) in votes.moved
         # A body that was rebuilt so wrongly that it sags by itself moves at any touch: no news.
         if known is None and not votes.steady(first, then):
             continue
-        if value >= 0.5 or (known is not None and not tried):
+        if value >= 0.5 or (known is not None and value >= known.confidence):
             kept.append(Dependency(first, then, "blocking" if known is None else known.reason, value))
     return DependencyGraph.of(graph.names, kept)

@@ -14,7 +14,7 @@ import numpy as np
 
 from topple.planner.bench.scores import Labels
 from topple.planner.cli.console import print_json
-from topple.planner.dependency import DependencyGraph, dependencies
+from topple.planner.dependency import dependencies, ways_found
 from topple.planner.evidence import Rates, standing
 from topple.planner.piles import make_pile, observe, truth
 from topple.planner.verify_order import Votes, ask
@@ -36,34 +36,42 @@ class Counts:
         steady: (4, 2) by how many of three trials moved, both bodies standing still by themselves.
         shaky: (4, 2) the same where one of them did not.
         overlooked: (3, 2, 2) pairs for which reasoning found nothing, by `topple.planner.evidence.standing`.
+        found: (4, 2) pairs for which it found something, by `topple.planner.evidence.way_found`.
     """
 
     steady: FloatArray
     shaky: FloatArray
     overlooked: FloatArray
+    found: FloatArray
 
     @staticmethod
     def of(
-        labels: Labels, graph: DependencyGraph, votes: Votes, stand: Mapping[tuple[str, str], tuple[int, int]]
+        labels: Labels,
+        ways: Mapping[tuple[str, str], int],
+        votes: Votes,
+        stand: Mapping[tuple[str, str], tuple[int, int]],
     ) -> "Counts":
         """Count one pile.
 
         Args:
             labels: What is true.
-            graph: What reasoning found, not reduced.
+            ways: (first, then) -> in which way reasoning found it, of all that it found.
             votes: What simulation said, of all three trials.
             stand: How the objects stand to each other.
         """
-        steady, shaky, overlooked = np.zeros((4, 2)), np.zeros((4, 2)), np.zeros((3, 2, 2))
-        found = set(nx.transitive_closure(graph.graph()).edges)
+        steady, shaky, found = np.zeros((4, 2)), np.zeros((4, 2)), np.zeros((4, 2))
+        overlooked = np.zeros((3, 2, 2))
+        implied = set(nx.transitive_closure(nx.DiGraph(list(ways))).edges)
         for (first, then), moved in votes.moved.items():
             label = labels[then].get(first)
             if label is None:
                 continue
             (steady if votes.steady(first, then) else shaky)[sum(moved), 1 - label] += 1
-            if (first, then) not in found:
+            if (first, then) in ways:
+                found[ways[first, then], 1 - label] += 1
+            if (first, then) not in implied:
                 overlooked[(*stand[first, then], 1 - label)] += 1
-        return Counts(steady, shaky, overlooked)
+        return Counts(steady, shaky, overlooked, found)
 
     def rates(self, others: Sequence["Counts"]) -> Rates:
         """The rates of these and other counts, half a case added to each."""
@@ -71,10 +79,13 @@ class Counts:
         steady = np.sum([counts.steady for counts in every], axis=0) + 0.5
         shaky = np.sum([counts.shaky for counts in every], axis=0) + 0.5
         overlooked = np.sum([counts.overlooked for counts in every], axis=0) + 0.5
+        found = np.sum([counts.found for counts in every], axis=0) + 0.5
+        both, wide, narrow, falls = (round(float(share), 3) for share in found[:, 0] / found.sum(axis=1))
         return Rates(
             _rows(steady / steady.sum(axis=0)),
             _rows(shaky / shaky.sum(axis=0)),
             _rows(overlooked[..., 0] / overlooked.sum(axis=-1)),
+            (both, wide, narrow, falls),
         )
 
 
@@ -94,7 +105,7 @@ def count_pile(seed: int, view: int) -> Counts:
     statics = Statics.of(observe(pile, view, seed))
     graph = dependencies(observe(pile, view, seed), None, statics, direct=False)
     votes = ask(statics, graph, deadline=time.monotonic() + PATIENCE)
-    return Counts.of(truth(pile), graph, votes, standing(statics))
+    return Counts.of(truth(pile), ways_found(statics), votes, standing(statics))
 
 
 def main() -> None:
@@ -107,7 +118,7 @@ def main() -> None:
     rates = first.rates(others)
     print_json(
         {"view": args.view, "piles": args.piles, "steady": rates.steady, "shaky": rates.shaky,
-         "overlooked": rates.overlooked}
+         "overlooked": rates.overlooked, "found": rates.found}
     )  # fmt: skip
 
 

@@ -105,6 +105,18 @@ def test_what_was_not_tried_stays_as_reasoned() -> None:
     assert confirmed(graph, prior, nothing).dependencies == graph.dependencies
 
 
+def test_that_bodies_with_guessed_sides_stand_refutes_nothing() -> None:
+    graph = DependencyGraph.of(("a", "b"), [Dependency("a", "b", "leaning", confidence=0.357)])
+    prior = {("a", "b"): 0.357, ("b", "a"): 0.1}
+    stood = Votes({pair: (False,) * 3 for pair in prior}, {"a": 0.0, "b": 0.0}, 6, complete=True)
+    moved = Votes({pair: (True,) * 3 for pair in prior}, {"a": 0.0, "b": 0.0}, 6, complete=True)
+    for cameras in (1, 3):
+        assert chances(prior, stood, cameras) == prior
+        assert confirmed(graph, prior, stood).dependencies == graph.dependencies
+        assert len(confirmed(graph, chances(prior, moved, cameras), moved).dependencies) == 2
+    assert not confirmed(graph, chances(prior, stood, cameras=None), stood).dependencies
+
+
 def test_of_things_that_touch_the_higher_is_likelier_to_depend_on_the_lower(statics: Statics) -> None:
     assert standing(statics)["on", "plate"] == (0, 1)
     assert standing(statics)["plate", "on"] == (0, 0)
@@ -120,9 +132,12 @@ def test_counted_rates_tell_what_happened_with_a_dependency_and_without(
         then: {first: int((first, then) == ("on", "plate")) for first in NOTHING.names}
         for then in NOTHING.names
     }
-    counts = Counts.of(labels, NOTHING, votes, standing(statics))
+    ways = {("beside", "plate"): 3}
+    counts = Counts.of(labels, ways, votes, standing(statics))
     assert counts.steady[3].tolist() == [1, 0] and counts.steady[0].tolist() == [0, 5]
     assert counts.overlooked[0, 1].tolist() == [1, 0]
+    assert counts.found[3].tolist() == [0, 1]
     rates = counts.rates([counts])
+    assert rates.found[3] == round(0.5 / 3, 3)
     assert rates.steady[3] == (round(2.5 / 4, 3), round(0.5 / 12, 3))
     assert sum(with_it for with_it, _ in rates.steady) == pytest.approx(1, abs=2e-3)
