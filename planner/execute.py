@@ -12,6 +12,7 @@ from topple.planner.pick_place.handling import MARGIN
 from topple.planner.pick_place.segments import Segment
 from topple.planner.pick_place.transfer import Transfer
 from topple.planner.solids import Solids
+from topple.planner.trial_lift import Watch, try_lift
 from topple.robots.poses import angle_between
 from topple.robots.simulated_arm import SimulatedArm
 from topple.topology.arrays import FloatArray
@@ -40,6 +41,7 @@ class Outcome:
         slip: Distance [m] and angle [rad] by which the object moved in the hand while it was held, measured
             on true poses; None where it was never held.
         lost_at: (3,) where in the world [m] the object was when it was missed; None where it was not.
+        stirred: What moved along when it was lifted a little, for which it was put back.
     """
 
     success: bool
@@ -47,17 +49,20 @@ class Outcome:
     tool_path: FloatArray
     slip: tuple[float, float] | None = None
     lost_at: FloatArray | None = None
+    stirred: tuple[str, ...] = ()
 
 
-def execute(transfer: Transfer, robot: SimulatedArm) -> Outcome:
+def execute(transfer: Transfer, robot: SimulatedArm, watch: Watch | None = None) -> Outcome:
     """Drives the segments one after the other.
 
     A grasp that closes on nothing, a cup that does not seal or an object lost on the way ends it: the hand
-    opens and the arm goes straight up, so that the next look finds it out of the way.
+    opens and the arm goes straight up, so that the next look finds it out of the way. So does a look early in
+    the lift at which something else moved along: the object is put back first.
 
     Args:
         transfer: What to do; it should start where the arm is.
         robot: The arm in its world.
+        watch: Who looks what moved along; nobody if None.
     """
     done: list[Segment] = []
     name = transfer.object
@@ -66,6 +71,12 @@ def execute(transfer: Transfer, robot: SimulatedArm) -> Outcome:
     for segment in transfer.segments:
         if held is not None and segment.kind == "release":
             slip = _shift(held, robot.pose_in_hand(name, segment.tool))
+        if segment.kind == "lift" and watch is not None:
+            segment, stirred = try_lift(segment, robot, watch)
+            if stirred:
+                retreat(transfer, done, robot)
+                words = f"{name} was put back, as {' and '.join(stirred)} moved when it was lifted a little."
+                return Outcome(False, words, _tool_path(done, robot), stirred=stirred)
         problem = _drive(segment, transfer, robot)
         if segment.trajectory is not None:
             done.append(segment)
@@ -107,11 +118,12 @@ def withdraw(robot: SimulatedArm, solids: Solids, seed: int) -> None:
 
 
 def retreat(transfer: Transfer, done: list[Segment], robot: SimulatedArm) -> None:
-    """Lets go and backs out along the way the hand came in."""
-    robot.release()
+    """Lets go, no wider than the hand was open on its way in, and backs out along that way."""
     if not done:
+        robot.release()
         return
     last = done[-1]
+    robot.release(last.hand.opening if last.kind == "approach" else None)
     if last.kind == "approach" and last.trajectory is not None:
         path = last.trajectory
         come = int(np.abs(path.positions - robot.q_target).max(axis=1).argmin()) + 1  # it may have stopped

@@ -1,12 +1,13 @@
 """One look at the world: depth images, clouds, relations, and what of it was not expected."""
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
 
 import numpy as np
 
 from topple.planner.report.raster import picture
 from topple.planner.solids import table_top, up_of
+from topple.planner.stir import shifts
 from topple.robots.camera import Camera
 from topple.robots.poses import inverse
 from topple.robots.world import World
@@ -22,6 +23,7 @@ FINE = 0.002  # [m] between the points kept of an object: what three cameras at 
 COARSE = 0.008  # [m] between those of a table: finer than the foot of what stands on it
 MOVED = 0.01  # [m] from where on a thing lies elsewhere than expected: three times the depth noise
 SEEN_THROUGH = 0.02  # [m] beyond a remembered point a camera sees: ten times the depth noise
+STIRRED = 0.0025  # [m] moved between two pictures: twice what noise makes of what stays
 GONE = 0.5  # share of its points that must be seen through until a remembered thing is believed to be gone
 
 
@@ -86,6 +88,29 @@ class Observer:
         if expected is not None:
             scene, surprises = _joined(scene, expected)
         return Look(images, scene, relate(scene), _seen(images[0]), surprises)
+
+    def watch(self) -> Callable[[], tuple[str, ...]]:
+        """Takes pictures, to be told later what moved since.
+
+        Returns:
+            What takes pictures again when it is called, and names the objects that are not where they were.
+        """
+        before = self._glimpse()
+
+        def moved() -> tuple[str, ...]:
+            ways = shifts(before, self._glimpse())
+            return tuple(name for name, way in ways.items() if way > STIRRED)
+
+        return moved
+
+    def _glimpse(self) -> dict[str, FloatArray]:
+        """(N, 3) points that the cameras see now of each object that can move."""
+        pieces: dict[str, list[FloatArray]] = {}
+        for camera in self.cameras:
+            for name, cloud in camera.look(self.world, self.rng).clouds().items():
+                if name not in self.fixed:
+                    pieces.setdefault(name, []).append(cloud)
+        return {name: np.vstack(clouds) for name, clouds in pieces.items()}
 
 
 def _joined(seen: Scene, expected: Scene) -> tuple[Scene, tuple[str, ...]]:

@@ -19,7 +19,7 @@ from topple.planner.look import Look, Observer, unexpected
 from topple.planner.motion.collision import Checker
 from topple.planner.next_step import PLACE, NextStep, Orderer, Station, StepChooser
 from topple.planner.order import order
-from topple.planner.pick_place.transfer import scene_after
+from topple.planner.pick_place.transfer import Transfer, scene_after
 from topple.planner.rebuilt.rehearsal import Rehearsal
 from topple.planner.report.record import INTERRUPTED, RunRecord, StepRecord
 from topple.planner.report.rerun_file import RATE as RERUN_RATE
@@ -153,6 +153,7 @@ class ClosedLoop:
         self.followed: list[NextStep] = []
         self._attempts: Counter[str] = Counter()
         self._failed: dict[str, list[Grasp]] = {}
+        self._stirred: dict[str, tuple[str, ...]] = {}
 
     def look(self) -> Look:
         """Takes a picture with every camera and relates what is seen."""
@@ -237,7 +238,7 @@ class ClosedLoop:
         given_up = {name: f"{n} attempts failed" for name, n in self._attempts.items() if n >= most}
         return StepChooser(
             look.scene, goal, station, done=self._done, relations=look.relations, observed=True,
-            given_up=given_up, avoid=self._failed, orderer=self.orderer,
+            given_up=given_up, avoid=self._failed, stirred=self._stirred, orderer=self.orderer,
             seed=self.seed + self._attempts.total(),
         )  # fmt: skip
 
@@ -248,7 +249,7 @@ class ClosedLoop:
         self._say(f"{chosen.action} {name}: {chosen.reason}")
         before = self.world.poses()
         self.robot.touched.clear()
-        outcome = execute(transfer, self.robot)
+        outcome = execute(transfer, self.robot, lambda: self._watch(transfer))
         expected = scene_after(look.scene, transfer) if outcome.success else look.scene
         withdraw(self.robot, solids_of(expected), self.seed)
         self.robot.wait(self.limits.settle)
@@ -294,6 +295,13 @@ class ClosedLoop:
         self._say(f"{name}: {outcome.text}")
         return step, seen, [f"{name}: {text}" for text in wrong]
 
+    def _watch(self, transfer: Transfer) -> Callable[[], tuple[str, ...]]:
+        """Looks now; what it returns names what moved since and was not known to move along."""
+        name = transfer.object
+        known = {name, *transfer.riding, *self._stirred.get(name, ())}
+        moved = self._observer.watch()
+        return lambda: tuple(other for other in moved() if other not in known)
+
     def _learn(self, chosen: NextStep, outcome: Outcome) -> list[str]:
         """Notes what was done, or which grasp is not to be tried again; says what follows from it."""
         name = chosen.transfer.object
@@ -304,6 +312,10 @@ class ClosedLoop:
                 self._attempts[name] = 0
             return []
         self._failed.setdefault(name, []).append(chosen.transfer.grasp)
+        if outcome.stirred:  # each of them once, so that this comes to an end
+            self._attempts[name] -= 1
+            self._stirred[name] = (*self._stirred.get(name, ()), *outcome.stirred)
+            return [f"{outcome.text} What moved goes first where it can; if not, another grasp is tried."]
         left = self.limits.attempts - self._attempts[name]
         then = f"another grasp is tried, {left} attempts are left" if left > 0 else "it is given up"
         return [f"{outcome.text} {then[0].upper()}{then[1:]}."]

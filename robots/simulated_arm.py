@@ -124,6 +124,7 @@ class SimulatedArm:
                     self.id,
                     self._link[link],
                     lateralFriction=self.jaw.friction,
+                    spinningFriction=self.jaw.give,
                     frictionAnchor=0,
                     physicsClientId=client,
                 )
@@ -293,13 +294,13 @@ class SimulatedArm:
         )
         return self.vacuum is not None
 
-    def release(self) -> None:
-        """Switches the vacuum off and opens the jaw."""
+    def release(self, opening: float | None = None) -> None:
+        """Switches the vacuum off, or opens the jaw to a pad distance in [m], fully if not given."""
         if self.vacuum is not None:
             self.vacuum.off()
             self.vacuum = None
         else:
-            self.open()
+            self.open(opening)
 
     def strongest_touch(self, ignoring: Collection[str] = ()) -> tuple[str, Touch] | None:
         """What was touched hardest since `touched` was last emptied, apart from the names to ignore."""

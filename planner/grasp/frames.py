@@ -9,6 +9,9 @@ from topple.planner.grasp.surface import Surface
 from topple.topology.arrays import FloatArray
 
 CENTRAL = 0.03  # around the centre of mass, where a grasp hardly turns in the hand [m]
+LEANING = (0.1, 0.65)  # sine of how far a side leans: less is upright to a hand, more is no side
+ALIKE = 0.2  # normals closer than this are of one side: three times their noise [rad]
+FLAT = 0.2  # share of the steep surface that a flat side makes up: of a can's it is an eighth
 
 
 @dataclass(frozen=True, eq=False)
@@ -40,28 +43,44 @@ def frames(surface: Surface, up: FloatArray, tilts: Sequence[float], count: int 
     """
     points = surface.points[: surface.seen]
     flat = points - np.outer(points @ up, up)
-    across_all = _closing_directions(points, up)
+    across_all, leaning = _closing_directions(points, up), _leaning_sides(surface.normals, up)
     found: list[Frames] = []
     for origin in _places(points, surface.centre, up, count):
         near = points[np.linalg.norm(flat - (origin - up * float(origin @ up)), axis=1) < 0.02]
         normal = _facing(near, up)
-        rotations = [
-            rotation
-            for closing in _distinct([*_closing_directions(near, up), *across_all])
-            for rotation in _tilted(closing, normal, up, tilts)
-        ]
-        turned = np.array(rotations)
+        level = _distinct([*_closing_directions(near, up), *across_all])
+        closings = [*(_along(closing, normal, up) for closing in level), *leaning]
+        turned = np.array([rotation for closing in closings for rotation in _tilted(closing, up, tilts)])
         found.append(Frames(origin, turned, np.arccos(np.clip(-turned[:, :, 2] @ up, -1.0, 1.0))))
     return found
 
 
-def _tilted(
-    closing: FloatArray, normal: FloatArray, up: FloatArray, tilts: Sequence[float]
-) -> list[FloatArray]:
-    """Rotations of a hand that closes along a level direction on a face, tilted about the pads' line."""
-    # on a face that leans sideways the pads close along the face, or a thin thing rolls in them
+def _along(closing: FloatArray, normal: FloatArray, up: FloatArray) -> FloatArray:
+    """A level direction laid onto a face: where it leans pads close along it, or thin things roll in them."""
     along = closing - up * float(closing @ normal) / float(normal @ up)
-    along /= np.linalg.norm(along)
+    return along / np.linalg.norm(along)
+
+
+def _leaning_sides(normals: FloatArray, up: FloatArray) -> list[FloatArray]:
+    """Normals of flat sides that lean: pads square to them close on them without turning the object."""
+    steep = normals[np.abs(normals @ up) < LEANING[1]]
+    found: list[FloatArray] = []
+    left = np.ones(len(steep), dtype=bool)
+    alike = np.abs(steep @ steep.T) > np.cos(ALIKE)
+    while left.any():
+        counts = np.count_nonzero(alike & left, axis=1) * left
+        most = int(np.argmax(counts))
+        if counts[most] < FLAT * len(steep):
+            break
+        side = steep[alike[most] & left]
+        mean = (side * np.sign(side @ steep[most])[:, None]).mean(axis=0)
+        found.append(mean / np.linalg.norm(mean))
+        left &= ~alike[most]
+    return [side for side in found if abs(float(side @ up)) > LEANING[0]]
+
+
+def _tilted(along: FloatArray, up: FloatArray, tilts: Sequence[float]) -> list[FloatArray]:
+    """Rotations of a hand that closes along a direction, tilted about the pads' line."""
     across = cross(up, along)
     across /= np.linalg.norm(across)
     down = cross(across, along)

@@ -9,6 +9,7 @@ import pytest
 
 from topple.robots import shapes
 from topple.robots.catalog import robot
+from topple.robots.poses import angle_between
 from topple.robots.simulated_arm import SimulatedArm
 from topple.robots.world import World
 from topple.topology.arrays import FloatArray
@@ -151,3 +152,25 @@ def test_what_the_arm_touches_is_recorded(world: World) -> None:
 def _surface(world: World, x: float, y: float) -> float:
     hit = pybullet.rayTest([x, y, 0.5], [x, y, -0.1], physicsClientId=world.client)[0]
     return float(hit[3][2])
+
+
+def _turned_in_the_hand(world: World, mass: float) -> float:
+    """By how many degrees a bar turns that is lifted 4 cm beside its middle."""
+    world.add(shapes.box("bar", (0.16, 0.04, 0.05), mass=mass), at(0.5, 0.0, 0.0))
+    world.settle()
+    arm = SimulatedArm(world, robot("panda"), np.eye(4))
+    go(arm, down(0.54, 0.0, 0.2), "fingers")
+    go(arm, down(0.54, 0.0, 0.035), "fingers")
+    arm.close(42.0)
+    before = world.pose("bar")
+    go(arm, down(0.54, 0.0, 0.2), "fingers")
+    assert arm.holds("bar")
+    return float(np.degrees(angle_between(before, world.pose("bar"))))
+
+
+def test_rubber_pads_hold_a_bar_beside_its_middle(world: World) -> None:
+    assert _turned_in_the_hand(world, 0.4) < 2.0
+
+
+def test_a_heavy_bar_held_beside_its_middle_turns(world: World) -> None:
+    assert _turned_in_the_hand(world, 1.5) > 5.0, "0.6 N m are more than pads of this size hold"
