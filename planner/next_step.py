@@ -337,7 +337,7 @@ class StepChooser:
             left = self._remaining(name)
             places = placements(name, scene, solids, pose_base_to_world=base, avoid=own, remaining=left)
             places = places or placements(name, scene, solids, pose_base_to_world=base, remaining=left)
-            places = standing(places, name, self.scene, self._solids) if places else places
+            places = standing(places, name, scene, solids) if places else places
         return plan_transfer(
             name, self.scene, self._solids, self.station.arm, base, self.station.q, places,
             avoid=self.avoid.get(name, ()), riding=self._riding(name),
