@@ -19,7 +19,7 @@ from topple.planner.pick_place.failure import Setback, TransferFailure
 from topple.planner.pick_place.transfer import Transfer, plan_transfer
 from topple.planner.place.drops import standing, staying
 from topple.planner.place.placement import Placement, placements
-from topple.planner.place.stacking import over, placements_on
+from topple.planner.place.stacking import GENTLE, over, placements_on
 from topple.planner.solids import Solids, apart, hull_vertices, solids_of, up_of
 from topple.robots.arm import Arm
 from topple.topology.arrays import FloatArray
@@ -33,6 +33,7 @@ FREE, REMOVE, PLACE = "free", "remove", "place"
 """free: take a target clear, put it down; remove: take away what is in the way; place: as the goal says."""
 
 INSIDE = (Relation.WITHIN, Relation.PARTIAL_WITHIN)
+CHOICE = 48  # placements on or into a thing to choose from: a dozen spots, four headings each
 BESIDE = 0.05  # [m] what is closer to an object than this bars a hand: half an open hand's width
 
 
@@ -250,12 +251,13 @@ class StepChooser:
         if len(chosen.order) > 1:
             return self._take_off([name], PLACE)
         if (later := self._stands_on_later(place)) is not None:
-            return self._take_off(
-                [where], REMOVE, f"{later} below it has to come out before {name} is put there"
-            )
+            why = f"{later} below it has to come out before {name} is put there"
+            return self._take_off([where], REMOVE, why)
         contents = self._in_the_way(place) if place.how == "within" else []
-        places = placements_on(name, self.scene, where, place.how, self._solids)
-        room = staying(places, name, where, self.relations, self._solids) if contents else places
+        places = kept = placements_on(name, self.scene, where, place.how, self._solids, limit=CHOICE)
+        if place.how == "within":
+            kept = staying(places, name, where, self.relations, self._solids)
+        room = [found for found in (kept if contents else kept or places) if found.drop <= GENTLE]
         if (name, PLACE) in self.done and contents:
             room = []  # it was tried, and it is not there: more room is needed
         found = self._transfer(name, room) if room else _no_room(place)
@@ -265,8 +267,9 @@ class StepChooser:
             try:
                 return self._take_off(contents, REMOVE, f"{name} needs room in {where}")
             except NoSafePlan as error:
-                on_top = self._transfer(name, places) if places else None
-                if not isinstance(on_top, Transfer):
+                tries = (self._transfer(name, choice) for choice in (kept, places) if choice)
+                on_top = next((found for found in tries if isinstance(found, Transfer)), None)
+                if on_top is None:
                     raise
                 return NextStep(on_top, PLACE, f"no more room can be made in {where} ({error})", chosen)
         if room and (name, REMOVE) not in self.done and name not in self.given_up:
@@ -337,7 +340,7 @@ class StepChooser:
             left = self._remaining(name)
             places = placements(name, scene, solids, pose_base_to_world=base, avoid=own, remaining=left)
             places = places or placements(name, scene, solids, pose_base_to_world=base, remaining=left)
-            places = standing(places, name, scene, solids) if places else places
+            places = standing(places, name, self.scene, self._solids, solids)
         return plan_transfer(
             name, self.scene, self._solids, self.station.arm, base, self.station.q, places,
             avoid=self.avoid.get(name, ()), riding=self._riding(name),

@@ -91,7 +91,7 @@ class Drops:
         pose[:3, 3] = middle - pose[:3, :3] @ centre
         lowest = float((self._corners @ pose[:3, :3].T @ up).min() + pose[:3, 3] @ up)
         pose[:3, 3] += (low + place.drop - lowest) * up
-        return replace(place, pose_before_to_after=pose, rest="as it comes to lie by itself", rolls=True)
+        return replace(place, pose_before_to_after=pose, rest="as it comes to lie by itself")
 
 
 def staying(
@@ -126,32 +126,41 @@ def staying(
         return [place for place in found if inside(drops.rest(place.pose_before_to_after))]
 
 
-def standing(places: Sequence[Placement], name: str, scene: Scene, bodies: Solids) -> list[Placement]:
-    """Placements on a table in attitudes that an object keeps when it is let go there in simulation.
+def standing(
+    places: Sequence[Placement], name: str, scene: Scene, bodies: Solids, whole: Solids
+) -> list[Placement]:
+    """Placements on a table, those marked that an object may not keep when it is let go there.
 
-    Faces are found on a body completed by what nobody saw, and each attitude is tried once with the body that
-    is known. Where that tips over, it is put down as it came to lie, and counts as what could roll.
+    Each attitude is tried once in simulation, with the body that is known and with the one completed by what
+    nobody saw. What tips over either way is put down as it came to lie.
 
     Args:
         places: Placements on something fixed.
         name: The object.
         scene: The scene, with `up`.
-        bodies: Convex parts of its objects.
+        bodies: Convex parts of its objects, as far as they are known.
+        whole: The same, completed.
 
     Returns:
-        As many placements, in their order.
+        As many placements, in their order, with `rolls` where the bodies do not agree that it stays.
     """
-    up = up_of(scene)
-    among = {other: parts for other, parts in bodies.items() if other == name or other in scene.fixed}
-    known: dict[tuple[float, ...], tuple[FloatArray, float] | None] = {}
+    if not places:
+        return []
+    up, ground = up_of(scene), {other: bodies[other] for other in scene.fixed}
+    known: dict[tuple[float, ...], tuple[bool, tuple[FloatArray, float] | None]] = {}
     found: list[Placement] = []
-    with Drops(name, among, up) as drops:
+    with (
+        Drops(name, {**ground, name: bodies[name]}, up) as drops,
+        Drops(name, {**ground, name: whole[name]}, up) as completed,
+    ):
         for place in places:
             attitude = tuple(np.round(place.pose_before_to_after[:3, :3].T @ up, 3).tolist())
             if attitude not in known:
-                known[attitude] = drops.tipping(place, up)
-            tipped = known[attitude]
-            found.append(place if tipped is None else drops.laid(place, *tipped, up))
+                tipped = drops.tipping(place, up)
+                known[attitude] = tipped is None, tipped and completed.tipping(place, up) and tipped
+            stays, turn = known[attitude]
+            put = place if turn is None else drops.laid(place, *turn, up)
+            found.append(put if stays else replace(put, rolls=True))
     return found
 
 

@@ -20,7 +20,10 @@ INSET = 0.2  # on: the centre of mass keeps this share of the smaller half width
 YAWS = 8
 SPOT = 0.012  # placements this close are at one spot: less than the least difference of two drops [m]
 HEADINGS = 4  # kept of one spot
-DROPS = {"within": (0.005, 0.02, 0.04)}  # into a container also from higher up: fingers need room beside [m]
+DROPS = {
+    "within": (0.005, 0.02, 0.04, 0.08)
+}  # into a container also from higher up: hands need room beside [m]
+GENTLE = 0.04  # falls up to here do no harm: what falls deeper bounces [m]
 
 
 @dataclass(frozen=True, eq=False)
