@@ -191,13 +191,15 @@ class _Search:
         self.handling, self.places, self.q_start, self.level = handling, places, q_start, level
         self.seed, self.limits = seed, limits
         self.tally = Tally(frozenset(handling.bodies) - {handling.name})
+        self._known: dict[Reached, tuple[FloatArray, FloatArray] | None] = {}
 
     def run(self, grasps: Sequence[Grasp]) -> Transfer | TransferFailure:
-        grasps = grasps[: self.limits.grasps]
+        grasps, reached = grasps[: self.limits.grasps], dict[bool, list[Reached]]()
         for places in self._choices():
             for lenient in (False, True):
-                reached = self.handling.reached(grasps, self.q_start, lenient, self.tally)
-                for state in reached[: self.limits.reached]:
+                if lenient not in reached:
+                    reached[lenient] = self.handling.reached(grasps, self.q_start, lenient, self.tally)
+                for state in reached[lenient][: self.limits.reached]:
                     transfer = self._with(state, places)
                     if transfer is not None:
                         return transfer
@@ -205,17 +207,20 @@ class _Search:
 
     def _choices(self) -> list[tuple[Placement, ...]]:
         """Places where it neither rolls nor bars a way out, and only if none can be reached the others."""
-        kinds = [(False, False), (False, True), (True, False), (True, True)]
-        groups = [tuple(p for p in self.places if (p.rolls, p.bars) == kind) for kind in kinds]
-        return [places for places in groups if places]
+        steady = [place for place in self.places if not place.rolls]
+        groups = (
+            [place for place in steady if not place.bars],
+            [place for place in steady if place.bars],
+            [place for place in self.places if place.rolls],
+        )
+        return [tuple(places) for places in groups if places]
 
     def _with(self, state: Reached, places: tuple[Placement, ...]) -> Transfer | None:
         """Complete a transfer to one of some places that starts with one reachable grasp."""
         grasp, limits, handling = state.grasp, self.limits, self.handling
-        approach = handling.way_in(state, limits.approach, self.tally)
-        lift = None if approach is None else handling.way_up(state, limits.lift, self.tally)
-        if approach is None or lift is None:
+        if (ways := self._ways(state)) is None:
             return None
+        approach, lift = ways
         ends = handling.ends(state, places, lift[-1], limits.drop, limits.retreat, limits.goals, self.tally)
         if not ends:
             return None
@@ -243,6 +248,14 @@ class _Search:
         return Transfer(
             handling.name, grasp, end.placement, segments, q_end, tried, handling.riding, self.level
         )
+
+    def _ways(self, state: Reached) -> tuple[FloatArray, FloatArray] | None:
+        """Straight ways in and up at a state, looked for once for all places; None where there is none."""
+        if state not in self._known:
+            approach = self.handling.way_in(state, self.limits.approach, self.tally)
+            lift = None if approach is None else self.handling.way_up(state, self.limits.lift, self.tally)
+            self._known[state] = None if approach is None or lift is None else (approach, lift)
+        return self._known[state]
 
     def _proven(self, legs: Sequence[Leg]) -> bool:
         """Certify straight legs; what touches between their samples is noted."""
