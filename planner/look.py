@@ -23,7 +23,7 @@ FINE = 0.002  # [m] between the points kept of an object: what three cameras at 
 COARSE = 0.008  # [m] between those of a table: finer than the foot of what stands on it
 MOVED = 0.01  # [m] from where on a thing lies elsewhere than expected: three times the depth noise
 SEEN_THROUGH = 0.02  # [m] beyond a remembered point a camera sees: ten times the depth noise
-STIRRED = 0.0025  # [m] moved between two pictures: twice what noise makes of what stays
+STIRRED = 0.0035  # [m] moved between two pictures: three times what noise makes of what stays
 GONE = 0.5  # share of its points that must be seen through until a remembered thing is believed to be gone
 
 

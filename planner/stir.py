@@ -35,6 +35,12 @@ def shift(before: FloatArray, after: FloatArray) -> float | None:
     fixed, points = voxel_means(before, GRAIN), voxel_means(after, GRAIN)
     if min(len(fixed), len(points)) < LEAST:
         return None
+    # what comes into sight, or out of it, pulls at the one of the two matches that has no partner for it
+    return min(_way(fixed, points), _way(points, fixed))
+
+
+def _way(fixed: FloatArray, points: FloatArray) -> float:
+    """How far points (M, 3) have to be moved as one body to lie on fixed ones (N, 3) [m]."""
     normals, _ = fitted_normals(fixed, PATCH, np.array([0.0, 0.0, 1.0]))
     tree, centre = KDTree(fixed), points.mean(axis=0)
     size = float(np.linalg.norm(points - centre, axis=1).mean())

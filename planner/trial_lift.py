@@ -9,7 +9,7 @@ from topple.planner.motion.trajectory import Trajectory
 from topple.planner.pick_place.segments import Segment
 from topple.robots.simulated_arm import SimulatedArm
 
-TRIAL = 0.005  # [m] lifted before the look: half of what counts as disturbed, and twice what a look tells
+TRIAL = 0.005  # [m] lifted before the look: half of what counts as disturbed, and more than noise shows
 CALM = 0.15  # [s] until what was moved is at rest enough for a look
 
 Watch = Callable[[], Callable[[], tuple[str, ...]]]
