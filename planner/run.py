@@ -249,7 +249,8 @@ class ClosedLoop:
         self._say(f"{chosen.action} {name}: {chosen.reason}")
         before = self.world.poses()
         self.robot.touched.clear()
-        outcome = execute(transfer, self.robot, lambda: self._watch(transfer))
+        once = name not in self._stirred  # so that putting back comes to an end
+        outcome = execute(transfer, self.robot, (lambda: self._watch(transfer)) if once else None)
         expected = scene_after(look.scene, transfer) if outcome.success else look.scene
         withdraw(self.robot, solids_of(expected), self.seed)
         self.robot.wait(self.limits.settle)
@@ -296,11 +297,9 @@ class ClosedLoop:
         return step, seen, [f"{name}: {text}" for text in wrong]
 
     def _watch(self, transfer: Transfer) -> Callable[[], tuple[str, ...]]:
-        """Looks now; what it returns names what moved since and was not known to move along."""
-        name = transfer.object
-        known = {name, *transfer.riding, *self._stirred.get(name, ())}
-        moved = self._observer.watch()
-        return lambda: tuple(other for other in moved() if other not in known)
+        """Looks now; what it returns names what moved since but is not in the hand."""
+        moved, held = self._observer.watch(), (transfer.object, *transfer.riding)
+        return lambda: tuple(other for other in moved() if other not in held)
 
     def _learn(self, chosen: NextStep, outcome: Outcome) -> list[str]:
         """Notes what was done, or which grasp is not to be tried again; says what follows from it."""
@@ -312,9 +311,9 @@ class ClosedLoop:
                 self._attempts[name] = 0
             return []
         self._failed.setdefault(name, []).append(chosen.transfer.grasp)
-        if outcome.stirred:  # each of them once, so that this comes to an end
+        if outcome.stirred:
             self._attempts[name] -= 1
-            self._stirred[name] = (*self._stirred.get(name, ()), *outcome.stirred)
+            self._stirred[name] = outcome.stirred
             return [f"{outcome.text} What moved goes first where it can; if not, another grasp is tried."]
         left = self.limits.attempts - self._attempts[name]
         then = f"another grasp is tried, {left} attempts are left" if left > 0 else "it is given up"
