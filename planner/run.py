@@ -106,11 +106,13 @@ class RunLimits:
         attempts: Tries at one object before the run gives up on it.
         actions: Actions in all for each object of the scene.
         settle: Seconds of simulated time to wait after an action before looking.
+        trial: Whether a lift begins with half a centimetre and a look: see `topple.planner.trial_lift`.
     """
 
     attempts: int = 3
     actions: int = 3
     settle: float = 1.0
+    trial: bool = False
 
 
 @dataclass
@@ -249,7 +251,7 @@ class ClosedLoop:
         self._say(f"{chosen.action} {name}: {chosen.reason}")
         before = self.world.poses()
         self.robot.touched.clear()
-        once = name not in self._stirred  # so that putting back comes to an end
+        once = self.limits.trial and name not in self._stirred  # so that putting back comes to an end
         outcome = execute(transfer, self.robot, (lambda: self._watch(transfer)) if once else None)
         expected = scene_after(look.scene, transfer) if outcome.success else look.scene
         withdraw(self.robot, solids_of(expected), self.seed)
