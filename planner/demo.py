@@ -11,7 +11,7 @@ from topple.planner.errors import NoSafePlan
 from topple.planner.files import make_folder, write_whole
 from topple.planner.goal import parse_goal
 from topple.planner.next_step import Orderer, Station
-from topple.planner.order import order
+from topple.planner.order import cautious, order
 from topple.planner.plan import plan, plan_as_done
 from topple.planner.plan_format import plan_to_json
 from topple.planner.report.record import INTERRUPTED, RunRecord
@@ -101,7 +101,7 @@ def loop_in(
     robot: str | None = None,
     cameras: int = 3,
     mask_noise: float = 0.0,
-    orderer: Orderer = order,
+    orderer: Orderer = cautious,
     seed: int = 0,
     progress: Progress | None = None,
 ) -> ClosedLoop:

@@ -254,10 +254,11 @@ class StepChooser:
             why = f"{later} below it has to come out before {name} is put there"
             return self._take_off([where], REMOVE, why)
         contents = self._in_the_way(place) if place.how == "within" else []
-        places = kept = placements_on(name, self.scene, where, place.how, self._solids, limit=CHOICE)
+        places = gentle = kept = placements_on(name, self.scene, where, place.how, self._solids, limit=CHOICE)
         if place.how == "within":
-            kept = staying(places, name, where, self.relations, self._solids)
-        room = [found for found in (kept if contents else kept or places) if found.drop <= GENTLE]
+            lying = [other for other in self._inside(where) if other != name]
+            gentle, kept = staying(places, name, where, self.relations, self._solids, lying)
+        room = [found for found in (gentle if contents else gentle or kept or places) if found.drop <= GENTLE]
         if (name, PLACE) in self.done and contents:
             room = []  # it was tried, and it is not there: more room is needed
         found = self._transfer(name, room) if room else _no_room(place)
@@ -267,7 +268,7 @@ class StepChooser:
             try:
                 return self._take_off(contents, REMOVE, f"{name} needs room in {where}")
             except NoSafePlan as error:
-                tries = (self._transfer(name, choice) for choice in (kept, places) if choice)
+                tries = (self._transfer(name, choice) for choice in (gentle, kept, places) if choice)
                 on_top = next((found for found in tries if isinstance(found, Transfer)), None)
                 if on_top is None:
                     raise
@@ -290,13 +291,7 @@ class StepChooser:
     def _in_the_way(self, place: Place) -> list[str]:
         """What is in a container and does not belong there."""
         settled = {other.object for other in self.goal.places if other.where == place.where}
-        return [
-            other
-            for other in self.scene.movable
-            if other not in (place.object, place.where)
-            and other not in settled
-            and self.relations.between(other, place.where).relation in INSIDE
-        ]
+        return [other for other in self._inside(place.where) if other not in settled | {place.object}]
 
     def _standing_on(self, place: Place) -> tuple[str, ...]:
         """What stands on a supporter and is not what shall stand there."""
@@ -367,8 +362,10 @@ class StepChooser:
 
     def _riding(self, name: str) -> tuple[str, ...]:
         """What lies in an object that is kept upright."""
-        if name not in self.upright:
-            return ()
+        return self._inside(name) if name in self.upright else ()
+
+    def _inside(self, name: str) -> tuple[str, ...]:
+        """What lies in an object."""
         others = (other for other in self.scene.movable if other != name)
         return tuple(n for n in others if self.relations.between(n, name).relation in INSIDE)
 
@@ -396,4 +393,6 @@ def _why(name: str, chosen: Order) -> str:
         for edge in chosen.graph.dependencies
         if edge.first == name and edge.then in chosen.order
     ]
-    return f"it has to go before {' and '.join(after)}" if after else "it is in the way"
+    if after:
+        return f"it has to go before {' and '.join(after)}"
+    return chosen.explanation[chosen.order.index(name)].partition(": ")[2] or "it is in the way"

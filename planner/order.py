@@ -25,6 +25,9 @@ if TYPE_CHECKING:
     from topple.topology.pairs import Relations
     from topple.topology.scene import Scene
 
+REMOVAL_RISK = 0.05
+"""Chance that a grasp, a lift or a placement of an arm in simulation disturbs something by itself."""
+
 
 @dataclass(frozen=True, eq=False)
 class Order:
@@ -87,8 +90,9 @@ def order(
     robot: "Arm | str | None" = None,
     relations: "Relations | None" = None,
     statics: Statics | None = None,
+    removal_risk: float | None = None,
 ) -> Order:
-    """Find the order that frees the targets with the fewest removals.
+    """Find the order that frees the targets with the fewest removals, or with the least risk.
 
     Args:
         scene: A scene that knows where up is.
@@ -99,6 +103,9 @@ def order(
         robot: An arm or its name: what bars its gripper's way to the objects of the order is then said.
         relations: The scene's relations where they are known.
         statics: The scene at rest where it has been worked out before.
+        removal_risk: Chance that a removal does harm by itself, 0..1. Where it is given, more is taken than
+            what must be, if that makes it less likely that anything moves: what touches a thing and is
+            higher than it may lean on it unseen.
 
     Returns:
         The order. What must go before a target is what has a path to it in the dependency graph,
@@ -125,9 +132,30 @@ def order(
         if not votes.complete:
             said = (*said, f"the budget ran out after {votes.trials} simulated lifts: the best answer so far")
     tops = {name: statics.surfaces[name][np.argmax(statics.surfaces[name][:, 2])] for name in full.names}
-    found = arrange(full.reduced(), wanted, tops, supports(scene, relations, statics), said, chance)
+    carried = supports(scene, relations, statics)
+    found = arrange(full.reduced(), wanted, tops, carried, said, chance, removal_risk)
     found = replace(found, verified=verify and not notes["budget_exhausted"], notes=MappingProxyType(notes))
     return found if robot is None else _with_access(found, scene, robot)
+
+
+def cautious(
+    scene: "Scene",
+    targets: Sequence[str],
+    *,
+    relations: "Relations",
+    seed: int = 0,
+    statics: Statics | None = None,
+) -> Order:
+    """The order for an arm that acts: with the least risk, as removals do harm themselves now and then.
+
+    Args:
+        scene: A scene that knows where up is.
+        targets: Names to free.
+        relations: The scene's relations.
+        seed: Seed of the simulations, where there are any.
+        statics: The scene at rest where it has been worked out before.
+    """
+    return order(scene, targets, relations=relations, seed=seed, statics=statics, removal_risk=REMOVAL_RISK)
 
 
 def _with_access(found: Order, scene: "Scene", robot: "Arm | str") -> Order:
@@ -148,6 +176,7 @@ def arrange(
     carried: tuple[Support, ...] = (),
     assumptions: tuple[str, ...] = (),
     chances: Mapping[tuple[str, str], float] | None = None,
+    removal_risk: float | None = None,
 ) -> Order:
     """Order the objects of a dependency graph.
 
@@ -160,13 +189,15 @@ def arrange(
         assumptions: Sentences to report.
         chances: (first, then) -> chance that there is a dependency, whatever the graph says: of all orders
             that the graph allows, the safest is taken.
+        removal_risk: See `order`.
 
     Returns:
-        The order with fewest removals: the targets and their ancestors, cycles as groups.
+        The order with fewest removals: the targets and their ancestors, cycles as groups; or, where
+        `removal_risk` is given, the one with the least risk.
     """
     wanted = tuple(targets) or graph.names
     needed = set(wanted).union(*(graph.before(name) for name in wanted)) if wanted else set[str]()
-    part = graph.graph().subgraph(needed)
+    part = graph.graph().subgraph(needed if removal_risk is None else graph.names)
     height = {name: float(top[2]) for name, top in tops.items()}
     condensed = nx.condensation(part)
     members = {c: _least_bad(part.subgraph(condensed.nodes[c]["members"]), height) for c in condensed}
@@ -176,13 +207,15 @@ def arrange(
     place = {c: i for i, c in enumerate(ranked)}
     chances = {} if chances is None else chances
     # How far down the arm reaches is the same in any order: the way between the takes is level.
-    level = {name: top[:2] for name, top in tops.items() if name in needed}
+    level = {name: top[:2] for name, top in tops.items() if name in part}
     ways = {(a, b): float(np.linalg.norm(level[a] - level[b])) for a, b in permutations(level, 2)}
     chosen = safest(
         [members[c] for c in ranked],
         [frozenset(place[p] for p in condensed.predecessors(c)) for c in ranked],
         chances,
         ways,
+        frozenset(i for i, c in enumerate(ranked) if needed.intersection(members[c])),
+        removal_risk or 0.0,
     )
     units = [members[ranked[i]] for i in chosen]
     steps = [name for unit in units for name in unit]
@@ -196,7 +229,7 @@ def arrange(
         unresolved=(),
         risk=MappingProxyType(_risks(units, graph, chances)),
         assumptions=assumptions,
-        explanation=_explain(steps, groups, graph, set(wanted)),
+        explanation=_explain(steps, groups, graph, set(wanted), chances),
     )
 
 
@@ -233,7 +266,11 @@ def _risks(
 
 
 def _explain(
-    steps: Sequence[str], groups: Sequence[tuple[str, ...]], graph: DependencyGraph, wanted: set[str]
+    steps: Sequence[str],
+    groups: Sequence[tuple[str, ...]],
+    graph: DependencyGraph,
+    wanted: set[str],
+    chances: Mapping[tuple[str, str], float],
 ) -> tuple[str, ...]:
     """One sentence per step: whom it frees, and why it had to go."""
     sentences: list[str] = []
@@ -246,6 +283,9 @@ def _explain(
             say += ": " + "; ".join(edge.sentence() for edge in edges)
         elif name in wanted:
             say += ": nothing that is left depends on it"
+        elif later:
+            doubted = max(sorted(later), key=lambda other: chances.get((name, other), 0.0))
+            say += f": taking {doubted} might move it ({chances.get((name, doubted), 0.0):.2f})"
         if group is not None and name == group[0]:
             say += f" ({_held(group, graph)})"
         sentences.append(say)

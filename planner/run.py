@@ -18,7 +18,7 @@ from topple.planner.judge import LIMITS, displacements, tilts, truly_unmet, viol
 from topple.planner.look import Look, Observer, unexpected
 from topple.planner.motion.collision import Checker
 from topple.planner.next_step import PLACE, NextStep, Orderer, Station, StepChooser
-from topple.planner.order import order
+from topple.planner.order import cautious
 from topple.planner.pick_place.transfer import Transfer, scene_after
 from topple.planner.rebuilt.rehearsal import Rehearsal
 from topple.planner.report.record import INTERRUPTED, RunRecord, StepRecord
@@ -145,7 +145,7 @@ class ClosedLoop:
     up: FloatArray = field(default_factory=lambda: np.array([0.0, 0.0, 1.0]))
     seed: int = 0
     limits: RunLimits = field(default_factory=RunLimits)
-    orderer: Orderer = order
+    orderer: Orderer = cautious
     progress: Progress | None = None
 
     def __post_init__(self) -> None:

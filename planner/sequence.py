@@ -19,7 +19,12 @@ Pairs = Mapping[tuple[str, str], float]
 
 
 def safest(
-    units: Sequence[Sequence[str]], before: Sequence[frozenset[int]], chances: Pairs, ways: Pairs
+    units: Sequence[Sequence[str]],
+    before: Sequence[frozenset[int]],
+    chances: Pairs,
+    ways: Pairs,
+    wanted: frozenset[int] | None = None,
+    removal_risk: float = 0.0,
 ) -> list[int]:
     """Choose among the orders that take every unit after those that must precede it.
 
@@ -32,12 +37,17 @@ def safest(
         before: Positions of the units that must precede each.
         chances: (first, then) -> chance that taking `then` moves `first`; 0 where not given.
         ways: (a, b) -> distance between two objects [m]; 0 where not given.
+        wanted: Positions of the units that have to be taken; the others are where that lessens the risk. All
+            of them if None.
+        removal_risk: Chance that taking a unit does harm by itself, 0..1.
 
     Returns:
-        Positions of the units, first to take first. The best there is of up to eight units, and of those
-        looked at otherwise (a beam search that keeps the partial orders which risked least).
+        Positions of the units to take, first to take first. The best there is of up to eight units, and of
+        those looked at otherwise (a beam search that keeps the partial orders which risked least).
     """
     count = range(len(units))
+    needed = frozenset(count) if wanted is None else wanted
+    effort, goal = _percents(removal_risk), sum(1 << i for i in needed)
     risk = np.array(
         [
             [sum(_percents(chances.get((x, y), 0.0)) for x in one for y in two) for two in units]
@@ -47,7 +57,14 @@ def safest(
     np.fill_diagonal(risk, 0)  # what is taken together is held
     way = [[round(1e3 * ways.get((one[-1], two[0]), 0.0)) for two in units] for one in units]
     kept: dict[tuple[int, int], _Partial] = {(0, -1): (0, 0, ())}
-    for _ in count:
+    done: list[_Partial] = []
+    while True:
+        done += [partial for (taken, _), partial in kept.items() if taken & goal == goal]
+        kept = {key: partial for key, partial in kept.items() if key[0] & goal != goal}
+        if done:  # what has risked as much already will not end better
+            kept = {key: partial for key, partial in kept.items() if partial < min(done)}
+        if not kept:
+            return list(min(done)[2])
         longer: dict[tuple[int, int], _Partial] = {}
         there = np.array([[not taken >> i & 1 for i in count] for taken, _ in kept])
         moves = (there.astype(np.int64) @ risk).tolist()
@@ -56,13 +73,12 @@ def safest(
                 if taken >> j & 1 or not before[j].issubset(path):
                     continue
                 step = way[last][j] if path else 0
-                found = (risked + moved[j], gone + step, (*path, j))
+                found = (risked + moved[j] + effort, gone + step, (*path, j))
                 key = (taken | 1 << j, j)
                 if key not in longer or found < longer[key]:
                     longer[key] = found
         best = sorted(longer.items(), key=lambda each: each[1])
         kept = dict(best[: max(LEAST, EFFORT // len(units))])
-    return list(min(kept.values())[2])
 
 
 _Partial = tuple[int, int, tuple[int, ...]]

@@ -12,7 +12,7 @@ from topple.planner.bench.rules import order_by
 from topple.planner.demo import loop_in
 from topple.planner.goal import parse_goal
 from topple.planner.judge import LIMITS, truly_unmet
-from topple.planner.order import order
+from topple.planner.order import cautious
 from topple.planner.report.record import RunRecord, StepRecord
 from topple.robots.scenarios import scenario_called
 from topple.topology.errors import ToppleError
@@ -140,7 +140,7 @@ def _played(episode: Episode, begun: float) -> Ending:
         return _ended(episode, record, begun, movable, sagged=sagged)
     with scenario_called(episode.scenario, episode.seed) as stage:
         base = stage.pose_base_to_world
-        orderer = order if episode.rule == TOPPLE else order_by(episode.rule, base)
+        orderer = cautious if episode.rule == TOPPLE else order_by(episode.rule, base)
         loop = loop_in(stage, seed=episode.seed, cameras=episode.cameras, orderer=orderer)
         first = loop.look()
         goal = parse_goal(stage.goal, first.scene)

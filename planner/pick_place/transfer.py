@@ -37,6 +37,7 @@ class TransferLimits:
         approach: Straight way in before the grasp [m].
         lift: Straight way up after it [m].
         drop: Straight way down before the release [m].
+        fall: How far more a thing may fall where no hand gets down with it [m]: crockery stands it.
         retreat: Straight way out after it [m].
         straight_speed: Of the tool on straight ways [m/s]: lifts at it are known to disturb little.
         speed: Share of the joints' velocity limits for the other motions.
@@ -50,6 +51,7 @@ class TransferLimits:
     approach: float = 0.08
     lift: float = 0.10
     drop: float = 0.06
+    fall: float = 0.02
     retreat: float = 0.08
     straight_speed: float = 0.08
     speed: float = 0.5
@@ -206,11 +208,16 @@ class _Search:
         return self.tally.failure(self.handling.name)
 
     def _choices(self) -> list[tuple[Placement, ...]]:
-        """Places where it neither rolls nor bars a way out, and only if none can be reached the others."""
+        """Places where it neither rolls nor bars a way out, and only if none can be reached the others.
+
+        Fingers that reach below a flat thing have no room between it and the table: it may fall that far.
+        """
         steady = [place for place in self.places if not place.rolls]
+        flat = [place for place in steady if place.into is None]
         groups = (
             [place for place in steady if not place.bars],
             [place for place in steady if place.bars],
+            [place.higher(self.limits.fall, self.handling.up) for place in flat],
             [place for place in self.places if place.rolls],
         )
         return [tuple(places) for places in groups if places]

@@ -1,6 +1,6 @@
 """Where a thing comes to rest once it is let go: dropped in PyBullet among bodies that hold still."""
 
-from collections.abc import Sequence
+from collections.abc import Collection, Sequence
 from dataclasses import replace
 from types import TracebackType
 
@@ -17,6 +17,10 @@ from topple.topology.scene import Scene
 SECONDS = 1.5  # of simulation: a fall of 4 cm takes 0.1, rolling down a bowl and back half a second
 KEPT = 0.01  # [m] what moves less than this has stayed: the same as for a violation
 TURNED = 0.25  # [rad] a face found on noisy points is that far from the one it stands on
+PUSHED = (
+    0.005  # [m] what something else moves by this, or turns by `TIPPED`, is disturbed: half of a violation
+)
+TIPPED = 0.09  # [rad]
 
 
 class Drops:
@@ -26,16 +30,22 @@ class Drops:
         name: The object.
         bodies: Convex parts of all objects, in the world; the others stay where they are.
         up: (3,) unit vector.
+        loose: Others that can be pushed; they come to rest before anything is dropped.
     """
 
-    def __init__(self, name: str, bodies: Solids, up: FloatArray) -> None:
+    def __init__(self, name: str, bodies: Solids, up: FloatArray, loose: Collection[str] = ()) -> None:
         from topple.robots.bodies import Body  # pybullet only where something is dropped
         from topple.robots.world import World
 
         self.name, self._level = name, _levelling(up)
         self._world = World()
         for other, parts in bodies.items():
-            self._world.add(Body.of(other, parts), self._level, fixed=other != name)
+            if other != name:
+                self._world.add(Body.of(other, parts), self._level, fixed=other not in loose)
+        if loose:
+            self._world.settle(SECONDS)
+        self._settled = {other: self._world.pose(other) for other in sorted(loose)}
+        self._world.add(Body.of(name, bodies[name]), self._level)
 
     def __enter__(self) -> "Drops":
         return self
@@ -64,9 +74,20 @@ class Drops:
         Returns:
             (4, 4) rigid transform from there to where it comes to rest, or is after `SECONDS`.
         """
+        for other, pose in self._settled.items():
+            self._world.place(other, pose)
         self._world.place(self.name, self._level @ pose_before_to_release)
         self._world.settle(SECONDS)
         return np.asarray(self._level.T @ self._world.pose(self.name), dtype=np.float64)
+
+    def pushes(self) -> bool:
+        """Whether the last drop disturbed something loose."""
+        for other, settled in self._settled.items():
+            now, centre = self._world.pose(other), self._world.body(other).centre_of_mass
+            way = np.linalg.norm((now - settled) @ np.append(centre, 1.0))
+            if way > PUSHED or angle_between(now, settled) > TIPPED:
+                return True
+        return False
 
     def tipping(self, place: Placement, up: FloatArray) -> tuple[FloatArray, float] | None:
         """How the object turns (3, 3) in its own axes from how a placement has it, and how low it then is.
@@ -95,8 +116,13 @@ class Drops:
 
 
 def staying(
-    places: Sequence[Placement], name: str, where: str, relations: Relations, bodies: Solids
-) -> list[Placement]:
+    places: Sequence[Placement],
+    name: str,
+    where: str,
+    relations: Relations,
+    bodies: Solids,
+    contents: Collection[str] = (),
+) -> tuple[list[Placement], list[Placement]]:
     """The placements from which an object comes to rest in a container, by the relation of what is seen.
 
     Asked of where each one puts it, and of where it rolls to when it is let go there in simulation.
@@ -107,9 +133,10 @@ def staying(
         where: The container.
         relations: Of the scene, with `up`.
         bodies: Convex parts of its objects.
+        contents: What lies in the container.
 
     Returns:
-        Those that hold, in their order.
+        Those that hold and disturb nothing that lies there, and all that hold, in their order.
     """
     scene, rule = relations.scene, relations.rule
     up, container = up_of(scene), rule.prepare(where, scene.clouds[where])
@@ -120,10 +147,15 @@ def staying(
         return pair.relation in (Relation.WITHIN, Relation.PARTIAL_WITHIN)
 
     found = [place for place in places if inside(place.pose_at_rest(up))]
-    if not found:
-        return []
-    with Drops(name, bodies, up) as drops:
-        return [place for place in found if inside(drops.rest(place.pose_before_to_after))]
+    gentle: list[Placement] = []
+    kept: list[Placement] = []
+    if found:
+        with Drops(name, bodies, up, contents) as drops:
+            for place in found:
+                if inside(drops.rest(place.pose_before_to_after)):
+                    kept.append(place)
+                    gentle += [] if drops.pushes() else [place]
+    return gentle, kept
 
 
 def standing(

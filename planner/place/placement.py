@@ -1,7 +1,7 @@
 """Where to put things down: free, reachable places on the table, the object resting as it would by itself."""
 
 from collections.abc import Collection, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -48,6 +48,14 @@ class Placement:
         pose = self.pose_before_to_after.copy()
         pose[:3, 3] -= self.drop * up
         return pose
+
+    def higher(self, by: float, up: FloatArray) -> "Placement":
+        """The same place, let go from further up by some metres; up (3,) is a unit."""
+        pose = self.pose_before_to_after.copy()
+        pose[:3, 3] += by * up
+        drop = self.drop + by
+        words = f"{self.rest}, let go {1e3 * drop:.0f} mm above"
+        return replace(self, pose_before_to_after=pose, drop=drop, rest=words)
 
     def tilt(self, up: FloatArray) -> float:
         """Angle by which it is tilted against up (3,), a unit vector, from how it stands now [rad]."""

@@ -4,7 +4,7 @@ from topple.planner.place.drops import Drops, standing, staying
 from topple.planner.place.placement import Placement
 from topple.robots.bodies import Body
 from topple.robots.shapes.boxes import box
-from topple.robots.shapes.fruit import lemon
+from topple.robots.shapes.fruit import lemon, strawberry
 from topple.robots.shapes.tableware import bowl
 from topple.topology.relate import relate
 from topple.topology.scene import Scene
@@ -47,7 +47,10 @@ def test_what_is_let_go_over_a_rim_does_not_stay_and_in_the_middle_it_does() -> 
     bodies = {"bowl": standing_parts(dish, 0.3), "lemon": standing_parts(fruit), "table": [slab]}
     rim = float(np.ptp(scene.clouds["bowl"][:, 0])) / 2.0
     middle, edge = Placement(shifted(0.3, 0.03), 1.0), Placement(shifted(0.3 + rim + 0.01, 0.06), 0.9)
-    assert staying([edge, middle], "lemon", "bowl", relate(scene), bodies) == [middle]
+    assert staying([edge, middle], "lemon", "bowl", relate(scene), bodies) == ([middle], [middle])
+
+    full = {**bodies, "berry": [part + np.array([0.3, 0.0, 0.02]) for part in standing_parts(strawberry())]}
+    assert staying([middle], "lemon", "bowl", relate(scene), full, ["berry"]) == ([], [middle])
 
 
 def test_what_would_tip_over_is_put_down_as_it_comes_to_lie() -> None:
