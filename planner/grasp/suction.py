@@ -18,6 +18,8 @@ if TYPE_CHECKING:
 
 SECTORS = 8  # the lip is judged in eight parts: a gap in any of them leaks
 
+RING = (0.8, 1.4)  # of the lip's radius: where it lies, and the 2 mm around it that rubber spreads over
+
 
 @dataclass(frozen=True)
 class CupShape:
@@ -26,12 +28,14 @@ class CupShape:
     Attributes:
         radius: Of the lip [m].
         max_force: Largest pull along its axis [N].
+        lip_depth: Unevenness that its rubber bridges [m].
         body: Prisms of the hand with the cup out.
         opening: Opening of the fingers beside it [m].
     """
 
     radius: float
     max_force: float
+    lip_depth: float
     body: tuple[Prism, ...]
     opening: float = 0.0
 
@@ -53,7 +57,7 @@ def cup_shape(arm: "Arm") -> CupShape:
     body = tuple(
         prism for link, vertices in bodies if link != cup.link for prism in prisms(vertices, FINGER_SLABS)
     )
-    return CupShape(cup.radius, cup.max_force, body, tool.ready.opening)
+    return CupShape(cup.radius, cup.max_force, cup.lip_depth, body, tool.ready.opening)
 
 
 @dataclass(frozen=True, eq=False)
@@ -133,7 +137,7 @@ def _patch(
         return None
     centre = spot - normal * float((spot - middle) @ normal)
     residual = _lip_residual(near - centre, normal, cup.radius)
-    if residual > 2.0 * tolerances.seal_tolerance:
+    if residual > cup.lip_depth:
         return None
     rotation = _rotation(-normal, up)
     clearance = _room((surface.points - centre) @ rotation, (others - centre) @ rotation, cup, tolerances)
@@ -175,7 +179,7 @@ def _lip_residual(offsets: FloatArray, normal: FloatArray, radius: float) -> flo
     rotation = _rotation(-normal, normal)
     x, y = offsets @ rotation[:, 0], offsets @ rotation[:, 1]
     distance = np.hypot(x, y)
-    ring = (distance > 0.6 * radius) & (distance < 1.25 * radius)
+    ring = (distance > RING[0] * radius) & (distance < RING[1] * radius)
     sector = ((np.arctan2(y, x) + np.pi) / (2.0 * np.pi) * SECTORS).astype(int) % SECTORS
     medians = [
         np.median(heights[ring & (sector == index)])
@@ -184,7 +188,7 @@ def _lip_residual(offsets: FloatArray, normal: FloatArray, radius: float) -> flo
     ]
     if len(medians) < SECTORS:
         return float("inf")
-    inner = heights[distance < 0.6 * radius]
+    inner = heights[distance < RING[0] * radius]
     bulge = max(0.0, float(np.median(inner)) - float(np.median(medians))) if len(inner) > 0 else 0.0
     return max(float(np.max(medians) - np.min(medians)) / 2.0, bulge)
 
