@@ -81,6 +81,20 @@ def centre_of_mass(points: FloatArray, solid: Sequence[FloatArray] = ()) -> Floa
     Returns:
         (3,) the parts' common centre of volume, or the mean of the points where there is no volume.
     """
+    return volume_and_centre(points, solid)[1]
+
+
+def volume_and_centre(points: FloatArray, solid: Sequence[FloatArray] = ()) -> tuple[float, FloatArray]:
+    """Estimate how much room an object fills and where the middle of that is.
+
+    Args:
+        points: (N, 3) points of its surface [m].
+        solid: Its convex parts; empty for none.
+
+    Returns:
+        The parts' volumes in sum [m3] and (3,) their common centre; 0 and the mean of the points where there
+        is no volume.
+    """
     volumes, centres = [], []
     for part in solid:
         try:
@@ -94,5 +108,5 @@ def centre_of_mass(points: FloatArray, solid: Sequence[FloatArray] = ()) -> Floa
             volumes.append(float(pieces.sum()))
             centres.append((pieces[:, None] * (corners.sum(axis=1) + inner) / 4.0).sum(axis=0) / pieces.sum())
     if not volumes:
-        return points.mean(axis=0)
-    return np.average(np.array(centres), axis=0, weights=volumes)
+        return 0.0, points.mean(axis=0)
+    return float(sum(volumes)), np.average(np.array(centres), axis=0, weights=volumes)

@@ -8,11 +8,13 @@ import numpy as np
 from topple.planner.grasp.frames import frames
 from topple.planner.grasp.grasp import Grasp
 from topple.planner.grasp.hand import HandShape, hand_shape
+from topple.planner.grasp.load import cup_load, kept, likely_weight
 from topple.planner.grasp.pinch import Pinch, pinches
+from topple.planner.grasp.rims import rim_frames
 from topple.planner.grasp.suction import CupShape, cup_shape, patches, seal_score
 from topple.planner.grasp.surface import Surface, surface_of
+from topple.planner.grasp.surroundings import Dropped, Surroundings, surroundings
 from topple.planner.grasp.tolerances import GRASP_TOLERANCES, GraspTolerances
-from topple.planner.samples import voxel_means
 from topple.planner.solids import parts_of
 from topple.topology.arrays import FloatArray
 from topple.topology.errors import InvalidInput, UnknownObject
@@ -42,13 +44,14 @@ def grasp_candidates(
     solids: Mapping[str, Sequence[FloatArray]] | None = None,
     limit: int = 60,
     tolerances: GraspTolerances = GRASP_TOLERANCES,
+    dropped: Dropped | None = None,
 ) -> list[Grasp]:
     """Find where an object can be taken hold of in its present surroundings.
 
     Pinches are looked for at points spread over the object, across its narrow sides, straight down and
     tilted; suction on smooth patches that face up, and where that is sure to hold, no pinch is looked for.
-    Hands that would meet the object, its neighbours or the table on the way in are left out; what the arm
-    can reach is not asked here.
+    Hands that would meet the object, its neighbours or the table on the way in are left out; grasps that its
+    likely weight would turn in the hand come last. What the arm can reach is not asked here.
 
     Args:
         name: The object.
@@ -56,9 +59,10 @@ def grasp_candidates(
         arm: The arm whose tools are measured; or give `hand` and `cup`.
         hand: Fingers to grasp with; measured from the arm where not given.
         cup: Suction cup to grasp with; measured from the arm where not given.
-        solids: Convex parts of the objects in the world, for the centre of mass.
+        solids: Convex parts of the objects in the world, for the mass and where it is.
         limit: At most so many, spread over the object.
         tolerances: Clearances and limits.
+        dropped: Takes down what is left out and why, if given.
 
     Returns:
         Grasps in the world, best first; empty where nothing can be held. Deterministic.
@@ -78,67 +82,45 @@ def grasp_candidates(
         raise InvalidInput("nothing to grasp with: give an arm with tools, a hand or a cup")
     up = np.asarray(scene.up, dtype=np.float64)
     solid = parts_of(scene.clouds[name], scene) if solids is None else solids.get(name, ())
-    others, floor = surroundings(name, scene, up, tolerances)
-    surface = surface_of(scene.clouds[name], up, scene.viewpoints, solid, others, tolerances)
+    around = surroundings(name, scene, up, tolerances)
+    surface = surface_of(scene.clouds[name], up, scene.viewpoints, solid, around.points, tolerances)
+    dropped = Dropped() if dropped is None else dropped
     found: list[Grasp] = []
     if cup is not None:
-        found += _suction_grasps(name, scene.clouds[name], surface, others, up, cup, tolerances)
+        found += _suction_grasps(name, scene.clouds[name], surface, around, up, cup, tolerances, dropped)
     sealed = sum(grasp.score >= tolerances.sure for grasp in found)
     if hand is not None and sealed < tolerances.enough_sealed:
-        pinched = _pinch_grasps(name, surface, others, floor, up, hand, tolerances)
+        pinched = _pinch_grasps(name, surface, around, up, hand, tolerances, dropped)
         hulls = [Hull.of(part) for part in solid]
-        found += [grasp for grasp in pinched if not _pierces(grasp, hand, hulls, tolerances)]
+        whole = [grasp for grasp in pinched if not _pierces(grasp, hand, hulls, tolerances)]
+        dropped.note("fingers would stand in what it fills", len(pinched) - len(whole))
+        found += whole
     return _varied(found, limit)
-
-
-def surroundings(
-    name: str, scene: Scene, up: FloatArray, tolerances: GraspTolerances = GRASP_TOLERANCES
-) -> tuple[FloatArray, float]:
-    """Everything a hand could meet around an object.
-
-    Args:
-        name: The object.
-        scene: The scene.
-        up: (3,) unit vector against gravity.
-        tolerances: Reach and spacing.
-
-    Returns:
-        (M, 3) points of the others within reach [m], and the height of the fixed ground along `up` [m], -inf
-        where nothing is fixed.
-    """
-    own = scene.clouds[name]
-    lower, upper = own.min(axis=0) - tolerances.reach, own.max(axis=0) + tolerances.reach
-    near: list[FloatArray] = []
-    floor = -np.inf
-    for other, cloud in scene.clouds.items():
-        if other == name:
-            continue
-        within = cloud[np.all((cloud > lower) & (cloud < upper), axis=1)]
-        if len(within) > 0:
-            near.append(voxel_means(within, tolerances.spacing))
-            if other in scene.fixed:
-                below = within @ up
-                floor = max(floor, float(np.quantile(below, 0.1)))
-    return (np.vstack(near) if near else np.empty((0, 3))), floor
 
 
 def _pinch_grasps(
     name: str,
     surface: Surface,
-    others: FloatArray,
-    floor: float,
+    around: Surroundings,
     up: FloatArray,
     hand: HandShape,
     tolerances: GraspTolerances,
+    dropped: Dropped,
 ) -> list[Grasp]:
     found: list[Grasp] = []
     for tilts in (tolerances.tilts, tolerances.steep_tilts):
         if len(found) >= tolerances.enough:
             break
         for directions in frames(surface, up, tilts):
-            near = others[np.linalg.norm(others - directions.origin, axis=1) < tolerances.reach]
-            pinched = pinches(directions, surface, near, floor, up, hand, tolerances)
+            near = around.near(directions.origin, tolerances.reach)
+            pinched = pinches(directions, surface, near, up, hand, tolerances, dropped)
             found += [_as_grasp(name, pinch) for pinch in pinched]
+    if len(found) >= tolerances.enough:
+        return found
+    for directions in rim_frames(surface, around.floor, up, hand, tolerances, dropped):
+        near = around.near(directions.origin, tolerances.reach)
+        pinched = pinches(directions, surface, near, up, hand, tolerances, dropped)
+        found += [_as_grasp(name, pinch) for pinch in pinched]
     return found
 
 
@@ -156,11 +138,16 @@ def _pierces(grasp: Grasp, hand: HandShape, hulls: Sequence[Hull], tolerances: G
     return any(bool(deep.all(axis=1).any()) for deep in inside)
 
 
+def _in_words(load: float) -> str:
+    return f"; its weight takes {100 * load:.0f} % of what surely holds it" if load > 1.0 else ""
+
+
 def _as_grasp(name: str, pinch: Pinch) -> Grasp:
-    score = float(np.prod([value ** WEIGHTS[term] for term, value in pinch.terms.items()]))
+    score = float(np.prod([value ** WEIGHTS[term] for term, value in pinch.terms.items()])) * kept(pinch.load)
     reason = (
         f"{1e3 * pinch.width:.0f} mm between the pads, tips {1e3 * pinch.depth:.0f} mm deep; "
         + ", ".join(f"{term} {value:.2f}" for term, value in pinch.terms.items())
+        + _in_words(pinch.load)
     )
     kind = "rim" if pinch.rim else "pinch"
     return Grasp(name, kind, pinch.pose_tool_to_world, pinch.width, pinch.opening, score, reason, pinch.terms)
@@ -170,19 +157,25 @@ def _suction_grasps(
     name: str,
     cloud: FloatArray,
     surface: Surface,
-    others: FloatArray,
+    around: Surroundings,
     up: FloatArray,
     cup: CupShape,
     tolerances: GraspTolerances,
+    dropped: Dropped,
 ) -> list[Grasp]:
     found: list[Grasp] = []
-    for patch in patches(surface, cloud, others, up, cup, tolerances=tolerances):
+    for patch in patches(surface, cloud, around, up, cup, tolerances=tolerances, dropped=dropped):
+        arm = surface.centre - patch.pose_tool_to_world[:3, 3]
+        lever = float(np.linalg.norm(arm - up * float(arm @ up)))
+        load = cup_load(lever, likely_weight(surface.volume), cup)
         reason = f"seal within {1e3 * patch.residual:.1f} mm; " + ", ".join(
             f"{term} {value:.2f}" for term, value in patch.terms.items()
         )
         score = seal_score(patch.terms)
         if score < tolerances.least_seal:
+            dropped.note("the seal would leak or peel off")
             continue
+        score, reason = score * kept(load), reason + _in_words(load)
         for turn in CUP_TURNS:  # a cup is round: how the hand is turned about it matters to the arm alone
             pose = patch.pose_tool_to_world @ turn
             found.append(Grasp(name, "suction", pose, 0.0, cup.opening, score, reason, patch.terms))

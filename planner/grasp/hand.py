@@ -16,6 +16,7 @@ if TYPE_CHECKING:
 FINGER_SLABS = (0.008, 0.015)  # fingers taper over their last two centimetres [m]
 Opening = float | FloatArray
 
+PRESS = 0.6  # share of the jaw's continuous force used for a grip: crockery and fruit should survive it
 HAND_REACH = 0.16  # what is further from the tool's origin does not meet what is grasped [m]
 
 
@@ -45,8 +46,8 @@ class HandShape:
         tip: z of the finger tips [m].
         finger: Prisms of the finger on the +y side; the other one mirrors them.
         palm: Prisms of all that does not move with the fingers, at absolute y.
-        force: Largest closing force [N].
-        friction: Of the pads on common goods.
+        force: Of each pad in a grip [N].
+        give: Mean lever of the friction about a pad's normal [m].
     """
 
     max_opening: float
@@ -55,8 +56,8 @@ class HandShape:
     tip: float
     finger: tuple[Prism, ...]
     palm: tuple[Prism, ...]
-    force: float = 40.0
-    friction: float = 0.5
+    force: float
+    give: float
 
     def footprints(self, opening: Opening) -> list[tuple[float, float, Opening, Opening, float]]:
         """Rectangles swept by the open hand.
@@ -101,8 +102,8 @@ def hand_shape(arm: "Arm") -> HandShape:
         tip=float(finger[:, 2].max()),
         finger=prisms(finger, FINGER_SLABS),
         palm=tuple(palm),
-        force=jaw.force,
-        friction=jaw.friction,
+        force=PRESS * jaw.force,
+        give=jaw.give,
     )
 
 

@@ -11,8 +11,10 @@ from numpy.typing import NDArray
 
 from topple.planner.grasp.frames import Frames
 from topple.planner.grasp.hand import HandShape, Prism
+from topple.planner.grasp.load import jaw_load, likely_weight
 from topple.planner.grasp.pads import Between, antipodality, between, extents, packed
 from topple.planner.grasp.surface import Surface
+from topple.planner.grasp.surroundings import ITSELF, Dropped, Surroundings
 from topple.planner.grasp.tolerances import GRASP_TOLERANCES, GraspTolerances
 from topple.topology.arrays import BoolArray, FloatArray, IntArray
 
@@ -20,6 +22,10 @@ OWN_MARGIN = 0.0005  # fingers may come this close to the object they take [m]
 BRUSH = (0.006, 0.01)  # beside and below the hand: less room than this halves the clearance term [m]
 ROUGH = 1e-5  # more than single precision is off by at the size of a hand [m]
 TIGHT = 0.4  # the clearance term where something is that close
+NOTHING = "nothing between the pads"
+WIDE = "wider than the hand opens"
+BELOW = "the hand would go below the ground"
+SLIDES = "pads would slide off"
 
 
 @dataclass(frozen=True, eq=False)
@@ -32,6 +38,7 @@ class Pinch:
         opening: Distance of the pads on the way in [m].
         depth: Finger tips below the object's top between the pads [m].
         rim: Whether the object goes on beyond one of the fingers.
+        load: How much of what the pads hold its likely weight takes; above 1 it turns between them.
         terms: Parts of the score, each in 0..1.
     """
 
@@ -40,44 +47,51 @@ class Pinch:
     opening: float
     depth: float
     rim: bool
+    load: float
     terms: dict[str, float]
 
 
 def pinches(
     frames: Frames,
     surface: Surface,
-    others: FloatArray,
-    floor: float,
+    around: Surroundings,
     up: FloatArray,
     hand: HandShape,
     tolerances: GraspTolerances = GRASP_TOLERANCES,
+    dropped: Dropped | None = None,
 ) -> list[Pinch]:
     """Find how deep the fingers can go at one point of an object, and what they would hold.
 
     Args:
         frames: The point and the directions of the hand.
         surface: The object.
-        others: (M, 3) points of everything else nearby [m].
-        floor: Height along `up` nothing of the hand may go below [m].
+        around: Points of everything else nearby, and the ground, which nothing of the hand may go below.
         up: (3,) unit vector against gravity.
         hand: The hand.
         tolerances: Clearances and depths.
+        dropped: Takes down what is left out and why, if given.
 
     Returns:
         At most two pinches for each direction: the best-scored one and the deepest free one.
     """
+    dropped = Dropped() if dropped is None else dropped
     look = _look(frames, surface, hand, tolerances)
     if look is None:
+        dropped.note(NOTHING, len(frames.tilts))
         return []
-    hold = _holds(look, hand, tolerances)
-    hold = hold.of(_over_floor(look, hold, float(frames.origin @ up - floor), up, hand, tolerances))
-    clearance = _room(look, hold, surface.points, others, hand, tolerances)
+    dropped.note(NOTHING, len(frames.tilts) - len(look.tilts))
+    hold = _holds(look, hand, tolerances, dropped)
+    over = _over_floor(look, hold, float(frames.origin @ up - around.floor), up, hand, tolerances)
+    dropped.note(BELOW, int(np.count_nonzero(~over)))
+    hold = hold.of(over)
+    clearance = _room(look, hold, surface.points, around, hand, tolerances, dropped)
     hold, clearance = hold.of(clearance > 0.0), clearance[clearance > 0.0]
     held = antipodality(
         look.held.of(hold.row), hold.window, hold.low, hold.high, hold.opening, hand, tolerances
     )
+    dropped.note(SLIDES, int(np.count_nonzero(held <= 0.0)))
     hold, clearance, held = hold.of(held > 0.0), clearance[held > 0.0], held[held > 0.0]
-    return _best_and_deepest(look, hold, clearance, held, surface.centre, hand, tolerances)
+    return _best_and_deepest(look, hold, clearance, held, surface, up, hand, tolerances)
 
 
 @dataclass(frozen=True, eq=False)
@@ -98,6 +112,7 @@ class _Reach:
     x: FloatArray
     y: FloatArray
     z: FloatArray  # inf where there is no point
+    index: IntArray  # which point: the object's own come first
     margin: FloatArray  # that the hand keeps to it
 
 
@@ -141,7 +156,7 @@ def _look(frames: Frames, surface: Surface, hand: HandShape, tolerances: GraspTo
     return _Look(frames.origin, rotations, frames.tilts[some], held, top)
 
 
-def _holds(look: _Look, hand: HandShape, tolerances: GraspTolerances) -> _Hold:
+def _holds(look: _Look, hand: HandShape, tolerances: GraspTolerances, dropped: Dropped) -> _Hold:
     """What the pads would close on at each depth, where it is no wider than the hand opens."""
     depths = np.array(tolerances.depths)
     tips = look.top[:, None] + depths
@@ -153,7 +168,9 @@ def _holds(look: _Look, hand: HandShape, tolerances: GraspTolerances) -> _Hold:
     window &= (y >= low[:, None]) & (y <= high[:, None])
     opening = np.minimum(hand.max_opening, high - low + 2.0 * tolerances.side_clearance)
     hold = _Hold(row, at, depths[at], tips[row, at], window, low, high, opening)
-    return hold.of(high - low + 2.0 * tolerances.least_side_clearance <= hand.max_opening)
+    narrow = high - low + 2.0 * tolerances.least_side_clearance <= hand.max_opening
+    dropped.note(WIDE, int(np.count_nonzero(~narrow)))
+    return hold.of(narrow)
 
 
 def _over_floor(
@@ -173,24 +190,51 @@ def _room(
     look: _Look,
     hold: _Hold,
     own: FloatArray,
-    others: FloatArray,
+    around: Surroundings,
     hand: HandShape,
     tolerances: GraspTolerances,
+    dropped: Dropped,
 ) -> FloatArray:
     """(P,) how free the way in is, 0..1; 0 where the hand meets points or would pinch a neighbour along."""
     half, count = hold.opening / 2.0, len(hold.row)
     if count == 0:
         return np.empty(0)
-    fingers, palm, pads = _reaches(look, hold, own, others, hand, tolerances)
+    fingers, palm, pads = _reaches(look, hold, own, around.points, hand, tolerances)
     pair, at, y = _met(pads, look, hold, hand, hand.tip)
     closed = (np.abs(pads.x.reshape(-1)[at]) < hand.pad_width / 2.0) & (np.abs(y) < half[pair])
     met = np.bincount(pair[closed], minlength=count) > tolerances.stray_points
+    hits = _Hits(len(own), around)
+    hits.add(pads, pair[closed], at[closed])
+    hits.tell("pads", met, dropped)
     brushed = np.zeros(count, dtype=bool)
-    for reach, prisms in ((fingers, hand.finger), (palm, hand.palm)):
-        left = np.flatnonzero(~met)
-        passed = _passed(reach, prisms, look, hold.of(left), hand, prisms is hand.finger, tolerances)
+    for what, reach, prisms in (("fingers", fingers, hand.finger), ("hand", palm, hand.palm)):
+        left, hits = np.flatnonzero(~met), _Hits(len(own), around)
+        passed = _passed(reach, prisms, look, hold.of(left), hand, prisms is hand.finger, tolerances, hits)
         brushed[left], met[left] = brushed[left] | passed[0], passed[1]
+        hits.tell(what, passed[1], dropped)
     return np.where(met, 0.0, np.where(brushed, TIGHT, 1.0))
+
+
+class _Hits:
+    """Whose points a part of the hand meets in each pair of direction and depth."""
+
+    def __init__(self, own: int, around: Surroundings) -> None:
+        self._owners = np.concatenate([np.full(own, len(around.names)), around.owners])
+        self._names = (*around.names, ITSELF)
+        self._found: list[IntArray] = []
+
+    def add(self, reach: _Reach, pair: IntArray, at: IntArray) -> None:
+        """Points of a reach that are met in pairs."""
+        self._found.append(pair * len(self._names) + self._owners[reach.index.reshape(-1)[at]])
+
+    def tell(self, what: str, met: BoolArray, dropped: Dropped) -> None:
+        """Note for each pair in which a part of the hand meets too much whose points most of that are."""
+        if not met.any():
+            return
+        shape = len(met), len(self._names)
+        counts = np.bincount(np.concatenate(self._found), minlength=shape[0] * shape[1]).reshape(shape)
+        for owner, count in enumerate(np.bincount(np.argmax(counts[met], axis=1), minlength=shape[1])):
+            dropped.no_room(what, self._names[owner], int(count))
 
 
 def _reaches(
@@ -223,7 +267,7 @@ def _reaches(
         index, there = packed(near & (z < shift + np.float32(front + ROUGH)))
         exact = np.matmul(points[index], look.rotations)
         z_in = np.where(there, exact[:, :, 2], np.inf)
-        return _Reach(exact[:, :, 0], exact[:, :, 1], z_in, margin[index])
+        return _Reach(exact[:, :, 0], exact[:, :, 1], z_in, index, margin[index])
 
     first = min((prism.y[0] for prism in hand.finger), default=0.0) - BRUSH[0] - ROUGH
     beside = (y > inner + np.float32(first)) | (-y > least + np.float32(first))
@@ -270,6 +314,7 @@ def _passed(
     hand: HandShape,
     mirrored: bool,
     tolerances: GraspTolerances,
+    hits: "_Hits",
 ) -> tuple[BoolArray, BoolArray]:
     """(P,) whether more than stray points are brushed by, and met by, any prism of fingers or palm."""
     count = len(hold.row)
@@ -294,6 +339,8 @@ def _passed(
         )
         for found, hit in ((brushed, aside < BRUSH[0]), (met, (aside < keep) & (c < prism.front + keep))):
             found |= np.bincount(key[near[hit]], minlength=2 * count) > tolerances.stray_points
+            if found is met:
+                hits.add(reach, key[near[hit]] % count, at[near[hit]])
     return brushed[:count] | brushed[count:], met[:count] | met[count:]
 
 
@@ -302,23 +349,26 @@ def _best_and_deepest(
     hold: _Hold,
     clearance: FloatArray,
     held: FloatArray,
-    centre: FloatArray,
+    surface: Surface,
+    up: FloatArray,
     hand: HandShape,
     tolerances: GraspTolerances,
 ) -> list[Pinch]:
     """The best-scored and the deepest pinch of each direction."""
-    com = ((centre - look.origin) @ look.rotations)[hold.row]
-    lever = np.hypot(com[:, 0], com[:, 1] - hold.middle)
-    width = hold.high - hold.low
-    rim = np.abs(com[:, 1] - hold.middle) > width / 2.0 + 0.01
+    com = ((surface.centre - look.origin) @ look.rotations)[hold.row]
+    arm = com - np.column_stack([np.zeros(len(com)), hold.middle, hold.tip - hand.tip])
+    width, weight = hold.high - hold.low, likely_weight(surface.volume)
+    down = -(up @ look.rotations)[hold.row]
+    load = jaw_load(arm, down, weight, width, hold.depth, hand, tolerances.friction)
+    rim = np.abs(arm[:, 1]) > width / 2.0 + 0.01
     terms = {
         "antipodality": held,
-        "balance": 1.0 / (1.0 + (lever / tolerances.lever) ** 2),
+        "balance": 1.0 / (1.0 + ((arm[:, 0] ** 2 + arm[:, 1] ** 2) / tolerances.lever**2)),
         "clearance": clearance,
         "depth": np.minimum(1.0, hold.depth / (0.5 * hand.pad_length)),
         "upright": 1.0 - 0.5 * look.tilts[hold.row],
     }
-    total = np.sum(list(terms.values()), axis=0)
+    total = np.sum(list(terms.values()), axis=0) / np.maximum(load, 1.0)
     found: list[Pinch] = []
     for row in np.unique(hold.row):
         here = np.flatnonzero(hold.row == row)
@@ -329,9 +379,6 @@ def _best_and_deepest(
             shift = np.array([0.0, hold.middle[k], hold.tip[k] - hand.tip])
             pose[:3, 3] = look.origin + look.rotations[row] @ shift
             parts = {name: float(values[k]) for name, values in terms.items()}
-            found.append(
-                Pinch(
-                    pose, float(width[k]), float(hold.opening[k]), float(hold.depth[k]), bool(rim[k]), parts
-                )
-            )
+            size = float(width[k]), float(hold.opening[k]), float(hold.depth[k])
+            found.append(Pinch(pose, *size, bool(rim[k]), float(load[k]), parts))
     return found

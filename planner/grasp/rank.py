@@ -6,11 +6,12 @@ from dataclasses import dataclass, replace
 import numpy as np
 from scipy.spatial import KDTree
 
-from topple.planner.grasp.candidates import surroundings
 from topple.planner.grasp.foreign import ForeignGrasps, grasps_from_array
 from topple.planner.grasp.grasp import Grasp
 from topple.planner.grasp.hand import HAND_REACH, HandShape, hand_shape
 from topple.planner.grasp.reach import reachable
+from topple.planner.grasp.suction import CupShape, cup_shape
+from topple.planner.grasp.surroundings import surroundings
 from topple.planner.grasp.tolerances import GRASP_TOLERANCES
 from topple.planner.order import order
 from topple.planner.solids import up_of
@@ -20,6 +21,8 @@ from topple.topology.arrays import FloatArray
 from topple.topology.checks import as_pose
 from topple.topology.errors import InvalidInput, UnknownObject
 from topple.topology.scene import Scene
+
+_NOTHING = {"fingers": "nothing is between its pads", "suction": "nothing is under its cup"}
 
 
 @dataclass(frozen=True, eq=False)
@@ -55,7 +58,8 @@ def rank_grasps(
     Args:
         scene: What is seen, with `up`.
         grasps: Grasps of this project, of `read_grasps`, or an (N, 4, 4) or (N, 17) array.
-        robot: The arm, or its name; without one the hand of a Panda is taken and reach is not asked.
+        robot: The arm, or its name; without one the hand of a Panda is taken, or its cup, and reach is not
+            asked.
         pose_source_to_world: (4, 4) for grasps given in a camera's or object's frame.
         pose_base_to_world: (4, 4) where the arm stands; the scene's `robot_base`; without both, reach is not
             asked.
@@ -74,17 +78,18 @@ def rank_grasps(
     arm = robot_named(robot) if isinstance(robot, str) else robot
     _check(given, scene, arm)
     hand = hand_shape(arm if arm is not None and "fingers" in arm.tools else robot_named("panda"))
+    cup = cup_shape(arm if arm is not None and "suction" in arm.tools else robot_named("panda-suction"))
     graph = order(scene).graph
     base = scene.robot_base if pose_base_to_world is None else pose_base_to_world
     found: list[RankedGrasp] = []
     for index, grasp in enumerate(given):
         name = grasp.object or _held(grasp, scene, hand)
         if not name:
-            found.append(RankedGrasp(index, grasp, (), "nothing is between its pads"))
+            found.append(RankedGrasp(index, grasp, (), _NOTHING[grasp.tool]))
             continue
         grasp = replace(grasp, object=name)
         before = tuple(sorted(graph.before(name)))
-        against = _in_the_way(grasp, scene, hand)
+        against = _in_the_way(grasp, scene, hand, cup)
         if before:
             against.append(f"{', '.join(before)} would move: has to go before {name}")
         found.append(RankedGrasp(index, grasp, before, "; ".join(against) or None))
@@ -147,28 +152,39 @@ def _held(grasp: Grasp, scene: Scene, hand: HandShape) -> str:
     return best if best and counts[best] > GRASP_TOLERANCES.stray_points else ""
 
 
-def _in_the_way(grasp: Grasp, scene: Scene, hand: HandShape) -> list[str]:
+def _in_the_way(grasp: Grasp, scene: Scene, hand: HandShape, cup: CupShape) -> list[str]:
     """What the open hand meets on its straight way in, in words."""
-    if grasp.kind == "suction":
-        return []
-    opening = min(hand.max_opening, grasp.opening) if grasp.opening > 0.0 else hand.max_opening
     met: list[str] = []
     for name, cloud in scene.clouds.items():
         local = _local(cloud, grasp)
         local = local[(local[:, 2] > -GRASP_TOLERANCES.reach) & (np.abs(local[:, :2]).max(axis=1) < 0.12)]
-        fronts = (
+        within = [
             (local[:, 0] > x0) & (local[:, 0] < x1) & (local[:, 1] > y0) & (local[:, 1] < y1)
             & (local[:, 2] < front - GRASP_TOLERANCES.under_clearance)
-            for x0, x1, y0, y1, front in hand.footprints(opening)
-        )  # fmt: skip
-        if any(np.count_nonzero(inside) > GRASP_TOLERANCES.stray_points for inside in fronts):
+            for x0, x1, y0, y1, front in _footprints(grasp, hand, cup)
+        ]  # fmt: skip
+        if grasp.tool == "suction" and name != grasp.object:
+            within.append(cup.beside(local, GRASP_TOLERANCES.under_clearance))
+        if any(np.count_nonzero(inside) > GRASP_TOLERANCES.stray_points for inside in within):
             met.append(name)
     against = [f"the hand meets {', '.join(met)}"] if met else []
-    _, floor = surroundings(grasp.object, scene, up_of(scene))
+    if grasp.tool == "suction":
+        return against
+    floor = surroundings(grasp.object, scene, up_of(scene)).floor
     tip = grasp.pose_tool_to_world[:3, 3] + hand.tip * grasp.approach
     return (
         [*against, "the fingers would go below the ground"] if float(tip @ up_of(scene)) < floor else against
     )
+
+
+def _footprints(
+    grasp: Grasp, hand: HandShape, cup: CupShape
+) -> list[tuple[float, float, float, float, float]]:
+    """Rectangles (x low, x high, y low, y high, z of its front) that the hand sweeps [m]."""
+    if grasp.tool == "suction":
+        return [(*prism.x, *prism.y, prism.front) for prism in cup.body]
+    opening = min(hand.max_opening, grasp.opening) if grasp.opening > 0.0 else hand.max_opening
+    return [(x0, x1, float(y0), float(y1), front) for x0, x1, y0, y1, front in hand.footprints(opening)]
 
 
 def _local(cloud: FloatArray, grasp: Grasp) -> FloatArray:

@@ -8,15 +8,21 @@ import numpy as np
 from topple.planner.grasp.frames import spread
 from topple.planner.grasp.hand import FINGER_SLABS, Prism, hand_bodies, prisms
 from topple.planner.grasp.surface import Surface
+from topple.planner.grasp.surroundings import ITSELF, Dropped, Surroundings
 from topple.planner.grasp.tolerances import GRASP_TOLERANCES, GraspTolerances
 from topple.robots.gripper import SuctionCup
-from topple.topology.arrays import FloatArray
+from topple.topology.arrays import BoolArray, FloatArray
 from topple.topology.errors import InvalidInput
 
 if TYPE_CHECKING:
     from topple.robots.arm import Arm
 
 SECTORS = 8  # the lip is judged in eight parts: a gap in any of them leaks
+BRUSH = 0.006  # beside and below the hand: less room than this makes the clearance term `TIGHT` [m]
+TIGHT = 0.4
+SPARSE = "too few points for a cup's lip"
+STEEP = "too steep for the cup"
+UNEVEN = "no smooth patch as wide as the cup's lip"
 
 RING = (0.8, 1.4)  # of the lip's radius: where it lies, and the 2 mm around it that rubber spreads over
 
@@ -38,6 +44,15 @@ class CupShape:
     lip_depth: float
     body: tuple[Prism, ...]
     opening: float = 0.0
+
+    def beside(self, points: FloatArray, margin: float) -> BoolArray:
+        """Which points (N, 3), in the tool frame [m], are in the cup or the way behind it, or next to it.
+
+        Args:
+            points: What the cup does not take: that may bulge into the bellows.
+            margin: How close is next to it; up to as far behind the lip is still the patch itself [m].
+        """
+        return (np.hypot(points[:, 0], points[:, 1]) < self.radius + margin) & (points[:, 2] < -margin)
 
 
 def cup_shape(arm: "Arm") -> CupShape:
@@ -78,35 +93,39 @@ class Patch:
 def patches(
     surface: Surface,
     dense: FloatArray,
-    others: FloatArray,
+    around: Surroundings,
     up: FloatArray,
     cup: CupShape,
     count: int = 40,
     tolerances: GraspTolerances = GRASP_TOLERANCES,
+    dropped: Dropped | None = None,
 ) -> list[Patch]:
     """Find where a cup would seal.
 
     Args:
         surface: The object.
         dense: (N, 3) its cloud, unthinned, which the seal is judged on [m].
-        others: (M, 3) points of everything else nearby [m].
+        around: Points of everything else nearby.
         up: (3,) unit vector against gravity.
         cup: The cup.
         count: Places to try.
         tolerances: What the cup's bellows takes up.
+        dropped: Takes down what is left out and why, if given.
 
     Returns:
         The places where it seals and the hand has room, best first. Deterministic.
     """
+    dropped = Dropped() if dropped is None else dropped
     seen = np.arange(len(surface.points)) < surface.seen
     facing = seen & (surface.normals @ up > np.cos(tolerances.seal_tilt + 0.15))
     if not facing.any():
+        dropped.note(STEEP)
         return []
     spots = surface.points[facing]
     flat_centre = surface.centre + up * float(np.median((spots - surface.centre) @ up))
     found: list[Patch] = []
     for index in spread(spots, flat_centre, count):
-        patch = _patch(spots[index], surface, dense, others, up, cup, tolerances)
+        patch = _patch(spots[index], surface, dense, around, up, cup, tolerances, dropped)
         if patch is not None:
             found.append(patch)
     return sorted(found, key=lambda patch: -seal_score(patch.terms))
@@ -123,24 +142,28 @@ def _patch(
     spot: FloatArray,
     surface: Surface,
     dense: FloatArray,
-    others: FloatArray,
+    around: Surroundings,
     up: FloatArray,
     cup: CupShape,
     tolerances: GraspTolerances,
+    dropped: Dropped,
 ) -> Patch | None:
     near = dense[np.linalg.norm(dense - spot, axis=1) < 1.4 * cup.radius]
     if len(near) < 4 * SECTORS:
+        dropped.note(SPARSE)
         return None
     normal, middle = _robust_plane(near, up)
     tilt = float(np.arccos(np.clip(normal @ up, -1.0, 1.0)))
     if tilt > tolerances.seal_tilt:
+        dropped.note(STEEP)
         return None
     centre = spot - normal * float((spot - middle) @ normal)
     residual = _lip_residual(near - centre, normal, cup.radius)
     if residual > cup.lip_depth:
+        dropped.note(UNEVEN)
         return None
     rotation = _rotation(-normal, up)
-    clearance = _room((surface.points - centre) @ rotation, (others - centre) @ rotation, cup, tolerances)
+    clearance = _room(surface.points, around, centre, rotation, cup, tolerances, dropped)
     if clearance is None:
         return None
     arm = surface.centre - centre
@@ -201,18 +224,40 @@ def _rotation(approach: FloatArray, up: FloatArray) -> FloatArray:
     return np.asarray(np.column_stack([np.cross(y, approach), y, approach]), dtype=np.float64)
 
 
-def _room(own: FloatArray, foreign: FloatArray, cup: CupShape, tolerances: GraspTolerances) -> float | None:
-    """How free the way in is, 0..1, or None where the hand meets points; in the cup's tool frame."""
-    worst = 1.0
-    for prism in cup.body:
+def _room(
+    own: FloatArray,
+    around: Surroundings,
+    centre: FloatArray,
+    rotation: FloatArray,
+    cup: CupShape,
+    tolerances: GraspTolerances,
+    dropped: Dropped,
+) -> float | None:
+    """How free the way in is, 0..1, or None where the hand meets points."""
+    foreign, margin = (around.points - centre) @ rotation, tolerances.under_clearance
+    met = cup.beside(foreign, margin)
+    if np.count_nonzero(met) > tolerances.stray_points:
+        dropped.no_room("cup", around.met(met))
+        return None
+    brushed = False
+    for points in ((own - centre) @ rotation, foreign):
+        met = _inside(points, cup.body, margin, margin, tolerances)
+        if met.any():
+            dropped.no_room("hand", around.met(met) if points is foreign else ITSELF)
+            return None
+        brushed = brushed or bool(_inside(points, cup.body, BRUSH, BRUSH, tolerances).any())
+    return TIGHT if brushed else 1.0
+
+
+def _inside(
+    points: FloatArray, prisms: tuple[Prism, ...], aside: float, before: float, tolerances: GraspTolerances
+) -> BoolArray:
+    """Which points in the tool's frame are in a prism, wider by `aside`, with more than stray points."""
+    found = np.zeros(len(points), dtype=bool)
+    for prism in prisms:
         lower, upper = np.array([prism.x[0], prism.y[0]]), np.array([prism.x[1], prism.y[1]])
-        for points in (own, foreign):
-            for margin, value in ((tolerances.under_clearance, None), (0.006, 0.4)):
-                inside = np.all((points[:, :2] > lower - margin) & (points[:, :2] < upper + margin), axis=1)
-                blocked = (
-                    np.count_nonzero(inside & (points[:, 2] < prism.front + margin)) > tolerances.stray_points
-                )
-                if blocked and value is None:
-                    return None
-                worst = min(worst, 0.4) if blocked else worst
-    return worst
+        inside = np.all((points[:, :2] > lower - aside) & (points[:, :2] < upper + aside), axis=1)
+        inside &= points[:, 2] < prism.front + before
+        if np.count_nonzero(inside) > tolerances.stray_points:
+            found |= inside
+    return found

@@ -7,7 +7,7 @@ import numpy as np
 from scipy.spatial import KDTree
 
 from topple.planner.grasp.tolerances import GRASP_TOLERANCES, GraspTolerances
-from topple.planner.samples import centre_of_mass, sampled_with_normals, voxel_means
+from topple.planner.samples import sampled_with_normals, volume_and_centre, voxel_means
 from topple.topology.arrays import BoolArray, FloatArray
 
 
@@ -21,6 +21,7 @@ class Surface:
         evenness: (N,) standard deviation of the points around the fitted plane [m].
         centre: (3,) estimate of the centre of mass [m].
         seen: The first so many points were seen.
+        volume: What its convex parts fill [m3]; 0 where there are none.
     """
 
     points: FloatArray
@@ -28,6 +29,7 @@ class Surface:
     evenness: FloatArray
     centre: FloatArray
     seen: int
+    volume: float = 0.0
 
 
 def fitted_normals(
@@ -77,7 +79,8 @@ def surface_of(
         up: (3,) unit vector against gravity.
         viewpoints: (k, 3) camera centres; normals then face the nearest of them, else away from the cloud's
             middle.
-        solid: Convex parts of the object: for its centre of mass, and for the sides no camera could see.
+        solid: Convex parts of the object: for its volume, its centre of mass, and the sides no camera could
+            see.
         others: (M, 3) points of what else may hide a side from the cameras [m].
         tolerances: Spacing and neighbourhood.
 
@@ -93,12 +96,14 @@ def surface_of(
         toward = rays[np.arange(len(thin)), nearest]
     normals, evenness = fitted_normals(thin, tolerances.normal_radius, toward)
     hidden, hidden_normals = _hidden(thin, solid, viewpoints, others, tolerances)
+    volume, centre = volume_and_centre(thin, solid)
     return Surface(
         np.vstack([thin, hidden]),
         np.vstack([normals, hidden_normals]),
         np.concatenate([evenness, np.zeros(len(hidden))]),
-        centre_of_mass(thin, solid),
+        centre,
         len(thin),
+        volume,
     )
 
 

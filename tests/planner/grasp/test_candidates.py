@@ -3,6 +3,7 @@ import pytest
 
 from topple.planner.grasp import Grasp, grasp_candidates
 from topple.planner.grasp.hand import hand_shape
+from topple.planner.grasp.surroundings import Dropped
 from topple.robots.bodies import Body
 from topple.robots.catalog import robot
 from topple.robots.shapes.boxes import box, can
@@ -125,3 +126,24 @@ def test_a_pose_that_is_no_rotation_is_refused() -> None:
 def test_half_a_turn_twice_is_the_same_grasp() -> None:
     grasp = grasp_candidates("can", on_table(can=seen(can())), ARM)[0]
     assert np.allclose(grasp.turned().turned().pose_tool_to_world, grasp.pose_tool_to_world)
+
+
+def test_what_is_left_out_says_why_and_who_leaves_no_room() -> None:
+    high = box("wall", (0.20, 0.04, 0.12))
+    scene = on_table(
+        block=seen(box("block", (0.05, 0.05, 0.03))),
+        left=seen(high, (0.0, 0.05, 0.0)),
+        right=seen(high, (0.0, -0.05, 0.0)),
+    )
+    dropped = Dropped()
+    assert grasp_candidates("block", scene, robot("panda"), dropped=dropped) == []
+    assert {"left", "right"} <= set(dropped.barring)
+    for name in ("left", "right"):
+        assert dropped.reasons[f"no room for the fingers beside {name}"] > 0
+    wide = Dropped()
+    assert (
+        grasp_candidates("box", on_table(box=seen(box("box", (0.2, 0.2, 0.1)))), robot("panda"), dropped=wide)
+        == []
+    )
+    assert "wider than the hand opens" in wide.reasons
+    assert not wide.barring

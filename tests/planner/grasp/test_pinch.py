@@ -1,12 +1,12 @@
 import numpy as np
 import pytest
 
-from topple.planner.grasp.candidates import surroundings
 from topple.planner.grasp.frames import frames
 from topple.planner.grasp.hand import hand_shape
 from topple.planner.grasp.pads import extents, packed
 from topple.planner.grasp.pinch import OWN_MARGIN, Pinch, pinches
 from topple.planner.grasp.surface import Surface, surface_of
+from topple.planner.grasp.surroundings import surroundings
 from topple.planner.grasp.tolerances import GRASP_TOLERANCES
 from topple.robots.bodies import Body
 from topple.robots.catalog import robot
@@ -30,13 +30,13 @@ def clouds(**bodies: tuple[Body, tuple[float, float, float]]) -> Scene:
 
 
 def searched(scene: Scene, name: str) -> tuple[Surface, np.ndarray, list[list[Pinch]]]:
-    others, floor = surroundings(name, scene, UP)
-    surface = surface_of(scene.clouds[name], UP, others=others)
+    around = surroundings(name, scene, UP)
+    surface = surface_of(scene.clouds[name], UP, others=around.points)
     found = [
-        pinches(one, surface, others, floor, UP, HAND)
+        pinches(one, surface, around, UP, HAND)
         for one in frames(surface, UP, GRASP_TOLERANCES.tilts, count=8)
     ]
-    return surface, others, found
+    return surface, around.points, found
 
 
 @pytest.mark.parametrize("name", ["can", "bowl"])
@@ -78,16 +78,16 @@ def test_a_plate_flat_on_a_table_leaves_no_room_for_a_finger_below_its_rim() -> 
 
 def test_directions_looked_at_together_give_what_each_gives_alone() -> None:
     scene = clouds(can=(can(), (0.0, 0.0, 0.0)), wall=(box("wall", (0.2, 0.03, 0.1)), (0.0, 0.08, 0.0)))
-    others, floor = surroundings("can", scene, UP)
-    surface = surface_of(scene.clouds["can"], UP, others=others)
+    around = surroundings("can", scene, UP)
+    surface = surface_of(scene.clouds["can"], UP, others=around.points)
     for many in frames(surface, UP, GRASP_TOLERANCES.tilts, count=3):
-        together = pinches(many, surface, others, floor, UP, HAND)
+        together = pinches(many, surface, around, UP, HAND)
         alone = [
             pinch
             for k in range(len(many.tilts))
             for pinch in pinches(
                 type(many)(many.origin, many.rotations[k : k + 1], many.tilts[k : k + 1]),
-                surface, others, floor, UP, HAND,
+                surface, around, UP, HAND,
             )
         ]  # fmt: skip
         assert len(together) == len(alone)

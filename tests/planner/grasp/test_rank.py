@@ -5,6 +5,7 @@ import pytest
 
 from topple.planner.grasp.grasp import Grasp
 from topple.planner.grasp.rank import rank_grasps
+from topple.planner.grasp.suction import cup_shape
 from topple.robots.catalog import robot
 from topple.robots.shapes.boxes import box
 from topple.topology.errors import InvalidInput, UnknownObject
@@ -90,3 +91,24 @@ def test_grasps_of_what_is_not_there_and_by_tools_that_are_missing_are_refused()
         rank_grasps(scene(), [Grasp("cup", "pinch", down(0.0, 0.0, 0.088), 0.05, 0.06, 1.0)])
     with pytest.raises(InvalidInput, match="panda has no suction"):
         rank_grasps(scene(), [Grasp("upper", "suction", down(0.0, 0.0, 0.1), 0.0, 0.0, 1.0)], "panda")
+
+
+def test_a_cup_that_meets_a_neighbour_says_which() -> None:
+    beside = box("wall", (0.02, 0.05, 0.2)).surface(3000, np.random.default_rng(1)) + np.array(
+        [0.02, 0.0, 0.0]
+    )
+    pushed = scene().with_cloud("wall", beside)
+    grasp = Grasp("upper", "suction", down(0.0, 0.0, 0.1005), 0.0, 0.08, 0.9)
+    met, free = (rank_grasps(given, [grasp], "panda-suction")[0] for given in (pushed, scene()))
+    assert "the hand meets wall" in (met.dropped or "")
+    assert free.dropped is None
+
+
+def test_a_neighbour_beside_the_cup_alone_is_met_too() -> None:
+    cup = cup_shape(robot("panda-suction"))
+    rod = np.random.default_rng(1).uniform([-0.003, -0.003, 0.103], [0.003, 0.003, 0.12], (400, 3))
+    rod += np.array([0.012, 0.0, 0.0])
+    assert all(rod[:, 2].max() < 0.1005 - prism.front for prism in cup.body), "under the open fingers"
+    grasp = Grasp("upper", "suction", down(0.0, 0.0, 0.1005), 0.0, 0.08, 0.9)
+    (ranked,) = rank_grasps(scene().with_cloud("rod", rod), [grasp], "panda-suction")
+    assert "the hand meets rod" in (ranked.dropped or "")

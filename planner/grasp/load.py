@@ -1,0 +1,72 @@
+"""What a hand can hold: the weight of a thing and its moment against what pads and cups resist."""
+
+import numpy as np
+
+from topple.planner.grasp.hand import HandShape
+from topple.planner.grasp.suction import CupShape
+from topple.robots.bodies import DENSITY
+from topple.topology.arrays import FloatArray
+
+GRAVITY = 9.81  # [m/s2]
+
+
+def likely_weight(volume: float) -> float:
+    """Weight [N] of a thing of a volume [m3] that nobody weighed, at the density bodies are made with."""
+    return GRAVITY * DENSITY * volume
+
+
+def jaw_load(
+    arm: FloatArray,
+    down: FloatArray,
+    weight: float,
+    width: FloatArray,
+    depth: FloatArray,
+    hand: HandShape,
+    friction: float,
+) -> FloatArray:
+    """How much of what two pads hold a weight takes, in P grasps.
+
+    Friction carries the weight and resists turning about the line through the pads; both at once use it up
+    as the radius of an ellipse. Turning about the other axes is resisted by the pressure, which can move from
+    the middle of what the pads touch to its edge, and by friction along the pads, which are `width` apart.
+
+    Args:
+        arm: (P, 3) from between the pads to the centre of mass in the hand's axes [m].
+        down: (P, 3) unit vectors of gravity in the hand's axes.
+        weight: In [N].
+        width: (P,) distance of the pads [m].
+        depth: (P,) how far the tips are below the object's top: what the pads touch [m].
+        hand: Its force, its pads and how they give.
+        friction: Coefficient between pads and object.
+
+    Returns:
+        (P,) shares; above 1 the thing turns or slips.
+    """
+    moment = weight * np.cross(arm, down)
+    slide = 2.0 * friction * hand.force
+    turning = np.hypot(weight / slide, moment[:, 1] / (slide * hand.give))
+    across = hand.force * (np.minimum(depth, hand.pad_length) + friction * width)
+    return np.asarray(np.maximum(turning, np.hypot(moment[:, 0], moment[:, 2]) / across), dtype=np.float64)
+
+
+def cup_load(lever: float, weight: float, cup: CupShape) -> float:
+    """How much of what a cup holds a weight takes: its lip peels off about the edge away from the weight.
+
+    Args:
+        lever: Level distance between the cup's axis and the centre of mass [m].
+        weight: In [N].
+        cup: Its force and radius.
+
+    Returns:
+        The share; above 1 the lip opens.
+    """
+    return weight / cup.max_force * (1.0 + lever / cup.radius)
+
+
+def kept(load: float) -> float:
+    """Share of its score that a grasp under a load keeps: all of it where it holds.
+
+    A load just above 1 may hold: weights are guessed within a factor of two, and pads on flat faces resist
+    turning twice as much as on round ones, which is what their lever is given for.
+    """
+    return 1.0 if load <= 1.0 else 1.0 / load**2

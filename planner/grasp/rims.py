@@ -1,0 +1,102 @@
+"""Hand directions around the edge of a sheet, a plate's rim for one: one finger above it and one below."""
+
+import numpy as np
+
+from topple.planner.grasp.frames import Frames, cross
+from topple.planner.grasp.hand import HandShape
+from topple.planner.grasp.surface import Surface
+from topple.planner.grasp.surroundings import Dropped
+from topple.planner.grasp.tolerances import GRASP_TOLERANCES, GraspTolerances
+from topple.topology.arrays import FloatArray
+
+DIRECTIONS = 16  # around the object: with 8 a plate among four neighbours may have none between two of them
+LEANS = (0.0, 0.15, 0.3)  # of the approach against the sheet [rad]: more would leave the friction cone
+PATCH = 0.02  # of the sheet, from its edge inwards, that its slope is taken from [m]
+FLAT = 0.15  # variance across a sheet, relative to that along its edge: what a plate's flange stays below
+STEEPEST = 0.6  # upward share of a sheet's normal: fingers reach both sides of a steeper one from above
+FEWEST = 8  # points a slope is taken from
+
+
+def rim_frames(
+    surface: Surface,
+    floor: float,
+    up: FloatArray,
+    hand: HandShape,
+    tolerances: GraspTolerances = GRASP_TOLERANCES,
+    dropped: Dropped | None = None,
+) -> list[Frames]:
+    """Lay out hand directions that come in along a sheet from outside its edge.
+
+    The hand leans with the sheet, a little steeper at most, so that the pads meet it square: hands from above
+    close across sides, of which a flat sheet has none to speak of. An edge closer to the ground than the
+    lower finger and the hand behind it need is left out, and the reason says by how much.
+
+    Args:
+        surface: The object.
+        floor: Height of the ground along `up` [m].
+        up: (3,) unit vector against gravity.
+        hand: The hand.
+        tolerances: Clearances.
+        dropped: Takes down what is left out and why, if given.
+
+    Returns:
+        The directions, edge point by edge point. Deterministic.
+    """
+    found: list[Frames] = []
+    low: list[tuple[float, float]] = []
+    for place, outward, normal in _edges(surface.points[: surface.seen], up):
+        turned = np.array([_leaning(outward, normal, lean) for lean in LEANS])
+        needed = np.array([_needed(rotation, up, hand, tolerances) for rotation in turned])
+        height = float(place @ up) - floor
+        high = needed <= height
+        if high.any():
+            tilts = np.arccos(np.clip(-turned[high, :, 2] @ up, -1.0, 1.0))
+            found.append(Frames(place, turned[high], tilts))
+        else:
+            low.append((height, float(needed.min())))
+    if low and dropped is not None:
+        height, needed_there = max(low, key=lambda pair: pair[0] - pair[1])
+        dropped.note(
+            f"its rim is {1e3 * height:.0f} mm off the ground, a finger below it and the hand behind take "
+            f"{1e3 * needed_there:.0f} mm",
+            len(low),
+        )
+    return found
+
+
+def _edges(points: FloatArray, up: FloatArray) -> list[tuple[FloatArray, FloatArray, FloatArray]]:
+    """Outermost points where a sheet ends, with the way out along it and its normal, turned up."""
+    east = cross(up, np.eye(3)[int(np.argmin(np.abs(up)))])
+    east /= np.linalg.norm(east)
+    north = cross(up, east)
+    found: list[tuple[FloatArray, FloatArray, FloatArray]] = []
+    for angle in np.arange(DIRECTIONS) * 2.0 * np.pi / DIRECTIONS:
+        out = np.cos(angle) * east + np.sin(angle) * north
+        place = points[int(np.argmax(points @ out))]
+        near = points[np.linalg.norm(points - place, axis=1) < PATCH]
+        if len(near) < FEWEST:
+            continue
+        values, vectors = np.linalg.eigh(np.cov(near.T))
+        normal = vectors[:, 0] * np.sign(vectors[:, 0] @ up)
+        if values[0] < FLAT * values[1] and normal @ up > STEEPEST:
+            along = out - normal * float(out @ normal)
+            found.append((place, along / np.linalg.norm(along), normal))
+    return found
+
+
+def _leaning(outward: FloatArray, normal: FloatArray, lean: float) -> FloatArray:
+    """A hand's rotation: it comes in along the sheet, `lean` [rad] steeper, and closes across it."""
+    approach = -np.cos(lean) * outward - np.sin(lean) * normal
+    closing = np.cos(lean) * normal - np.sin(lean) * outward
+    return np.column_stack([cross(closing, approach), closing, approach])
+
+
+def _needed(rotation: FloatArray, up: FloatArray, hand: HandShape, tolerances: GraspTolerances) -> float:
+    """Height over the ground that a thin sheet's edge has at least for a hand to come in below it [m]."""
+    x, y, z = up @ rotation
+    back = hand.tip - tolerances.depths[0]  # from the edge to the pads' middle, the tips as shallow as can be
+    corners = (
+        min(x * x0, x * x1) + min(y * y0, y * y1) + z * (front - back)
+        for x0, x1, y0, y1, front in hand.footprints(2.0 * tolerances.least_side_clearance)
+    )
+    return tolerances.under_clearance - float(min(corners))

@@ -1,0 +1,97 @@
+"""What a hand can meet around an object, and whose points those are."""
+
+from collections import Counter
+from dataclasses import dataclass, field
+
+import numpy as np
+
+from topple.planner.grasp.tolerances import GRASP_TOLERANCES, GraspTolerances
+from topple.planner.samples import voxel_means
+from topple.topology.arrays import BoolArray, FloatArray, IntArray, frozen
+from topple.topology.scene import Scene
+
+ITSELF = "its own sides"
+
+
+@dataclass(frozen=True, eq=False)
+class Surroundings:
+    """Points of everything else near an object.
+
+    Attributes:
+        points: (M, 3) points in the world [m].
+        owners: (M,) whose each is: a place in `names`.
+        names: The objects.
+        floor: Height of the fixed ground along up [m], -inf where nothing is fixed.
+    """
+
+    points: FloatArray
+    owners: IntArray
+    names: tuple[str, ...]
+    floor: float
+
+    def __post_init__(self) -> None:
+        object.__setattr__(self, "points", frozen(self.points))
+
+    def near(self, place: FloatArray, distance: float) -> "Surroundings":
+        """Those within a distance [m] of a place (3,)."""
+        close = np.linalg.norm(self.points - place, axis=1) < distance
+        return Surroundings(self.points[close], self.owners[close], self.names, self.floor)
+
+    def met(self, which: BoolArray) -> str:
+        """Whose points most of some are; "" where there are none."""
+        counts = np.bincount(self.owners[which], minlength=1)
+        return self.names[int(np.argmax(counts))] if counts.any() else ""
+
+
+@dataclass
+class Dropped:
+    """What a search for grasps left out: hand directions at depths of the fingers, and places of a cup.
+
+    Attributes:
+        reasons: Why, with counts.
+        barring: Objects that left the hand no room, with counts.
+    """
+
+    reasons: Counter[str] = field(default_factory=Counter[str])
+    barring: Counter[str] = field(default_factory=Counter[str])
+
+    def note(self, reason: str, count: int = 1) -> None:
+        """Count what was left out for a reason."""
+        if count > 0:
+            self.reasons[reason] += count
+
+    def no_room(self, what: str, beside: str, count: int = 1) -> None:
+        """Count what was left out because a part of the hand would meet an object, or `ITSELF`."""
+        self.note(f"no room for the {what} beside {beside}", count)
+        if count > 0 and beside != ITSELF:
+            self.barring[beside] += count
+
+
+def surroundings(
+    name: str, scene: Scene, up: FloatArray, tolerances: GraspTolerances = GRASP_TOLERANCES
+) -> Surroundings:
+    """Everything a hand could meet around an object.
+
+    Args:
+        name: The object.
+        scene: The scene.
+        up: (3,) unit vector against gravity.
+        tolerances: Reach and spacing.
+
+    Returns:
+        The points of the others within reach, and the ground.
+    """
+    own = scene.clouds[name]
+    lower, upper = own.min(axis=0) - tolerances.reach, own.max(axis=0) + tolerances.reach
+    near: dict[str, FloatArray] = {}
+    floor = -np.inf
+    for other, cloud in scene.clouds.items():
+        if other == name:
+            continue
+        within = cloud[np.all((cloud > lower) & (cloud < upper), axis=1)]
+        if len(within) > 0:
+            near[other] = voxel_means(within, tolerances.spacing)
+            if other in scene.fixed:
+                floor = max(floor, float(np.quantile(within @ up, 0.1)))
+    owners = np.repeat(np.arange(len(near)), [len(points) for points in near.values()])
+    return Surroundings(np.vstack([np.empty((0, 3)), *near.values()]), owners, tuple(near), floor)

@@ -1,0 +1,95 @@
+import sys
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from topple.planner.grasp import grasp_candidates
+from topple.planner.grasp.hand import hand_shape
+from topple.planner.grasp.load import cup_load, jaw_load, kept, likely_weight
+from topple.planner.grasp.suction import cup_shape
+from topple.robots.bodies import DENSITY
+from topple.robots.catalog import robot
+from topple.robots.poses import angle_between
+from topple.robots.shapes.boxes import box
+from topple.robots.simulated_arm import SimulatedArm
+from topple.robots.world import World
+from topple.topology.scene import Scene
+
+sys.path.insert(0, str(Path(__file__).parent))
+from lifting import at, straight, table
+
+HAND, CUP = hand_shape(robot("panda")), cup_shape(robot("panda-suction"))
+DOWN = np.array([[0.0, 0.0, 1.0]])  # a hand from above comes in along gravity
+SIZE = (0.24, 0.05, 0.06)
+
+
+def load(arm: tuple[float, float, float], weight: float, friction: float = 0.5) -> float:
+    width, depth = np.array([SIZE[1]]), np.array([0.018])
+    return float(jaw_load(np.array([arm]), DOWN, weight, width, depth, HAND, friction)[0])
+
+
+def test_what_hangs_below_the_pads_does_not_turn() -> None:
+    weight = 2.0 * 0.5 * HAND.force  # all that friction carries
+    assert load((0.0, 0.0, 0.05), weight) == pytest.approx(1.0)
+
+
+def test_pads_hold_a_moment_of_their_friction_times_its_lever() -> None:
+    held = 2.0 * 0.5 * HAND.force * HAND.give
+    assert load((0.04, 0.0, 0.0), 0.9 * held / 0.04) < 1.0
+    assert load((0.04, 0.0, 0.0), 1.1 * held / 0.04) > 1.0
+    assert load((0.0, 0.02, 0.0), 1.1 * held / 0.04) < 1.0, "between the pads it hangs on both of them"
+
+
+def test_a_cup_peels_off_with_its_force_or_its_moment() -> None:
+    assert CUP.max_force == pytest.approx(42.4, abs=0.1)
+    assert cup_load(0.0, CUP.max_force, CUP) == pytest.approx(1.0)
+    assert cup_load(CUP.radius, CUP.max_force / 2.0, CUP) == pytest.approx(1.0)
+
+
+def test_what_cannot_hold_scores_below_what_can() -> None:
+    assert kept(0.3) == kept(1.0) == 1.0
+    assert 0.0 < kept(3.0) < kept(2.0) < kept(1.1) < 1.0
+
+
+def bar() -> Scene:
+    cloud = box("bar", SIZE).surface(6000, np.random.default_rng(0))
+    return Scene({"table": table(), "bar": cloud}, fixed=["table"], up=[0, 0, 1])
+
+
+def test_grasps_that_a_heavy_bar_would_turn_in_come_last_and_say_so() -> None:
+    weight = likely_weight(float(np.prod(SIZE)))
+    assert weight == pytest.approx(9.81 * DENSITY * 0.24 * 0.05 * 0.06)
+    grasps = grasp_candidates("bar", bar(), robot("panda"))
+    aside = np.array([abs(float(grasp.pose_tool_to_world[0, 3])) for grasp in grasps])
+    holding = np.array(["its weight takes" not in grasp.reason for grasp in grasps])
+    surely = 2.0 * 0.5 * HAND.force * HAND.give / weight
+    assert aside[0] < 0.01
+    assert aside[holding].max() < surely + 0.005
+    assert aside[~holding].min() > surely - 0.005
+    rank = np.arange(len(grasps))
+    assert rank[holding].max() < rank[aside > 2.0 * surely].min()
+
+
+def turned(aside: float) -> float:
+    """By how many degrees a bar turns as it is lifted, held some way beside its middle."""
+    arm = robot("panda")
+    down = np.diag([1.0, -1.0, -1.0, 1.0])
+    low, high = at(0.5 + aside, 0.0, 0.045) @ down, at(0.5 + aside, 0.0, 0.15) @ down
+    with World() as world:
+        world.add_table()
+        world.add(box("bar", SIZE, density=DENSITY), at(0.5, 0.0, 0.0))
+        world.settle()
+        hand = SimulatedArm(world, arm, np.eye(4), q=arm.inverse(high, "fingers")[0][0])
+        straight(hand, arm, high, low)
+        hand.close(HAND.force)
+        before = world.pose("bar")
+        straight(hand, arm, low, high)
+        hand.wait(0.3)
+        assert hand.holds("bar")
+        return float(np.degrees(angle_between(before, world.pose("bar"))))
+
+
+def test_a_bar_turns_between_the_pads_where_the_load_says_so() -> None:
+    assert turned(0.0) < 2.0
+    assert turned(0.10) > 5.0

@@ -1,0 +1,79 @@
+"""A plate is pinched by its rim where that stands high enough off the ground, and lifted by friction."""
+
+import re
+import sys
+from pathlib import Path
+
+import numpy as np
+
+from topple.planner.grasp import Grasp, grasp_candidates
+from topple.planner.grasp.hand import PRESS, hand_shape
+from topple.planner.grasp.surroundings import Dropped
+from topple.robots.catalog import robot
+from topple.robots.poses import angle_between
+from topple.robots.shapes.boxes import box
+from topple.robots.shapes.tableware import plate
+from topple.robots.simulated_arm import SimulatedArm
+from topple.robots.world import World
+from topple.topology.arrays import FloatArray
+from topple.topology.scene import Scene
+
+sys.path.insert(0, str(Path(__file__).parent))
+from lifting import at, straight, table
+
+ARM = robot("panda")
+MIDDLE = (0.55, 0.0)
+
+
+def raised(height: float) -> Scene:
+    """A plate on a block, or flat on the table where the height is nothing."""
+    rng = np.random.default_rng(0)
+    clouds = {
+        "table": table(MIDDLE[0]),
+        "plate": plate().surface(6000, rng) + np.array([*MIDDLE, height]),
+    }
+    if height > 0.0:
+        clouds["block"] = box("block", (0.08, 0.08, height)).surface(3000, rng) + np.array([*MIDDLE, 0.0])
+    return Scene(clouds, fixed=["table"], up=[0, 0, 1])
+
+
+def reached(grasps: list[Grasp], back: FloatArray) -> tuple[Grasp, FloatArray]:
+    for grasp in grasps:
+        for hand in (grasp, grasp.turned()):
+            states = ARM.inverse(hand.pose_tool_to_world @ back, "fingers")[0]
+            if len(states):
+                return hand, states[0]
+    raise AssertionError("no grasp is within reach")
+
+
+def test_a_raised_plate_is_held_by_its_rim_and_lifted() -> None:
+    grasps = grasp_candidates("plate", raised(0.12), ARM)
+    assert {grasp.kind for grasp in grasps} == {"rim"}
+    back = at(0.0, 0.0, -0.08)
+    grasp, q = reached(grasps, back)
+    with World() as world:
+        world.add_table()
+        world.add(box("block", (0.08, 0.08, 0.12)), at(*MIDDLE, 0.0))
+        world.add(plate("plate"), at(*MIDDLE, 0.12))
+        world.settle()
+        arm = SimulatedArm(world, ARM, np.eye(4), q=q)
+        pose = grasp.pose_tool_to_world
+        arm.open(grasp.opening)
+        straight(arm, ARM, pose @ back, pose)
+        before = world.pose("plate")
+        assert ARM.jaw is not None
+        arm.close(PRESS * ARM.jaw.force)
+        straight(arm, ARM, pose, at(0.0, 0.0, 0.05) @ pose)
+        arm.wait(0.3)
+        after = world.pose("plate")
+        assert arm.holds("plate")
+        assert after[2, 3] - before[2, 3] > 0.04
+        assert np.degrees(angle_between(before, after)) < 5.0
+
+
+def test_a_rim_too_close_to_the_table_says_how_much_room_a_finger_and_the_hand_need() -> None:
+    dropped = Dropped()
+    assert grasp_candidates("plate", raised(0.0), ARM, dropped=dropped) == []
+    (words,) = [reason for reason in dropped.reasons if "its rim is" in reason]
+    height, needed = (int(number) for number in re.findall(r"(\d+) mm", words))
+    assert 18 <= height <= 23 < 1e3 * hand_shape(ARM).finger[0].y[1] + 8 < needed
