@@ -235,7 +235,7 @@ class SimulatedArm:
             self._drive(q, v)
             self._advance()
             if until is not None and until():
-                self.q_target = self.q  # where it is: what it lags behind would go on pressing
+                self.q_target = q
                 return 0.0
         self.q_target = np.array(trajectory.positions[-1])
         for _ in range(round(self.control.patience / self.world.time_step)):
