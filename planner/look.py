@@ -1,13 +1,12 @@
 """One look at the world: depth images, clouds, relations, and what of it was not expected."""
 
-from collections.abc import Callable, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 
 import numpy as np
 
 from topple.planner.report.raster import picture
 from topple.planner.solids import table_top, up_of
-from topple.planner.stir import shifts
 from topple.robots.camera import Camera
 from topple.robots.poses import inverse
 from topple.robots.world import World
@@ -23,7 +22,6 @@ FINE = 0.002  # [m] between the points kept of an object: what three cameras at 
 COARSE = 0.008  # [m] between those of a table: finer than the foot of what stands on it
 MOVED = 0.01  # [m] from where on a thing lies elsewhere than expected: three times the depth noise
 SEEN_THROUGH = 0.02  # [m] beyond a remembered point a camera sees: ten times the depth noise
-STIRRED = 0.0035  # [m] moved between two pictures: three times what noise makes of what stays
 GONE = 0.5  # share of its points that must be seen through until a remembered thing is believed to be gone
 
 
@@ -36,14 +34,14 @@ class Look:
         scene: Clouds of what is seen, and of what was seen before and may be hidden now.
         relations: Of that scene.
         picture: PNG bytes of the first camera's view, or None.
-        surprises: What was not as expected, in sentences: newly seen, moved, hidden or gone.
+        surprises: What was not as expected, by name, in sentences: newly seen, moved, hidden or gone.
     """
 
     images: tuple[DepthImage, ...]
     scene: Scene
     relations: Relations
     picture: bytes | None
-    surprises: tuple[str, ...] = ()
+    surprises: Mapping[str, str] = field(default_factory=dict[str, str])
 
 
 @dataclass
@@ -84,53 +82,30 @@ class Observer:
             )
         fixed = [name for name in self.fixed if any(name in image.names.values() for image in images)]
         scene = _thinned(Scene.from_images(images, fixed=fixed, up=self.up))
-        surprises: tuple[str, ...] = ()
+        surprises: dict[str, str] = {}
         if expected is not None:
             scene, surprises = _joined(scene, expected)
         return Look(images, scene, relate(scene), _seen(images[0]), surprises)
 
-    def watch(self) -> Callable[[], tuple[str, ...]]:
-        """Takes pictures, to be told later what moved since.
 
-        Returns:
-            What takes pictures again when it is called, and names the objects that are not where they were.
-        """
-        before = self._glimpse()
-
-        def moved() -> tuple[str, ...]:
-            ways = shifts(before, self._glimpse())
-            return tuple(name for name, way in ways.items() if way > STIRRED)
-
-        return moved
-
-    def _glimpse(self) -> dict[str, FloatArray]:
-        """(N, 3) points that the cameras see now of each object that can move."""
-        pieces: dict[str, list[FloatArray]] = {}
-        for camera in self.cameras:
-            for name, cloud in camera.look(self.world, self.rng).clouds().items():
-                if name not in self.fixed:
-                    pieces.setdefault(name, []).append(cloud)
-        return {name: np.vstack(clouds) for name, clouds in pieces.items()}
-
-
-def _joined(seen: Scene, expected: Scene) -> tuple[Scene, tuple[str, ...]]:
+def _joined(seen: Scene, expected: Scene) -> tuple[Scene, dict[str, str]]:
     """What is seen with what is remembered, and how it differs from what was expected."""
     new = [name for name in seen.names if name not in expected.names]
-    said = [f"{name} is seen for the first time" for name in new]
+    said = {name: f"{name} is seen for the first time" for name in new}
     clouds = dict(seen.clouds)
     fixed = set(seen.fixed)
     for name, cloud in expected.clouds.items():
         if name in clouds:
             way = float(np.linalg.norm(_middle(clouds[name]) - _middle(cloud)))
             if way > MOVED and name not in fixed and _moved(clouds[name], cloud):
-                said.append(f"{name} is {1e3 * way:.0f} mm from where it should be")
+                said[name] = f"{name} is {1e3 * way:.0f} mm from where it should be"
         elif name in expected.fixed:
             clouds[name], fixed = cloud, fixed | {name}
         elif _seen_through(cloud, seen.images).mean() > GONE:
-            said.append(f"{name} is not where it should be, and seen nowhere")
+            said[name] = f"{name} is not where it should be, and seen nowhere"
         else:
             clouds[name] = cloud
-            said.append(f"{name} is hidden: it is taken to be where it should be")
+            said[name] = f"{name} is hidden: it is taken to be where it should be"
     order = [name for name in (*expected.names, *seen.names) if name in clouds]
     joined = Scene(
         {name: clouds[name] for name in dict.fromkeys(order)},
@@ -140,7 +115,7 @@ def _joined(seen: Scene, expected: Scene) -> tuple[Scene, tuple[str, ...]]:
         images=seen.images,
         assumptions=seen.assumptions,
     )
-    return joined, tuple(said)
+    return joined, said
 
 
 def _middle(cloud: FloatArray) -> FloatArray:

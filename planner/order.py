@@ -5,6 +5,7 @@ import time
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from itertools import pairwise, permutations
+from statistics import fmean
 from types import MappingProxyType
 from typing import TYPE_CHECKING, Any
 
@@ -45,6 +46,8 @@ class Order:
         assumptions: What was assumed and not seen, in sentences.
         explanation: One sentence per step.
         verified: True where simulation has checked the order.
+        found: (first, then) -> chance that taking `then` moves `first`, as this scene shows it.
+        notes: More entries of the JSON object.
     """
 
     targets: tuple[str, ...]
@@ -58,6 +61,7 @@ class Order:
     assumptions: tuple[str, ...] = ()
     explanation: tuple[str, ...] = ()
     verified: bool = False
+    found: Mapping[tuple[str, str], float] = field(default_factory=lambda: MappingProxyType({}))
     notes: Mapping[str, Any] = field(default_factory=lambda: MappingProxyType({}))
 
     def to_json(self) -> dict[str, Any]:
@@ -91,6 +95,7 @@ def order(
     relations: "Relations | None" = None,
     statics: Statics | None = None,
     removal_risk: float | None = None,
+    beliefs: Mapping[tuple[str, str], Sequence[float]] | None = None,
 ) -> Order:
     """Find the order that frees the targets with the fewest removals, or with the least risk.
 
@@ -106,6 +111,8 @@ def order(
         removal_risk: Chance that a removal does harm by itself, 0..1. Where it is given, more is taken than
             what must be, if that makes it less likely that anything moves: what touches a thing and is
             higher than it may lean on it unseen.
+        beliefs: (first, then) -> chances that earlier looks at the same two things gave. The risk is by the
+            mean of all looks; what has to go before what is by this one.
 
     Returns:
         The order. What must go before a target is what has a path to it in the dependency graph,
@@ -133,8 +140,11 @@ def order(
             said = (*said, f"the budget ran out after {votes.trials} simulated lifts: the best answer so far")
     tops = {name: statics.surfaces[name][np.argmax(statics.surfaces[name][:, 2])] for name in full.names}
     carried = supports(scene, relations, statics)
-    found = arrange(full.reduced(), wanted, tops, carried, said, chance, removal_risk)
-    found = replace(found, verified=verify and not notes["budget_exhausted"], notes=MappingProxyType(notes))
+    past = beliefs or {}
+    risked = {pair: fmean((*past.get(pair, ()), now)) for pair, now in chance.items()}
+    found = arrange(full.reduced(), wanted, tops, carried, said, risked, removal_risk)
+    checked = verify and not notes["budget_exhausted"]
+    found = replace(found, verified=checked, found=MappingProxyType(chance), notes=MappingProxyType(notes))
     return found if robot is None else _with_access(found, scene, robot)
 
 
@@ -145,6 +155,7 @@ def cautious(
     relations: "Relations",
     seed: int = 0,
     statics: Statics | None = None,
+    beliefs: Mapping[tuple[str, str], Sequence[float]] | None = None,
 ) -> Order:
     """The order for an arm that acts: with the least risk, as removals do harm themselves now and then.
 
@@ -154,8 +165,12 @@ def cautious(
         relations: The scene's relations.
         seed: Seed of the simulations, where there are any.
         statics: The scene at rest where it has been worked out before.
+        beliefs: What earlier looks made of the same things: see `order`.
     """
-    return order(scene, targets, relations=relations, seed=seed, statics=statics, removal_risk=REMOVAL_RISK)
+    return order(
+        scene, targets, relations=relations, seed=seed, statics=statics,
+        removal_risk=REMOVAL_RISK, beliefs=beliefs,
+    )  # fmt: skip
 
 
 def _with_access(found: Order, scene: "Scene", robot: "Arm | str") -> Order:

@@ -18,8 +18,8 @@ from topple.planner.judge import LIMITS, displacements, tilts, truly_unmet, viol
 from topple.planner.look import Look, Observer, unexpected
 from topple.planner.motion.collision import Checker
 from topple.planner.next_step import PLACE, NextStep, Orderer, Station, StepChooser
-from topple.planner.order import cautious
-from topple.planner.pick_place.transfer import Transfer, scene_after
+from topple.planner.order import Order, cautious
+from topple.planner.pick_place.transfer import scene_after
 from topple.planner.rebuilt.rehearsal import Rehearsal
 from topple.planner.report.record import INTERRUPTED, RunRecord, StepRecord
 from topple.planner.report.rerun_file import RATE as RERUN_RATE
@@ -106,13 +106,11 @@ class RunLimits:
         attempts: Tries at one object before the run gives up on it.
         actions: Actions in all for each object of the scene.
         settle: Seconds of simulated time to wait after an action before looking.
-        trial: Whether a lift begins with half a centimetre and a look: see `topple.planner.trial_lift`.
     """
 
     attempts: int = 3
     actions: int = 3
     settle: float = 1.0
-    trial: bool = False
 
 
 @dataclass
@@ -155,7 +153,7 @@ class ClosedLoop:
         self.followed: list[NextStep] = []
         self._attempts: Counter[str] = Counter()
         self._failed: dict[str, list[Grasp]] = {}
-        self._stirred: dict[str, tuple[str, ...]] = {}
+        self._beliefs: dict[tuple[str, str], tuple[float, ...]] = {}
 
     def look(self) -> Look:
         """Takes a picture with every camera and relates what is seen."""
@@ -240,7 +238,7 @@ class ClosedLoop:
         given_up = {name: f"{n} attempts failed" for name, n in self._attempts.items() if n >= most}
         return StepChooser(
             look.scene, goal, station, done=self._done, relations=look.relations, observed=True,
-            given_up=given_up, avoid=self._failed, stirred=self._stirred, orderer=self.orderer,
+            given_up=given_up, avoid=self._failed, beliefs=self._beliefs, orderer=self.orderer,
             seed=self.seed + self._attempts.total(),
         )  # fmt: skip
 
@@ -251,8 +249,7 @@ class ClosedLoop:
         self._say(f"{chosen.action} {name}: {chosen.reason}")
         before = self.world.poses()
         self.robot.touched.clear()
-        once = self.limits.trial and name not in self._stirred  # so that putting back comes to an end
-        outcome = execute(transfer, self.robot, (lambda: self._watch(transfer)) if once else None)
+        outcome = execute(transfer, self.robot)
         expected = scene_after(look.scene, transfer) if outcome.success else look.scene
         withdraw(self.robot, solids_of(expected), self.seed)
         self.robot.wait(self.limits.settle)
@@ -263,7 +260,8 @@ class ClosedLoop:
         seen = self._observer.look(expected)
         predicted = look.relations.updated(name, expected.clouds[name])
         different = unexpected(predicted, seen.relations)
-        events += [*seen.surprises, *different]
+        self._remember(chosen.order, {name, *transfer.riding, *seen.surprises})
+        events += [*seen.surprises.values(), *different]
         if different or seen.surprises:
             events.append("the next step is planned from what is seen")
         handled = (name, *self.fixed)
@@ -298,10 +296,10 @@ class ClosedLoop:
         self._say(f"{name}: {outcome.text}")
         return step, seen, [f"{name}: {text}" for text in wrong]
 
-    def _watch(self, transfer: Transfer) -> Callable[[], tuple[str, ...]]:
-        """Looks now; what it returns names what moved since but is not in the hand."""
-        moved, held = self._observer.watch(), (transfer.object, *transfer.riding)
-        return lambda: tuple(other for other in moved() if other not in held)
+    def _remember(self, order: Order, stirred: set[str]) -> None:
+        """Keeps what looks made of objects that are where they were: one look errs more than several."""
+        found = {pair: (*self._beliefs.get(pair, ()), chance) for pair, chance in order.found.items()}
+        self._beliefs = {pair: past for pair, past in found.items() if not stirred.intersection(pair)}
 
     def _learn(self, chosen: NextStep, outcome: Outcome) -> list[str]:
         """Notes what was done, or which grasp is not to be tried again; says what follows from it."""
@@ -313,10 +311,6 @@ class ClosedLoop:
                 self._attempts[name] = 0
             return []
         self._failed.setdefault(name, []).append(chosen.transfer.grasp)
-        if outcome.stirred:
-            self._attempts[name] -= 1
-            self._stirred[name] = outcome.stirred
-            return [f"{outcome.text} What moved goes first where it can; if not, another grasp is tried."]
         left = self.limits.attempts - self._attempts[name]
         then = f"another grasp is tried, {left} attempts are left" if left > 0 else "it is given up"
         return [f"{outcome.text} {then[0].upper()}{then[1:]}."]

@@ -40,8 +40,9 @@ def order_by(rule: str, base: FloatArray) -> Callable[..., Order]:
         relations: Relations,
         seed: int,
         statics: Statics | None = None,
+        beliefs: object = None,
     ) -> Order:
-        del relations, statics, seed  # a rule of thumb asks for none of them
+        del relations, statics, seed, beliefs  # a rule of thumb asks for none of them
         return _as_order(scene, targets, guess[rule](scene))
 
     return chosen

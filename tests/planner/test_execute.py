@@ -1,15 +1,11 @@
 """Carrying a transfer out: what is not where it was seen is met, not pushed."""
 
-from collections.abc import Callable
-
 import numpy as np
 
 from topple.planner.execute import execute
-from topple.planner.look import Observer
 from topple.planner.pick_place.transfer import Transfer, plan_transfer
 from topple.robots import shapes
 from topple.robots.bodies import Body
-from topple.robots.camera import Camera
 from topple.robots.catalog import robot
 from topple.robots.scenarios.scenario import pose_at
 from topple.robots.simulated_arm import SimulatedArm
@@ -66,36 +62,6 @@ def test_fingers_that_meet_the_object_stop_and_go_back() -> None:
         assert moved < 0.003
         assert arm.touched["box"].impulse < 0.3  # [N s] a knock, no push of half a second
         assert np.abs(arm.q - _start(found, 1)).max() < 0.02  # above it again
-
-
-def test_an_object_that_takes_another_along_is_put_back() -> None:
-    with World() as world:
-        world.add_table(size=(1.4, 1.2))
-        world.add(shapes.bowl("bowl", diameter=0.16), pose_at(0.0, 0.0, 0.0))
-        world.settle()
-        sides = ((0.5, 0.6, 0.5), (0.5, -0.6, 0.5))
-        eyes = Observer(
-            world,
-            [Camera.looking_at(eye, (0.0, 0.0, 0.05)) for eye in sides],
-            np.random.default_rng(0),
-            ("table",),
-        )
-        found = plan_transfer("bowl", eyes.look().scene, None, PANDA, BASE, np.asarray(PANDA.home))
-        assert isinstance(found, Transfer)
-        world.add(shapes.ball("ball", diameter=0.05), pose_at(0.0, 0.0, 0.03))  # nobody told of it
-        world.settle()
-        arm = SimulatedArm(world, PANDA, BASE)
-        before = world.poses()
-        outcome = execute(found, arm, lambda: _others(eyes, "bowl"))
-        after = world.poses()
-        assert not outcome.success and outcome.stirred == ("ball",), outcome.text
-        assert all(np.linalg.norm(after[name][:3, 3] - before[name][:3, 3]) < 0.01 for name in before)
-        assert np.abs(arm.q - _start(found, 1)).max() < 0.02  # above it again
-
-
-def _others(eyes: Observer, name: str) -> Callable[[], tuple[str, ...]]:
-    moved = eyes.watch()
-    return lambda: tuple(other for other in moved() if other != name)
 
 
 def _start(transfer: Transfer, number: int) -> FloatArray:

@@ -40,7 +40,7 @@ def test_strays_are_dropped_and_tables_thinned(world: World) -> None:
 
 def test_what_stays_in_place_is_no_surprise(world: World) -> None:
     eyes = observer(world)
-    assert eyes.look(eyes.look().scene).surprises == ()
+    assert eyes.look(eyes.look().scene).surprises == {}
 
 
 def test_what_moved_and_what_is_new_is_said(world: World) -> None:
@@ -50,7 +50,7 @@ def test_what_moved_and_what_is_new_is_said(world: World) -> None:
     world.add(shapes.block("late"), pose_at(0.0, -0.2, 0.0))
     said = eyes.look(before).surprises
     assert len(said) == 2
-    assert said[0] == "late is seen for the first time" and said[1].startswith("block is ")
+    assert said["late"] == "late is seen for the first time" and said["block"].startswith("block is ")
 
 
 def test_what_is_hidden_is_remembered_and_what_is_gone_is_not(world: World) -> None:
@@ -59,12 +59,12 @@ def test_what_is_hidden_is_remembered_and_what_is_gone_is_not(world: World) -> N
     world.add(shapes.box("screen", (0.02, 0.2, 0.2)), pose_at(0.2, 0.2, 0.0))
     hidden = eyes.look(before)
     assert "block" in hidden.scene.names
-    assert "block is hidden: it is taken to be where it should be" in hidden.surprises
+    assert hidden.surprises["block"] == "block is hidden: it is taken to be where it should be"
     world.remove("screen")
     world.remove("block")
     gone = eyes.look(before)
     assert "block" not in gone.scene.names
-    assert "block is not where it should be, and seen nowhere" in gone.surprises
+    assert gone.surprises["block"] == "block is not where it should be, and seen nowhere"
 
 
 def test_a_blind_camera_does_no_harm_and_blind_cameras_are_refused(world: World) -> None:

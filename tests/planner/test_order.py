@@ -88,6 +88,22 @@ def test_the_risk_of_a_step_is_the_chance_that_anything_left_moves() -> None:
     assert found.risk["a"] == pytest.approx(1 - 0.5 * 0.8)
 
 
+def test_more_is_taken_where_that_risks_less_and_the_reason_says_so() -> None:
+    graph = DependencyGraph(("a", "b", "c"), ())
+    doubt = {("b", "a"): 0.3, ("c", "a"): 0.02, ("c", "b"): 0.02}
+    assert arrange(graph, ["a"], {}, chances=doubt).order == ("a",)
+    found = arrange(graph, ["a"], {}, chances=doubt, removal_risk=0.05)
+    assert found.order == ("b", "a") and found.explanation[0] == "1. b: taking a might move it (0.30)"
+    assert arrange(graph, ["a"], {}, chances=doubt, removal_risk=0.5).order == ("a",)
+
+
+def test_what_earlier_looks_found_weighs_on(tower: Scene) -> None:
+    alone = order(tower, ["top"], removal_risk=0.05)
+    assert alone.order == ("top",) and alone.found["top", "low"] > 0.9
+    past = {("aside", "top"): [0.9, 0.9]}
+    assert order(tower, ["top"], removal_risk=0.05, beliefs=past).order == ("aside", "top")
+
+
 def test_of_equally_safe_orders_the_shortest_way_is_taken() -> None:
     tops = {name: np.array([x, 0.0, 0.1]) for name, x in (("a", 0.0), ("b", 0.5), ("c", 0.1), ("d", 0.4))}
     assert arrange(DependencyGraph(("a", "b", "c", "d"), ()), (), tops).order == ("a", "c", "d", "b")
