@@ -5,19 +5,18 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from topple.planner.grasp.hand import PRESS
 from topple.planner.motion.collision import Checker
 from topple.planner.motion.planner import MotionFailure, plan_motion
 from topple.planner.motion.trajectory import retime
-from topple.planner.pick_place.handling import MARGIN
+from topple.planner.pick_place.checks import MARGIN
 from topple.planner.pick_place.segments import Segment
 from topple.planner.pick_place.transfer import Transfer
 from topple.planner.solids import Solids
-from topple.planner.trial_lift import Watch, try_lift
 from topple.robots.poses import angle_between
 from topple.robots.simulated_arm import SimulatedArm
 from topple.topology.arrays import FloatArray
 
-PRESS = 0.6  # share of the jaw's continuous force used for a grip: crockery and fruit should survive it
 WATCHED = ("lift", "transfer", "place")  # segments during which the object must be in the hand
 TOUCHDOWN = 1.0  # [N] an object that presses this much on what is below stands on it: the arm goes no further
 TOUCHED = 2.0  # [N] fingers that press so much on their way in push: less does not move a can
@@ -41,7 +40,6 @@ class Outcome:
         slip: Distance [m] and angle [rad] by which the object moved in the hand while it was held, measured
             on true poses; None where it was never held.
         lost_at: (3,) where in the world [m] the object was when it was missed; None where it was not.
-        stirred: What moved along when it was lifted a little, for which it was put back.
     """
 
     success: bool
@@ -49,20 +47,17 @@ class Outcome:
     tool_path: FloatArray
     slip: tuple[float, float] | None = None
     lost_at: FloatArray | None = None
-    stirred: tuple[str, ...] = ()
 
 
-def execute(transfer: Transfer, robot: SimulatedArm, watch: Watch | None = None) -> Outcome:
+def execute(transfer: Transfer, robot: SimulatedArm) -> Outcome:
     """Drives the segments one after the other.
 
     A grasp that closes on nothing, a cup that does not seal or an object lost on the way ends it: the hand
-    opens and the arm goes straight up, so that the next look finds it out of the way. So does a look early in
-    the lift at which something else moved along: the object is put back first.
+    opens and the arm goes straight up, so that the next look finds it out of the way.
 
     Args:
         transfer: What to do; it should start where the arm is.
         robot: The arm in its world.
-        watch: Who looks what moved along; nobody if None.
     """
     done: list[Segment] = []
     name = transfer.object
@@ -71,12 +66,6 @@ def execute(transfer: Transfer, robot: SimulatedArm, watch: Watch | None = None)
     for segment in transfer.segments:
         if held is not None and segment.kind == "release":
             slip = _shift(held, robot.pose_in_hand(name, segment.tool))
-        if segment.kind == "lift" and watch is not None:
-            segment, stirred = try_lift(segment, robot, watch)
-            if stirred:
-                retreat(transfer, done, robot)
-                words = f"{name} was put back, as {' and '.join(stirred)} moved when it was lifted a little."
-                return Outcome(False, words, _tool_path(done, robot), stirred=stirred)
         problem = _drive(segment, transfer, robot)
         if segment.trajectory is not None:
             done.append(segment)

@@ -11,6 +11,7 @@ from typing import Protocol
 
 import numpy as np
 
+from topple.planner.dependency import Dependency, dependencies
 from topple.planner.errors import NoSafePlan
 from topple.planner.goal import Goal, Place, holds
 from topple.planner.grasp.grasp import Grasp
@@ -20,7 +21,10 @@ from topple.planner.pick_place.transfer import Transfer, plan_transfer
 from topple.planner.place.drops import standing, staying
 from topple.planner.place.placement import Placement, placements
 from topple.planner.place.stacking import GENTLE, over, placements_on
-from topple.planner.solids import Solids, apart, hull_vertices, solids_of, up_of
+from topple.planner.place.whole import whole_bodies
+from topple.planner.samples import sampled
+from topple.planner.solids import GRAIN, Solids, apart, solids_of, up_of
+from topple.planner.turn import may_go, out_of_turn, says, why_first
 from topple.robots.arm import Arm
 from topple.topology.arrays import FloatArray
 from topple.topology.relate import Relations, relate
@@ -46,12 +50,14 @@ class NextStep:
         action: One of free, remove, place.
         reason: Why this object and why now.
         order: The order the step was chosen from.
+        against: Doubtful dependencies that the step goes against.
     """
 
     transfer: Transfer
     action: str
     reason: str
     order: Order
+    against: tuple[Dependency, ...] = ()
 
 
 @dataclass(frozen=True, eq=False)
@@ -80,6 +86,7 @@ class Orderer(Protocol):
         relations: Relations,
         seed: int,
         statics: Statics | None = None,
+        beliefs: Mapping[tuple[str, str], Sequence[float]] | None = None,
     ) -> Order:
         """The order, as `topple.planner.order.order` gives it."""
         ...
@@ -99,8 +106,9 @@ class StepChooser:
             is then made again.
         given_up: Objects that are not to be tried again, with the reason.
         avoid: Grasps that failed, by object.
-        stirred: What moved when an object was lifted a little: it goes first where it can.
+        beliefs: What earlier looks made of pairs of objects: see `topple.planner.order.order`.
         solids: Convex parts of the objects; made from the scene where not given.
+        whole: The same with the sides that nobody saw; made from the scene where not given.
         upright: Objects that are kept upright, with what is in them.
         orderer: Who decides the order; another one only to compare with.
         seed: Of every search.
@@ -117,8 +125,9 @@ class StepChooser:
         observed: bool = False,
         given_up: Mapping[str, str] | None = None,
         avoid: Mapping[str, Sequence[Grasp]] | None = None,
-        stirred: Mapping[str, Sequence[str]] | None = None,
+        beliefs: Mapping[tuple[str, str], Sequence[float]] | None = None,
         solids: Solids | None = None,
+        whole: Solids | None = None,
         upright: Collection[str] = (),
         orderer: Orderer = order,
         seed: int = 0,
@@ -127,13 +136,18 @@ class StepChooser:
         self._orderer = orderer
         self.relations = relate(scene) if relations is None else relations
         self.observed, self.given_up, self.avoid = observed, given_up or {}, avoid or {}
-        self.stirred = stirred or {}
-        self.upright, self._given_solids = upright, solids
+        self._beliefs = beliefs or {}
+        self.upright, self._given_solids, self._given_whole = upright, solids, whole
         self._needed: set[str] = set()  # what orders said has to be taken
 
     @cached_property
     def _solids(self) -> Solids:
         return solids_of(self.scene) if self._given_solids is None else self._given_solids
+
+    @cached_property
+    def _whole(self) -> Solids:
+        given = self._given_whole
+        return whole_bodies(self.scene, self._solids, self._statics) if given is None else given
 
     @cached_property
     def _statics(self) -> Statics:
@@ -174,25 +188,36 @@ class StepChooser:
     def _contents(self) -> dict[str, tuple[str, ...]]:
         return self.goal.contents(self.relations, self.scene.fixed)
 
-    def _take_off(self, targets: Sequence[str], action: str, why: str = "") -> NextStep:
-        """The first object of the safe order for some targets that can be taken now."""
+    def _take_off(
+        self, targets: Sequence[str], action: str, why: str = "", doubting: bool = True
+    ) -> NextStep:
+        """The first object of the safe order for some targets that can be taken now, or out of turn."""
         chosen = self._ordered(targets)
         failures: list[TransferFailure] = []
-        for name in _may_go(chosen):
-            if (step := self._stirred_first(name)) is not None:
-                return step
+        for name in may_go(chosen):
             found = self._transfer(name, None)
             if isinstance(found, Transfer):
                 if name in targets:
                     return NextStep(found, action, why or "nothing has to go before it", chosen)
-                return NextStep(found, REMOVE, _why(name, chosen), chosen)
+                return NextStep(found, REMOVE, why_first(name, chosen), chosen)
             failures.append(found)
-        step = self._make_room(failures)
+        step = self._make_room(failures) or (self._out_of_turn(targets, action) if doubting else None)
         if step is not None:
             return step
         words = [str(failure) for failure in failures]
         words = words or [f"each of {', '.join(chosen.order)} has to go before another one"]
         raise NoSafePlan("; ".join(words), tuple(words), tuple(failures))
+
+    def _out_of_turn(self, targets: Sequence[str], action: str) -> NextStep | None:
+        """The step that goes against the least likely dependencies: hand and order wait for each other."""
+        chosen = self._ordered(targets)
+        graph = dependencies(self.scene, self.relations, self._statics, direct=False)
+        for name, against in out_of_turn(chosen.order, graph, self._supports).items():
+            found = self._transfer(name, None)
+            if isinstance(found, Transfer):
+                role = action if name in targets else REMOVE
+                return NextStep(found, role, says(against), chosen, against)
+        return None
 
     def _make_room(self, failures: Sequence[TransferFailure]) -> NextStep | None:
         """What bars the way to an object that could not be taken, or stands beside it: it goes first.
@@ -207,23 +232,13 @@ class StepChooser:
                     return step
         return None
 
-    def _stirred_first(self, name: str) -> NextStep | None:
-        """What moved when an object was lifted a little goes first, unless the object has to go before it."""
-        movable = set(self.scene.movable) - set(self.given_up)
-        steps = (
-            self._taken_away(other, {name}, f"it moved when {name} was lifted")
-            for other in self.stirred.get(name, ())
-            if other in movable
-        )
-        return next((step for step in steps if step is not None), None)
-
     def _taken_away(self, other: str, barred: Collection[str], why: str) -> NextStep | None:
         """The first step to take an object away, once, that is about none of the barred ones."""
         try:
             chosen = self._ordered([other])
         except NoSafePlan:
             return None
-        for first in _may_go(chosen):
+        for first in may_go(chosen):
             if first in barred or (first, REMOVE) in self.done:
                 continue
             found = self._transfer(first, None)
@@ -266,13 +281,15 @@ class StepChooser:
             return NextStep(found, PLACE, f"it shall be {place.how} {where}", chosen)
         if contents:
             try:
-                return self._take_off(contents, REMOVE, f"{name} needs room in {where}")
+                return self._take_off(contents, REMOVE, f"{name} needs room in {where}", doubting=False)
             except NoSafePlan as error:
-                tries = (self._transfer(name, choice) for choice in (gentle, kept, places) if choice)
-                on_top = next((found for found in tries if isinstance(found, Transfer)), None)
-                if on_top is None:
-                    raise
-                return NextStep(on_top, PLACE, f"no more room can be made in {where} ({error})", chosen)
+                for choice in (gentle, kept, None, places):
+                    if choice is None and (step := self._out_of_turn(contents, REMOVE)) is not None:
+                        return step
+                    if choice and isinstance(on_top := self._transfer(name, choice), Transfer):
+                        why = f"no more room can be made in {where} ({error})"
+                        return NextStep(on_top, PLACE, why, chosen)
+                raise
         if room and (name, REMOVE) not in self.done and name not in self.given_up:
             aside = self._transfer(name, None)
             if isinstance(aside, Transfer):
@@ -307,7 +324,9 @@ class StepChooser:
     def _ordered(self, targets: Sequence[str]) -> Order:
         scene, relations = self._loaded(targets)
         statics = self._statics if scene is self.scene else None
-        chosen = self._orderer(scene, targets, relations=relations, statics=statics, seed=self.seed)
+        chosen = self._orderer(
+            scene, targets, relations=relations, statics=statics, seed=self.seed, beliefs=self._beliefs
+        )
         if chosen.unresolved:
             cycles = tuple("cycle: " + " before ".join([*cycle, cycle[0]]) for cycle in chosen.unresolved)
             raise NoSafePlan(f"no safe order frees {', '.join(targets)}: {cycles[0]}", cycles)
@@ -330,12 +349,12 @@ class StepChooser:
             return TransferFailure(name, {self.given_up[name]: 1}, None)
         base = self.station.pose_base_to_world
         if places is None:
-            own = [self.scene.clouds[name]]  # elsewhere is off where it lies now
-            scene, solids = self._completed(name)
-            left = self._remaining(name)
-            places = placements(name, scene, solids, pose_base_to_world=base, avoid=own, remaining=left)
-            places = places or placements(name, scene, solids, pose_base_to_world=base, remaining=left)
-            places = standing(places, name, self.scene, self._solids, solids)
+            own, whole = self.scene.clouds[name], self._whole[name]
+            scene = self.scene.with_cloud(name, np.vstack([own, sampled(whole, 2.0 * GRAIN)]))
+            solids, left = {**self._solids, name: whole}, self._remaining(name)
+            elsewhere = placements(name, scene, solids, pose_base_to_world=base, avoid=[own], remaining=left)
+            places = elsewhere or placements(name, scene, solids, pose_base_to_world=base, remaining=left)
+            places = standing(places, name, self.scene, self._whole)
         return plan_transfer(
             name, self.scene, self._solids, self.station.arm, base, self.station.q, places,
             avoid=self.avoid.get(name, ()), riding=self._riding(name),
@@ -347,18 +366,6 @@ class StepChooser:
         places = [place for place in self.goal.places if (place.object, PLACE) not in self.done]
         named = {other for place in places for other in (place.object, place.where)}
         return frozenset(named.union(self._needed, self._not_free()) - {name})
-
-    def _completed(self, name: str) -> tuple[Scene, Solids]:
-        """The scene with what no camera saw of an object guessed: it stands on its own faces.
-
-        What one camera saw of it is a shell, and the open side of that looks like the best face of all.
-        """
-        if not len(self.scene.viewpoints):
-            return self.scene, self._solids
-        guessed = self._statics.surfaces[name] @ self._statics.upright.rotation
-        whole = np.vstack([self.scene.clouds[name], guessed])
-        body = hull_vertices(np.vstack([whole, *self._solids[name]]))
-        return self.scene.with_cloud(name, whole), {**self._solids, name: (body,)}
 
     def _riding(self, name: str) -> tuple[str, ...]:
         """What lies in an object that is kept upright."""
@@ -373,26 +380,3 @@ class StepChooser:
 def _no_room(place: Place) -> TransferFailure:
     text = f"{place.object} would not stay {place.how} {place.where}"
     return TransferFailure(place.object, {text: 1}, None, Setback("place", "room", text))
-
-
-def _may_go(chosen: Order) -> list[str]:
-    """Objects of an order that wait for nobody in it, in its order."""
-    rank = {name: place for place, name in enumerate(chosen.order)}
-    # within a cycle's group the order says who starts, so only what comes earlier is waited for
-    waiting = {
-        edge.then
-        for edge in chosen.graph.dependencies
-        if edge.first in rank and edge.then in rank and rank[edge.first] < rank[edge.then]
-    }
-    return [name for name in chosen.order if name not in waiting]
-
-
-def _why(name: str, chosen: Order) -> str:
-    after = [
-        f"{edge.then} ({edge.reason})"
-        for edge in chosen.graph.dependencies
-        if edge.first == name and edge.then in chosen.order
-    ]
-    if after:
-        return f"it has to go before {' and '.join(after)}"
-    return chosen.explanation[chosen.order.index(name)].partition(": ")[2] or "it is in the way"

@@ -12,10 +12,12 @@ from topple.planner.errors import NoSafePlan
 from topple.planner.goal import Goal, parse_goal
 from topple.planner.next_step import NextStep, Station, StepChooser
 from topple.planner.pick_place.transfer import scene_after, solids_after
-from topple.planner.plan_data import objects_data, step_data
+from topple.planner.place.whole import whole_bodies
+from topple.planner.plan_data import dependency_data, objects_data, step_data
 from topple.planner.plan_format import DependencyData, Plan, Step
 from topple.planner.plan_start import check_start, check_upright
 from topple.planner.solids import Solids, solids_of, up_of
+from topple.planner.turn import LIKELY
 from topple.robots.arm import Arm
 from topple.robots.catalog import robot as robot_named
 from topple.topology.arrays import FloatArray
@@ -69,7 +71,7 @@ def plan(
     level = check_upright(scene, upright)
     planning = _Planning(scene, wanted, arm, pose, start, level, seed, progress)
     planning.run()
-    return planning.plan(scene, start, given is None, scene.assumptions)
+    return planning.plan(start, given is None, scene.assumptions)
 
 
 def plan_as_done(scene: Scene, goal: Goal, station: Station, steps: Sequence[NextStep], seed: int) -> Plan:
@@ -90,7 +92,7 @@ def plan_as_done(scene: Scene, goal: Goal, station: Station, steps: Sequence[Nex
     for chosen in steps:
         planning.take(chosen)
     note = "each step was planned from a look of its own; between steps the arm goes home"
-    return planning.plan(scene, start, False, (*scene.assumptions, note))
+    return planning.plan(start, False, (*scene.assumptions, note))
 
 
 @dataclass
@@ -119,6 +121,8 @@ class _Planning:
         self.started = self.last = time.perf_counter()
         self.up = up_of(self.scene)
         self.solids: Solids = solids_of(self.scene)  # bodies are rigid: they move with the plan
+        self.whole: Solids = whole_bodies(self.scene, self.solids)
+        self.objects = objects_data(self.scene, self.solids, self.whole)
         self.moved: dict[str, FloatArray] = {}
 
     def run(self) -> None:
@@ -128,7 +132,7 @@ class _Planning:
             station = Station(self.arm, self.pose_base_to_world, self.q)
             chosen = StepChooser(
                 self.scene, self.goal, station, done=done, relations=relations, solids=self.solids,
-                upright=self.upright, seed=self.seed,
+                whole=self.whole, upright=self.upright, seed=self.seed,
             ).choose()  # fmt: skip
             if chosen is None:
                 return
@@ -139,10 +143,8 @@ class _Planning:
         words = f"no end after {len(self.steps)} steps: the last ones move {again} again and again"
         raise NoSafePlan(words, (words,))
 
-    def plan(
-        self, scene: Scene, q_start: FloatArray, base_searched: bool, assumptions: Sequence[str]
-    ) -> Plan:
-        """What was planned, as data; `scene` is how it was at the start."""
+    def plan(self, q_start: FloatArray, base_searched: bool, assumptions: Sequence[str]) -> Plan:
+        """What was planned, as data."""
         return Plan(
             goal=self.goal.text,
             robot=self.arm.name,
@@ -154,7 +156,7 @@ class _Planning:
             order=[step.object for step in self.steps],
             dependencies=self.dependencies(),
             steps=self.steps,
-            objects=objects_data(scene, solids_of(scene)),
+            objects=self.objects,
             up=(float(self.up[0]), float(self.up[1]), float(self.up[2])),
             assumptions=list(assumptions),
             certified=all(
@@ -179,21 +181,36 @@ class _Planning:
         """Index of the last step of an object, -1 where it has none."""
         return max((index for index, step in enumerate(self.steps) if step.object == name), default=-1)
 
+    def doubted(self, name: str, known: Sequence[DependencyData]) -> list[DependencyData]:
+        """What taking an object now goes against: what is known, and what was seen before and is no more."""
+        gone, told = {step.object for step in self.steps}, {edge.first for edge in known}
+        before = [
+            data
+            for (first, then), (_, data) in self.reasons.items()
+            if then == name and first not in gone | told and data.confidence < LIKELY
+        ]
+        return [*known, *before]
+
     def take(self, chosen: NextStep) -> None:
         for edge in chosen.order.graph.dependencies:
-            data = DependencyData(edge.first, edge.then, str(edge.reason), round(float(edge.confidence), 4))
-            self.reasons.setdefault((edge.first, edge.then), (len(self.steps), data))
+            self.reasons.setdefault((edge.first, edge.then), (len(self.steps), dependency_data(edge)))
         transfer = chosen.transfer
         names = [step.object for step in self.steps]
+        against = self.doubted(transfer.object, [dependency_data(edge) for edge in chosen.against])
+        for edge in against:
+            self.reasons.pop((edge.first, edge.then), None)
         below = {first for first, then in self.reasons if then == transfer.object}
         after = [index for index, name in enumerate(names) if name in below or name == transfer.object]
         before, self.last = self.last, time.perf_counter()
         spent = self.last - before
-        self.steps.append(step_data(transfer, chosen.action, chosen.reason, after, self.moved, spent))
+        self.steps.append(
+            step_data(transfer, chosen.action, chosen.reason, after, self.moved, spent, against)
+        )
         self.tried.update(transfer.tried)
         self.seconds += transfer.seconds
         self.scene, self.q = scene_after(self.scene, transfer, self.solids), transfer.q_end
         self.solids = solids_after(self.solids, transfer, self.up)
+        self.whole = solids_after(self.whole, transfer, self.up)
         pose = transfer.placement.pose_at_rest(self.up)
         for name in (transfer.object, *transfer.riding):
             self.moved[name] = pose @ self.moved.get(name, np.eye(4))

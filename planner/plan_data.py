@@ -1,14 +1,16 @@
 """Transfers as plan data, and back."""
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 
 import numpy as np
 
+from topple.planner.dependency import Dependency
 from topple.planner.motion.trajectory import Trajectory
 from topple.planner.pick_place.segments import Segment
 from topple.planner.pick_place.transfer import Transfer
 from topple.planner.plan_format import (
     AttachmentData,
+    DependencyData,
     GraspData,
     HandState,
     Motion,
@@ -32,6 +34,7 @@ def step_data(
     after: list[int],
     moved: Mapping[str, FloatArray] | None = None,
     planning_seconds: float = 0.0,
+    against: Sequence[DependencyData] = (),
 ) -> Step:
     """A transfer as a step of a plan.
 
@@ -42,6 +45,7 @@ def step_data(
         after: Indices of the steps it has to follow.
         moved: Rigid transforms (4, 4) of the objects since the plan began, for those that moved.
         planning_seconds: What it took to find it.
+        against: Doubtful dependencies that it goes against.
 
     Returns:
         The step, its numbers rounded to a millionth.
@@ -75,23 +79,39 @@ def step_data(
         attachments=attachments,
         upright=transfer.upright,
         planning_seconds=round(planning_seconds, 3),
+        against=list(against),
     )
 
 
-def objects_data(scene: Scene, solids: Solids) -> list[ObjectData]:
+def dependency_data(edge: Dependency) -> DependencyData:
+    """A dependency as data."""
+    return DependencyData(edge.first, edge.then, str(edge.reason), round(float(edge.confidence), 4))
+
+
+def objects_data(scene: Scene, solids: Solids, whole: Solids) -> list[ObjectData]:
     """The objects of a scene as a plan keeps them.
 
     Args:
         scene: The scene.
         solids: Their convex parts.
+        whole: The same with the sides that nobody saw.
 
     Returns:
         One entry for each object.
     """
     return [
-        ObjectData(name, name in scene.fixed, [np.round(part, DIGITS).tolist() for part in solids[name]])
+        ObjectData(
+            name,
+            name in scene.fixed,
+            _rounded(solids[name]),
+            [] if whole[name] is solids[name] else _rounded(whole[name]),
+        )
         for name in scene.names
     ]
+
+
+def _rounded(parts: Sequence[FloatArray]) -> list[list[list[float]]]:
+    return [np.round(part, DIGITS).tolist() for part in parts]
 
 
 def segment_data(segment: Segment) -> SegmentData:

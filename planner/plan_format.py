@@ -100,6 +100,15 @@ class PlacementData(msgspec.Struct, frozen=True):
     into: str | None = None
 
 
+class DependencyData(msgspec.Struct, frozen=True):
+    """`first` has to go before `then`."""
+
+    first: str
+    then: str
+    reason: str
+    confidence: float
+
+
 class Step(msgspec.Struct, frozen=True):
     """One pick and place.
 
@@ -114,6 +123,7 @@ class Step(msgspec.Struct, frozen=True):
         attachments: What moves with the hand from grasp to release.
         upright: Whether the object is kept upright on the way.
         planning_seconds: What it took to find this step.
+        against: Dependencies, each more likely wrong than right, that it goes against.
     """
 
     object: str
@@ -126,23 +136,24 @@ class Step(msgspec.Struct, frozen=True):
     attachments: list[AttachmentData] = []
     upright: bool = False
     planning_seconds: float = 0.0
-
-
-class DependencyData(msgspec.Struct, frozen=True):
-    """`first` has to go before `then`."""
-
-    first: str
-    then: str
-    reason: str
-    confidence: float
+    against: list[DependencyData] = []
 
 
 class ObjectData(msgspec.Struct, frozen=True):
-    """What the plan took an object for before anything moved: convex parts, vertices in the world [m]."""
+    """What the plan took an object for before anything moved: convex parts, vertices in the world [m].
+
+    Attributes:
+        name: Its name.
+        fixed: Whether it never moves.
+        parts: What was seen of it: this is kept clear of.
+        whole: The same with the sides that nobody saw: this has to stand where the object is put on a table.
+            Empty where nothing was guessed.
+    """
 
     name: str
     fixed: bool
     parts: list[Matrix]
+    whole: list[Matrix] = []
 
 
 class Plan(msgspec.Struct, frozen=True, kw_only=True):
@@ -282,8 +293,9 @@ def _check(plan: Plan, name: str) -> None:
                     segment.motion.velocities, rows, count, f"{here}.segments[{j}].motion.velocities", name
                 )
     for i, thing in enumerate(plan.objects):
-        for k, part in enumerate(thing.parts):
-            _matrix(part, max(len(part), 1), 3, f"$.objects[{i}].parts[{k}]", name)
+        for key, parts in (("parts", thing.parts), ("whole", thing.whole)):
+            for k, part in enumerate(parts):
+                _matrix(part, max(len(part), 1), 3, f"$.objects[{i}].{key}[{k}]", name)
 
 
 def _matrix(matrix: Matrix, rows: int, columns: int, where: str, name: str) -> None:

@@ -17,6 +17,7 @@ from topple.topology.arrays import BoolArray, FloatArray, IntArray
 BATCH = 1024  # states per batch: the arrays of one batch stay within the processor's cache
 SMALL = 96  # states that cost little more than a few: such a batch is not divided
 FEW = 64  # open pairs that python-fcl settles sooner than another round of separating directions
+FAR = 1e3  # [m] where nothing is
 EDGE_STEP = 0.05  # [rad] largest joint change between two checked states of an edge, the usual resolution
 
 
@@ -99,6 +100,26 @@ class Checker:
         q = np.atleast_2d(q)
         return self.groups_free(q, np.arange(len(q)), len(q))
 
+    def hand_meets(self, pose_flange_to_base: FloatArray) -> list[tuple[str, str] | None]:
+        """What the last frame carries meets of the obstacles, wherever the arm behind it may be.
+
+        Args:
+            pose_flange_to_base: (m, 4, 4) poses of that frame.
+
+        Returns:
+            For each pose a pair of names that touch, or None. Where there is one, no state that brings the
+            hand there is free.
+        """
+        last, count = len(self.arm.joints), len(pose_flange_to_base)
+        poses = np.full((last + 1, 3, 4, count), FAR)
+        poses[0] = np.eye(3, 4)[:, :, None]
+        poses[last] = pose_flange_to_base[:, :3].transpose(1, 2, 0)
+        met: list[tuple[str, str] | None] = [None] * count
+        found = self._hits_at(poses, np.arange(count), carried=True)
+        for state, a, b in np.stack(found, axis=1).tolist():
+            met[state] = (self.model.names[a], self.model.names[b])
+        return met
+
     def witness(self, q: FloatArray) -> tuple[str, str] | None:
         """Who hits whom in a state: the names of the deepest pair, or None where the state is free."""
         found = self.contacts(q)
@@ -173,10 +194,20 @@ class Checker:
 
         With `every`, all states in collision and all pairs.
         """
-        poses = self.arm.chain.poses(q)
-        frames = Frames.of(poses)
         self.states_checked += len(q)
+        return self._hits_at(self.arm.chain.poses(q), owner, every)
+
+    def _hits_at(
+        self, poses: FloatArray, owner: IntArray, every: bool = False, carried: bool = False
+    ) -> tuple[IntArray, IntArray, IntArray]:
+        """The same for frames (n + 1, 3, 4, m); with `carried` for what the last one carries alone."""
+        frames = Frames.of(poses)
         candidates = self._broad.candidates(frames)
+        if carried:
+            frame = self.model.sets.frame
+            candidates = candidates.subset(
+                (frame[candidates.a] == len(poses) - 1) & (frame[candidates.b] == 0)
+            )
         gap = gaps(self.model.sets, frames, candidates, few=FEW)
         keep = np.flatnonzero(gap <= candidates.need)
         return self._decide(poses, owner, candidates.subset(keep), gap[keep], every)

@@ -88,8 +88,15 @@ class Tally:
         for name in pair or ():
             if name in self.objects:
                 self.barring[name] += 1
-        if self.furthest is None or STEPS.index(step) > STEPS.index(self.furthest.step):
+        if self.further(step, q is not None):
             self.furthest = Setback(step, check, text, None if q is None else np.array(q), pair)
+
+    def further(self, step: str, stands: bool) -> bool:
+        """Whether a setback of a step says more than the furthest so far; `stands`: with joint values."""
+        if self.furthest is None:
+            return True
+        ahead = STEPS.index(step) - STEPS.index(self.furthest.step)
+        return ahead > 0 or (ahead == 0 and stands and self.furthest.q is None)
 
     def failure(self, name: str) -> TransferFailure:
         """The certificate that says that an object cannot be moved."""

@@ -1,30 +1,22 @@
-"""Collision checks and straight ways around one grasp of one object."""
+"""What the arm reaches of one object's grasps and places, and the straight ways there and out."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
-from functools import cached_property
 
 import numpy as np
 
 from topple.planner.grasp.grasp import Grasp
 from topple.planner.motion.cartesian import straight_lines
 from topple.planner.motion.collision import Checker
-from topple.planner.motion.model import Attachment
 from topple.planner.motion.shortcut import densely
+from topple.planner.pick_place.checks import Checks
 from topple.planner.pick_place.failure import Tally
 from topple.planner.place.placement import Placement
-from topple.planner.solids import Solids, apart, moved, up_of
-from topple.robots.arm import Arm
-from topple.robots.gripper import ToolState
+from topple.robots.poses import inverse
 from topple.topology.arrays import FloatArray
-from topple.topology.scene import Scene
 
-MARGIN = 0.004  # kept to everything on free motions: depth noise and tracking error [m]
-MARGINS = (MARGIN, 0.001, 0.0)  # the hand may start nearer to what it just left: then the first that holds
 LINE_STEP = 0.01  # [rad] between checked states of straight ways, which pass close by things
-OPENING_STEP = 0.005  # openings are rounded up to it, so that grasps share their checks [m]
 SEEDS = 24  # random starts of inverse kinematics for each pose: finds nearly all that are reachable
-CONTACT = 0.006  # bodies this close touch: noise of two clouds [m]
 
 
 @dataclass(frozen=True, eq=False)
@@ -57,185 +49,81 @@ class End:
     retreat: FloatArray
 
 
-class Handling:
-    """Everything that is asked about moving one object in one scene.
+class Handling(Checks):
+    """Everything that is asked about moving one object in one scene."""
 
-    Args:
-        name: The object.
-        scene: The scene.
-        bodies: Convex parts of all objects, in the world.
-        arm: The arm.
-        pose_base_to_world: (4, 4) where it stands.
-        riding: What lies in the object and goes with it.
-        seed: For inverse kinematics.
-    """
-
-    def __init__(
-        self,
-        name: str,
-        scene: Scene,
-        bodies: Solids,
-        arm: Arm,
-        pose_base_to_world: FloatArray,
-        riding: tuple[str, ...] = (),
-        seed: int = 0,
-    ) -> None:
-        self.name, self.scene, self.arm, self.riding, self.seed = name, scene, arm, riding, seed
-        self.bodies, self.up = bodies, up_of(scene)
-        self.pose_base_to_world = pose_base_to_world
-        self.world_to_base = np.linalg.inv(pose_base_to_world)
-        self._checkers: dict[tuple[object, ...], Checker] = {}
-
-    # -- how the hand stands
-
-    def ready(self, grasp: Grasp) -> ToolState:
-        """On the way in."""
-        if grasp.tool == "suction":
-            return self.arm.tools["suction"].ready
-        return ToolState(_rounded(grasp.opening, self.arm))
-
-    def closed(self, grasp: Grasp) -> ToolState:
-        """With the object."""
-        return self.ready(grasp) if grasp.tool == "suction" else ToolState(grasp.width)
-
-    def released(self, grasp: Grasp) -> ToolState:
-        """After letting go: wide open, so that the object stays where it is when the hand leaves."""
-        return self.ready(grasp) if grasp.tool == "suction" else self.arm.open_hand
-
-    # -- what is checked against what
-
-    def _links(self, grasp: Grasp) -> tuple[str, ...]:
-        """Links that may be next to the object: what holds it, and the fingers that stand open around a cup.
-
-        The search for suction kept the open hand clear of the object's cloud; the hulls drawn around the
-        cloud bridge its hollows, a plate's for one, and would bar it.
-        """
-        links = self.arm.tools[grasp.tool].links
-        if grasp.tool == "suction" and self.arm.jaw is not None:
-            return (*links, *self.arm.jaw.links)
-        return links
-
-    def approaching(self, grasp: Grasp, lenient: bool) -> Checker:
-        """The open hand around the object: what holds may touch it."""
-        key = ("approach", grasp.tool, self.ready(grasp), lenient)
-        if key not in self._checkers:
-            others = [other for other in self.scene.movable if other != self.name] if lenient else []
-            allow = _pairs(self._links(grasp), [self.name, *others])
-            self._checkers[key] = self._checker(self.bodies, self.ready(grasp), allow=allow)
-        return self._checkers[key]
-
-    def lifting(self, grasp: Grasp, lenient: bool) -> Checker:
-        """The object leaving what it stood on or against: what it touches now it may touch."""
-        allow = _pairs([self.name], self.touching)
-        if lenient:
-            allow += _pairs(self._links(grasp), [o for o in self.others if o not in self.scene.fixed])
-        held = self._attached(grasp)
-        return self._checker(self.others, self.closed(grasp), attached=held, allow=allow)
-
-    def carrying(self, grasp: Grasp, margin: float, into: str | None = None) -> Checker:
-        """The object in the hand, everything else in the way at a margin, but for what it is put into."""
-        return self._checker(
-            self.others,
-            self.closed(grasp),
-            attached=self._attached(grasp),
-            allow=[] if into is None else _pairs([self.name], [into]),
-            margin=margin,
-        )
-
-    def leaving(self, grasp: Grasp) -> Checker:
-        """The open hand drawing back from the object at its new place.
-
-        The object itself is left out, as its place is not known here; `parting` has it.
-        """
-        key = ("leave", grasp.tool, self.released(grasp))
-        if key not in self._checkers:
-            self._checkers[key] = self._checker(self.others, self.released(grasp))
-        return self._checkers[key]
-
-    def parting(self, grasp: Grasp, place: Placement) -> Checker:
-        """The open hand drawing back, the object at its new place included: what held it may touch it."""
-        pose = place.pose_before_to_after
-        bodies = {**self.others, **{n: moved(self.bodies[n], pose) for n in (self.name, *self.riding)}}
-        allow = _pairs(self._links(grasp), (self.name, *self.riding))
-        return self._checker(bodies, self.released(grasp), allow=allow)
-
-    def empty(self, opening: float, q_start: FloatArray) -> Checker:
-        """The empty hand among everything, at the largest of `MARGINS` that it keeps at the start."""
-        state = ToolState(_rounded(opening, self.arm))
-        checkers = (self._checker(self.bodies, state, margin=margin) for margin in MARGINS)
-        free = (checker for checker in checkers if checker.free(q_start)[0])
-        return next(free, None) or self._checker(self.bodies, state)
-
-    @cached_property
-    def others(self) -> dict[str, Sequence[FloatArray]]:
-        """The bodies of all but the object and what rides in it."""
-        away = (self.name, *self.riding)
-        return {other: parts for other, parts in self.bodies.items() if other not in away}
-
-    @cached_property
-    def touching(self) -> tuple[str, ...]:
-        """The others whose clouds or bodies come within contact distance of the object's."""
-        return tuple(
-            other for other in self.others if not apart(self.bodies[self.name], self.bodies[other], CONTACT)
-        )
-
-    def _attached(self, grasp: Grasp) -> Attachment:
-        to_tool: FloatArray = np.linalg.inv(grasp.pose_tool_to_world).astype(np.float64)
-        parts = [part for name in (self.name, *self.riding) for part in self.bodies[name]]
-        return Attachment(moved(parts, to_tool), grasp.tool, self.name)
-
-    def _checker(
-        self,
-        bodies: Solids,
-        state: ToolState,
-        *,
-        attached: Attachment | None = None,
-        allow: Sequence[frozenset[str]] = (),
-        margin: float = 0.0,
-    ) -> Checker:
-        return Checker(
-            self.arm,
-            self.pose_base_to_world,
-            bodies,
-            tool_state=state,
-            attached=attached,
-            allow=allow,
-            margin=margin,
-        )
-
-    # -- what the arm reaches
-
-    def reached(
-        self,
-        grasps: Sequence[Grasp],
-        near: FloatArray,
-        lenient: bool,
-        tally: Tally,
-    ) -> list[Reached]:
-        """Joint values for grasps, in their order, each also with the hand turned half.
+    def hands(
+        self, grasps: Sequence[Grasp], near: FloatArray, tally: Tally
+    ) -> list[tuple[Grasp, FloatArray]]:
+        """Hand poses for grasps, in their order, each also turned half, with all joint values that are found.
 
         Args:
             grasps: In the world.
             near: (n,) joint values solutions should be close to.
+            tally: Notes what grasps are dropped for.
+        """
+        both = [hand for grasp in grasps for hand in _directions(grasp)]
+        poses = [grasp.pose_tool_to_world for grasp in both]
+        clear = self._clear_of(
+            both, poses, [self.approaching(grasp, lenient=True) for grasp in both], "grasp", tally
+        )
+        both = [grasp for grasp, free in zip(both, clear, strict=True) if free]
+        solutions = self._inverse(both, [grasp.pose_tool_to_world for grasp in both], near)
+        for states in solutions:
+            if len(states) == 0:
+                tally.note("grasp", "reach", "grasp out of reach")
+        return [(grasp, q) for grasp, q in zip(both, solutions, strict=True) if len(q)]
+
+    def reached(
+        self, hands: Sequence[tuple[Grasp, FloatArray]], lenient: bool, tally: Tally
+    ) -> list[Reached]:
+        """States of hand poses in which the open hand is free.
+
+        Args:
+            hands: As `hands` gives them.
             lenient: Whether fingers may enter inferred bodies of neighbours.
             tally: Notes what grasps are dropped for.
 
         Returns:
-            Free states, at most two for each hand direction.
+            Free states, at most two for each hand pose.
         """
-        both = [hand for grasp in grasps for hand in _directions(grasp)]
-        solutions = self._inverse(both, [grasp.pose_tool_to_world for grasp in both], near)
         found: list[Reached] = []
-        for grasp, states in zip(both, solutions, strict=True):
-            if len(states) == 0:
-                tally.note("grasp", "reach", "grasp out of reach")
-                continue
+        for grasp, states in hands:
             checker = self.approaching(grasp, lenient)
             free = checker.free(states)
             if not free.any():
                 _blame(tally, checker, states[0], "grasp")
             found += [Reached(grasp, q, lenient) for q in states[free][:2]]
         return found
+
+    def _clear_of(
+        self,
+        grasps: Sequence[Grasp],
+        poses_tool_to_world: Sequence[FloatArray],
+        checkers: Sequence[Checker],
+        step: str,
+        tally: Tally,
+    ) -> list[bool]:
+        """Which hands in tool poses meet nothing, whatever the arm behind them does."""
+        clear = [True] * len(grasps)
+        for checker in dict.fromkeys(checkers):
+            index = [i for i, other in enumerate(checkers) if other is checker]
+            flange = [
+                self.world_to_base @ poses_tool_to_world[i] @ self._to_flange(grasps[i].tool) for i in index
+            ]
+            for i, pair in zip(index, checker.hand_meets(np.array(flange)), strict=True):
+                if pair is not None:
+                    clear[i] = False
+                    q = None
+                    if tally.further(step, stands=True):  # the one that is told says how the arm would stand
+                        states = self._inverse([grasps[i]], [poses_tool_to_world[i]], self.arm.home)[0]
+                        q = states[0] if len(states) else None
+                    tally.note(step, "collision", f"{step}: {pair[0]} meets {pair[1]}", q, pair)
+        return clear
+
+    def _to_flange(self, tool: str) -> FloatArray:
+        """(4, 4) pose of the flange in a tool's frame."""
+        return inverse(self.arm.tool_to_flange(tool))
 
     def _inverse(
         self, grasps: Sequence[Grasp], poses_tool_to_world: Sequence[FloatArray], near: FloatArray
@@ -291,6 +179,38 @@ class Handling:
             return path
         return None
 
+    def open_ends(
+        self, grasp: Grasp, places: Sequence[Placement], drop: float, retreat: float, tally: Tally
+    ) -> list[Placement]:
+        """Places where the hand is free: with the object there and above, without it there and drawn back.
+
+        Whether the arm gets there is not asked.
+
+        Args:
+            grasp: The grasp.
+            places: Placements.
+            drop: Straight way down [m].
+            retreat: Straight way out [m].
+            tally: Notes what placements are dropped for.
+        """
+        carrying, leaving = self.carrying(grasp, 0.0, places[0].into), self.leaving(grasp)
+        found = list(places)
+        for checker, step, way in (
+            (carrying, "place", 0.0),
+            (carrying, "place", drop),
+            (leaving, "retreat", 0.0),
+            (leaving, "retreat", retreat),
+        ):
+            above, back = np.eye(4), np.eye(4)
+            if checker is carrying:
+                above[:3, 3] = way * self.up
+            else:
+                back[2, 3] = -way
+            poses = [above @ p.pose_before_to_after @ grasp.pose_tool_to_world @ back for p in found]
+            clear = self._clear_of([grasp] * len(found), poses, [checker] * len(found), step, tally)
+            found = [place for place, free in zip(found, clear, strict=True) if free]
+        return found
+
     def ends(
         self,
         state: Reached,
@@ -305,7 +225,7 @@ class Handling:
 
         Args:
             state: The grasp.
-            places: Placements, best first.
+            places: Placements, best first, as `open_ends` leaves them.
             near: (n,) joint values to stay close to.
             drop: Straight way down [m].
             retreat: Straight way out [m].
@@ -316,7 +236,7 @@ class Handling:
             Up to `most` ends, best placements first.
         """
         grasp = state.grasp
-        checker = self.carrying(grasp, 0.0, places[0].into if places else None)
+        checker = self.carrying(grasp, 0.0, places[0].into)
         targets = [place.pose_before_to_after @ grasp.pose_tool_to_world for place in places]
         tried: list[tuple[Placement, FloatArray, FloatArray]] = []
         for place, target, states in zip(
@@ -377,12 +297,3 @@ def _directions(grasp: Grasp) -> list[Grasp]:
     )
     across = replace(grasp, pose_tool_to_world=grasp.pose_tool_to_world @ quarter)
     return [grasp, grasp.turned(), across, across.turned()]
-
-
-def _rounded(opening: float, arm: Arm) -> float:
-    largest = arm.jaw.max_opening if arm.jaw else 0.0
-    return min(largest, float(np.ceil(opening / OPENING_STEP - 1e-9)) * OPENING_STEP)
-
-
-def _pairs(links: Sequence[str], objects: Sequence[str]) -> list[frozenset[str]]:
-    return [frozenset((link, name)) for link in links for name in objects]

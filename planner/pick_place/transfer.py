@@ -9,12 +9,14 @@ import numpy as np
 from topple.planner.grasp.candidates import grasp_candidates
 from topple.planner.grasp.grasp import Grasp
 from topple.planner.grasp.hand import hand_shape
+from topple.planner.grasp.surroundings import Dropped
 from topple.planner.motion.certificate import Certifier
 from topple.planner.motion.collision import Checker
 from topple.planner.motion.planner import Motion, MotionFailure, plan_motion
 from topple.planner.motion.upright import plan_upright
+from topple.planner.pick_place.checks import MARGIN
 from topple.planner.pick_place.failure import Setback, Tally, TransferFailure
-from topple.planner.pick_place.handling import MARGIN, Handling, Reached
+from topple.planner.pick_place.handling import Handling, Reached
 from topple.planner.pick_place.legs import Leg, segments_of
 from topple.planner.pick_place.segments import Segment
 from topple.planner.place.placement import Placement, placements
@@ -141,9 +143,9 @@ def plan_transfer(
     if name not in scene.clouds:
         raise UnknownObject(name, scene.names)
     bodies = solids_of(scene) if bodies is None else bodies
-    searched = grasps is None
+    searched, dropped = grasps is None, Dropped()
     if grasps is None:
-        grasps = _others(grasp_candidates(name, scene, arm, solids=bodies), avoid)
+        grasps = _others(grasp_candidates(name, scene, arm, solids=bodies, dropped=dropped), avoid)
         if grasps and "fingers" in arm.tools and all(grasp.tool in _tired(avoid) for grasp in grasps):
             pinches = grasp_candidates(name, scene, hand=hand_shape(arm), solids=bodies)
             grasps = _others(pinches, avoid) or grasps
@@ -152,9 +154,10 @@ def plan_transfer(
     level = bool(riding) if upright is None else upright
     if level:
         places = [place for place in places if place.tilt(up_of(scene)) < LEVEL]
-    if not grasps or not places:
-        step, text = ("place", NO_PLACE) if grasps else ("grasp", NO_GRASP)
-        return TransferFailure(name, {text: 1}, None, Setback(step, "room", text))
+    if not grasps:
+        return _no_grasp(name, dropped, scene)
+    if not places:
+        return TransferFailure(name, {NO_PLACE: 1}, None, Setback("place", "room", NO_PLACE))
     handling = Handling(name, scene, bodies, arm, np.asarray(pose_base_to_world), tuple(riding), seed)
     search = _Search(handling, tuple(places), np.asarray(q_start), level, seed, limits)
     found = search.run(grasps)
@@ -163,6 +166,14 @@ def plan_transfer(
         pinches = grasp_candidates(name, scene, hand=hand_shape(arm), solids=bodies)
         return search.run(_others(pinches, avoid))
     return found
+
+
+def _no_grasp(name: str, dropped: Dropped, scene: Scene) -> TransferFailure:
+    """The certificate that says what every grasp that was looked at failed of."""
+    reasons = dict(dropped.reasons.most_common()) or {NO_GRASP: 1}
+    barring = {other: count for other, count in dropped.barring.most_common() if other not in scene.fixed}
+    setback = Setback("grasp", "room", next(iter(reasons)))
+    return TransferFailure(name, reasons, next(iter(barring), None), setback, barring)
 
 
 def _others(grasps: list[Grasp], avoid: Sequence[Grasp]) -> list[Grasp]:
@@ -194,13 +205,15 @@ class _Search:
         self.seed, self.limits = seed, limits
         self.tally = Tally(frozenset(handling.bodies) - {handling.name})
         self._known: dict[Reached, tuple[FloatArray, FloatArray] | None] = {}
+        self._roomy: dict[tuple[Grasp, tuple[Placement, ...]], list[Placement]] = {}
 
     def run(self, grasps: Sequence[Grasp]) -> Transfer | TransferFailure:
-        grasps, reached = grasps[: self.limits.grasps], dict[bool, list[Reached]]()
+        hands = self.handling.hands(grasps[: self.limits.grasps], self.q_start, self.tally)
+        reached = dict[bool, list[Reached]]()
         for places in self._choices():
             for lenient in (False, True):
                 if lenient not in reached:
-                    reached[lenient] = self.handling.reached(grasps, self.q_start, lenient, self.tally)
+                    reached[lenient] = self.handling.reached(hands, lenient, self.tally)
                 for state in reached[lenient][: self.limits.reached]:
                     transfer = self._with(state, places)
                     if transfer is not None:
@@ -225,10 +238,11 @@ class _Search:
     def _with(self, state: Reached, places: tuple[Placement, ...]) -> Transfer | None:
         """Complete a transfer to one of some places that starts with one reachable grasp."""
         grasp, limits, handling = state.grasp, self.limits, self.handling
-        if (ways := self._ways(state)) is None:
+        room = self._room(grasp, places)
+        if not room or (ways := self._ways(state)) is None:
             return None
         approach, lift = ways
-        ends = handling.ends(state, places, lift[-1], limits.drop, limits.retreat, limits.goals, self.tally)
+        ends = handling.ends(state, room, lift[-1], limits.drop, limits.retreat, limits.goals, self.tally)
         if not ends:
             return None
         ahead = [Leg("approach", approach, handling.approaching(grasp, state.lenient), straight=True)]
@@ -255,6 +269,14 @@ class _Search:
         return Transfer(
             handling.name, grasp, end.placement, segments, q_end, tried, handling.riding, self.level
         )
+
+    def _room(self, grasp: Grasp, places: tuple[Placement, ...]) -> list[Placement]:
+        """The places where the hand has room, looked for once for all states of a grasp."""
+        key = (grasp, places)
+        if key not in self._roomy:
+            way = self.limits.drop, self.limits.retreat
+            self._roomy[key] = self.handling.open_ends(grasp, places, *way, self.tally)
+        return self._roomy[key]
 
     def _ways(self, state: Reached) -> tuple[FloatArray, FloatArray] | None:
         """Straight ways in and up at a state, looked for once for all places; None where there is none."""

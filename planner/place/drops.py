@@ -158,41 +158,32 @@ def staying(
     return gentle, kept
 
 
-def standing(
-    places: Sequence[Placement], name: str, scene: Scene, bodies: Solids, whole: Solids
-) -> list[Placement]:
-    """Placements on a table, those marked that an object may not keep when it is let go there.
+def standing(places: Sequence[Placement], name: str, scene: Scene, whole: Solids) -> list[Placement]:
+    """Placements on a table, those marked that an object does not keep when it is let go there.
 
-    Each attitude is tried once in simulation, with the body that is known and with the one completed by what
-    nobody saw. What tips over either way is put down as it came to lie.
+    Each attitude is tried once in simulation; what tips over is put down as it came to lie.
 
     Args:
         places: Placements on something fixed.
         name: The object.
         scene: The scene, with `up`.
-        bodies: Convex parts of its objects, as far as they are known.
-        whole: The same, completed.
+        whole: Convex parts of its objects, with the sides that nobody saw.
 
     Returns:
-        As many placements, in their order, with `rolls` where the bodies do not agree that it stays.
+        As many placements, in their order, with `rolls` where it does not stay.
     """
     if not places:
         return []
-    up, ground = up_of(scene), {other: bodies[other] for other in scene.fixed}
-    known: dict[tuple[float, ...], tuple[bool, tuple[FloatArray, float] | None]] = {}
+    up, ground = up_of(scene), {other: whole[other] for other in scene.fixed}
+    known: dict[tuple[float, ...], tuple[FloatArray, float] | None] = {}
     found: list[Placement] = []
-    with (
-        Drops(name, {**ground, name: bodies[name]}, up) as drops,
-        Drops(name, {**ground, name: whole[name]}, up) as completed,
-    ):
+    with Drops(name, {**ground, name: whole[name]}, up) as drops:
         for place in places:
             attitude = tuple(np.round(place.pose_before_to_after[:3, :3].T @ up, 3).tolist())
             if attitude not in known:
-                tipped = drops.tipping(place, up)
-                known[attitude] = tipped is None, tipped and completed.tipping(place, up) and tipped
-            stays, turn = known[attitude]
-            put = place if turn is None else drops.laid(place, *turn, up)
-            found.append(put if stays else replace(put, rolls=True))
+                known[attitude] = drops.tipping(place, up)
+            turn = known[attitude]
+            found.append(place if turn is None else replace(drops.laid(place, *turn, up), rolls=True))
     return found
 
 

@@ -5,7 +5,7 @@ from dataclasses import dataclass
 
 import numpy as np
 from scipy.ndimage import distance_transform_edt
-from scipy.spatial import ConvexHull, Delaunay, QhullError
+from scipy.spatial import ConvexHull, QhullError
 
 from topple.planner.place.resting import PLACEMENT_TOLERANCES, PlacementTolerances
 from topple.planner.solids import Solids, level_axes, table_top, up_of
@@ -34,34 +34,26 @@ class FreeSpace:
     height: float
     cell: float
 
-    def at(self, places: FloatArray) -> FloatArray:
-        """Distance to the nearest thing.
+    def middles(self, cells: IntArray) -> FloatArray:
+        """Level coordinates (P, 2) of the middles of cells (P, 2) [m]."""
+        return self.origin + (cells + 0.5) * self.cell
+
+    def under(self, cells: IntArray, covered: IntArray) -> tuple[FloatArray, BoolArray]:
+        """What is free below things that cover some cells around others.
 
         Args:
-            places: (..., 2) level coordinates [m].
+            cells: (P, 2) indices of cells.
+            covered: (K, 2) cells covered at each, relative to it.
 
         Returns:
-            (...) distances [m], 0 outside the table.
+            (P,) distance to the nearest thing [m], 0 where the table ends; and (P,) whether what stands there
+            is in the way of what is still to be taken.
         """
-        i, j, inside = self._cells(places)
-        return np.where(inside, self.distance[i, j], 0.0)
-
-    def barring(self, places: FloatArray) -> BoolArray:
-        """Whether what stands there is in the way of what is still to be taken.
-
-        Args:
-            places: (..., 2) level coordinates [m].
-        """
-        i, j, inside = self._cells(places)
-        return self.ways[i, j] & inside
-
-    def _cells(self, places: FloatArray) -> tuple[IntArray, IntArray, BoolArray]:
-        """Indices of the cells of places, and whether they are on the map at all."""
-        index = np.floor((places - self.origin) / self.cell).astype(np.int64)
-        shape = np.array(self.distance.shape)
-        inside = np.all((index >= 0) & (index < shape), axis=-1)
-        index = np.clip(index, 0, shape - 1)
-        return index[..., 0], index[..., 1], inside
+        margin = int(np.abs(covered).max(initial=0))
+        distance, ways = np.pad(self.distance, margin), np.pad(self.ways, margin)
+        row = np.array([distance.shape[1], 1])
+        index = ((cells + margin) @ row)[:, None] + covered @ row
+        return distance.ravel()[index].min(axis=1), np.asarray(ways.ravel()[index].any(axis=1))
 
 
 def free_space(
@@ -133,8 +125,8 @@ def _within(places: FloatArray, points: FloatArray) -> BoolArray:
     low, high = points.min(axis=0), points.max(axis=0)
     result = np.all((places >= low) & (places <= high), axis=-1)
     try:
-        corners = points[ConvexHull(points).vertices]
-        result[result] = Delaunay(corners).find_simplex(places[result]) >= 0
+        sides = ConvexHull(points).equations
+        result[result] = (places[result] @ sides[:, :2].T + sides[:, 2] <= 0.0).all(axis=1)
     except (QhullError, ValueError):
         pass  # a line or a point: its box is it
     return result

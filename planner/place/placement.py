@@ -9,7 +9,7 @@ from topple.planner.place.free_space import FreeSpace, free_space
 from topple.planner.place.resting import PLACEMENT_TOLERANCES, PlacementTolerances, Rest, about, resting_poses
 from topple.planner.samples import voxel_means
 from topple.planner.solids import Solids, level_axes, solids_of, up_of
-from topple.topology.arrays import BoolArray, FloatArray, frozen
+from topple.topology.arrays import FloatArray, frozen
 from topple.topology.errors import UnknownObject
 from topple.topology.scene import Scene
 
@@ -128,19 +128,17 @@ def _at_rest(
     axes = np.stack(level_axes(up))
     middle = cloud.mean(axis=0)
     body = np.vstack([voxel_means(cloud, 0.008), *parts])
-    open_cells = np.argwhere(space.distance[::2, ::2] > tolerances.gap)
-    places = space.origin + (2.0 * open_cells + 0.5) * space.cell
-    if base is not None and len(places) > 0:
-        far = np.linalg.norm(places - base, axis=1)
-        places = places[(far > tolerances.reach[0]) & (far < tolerances.reach[1])]
+    cells = 2 * np.argwhere(space.distance[::2, ::2] > tolerances.gap)
+    if base is not None and len(cells) > 0:
+        far = np.linalg.norm(space.middles(cells) - base, axis=1)
+        cells = cells[(far > tolerances.reach[0]) & (far < tolerances.reach[1])]
+    places = space.middles(cells)
     found: list[Placement] = []
     for k in range(yaws):
         rotation = about(up, 2.0 * np.pi * k / yaws) @ rest.rotation
         turned = (body - middle) @ rotation.T
-        outline = np.unique(np.round(turned @ axes.T / space.cell), axis=0) * space.cell
-        covered = places[:, None, :] + outline[None, :, :]
-        room = space.at(covered).min(axis=1)
-        bars: BoolArray = np.asarray(space.barring(covered).any(axis=1))
+        covered = np.unique(np.round(turned @ axes.T / space.cell), axis=0).astype(np.int64)
+        room, bars = space.under(cells, covered)
         lift = space.height + tolerances.drop - float((turned @ space.normal).min())
         scores = _scores(places, room, rest, axes @ middle, base, k / yaws, tolerances)
         scores[bars & (scores > 0.0)] *= BARRING

@@ -2,19 +2,21 @@
 
 import networkx as nx
 import numpy as np
+from scipy.spatial import ConvexHull
 
 from topple.planner.goal import parse_goal
 from topple.planner.place.drops import Drops
 from topple.planner.plan_format import Plan, Step
 from topple.planner.solids import moved
 from topple.planner.verify.record import Residual, Worst
-from topple.planner.verify.replay import Beat, parts_of
+from topple.planner.verify.replay import Beat, parts_of, whole_of
 from topple.robots.poses import angle_between
 from topple.topology.arrays import FloatArray
 from topple.topology.scene import Scene
 
 SHIFT = 0.015  # [m] a thing may move until it rests: its body is a guess from noisy points
 TURN = 0.35  # [rad] and turn: it lies down on the face next to the one that was meant
+ROUNDED = 1e-4  # [m] what six digits and joggled hulls are off
 
 
 def check_precedence(plan: Plan, scene: Scene | None) -> tuple[Residual, ...]:
@@ -22,7 +24,8 @@ def check_precedence(plan: Plan, scene: Scene | None) -> tuple[Residual, ...]:
 
     Args:
         plan: The plan.
-        scene: What was seen; its dependencies are derived again, and edges of cycles left out.
+        scene: What was seen; its dependencies are derived again. Edges of cycles are left out, and what a
+            step says to go against if it is more likely wrong than right.
 
     Returns:
         Residuals: dependencies of the plan, of the scene, and steps that do not wait for those before them.
@@ -42,9 +45,15 @@ def check_precedence(plan: Plan, scene: Scene | None) -> tuple[Residual, ...]:
     if scene is None:
         return own.residual(), waits.residual()
     from topple.planner.dependency import dependencies
+    from topple.planner.turn import LIKELY
 
     again = Worst("dependencies of the scene broken", "1")
-    edges = [(edge.first, edge.then) for edge in dependencies(scene).dependencies]
+    against = {(edge.first, edge.then) for step in plan.steps for edge in step.against}
+    edges = [
+        (edge.first, edge.then)
+        for edge in dependencies(scene).dependencies
+        if edge.confidence >= LIKELY or (edge.first, edge.then) not in against
+    ]
     graph: nx.DiGraph[str] = nx.DiGraph(edges)
     group = {name: i for i, names in enumerate(nx.strongly_connected_components(graph)) for name in names}
     never = len(plan.steps)
@@ -90,32 +99,51 @@ def check_goal(plan: Plan, scene: Scene) -> Residual:
 def check_rest(plan: Plan, before: "list[Beat]") -> tuple[Residual, ...]:
     """Let everything fall from where it is let go, in PyBullet, among the other bodies held in place.
 
+    What is put on a table is asked with the sides that nobody saw, which it may have to stand on; what is put
+    on or into another thing was lowered by what was seen of both.
+
     Args:
         plan: The plan.
         before: The beats in which something is put down, one for each step.
 
     Returns:
-        Residuals: how far things shift and turn; what is put into a container may roll but has to stay in it.
+        Residuals: how far things shift and turn; what is put into a container may roll but has to stay in it;
+        and how far what was seen of a body is outside of the whole that is taken for it.
     """
     shift, turn = Worst("shift after letting go", "m", SHIFT), Worst("turn after letting go", "rad", TURN)
     out = Worst("outside of its container after letting go", "m")
-    up, parts = np.array(plan.up), parts_of(plan)
+    up, parts, whole = np.array(plan.up), parts_of(plan), whole_of(plan)
     for beat in before:
         step = beat.step
-        bodies = {name: moved(parts[name], pose) for name, pose in beat.poses.items()}
+        into, name = step.placement.into, step.object
+        riding = {held.object for held in step.attachments} - {name}
+        bodies = {n: moved(parts[n], pose) for n, pose in beat.poses.items() if n not in riding}
+        if into is None:
+            bodies[name] = moved(whole[name], beat.poses[name])
         release = np.eye(4)
         release[:3, 3] += step.placement.drop * up
-        with Drops(step.object, bodies, up) as drops:
+        with Drops(name, bodies, up) as drops:
             after, centre = drops.rest(release), drops.centre_of_mass
         place = after[:3, :3] @ centre + after[:3, 3]
-        where = f"step {beat.index + 1} ({step.object})"
-        into = step.placement.into
+        where = f"step {beat.index + 1} ({name})"
         if into is not None and step.placement.rest.startswith("within"):
             out.note(_beyond(place, np.vstack(bodies[into]), up), where)
         else:
             shift.note(float(np.linalg.norm(place - centre)), where)
             turn.note(angle_between(np.eye(4), after), where)
-    return shift.residual(), turn.residual(), out.residual()
+    return shift.residual(), turn.residual(), out.residual(), _around(plan)
+
+
+def _around(plan: Plan) -> Residual:
+    """How far what was seen of the objects sticks out of the bodies that are taken for whole."""
+    worst = Worst("bodies outside of their wholes", "m", ROUNDED)
+    for thing in plan.objects:
+        hulls = [ConvexHull(np.array(part), qhull_options="QJ").equations for part in thing.whole]
+        if hulls:
+            seen = np.vstack(thing.parts)
+            beyond = [(seen @ faces[:, :3].T + faces[:, 3]).max(axis=1) for faces in hulls]
+            worst.note(float(np.min(beyond, axis=0).max()), thing.name)
+    return worst.residual()
 
 
 def _beyond(place: FloatArray, points: FloatArray, up: FloatArray) -> float:

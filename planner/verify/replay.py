@@ -103,3 +103,8 @@ def tool_poses(arm: Arm, plan: Plan, tool: str, states: FloatArray) -> FloatArra
 def parts_of(plan: Plan) -> dict[str, list[FloatArray]]:
     """Convex parts (V, 3) of every object, where it was when the plan began [m]."""
     return {thing.name: [np.array(part) for part in thing.parts] for thing in plan.objects}
+
+
+def whole_of(plan: Plan) -> dict[str, list[FloatArray]]:
+    """The same with the sides that nobody saw [m]."""
+    return {thing.name: [np.array(part) for part in thing.whole or thing.parts] for thing in plan.objects}

@@ -61,6 +61,16 @@ def test_a_failure_says_step_check_configuration_and_who_bars() -> None:
     assert "in the way" in str(found)
 
 
+def test_where_no_grasp_has_room_the_failure_says_beside_what() -> None:
+    found = plan_transfer("block", hemmed_in(), None, ARM, BASE, np.array(ARM.home))
+    assert isinstance(found, TransferFailure)
+    assert found.furthest is not None
+    assert (found.furthest.step, found.furthest.check) == ("grasp", "room")
+    assert {found.blocking} < {"left", "right"} == set(found.barring)
+    assert "no room for the fingers beside left" in found.reasons
+    assert "(in the way: " in str(found)
+
+
 def test_the_setback_that_got_furthest_is_kept() -> None:
     tally = Tally(frozenset({"cup"}))
     tally.note("lift", "collision", "lift: hand meets cup", np.zeros(7), ("hand", "cup"))

@@ -64,7 +64,7 @@ def test_what_would_tip_over_is_put_down_as_it_comes_to_lie() -> None:
     tilted[:3, :3] = [[np.cos(0.3), 0.0, np.sin(0.3)], [0.0, 1.0, 0.0], [-np.sin(0.3), 0.0, np.cos(0.3)]]
     places = [Placement(upright, 1.0, drop=0.004), Placement(tilted, 0.9, drop=0.004)]
     bodies = {"stick": standing_parts(stick), "table": [slab]}
-    stays, lies = standing(places, "stick", scene, bodies, bodies)
+    stays, lies = standing(places, "stick", scene, bodies)
     assert stays is places[0]
     assert lies.rolls
     assert abs(float(lies.pose_before_to_after[:3, :3][2, 2])) < 0.1
