@@ -10,7 +10,7 @@ from topple.planner.grasp.tolerances import GRASP_TOLERANCES, GraspTolerances
 from topple.topology.arrays import FloatArray
 
 DIRECTIONS = 16  # around the object: with 8 a plate among four neighbours may have none between two of them
-LEANS = (0.0, 0.15, 0.3)  # of the approach against the sheet [rad]: more would leave the friction cone
+LEANS = (0.0, 0.2, 0.4)  # of the approach against the sheet [rad]: just within the friction cone
 PATCH = 0.02  # of the sheet, from its edge inwards, that its slope is taken from [m]
 FLAT = 0.15  # variance across a sheet, relative to that along its edge: what a plate's flange stays below
 STEEPEST = 0.6  # upward share of a sheet's normal: fingers reach both sides of a steeper one from above
@@ -97,6 +97,6 @@ def _needed(rotation: FloatArray, up: FloatArray, hand: HandShape, tolerances: G
     back = hand.tip - tolerances.depths[0]  # from the edge to the pads' middle, the tips as shallow as can be
     corners = (
         min(x * x0, x * x1) + min(y * y0, y * y1) + z * (front - back)
-        for x0, x1, y0, y1, front in hand.footprints(2.0 * tolerances.least_side_clearance)
+        for x0, x1, y0, y1, front in hand.footprints(2.0 * tolerances.side_clearance)
     )
     return tolerances.under_clearance - float(min(corners))

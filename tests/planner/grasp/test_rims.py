@@ -5,10 +5,12 @@ import sys
 from pathlib import Path
 
 import numpy as np
+import pytest
 
 from topple.planner.grasp import Grasp, grasp_candidates
 from topple.planner.grasp.hand import PRESS, hand_shape
 from topple.planner.grasp.surroundings import Dropped
+from topple.robots.arm import Arm
 from topple.robots.catalog import robot
 from topple.robots.poses import angle_between
 from topple.robots.shapes.boxes import box
@@ -21,7 +23,6 @@ from topple.topology.scene import Scene
 sys.path.insert(0, str(Path(__file__).parent))
 from lifting import at, straight, table
 
-ARM = robot("panda")
 MIDDLE = (0.55, 0.0)
 
 
@@ -37,43 +38,47 @@ def raised(height: float) -> Scene:
     return Scene(clouds, fixed=["table"], up=[0, 0, 1])
 
 
-def reached(grasps: list[Grasp], back: FloatArray) -> tuple[Grasp, FloatArray]:
-    for grasp in grasps:
-        for hand in (grasp, grasp.turned()):
-            states = ARM.inverse(hand.pose_tool_to_world @ back, "fingers")[0]
-            if len(states):
-                return hand, states[0]
+def reached(arm: Arm, grasps: list[Grasp], back: FloatArray) -> tuple[Grasp, FloatArray]:
+    """The first grasp, and joint values before it, from which the arm gets to it."""
+    for grasp in [way for one in grasps for way in (one, one.turned())]:
+        for q in arm.inverse(grasp.pose_tool_to_world @ back, "fingers")[0]:
+            if len(arm.inverse(grasp.pose_tool_to_world, "fingers", near=q)[0]):
+                return grasp, q
     raise AssertionError("no grasp is within reach")
 
 
-def test_a_raised_plate_is_held_by_its_rim_and_lifted() -> None:
-    grasps = grasp_candidates("plate", raised(0.12), ARM)
+@pytest.mark.parametrize(("name", "height"), [("panda", 0.12), ("iiwa", 0.05)])
+def test_a_plate_is_held_by_its_rim_and_lifted(name: str, height: float) -> None:
+    arm = robot(name)
+    grasps = grasp_candidates("plate", raised(height), arm)
     assert {grasp.kind for grasp in grasps} == {"rim"}
     back = at(0.0, 0.0, -0.08)
-    grasp, q = reached(grasps, back)
+    grasp, q = reached(arm, grasps, back)
     with World() as world:
         world.add_table()
-        world.add(box("block", (0.08, 0.08, 0.12)), at(*MIDDLE, 0.0))
-        world.add(plate("plate"), at(*MIDDLE, 0.12))
+        if height > 0.0:
+            world.add(box("block", (0.08, 0.08, height)), at(*MIDDLE, 0.0))
+        world.add(plate("plate"), at(*MIDDLE, height))
         world.settle()
-        arm = SimulatedArm(world, ARM, np.eye(4), q=q)
+        hand = SimulatedArm(world, arm, np.eye(4), q=q)
         pose = grasp.pose_tool_to_world
-        arm.open(grasp.opening)
-        straight(arm, ARM, pose @ back, pose)
+        hand.open(grasp.opening)
+        straight(hand, arm, pose @ back, pose)
         before = world.pose("plate")
-        assert ARM.jaw is not None
-        arm.close(PRESS * ARM.jaw.force)
-        straight(arm, ARM, pose, at(0.0, 0.0, 0.05) @ pose)
-        arm.wait(0.3)
+        assert arm.jaw is not None
+        hand.close(PRESS * arm.jaw.force)
+        straight(hand, arm, pose, at(0.0, 0.0, 0.05) @ pose)
+        hand.wait(0.3)
         after = world.pose("plate")
-        assert arm.holds("plate")
+        assert hand.holds("plate")
         assert after[2, 3] - before[2, 3] > 0.04
         assert np.degrees(angle_between(before, after)) < 5.0
 
 
 def test_a_rim_too_close_to_the_table_says_how_much_room_a_finger_and_the_hand_need() -> None:
     dropped = Dropped()
-    assert grasp_candidates("plate", raised(0.0), ARM, dropped=dropped) == []
+    panda = robot("panda")
+    assert grasp_candidates("plate", raised(0.0), panda, dropped=dropped) == []
     (words,) = [reason for reason in dropped.reasons if "its rim is" in reason]
     height, needed = (int(number) for number in re.findall(r"(\d+) mm", words))
-    assert 18 <= height <= 23 < 1e3 * hand_shape(ARM).finger[0].y[1] + 8 < needed
+    assert 18 <= height <= 23 < 1e3 * hand_shape(panda).finger[0].y[1] + 8 < needed
