@@ -11,6 +11,7 @@ from typing import Protocol
 
 import numpy as np
 
+from topple.planner.beliefs import Beliefs
 from topple.planner.dependency import Dependency, dependencies
 from topple.planner.errors import NoSafePlan
 from topple.planner.goal import Goal, Place, holds
@@ -86,7 +87,7 @@ class Orderer(Protocol):
         relations: Relations,
         seed: int,
         statics: Statics | None = None,
-        beliefs: Mapping[tuple[str, str], Sequence[float]] | None = None,
+        beliefs: Beliefs | None = None,
     ) -> Order:
         """The order, as `topple.planner.order.order` gives it."""
         ...
@@ -106,7 +107,7 @@ class StepChooser:
             is then made again.
         given_up: Objects that are not to be tried again, with the reason.
         avoid: Grasps that failed, by object.
-        beliefs: What earlier looks made of pairs of objects: see `topple.planner.order.order`.
+        beliefs: What earlier looks made of the same things.
         solids: Convex parts of the objects; made from the scene where not given.
         whole: The same with the sides that nobody saw; made from the scene where not given.
         upright: Objects that are kept upright, with what is in them.
@@ -125,7 +126,7 @@ class StepChooser:
         observed: bool = False,
         given_up: Mapping[str, str] | None = None,
         avoid: Mapping[str, Sequence[Grasp]] | None = None,
-        beliefs: Mapping[tuple[str, str], Sequence[float]] | None = None,
+        beliefs: Beliefs | None = None,
         solids: Solids | None = None,
         whole: Solids | None = None,
         upright: Collection[str] = (),
@@ -136,7 +137,7 @@ class StepChooser:
         self._orderer = orderer
         self.relations = relate(scene) if relations is None else relations
         self.observed, self.given_up, self.avoid = observed, given_up or {}, avoid or {}
-        self._beliefs = beliefs or {}
+        self._beliefs = beliefs
         self.upright, self._given_solids, self._given_whole = upright, solids, whole
         self._needed: set[str] = set()  # what orders said has to be taken
 

@@ -5,7 +5,6 @@ import time
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from itertools import pairwise, permutations
-from statistics import fmean
 from types import MappingProxyType
 from typing import TYPE_CHECKING, Any
 
@@ -13,6 +12,7 @@ import networkx as nx
 import numpy as np
 
 from topple.planner.assumptions import assumptions as assumed
+from topple.planner.beliefs import Beliefs
 from topple.planner.dependency import Dependency, DependencyGraph, dependencies
 from topple.planner.evidence import reasoned
 from topple.planner.sequence import safest
@@ -95,7 +95,7 @@ def order(
     relations: "Relations | None" = None,
     statics: Statics | None = None,
     removal_risk: float | None = None,
-    beliefs: Mapping[tuple[str, str], Sequence[float]] | None = None,
+    beliefs: Beliefs | None = None,
 ) -> Order:
     """Find the order that frees the targets with the fewest removals, or with the least risk.
 
@@ -111,8 +111,8 @@ def order(
         removal_risk: Chance that a removal does harm by itself, 0..1. Where it is given, more is taken than
             what must be, if that makes it less likely that anything moves: what touches a thing and is
             higher than it may lean on it unseen.
-        beliefs: (first, then) -> chances that earlier looks at the same two things gave. The risk is by the
-            mean of all looks; what has to go before what is by this one.
+        beliefs: What earlier looks made of the same things: the risk is by all looks, what has to go before
+            what by this one.
 
     Returns:
         The order. What must go before a target is what has a path to it in the dependency graph,
@@ -140,8 +140,8 @@ def order(
             said = (*said, f"the budget ran out after {votes.trials} simulated lifts: the best answer so far")
     tops = {name: statics.surfaces[name][np.argmax(statics.surfaces[name][:, 2])] for name in full.names}
     carried = supports(scene, relations, statics)
-    past = beliefs or {}
-    risked = {pair: fmean((*past.get(pair, ()), now)) for pair, now in chance.items()}
+    edges = {(edge.first, edge.then) for edge in full.dependencies}
+    risked = (beliefs or Beliefs()).weighed(chance, edges)
     found = arrange(full.reduced(), wanted, tops, carried, said, risked, removal_risk)
     checked = verify and not notes["budget_exhausted"]
     found = replace(found, verified=checked, found=MappingProxyType(chance), notes=MappingProxyType(notes))
@@ -155,7 +155,7 @@ def cautious(
     relations: "Relations",
     seed: int = 0,
     statics: Statics | None = None,
-    beliefs: Mapping[tuple[str, str], Sequence[float]] | None = None,
+    beliefs: Beliefs | None = None,
 ) -> Order:
     """The order for an arm that acts: with the least risk, as removals do harm themselves now and then.
 

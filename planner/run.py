@@ -9,6 +9,7 @@ from pathlib import Path
 
 import numpy as np
 
+from topple.planner.beliefs import Beliefs
 from topple.planner.errors import NoSafePlan
 from topple.planner.execute import Outcome, execute, withdraw
 from topple.planner.files import write_whole
@@ -18,7 +19,7 @@ from topple.planner.judge import LIMITS, displacements, tilts, truly_unmet, viol
 from topple.planner.look import Look, Observer, unexpected
 from topple.planner.motion.collision import Checker
 from topple.planner.next_step import PLACE, NextStep, Orderer, Station, StepChooser
-from topple.planner.order import Order, cautious
+from topple.planner.order import cautious
 from topple.planner.pick_place.transfer import scene_after
 from topple.planner.rebuilt.rehearsal import Rehearsal
 from topple.planner.report.record import INTERRUPTED, RunRecord, StepRecord
@@ -153,7 +154,7 @@ class ClosedLoop:
         self.followed: list[NextStep] = []
         self._attempts: Counter[str] = Counter()
         self._failed: dict[str, list[Grasp]] = {}
-        self._beliefs: dict[tuple[str, str], tuple[float, ...]] = {}
+        self._beliefs = Beliefs()
 
     def look(self) -> Look:
         """Takes a picture with every camera and relates what is seen."""
@@ -260,7 +261,9 @@ class ClosedLoop:
         seen = self._observer.look(expected)
         predicted = look.relations.updated(name, expected.clouds[name])
         different = unexpected(predicted, seen.relations)
-        self._remember(chosen.order, {name, *transfer.riding, *seen.surprises})
+        alone = {name, *transfer.riding} if outcome.success and chosen.action != PLACE else ()
+        stirred = {name, *transfer.riding, *seen.surprises}
+        self._beliefs = self._beliefs.after(chosen.order.found, stirred, alone)
         events += [*seen.surprises.values(), *different]
         if different or seen.surprises:
             events.append("the next step is planned from what is seen")
@@ -295,11 +298,6 @@ class ClosedLoop:
         )
         self._say(f"{name}: {outcome.text}")
         return step, seen, [f"{name}: {text}" for text in wrong]
-
-    def _remember(self, order: Order, stirred: set[str]) -> None:
-        """Keeps what looks made of objects that are where they were: one look errs more than several."""
-        found = {pair: (*self._beliefs.get(pair, ()), chance) for pair, chance in order.found.items()}
-        self._beliefs = {pair: past for pair, past in found.items() if not stirred.intersection(pair)}
 
     def _learn(self, chosen: NextStep, outcome: Outcome) -> list[str]:
         """Notes what was done, or which grasp is not to be tried again; says what follows from it."""

@@ -6,6 +6,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
+from topple.planner.beliefs import Beliefs
 from topple.planner.dependency import Dependency, DependencyGraph, dependencies
 from topple.planner.order import arrange, order
 from topple.topology import InvalidInput, Scene, UnknownObject, load_scene
@@ -100,7 +101,7 @@ def test_more_is_taken_where_that_risks_less_and_the_reason_says_so() -> None:
 def test_what_earlier_looks_found_weighs_on(tower: Scene) -> None:
     alone = order(tower, ["top"], removal_risk=0.05)
     assert alone.order == ("top",) and alone.found["top", "low"] > 0.9
-    past = {("aside", "top"): [0.9, 0.9]}
+    past = Beliefs({("aside", "top"): (0.9, 0.9)})
     assert order(tower, ["top"], removal_risk=0.05, beliefs=past).order == ("aside", "top")
 
 
