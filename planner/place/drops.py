@@ -161,7 +161,8 @@ def staying(
 def standing(places: Sequence[Placement], name: str, scene: Scene, whole: Solids) -> list[Placement]:
     """Placements on a table, those marked that an object does not keep when it is let go there.
 
-    Each attitude is tried once in simulation; what tips over is put down as it came to lie.
+    Each attitude is tried once in simulation; what tips over is put down as it came to lie. A hand may not get
+    down with it so: what tips over from the attitude it has now comes last as it is, to fall by itself.
 
     Args:
         places: Placements on something fixed.
@@ -170,13 +171,14 @@ def standing(places: Sequence[Placement], name: str, scene: Scene, whole: Solids
         whole: Convex parts of its objects, with the sides that nobody saw.
 
     Returns:
-        As many placements, in their order, with `rolls` where it does not stay.
+        The placements in their order, with `rolls` where it does not stay, and those that it falls from.
     """
     if not places:
         return []
     up, ground = up_of(scene), {other: whole[other] for other in scene.fixed}
     known: dict[tuple[float, ...], tuple[FloatArray, float] | None] = {}
     found: list[Placement] = []
+    falls: list[Placement] = []
     with Drops(name, {**ground, name: whole[name]}, up) as drops:
         for place in places:
             attitude = tuple(np.round(place.pose_before_to_after[:3, :3].T @ up, 3).tolist())
@@ -184,7 +186,9 @@ def standing(places: Sequence[Placement], name: str, scene: Scene, whole: Solids
                 known[attitude] = drops.tipping(place, up)
             turn = known[attitude]
             found.append(place if turn is None else replace(drops.laid(place, *turn, up), rolls=True))
-    return found
+            if turn is not None and place.tilt(up) < TURNED:
+                falls.append(replace(place, rolls=True, rest="as it was, to fall as it will"))
+    return [*found, *falls]
 
 
 def _levelling(up: FloatArray) -> FloatArray:

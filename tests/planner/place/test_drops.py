@@ -68,3 +68,18 @@ def test_what_would_tip_over_is_put_down_as_it_comes_to_lie() -> None:
     assert stays is places[0]
     assert lies.rolls
     assert abs(float(lies.pose_before_to_after[:3, :3][2, 2])) < 0.1
+
+
+def test_what_tips_from_how_it_is_now_may_be_let_go_so_where_no_hand_gets_down_with_it_lying() -> None:
+    pole = box("pole", (0.004, 0.02, 0.2))
+    axis = np.arange(-0.4, 0.4, 0.01)
+    level = np.stack(np.meshgrid(axis, axis), -1).reshape(-1, 2)
+    ground = np.column_stack([level, np.zeros(len(level))])
+    scene = Scene({"pole": cloud(pole), "table": ground}, fixed=["table"], up=UP)
+    slab = np.array([[x, y, z] for x in (-0.4, 0.4) for y in (-0.4, 0.4) for z in (0.0, -0.05)])
+    leaning = shifted(0.1, 0.005)
+    leaning[:3, :3] = [[np.cos(0.1), 0.0, np.sin(0.1)], [0.0, 1.0, 0.0], [-np.sin(0.1), 0.0, np.cos(0.1)]]
+    place = Placement(leaning, 0.9, drop=0.004)
+    lies, falls = standing([place], "pole", scene, {"pole": standing_parts(pole), "table": [slab]})
+    assert lies.rolls and lies.tilt(UP) > 1.4
+    assert falls.rolls and np.allclose(falls.pose_before_to_after, leaning)
