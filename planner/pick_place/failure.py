@@ -11,6 +11,8 @@ from topple.topology.arrays import FloatArray
 STEPS = ("grasp", "approach", "lift", "place", "retreat", "transfer", "move")
 """In the order in which a search looks at them: what fails later got further."""
 
+TOLD = 4  # reasons in a line for people: the rest is rarer, and in `TransferFailure.reasons`
+
 
 @dataclass(frozen=True, eq=False)
 class Setback:
@@ -51,9 +53,10 @@ class TransferFailure:
     barring: Mapping[str, int] = field(default_factory=dict[str, int])
 
     def __str__(self) -> str:
-        """One line for people."""
-        counted = "; ".join(f"{count} x {reason}" for reason, count in self.reasons.items())
-        words = f"cannot move {self.object}: {counted or 'nothing was tried'}"
+        """One line for people, with the commonest reasons."""
+        counted = [f"{count} x {reason}" for reason, count in self.reasons.items()]
+        more = ["and rarer ones"] if len(counted) > TOLD else []
+        words = f"cannot move {self.object}: {'; '.join([*counted[:TOLD], *more]) or 'nothing was tried'}"
         if self.blocking:
             words += f" (in the way: {self.blocking})"
         return words
