@@ -39,6 +39,7 @@ FREE, REMOVE, PLACE = "free", "remove", "place"
 
 INSIDE = (Relation.WITHIN, Relation.PARTIAL_WITHIN)
 CHOICE = 48  # placements on or into a thing to choose from: a dozen spots, four headings each
+MORE_CHOICE = 192  # where no more room can be made: also the spots from higher up, each a drop in simulation
 BESIDE = 0.05  # [m] what is closer to an object than this bars a hand: half an open hand's width
 
 
@@ -270,10 +271,7 @@ class StepChooser:
             why = f"{later} below it has to come out before {name} is put there"
             return self._take_off([where], REMOVE, why)
         contents = self._in_the_way(place) if place.how == "within" else []
-        places = gentle = kept = placements_on(name, self.scene, where, place.how, self._solids, limit=CHOICE)
-        if place.how == "within":
-            lying = [other for other in self._inside(where) if other != name]
-            gentle, kept = staying(places, name, where, self.relations, self._solids, lying)
+        places, gentle, kept = self._spots(place, CHOICE)
         room = [found for found in (gentle if contents else gentle or kept or places) if found.drop <= GENTLE]
         if (name, PLACE) in self.done and contents:
             room = []  # it was tried, and it is not there: more room is needed
@@ -284,6 +282,7 @@ class StepChooser:
             try:
                 return self._take_off(contents, REMOVE, f"{name} needs room in {where}", doubting=False)
             except NoSafePlan as error:
+                places, gentle, kept = self._spots(place, MORE_CHOICE)
                 for choice in (gentle, kept, None, places):
                     if choice is None and (step := self._out_of_turn(contents, REMOVE)) is not None:
                         return step
@@ -297,6 +296,15 @@ class StepChooser:
                 words = f"it is put down to be taken otherwise, as it cannot go straight to {where} ({found})"
                 return NextStep(aside, REMOVE, words, chosen)
         raise NoSafePlan(str(found), (str(found),), (found,))
+
+    def _spots(self, place: Place, limit: int) -> tuple[list[Placement], list[Placement], list[Placement]]:
+        """Where an object could go, where it stays there and pushes nothing, and all where it stays."""
+        name, where = place.object, place.where
+        found = placements_on(name, self.scene, where, place.how, self._solids, limit=limit)
+        if place.how != "within":
+            return found, found, found
+        lying = [other for other in self._inside(where) if other != name]
+        return found, *staying(found, name, where, self.relations, self._solids, lying)
 
     def _stands_on_later(self, place: Place) -> str | None:
         """An object that a later placement moves and that comes out only once the base is off: base first."""
