@@ -161,8 +161,8 @@ def staying(
 def standing(places: Sequence[Placement], name: str, scene: Scene, whole: Solids) -> list[Placement]:
     """Placements on a table, those marked that an object does not keep when it is let go there.
 
-    Each attitude is tried once in simulation; what tips over is put down as it came to lie. A hand may not get
-    down with it so: what tips over from the attitude it has now comes last as it is, to fall by itself.
+    Each attitude is tried once in simulation; what tips over is put down as it came to lie. A hand may not
+    get down with it so: what tips over from the attitude it has now comes last as it is, to fall by itself.
 
     Args:
         places: Placements on something fixed.
