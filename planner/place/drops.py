@@ -136,7 +136,7 @@ def staying(
         contents: What lies in the container.
 
     Returns:
-        Those that hold and disturb nothing that lies there, and all that hold, in their order.
+        Those that hold and disturb nothing that lies there, and all that hold; where it rolls least first.
     """
     scene, rule = relations.scene, relations.rule
     up, container = up_of(scene), rule.prepare(where, scene.clouds[where])
@@ -147,15 +147,22 @@ def staying(
         return pair.relation in (Relation.WITHIN, Relation.PARTIAL_WITHIN)
 
     found = [place for place in places if inside(place.pose_at_rest(up))]
-    gentle: list[Placement] = []
-    kept: list[Placement] = []
+    gentle: list[tuple[float, Placement]] = []
+    kept: list[tuple[float, Placement]] = []
     if found:
         with Drops(name, bodies, up, contents) as drops:
             for place in found:
-                if inside(drops.rest(place.pose_before_to_after)):
-                    kept.append(place)
-                    gentle += [] if drops.pushes() else [place]
-    return gentle, kept
+                rest = drops.rest(place.pose_before_to_after)
+                if inside(rest):
+                    way = (rest - place.pose_at_rest(up)) @ np.append(drops.centre_of_mass, 1.0)
+                    kept.append((round(float(np.linalg.norm(way)) / KEPT), place))
+                    gentle += [] if drops.pushes() else kept[-1:]
+    return _least_rolling(gentle), _least_rolling(kept)
+
+
+def _least_rolling(found: Sequence[tuple[float, Placement]]) -> list[Placement]:
+    """Placements with how far each rolls, those first that stay where they are let go."""
+    return [place for _, place in sorted(found, key=lambda each: each[0])]
 
 
 def standing(places: Sequence[Placement], name: str, scene: Scene, whole: Solids) -> list[Placement]:
