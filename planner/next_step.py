@@ -366,7 +366,7 @@ class StepChooser:
             places = standing(places, name, self.scene, self._whole)
         return plan_transfer(
             name, self.scene, self._solids, self.station.arm, base, self.station.q, places,
-            avoid=self.avoid.get(name, ()), riding=self._riding(name),
+            whole=self._whole[name], avoid=self.avoid.get(name, ()), riding=self._riding(name),
             upright=name in self.upright, seed=self.seed,
         )  # fmt: skip
 

@@ -7,7 +7,7 @@ from types import MappingProxyType
 import numpy as np
 from numpy.typing import NDArray
 
-from topple.topology.arrays import FloatArray, IntArray, frozen, frozen_int
+from topple.topology.arrays import BoolArray, FloatArray, IntArray, frozen, frozen_int
 from topple.topology.checks import as_intrinsics, as_name, as_pose, numeric
 from topple.topology.errors import InvalidInput
 
@@ -95,6 +95,17 @@ class DepthImage:
         present, starts = np.unique(labels[by_label], return_index=True)
         pieces = np.split(points, starts[1:]) if len(present) else []
         return {self.name_of(int(number)): piece for number, piece in zip(present, pieces, strict=True)}
+
+    def in_view(self, places: FloatArray) -> BoolArray:
+        """Which places (N, 3) in world coordinates [m] lie within the picture's edges, hidden or not."""
+        local = (places - self.viewpoint) @ self.pose_camera_to_world[:3, :3]
+        ahead = local[:, 2] > 1e-6
+        pixel = local @ self.K.T / np.where(ahead, local[:, 2], 1.0)[:, None]
+        height, width = self.depth.shape
+        within = (np.abs(pixel[:, 0] - (width - 1) / 2) < width / 2) & (
+            np.abs(pixel[:, 1] - (height - 1) / 2) < height / 2
+        )
+        return ahead & within
 
     def pixels(self) -> dict[str, int]:
         """Count the pixels of each object, with depth or without.

@@ -1,9 +1,12 @@
 """What the cameras saw to be empty: space in front of a surface that a camera looked at."""
 
+from collections.abc import Sequence
+
 import numpy as np
 from scipy.spatial import KDTree
 
 from topple.topology.arrays import BoolArray, FloatArray
+from topple.topology.image import DepthImage
 
 WIDTH = float(np.radians(1.0))
 """A ray speaks for directions this close [rad]: the spacing of a thinned surface seen from 50 cm."""
@@ -18,13 +21,23 @@ WITNESSES = 3
 class Sight:
     """The depth each camera saw per direction, rebuilt from the clouds and the camera centres."""
 
-    def __init__(self, points: FloatArray, viewpoints: FloatArray) -> None:
+    def __init__(
+        self,
+        points: FloatArray,
+        viewpoints: FloatArray,
+        images: Sequence[DepthImage] = (),
+        rotation: FloatArray | None = None,
+    ) -> None:
         """Index the surface points by their direction from every camera.
 
         Args:
             points: (N, 3) all points of the scene [m], thinned or not.
             viewpoints: (k, 3) camera centres [m], same frame.
+            images: What each of them took, in their order: beyond a picture's edges it saw nothing.
+            rotation: (3, 3) whose rows are the frame's axes in the images' world; the same frame if None.
         """
+        self._images = tuple(images) if len(images) == len(viewpoints) else (None,) * len(viewpoints)
+        self._rotation = np.eye(3) if rotation is None else rotation
         self._views: list[tuple[FloatArray, KDTree, FloatArray]] = []
         for centre in viewpoints:
             rays = points - centre
@@ -44,12 +57,13 @@ class Sight:
         found = np.zeros(len(points), dtype=np.bool_)
         if len(points) == 0:
             return found
-        for centre, tree, ranges in self._views:
+        for (centre, tree, ranges), image in zip(self._views, self._images, strict=True):
             rays = points - centre
             far = np.linalg.norm(rays, axis=1)
             distance, index = tree.query(rays / far[:, None], k=WITNESSES, distance_upper_bound=WIDTH)
             near = np.asarray(distance) < np.inf
             index = np.asarray(index)
             seen = np.where(near, ranges[np.minimum(index, len(ranges) - 1)], -np.inf)
-            found |= near.all(axis=1) & (seen > far[:, None] + MARGIN).all(axis=1)
+            through = near.all(axis=1) & (seen > far[:, None] + MARGIN).all(axis=1)
+            found |= through if image is None else through & image.in_view(points @ self._rotation)
         return found

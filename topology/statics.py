@@ -85,7 +85,8 @@ class Statics:
         upright = Upright.of(scene)
         sight = None
         if upright.viewpoints is not None:
-            sight = Sight(np.concatenate(list(upright.clouds.values())), upright.viewpoints)
+            everything = np.concatenate(list(upright.clouds.values()))
+            sight = Sight(everything, upright.viewpoints, scene.images, upright.rotation)
         if among is not None:
             upright = upright.among(among)
         surfaces = complete(upright, sight)

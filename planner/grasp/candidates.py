@@ -15,6 +15,7 @@ from topple.planner.grasp.suction import CupShape, cup_shape, patches, seal_scor
 from topple.planner.grasp.surface import Surface, surface_of
 from topple.planner.grasp.surroundings import Dropped, Surroundings, surroundings
 from topple.planner.grasp.tolerances import GRASP_TOLERANCES, GraspTolerances
+from topple.planner.grasp.widen import widened
 from topple.planner.solids import parts_of
 from topple.topology.arrays import FloatArray
 from topple.topology.errors import InvalidInput, UnknownObject
@@ -42,6 +43,8 @@ def grasp_candidates(
     hand: HandShape | None = None,
     cup: CupShape | None = None,
     solids: Mapping[str, Sequence[FloatArray]] | None = None,
+    whole: Sequence[FloatArray] | None = None,
+    wide: bool = False,
     limit: int = 60,
     tolerances: GraspTolerances = GRASP_TOLERANCES,
     dropped: Dropped | None = None,
@@ -59,7 +62,10 @@ def grasp_candidates(
         arm: The arm whose tools are measured; or give `hand` and `cup`.
         hand: Fingers to grasp with; measured from the arm where not given.
         cup: Suction cup to grasp with; measured from the arm where not given.
-        solids: Convex parts of the objects in the world, for the mass and where it is.
+        solids: Convex parts of the objects in the world.
+        whole: Those of the object with the sides that nobody saw, for its mass and for fingers to keep clear
+            of; its `solids` where not given.
+        wide: Come in with the fingers as far apart as there is room: the object is larger than it looks.
         limit: At most so many, spread over the object.
         tolerances: Clearances and limits.
         dropped: Takes down what is left out and why, if given.
@@ -83,7 +89,9 @@ def grasp_candidates(
     up = np.asarray(scene.up, dtype=np.float64)
     solid = parts_of(scene.clouds[name], scene) if solids is None else solids.get(name, ())
     around = surroundings(name, scene, up, tolerances)
-    surface = surface_of(scene.clouds[name], up, scene.viewpoints, solid, around.points, tolerances)
+    surface = surface_of(
+        scene.clouds[name], up, scene.viewpoints, whole or solid, around.points, scene.images, tolerances
+    )
     dropped = Dropped() if dropped is None else dropped
     found: list[Grasp] = []
     if cup is not None:
@@ -92,10 +100,11 @@ def grasp_candidates(
     if hand is not None and sealed < tolerances.enough_sealed:
         pinched = _pinch_grasps(name, surface, around, up, hand, tolerances, dropped)
         hulls = [Hull.of(part) for part in solid]
-        whole = [grasp for grasp in pinched if not _pierces(grasp, hand, hulls, tolerances)]
-        dropped.note("fingers would stand in what it fills", len(pinched) - len(whole))
-        found += whole
-    return _varied(found, limit)
+        clear = [grasp for grasp in pinched if not _pierces(grasp, hand, hulls, tolerances)]
+        dropped.note("fingers would stand in what it fills", len(pinched) - len(clear))
+        found += clear
+    best = _varied(found, limit)
+    return widened(best, surface, around, up, hand, tolerances) if wide and hand is not None else best
 
 
 def _pinch_grasps(

@@ -9,6 +9,7 @@ from scipy.spatial import KDTree
 from topple.planner.grasp.tolerances import GRASP_TOLERANCES, GraspTolerances
 from topple.planner.samples import sampled_with_normals, volume_and_centre, voxel_means
 from topple.topology.arrays import BoolArray, FloatArray
+from topple.topology.image import DepthImage
 
 
 @dataclass(frozen=True, eq=False)
@@ -70,6 +71,7 @@ def surface_of(
     viewpoints: FloatArray | None = None,
     solid: Sequence[FloatArray] = (),
     others: FloatArray | None = None,
+    images: Sequence[DepthImage] = (),
     tolerances: GraspTolerances = GRASP_TOLERANCES,
 ) -> Surface:
     """Prepare an object's cloud for the grasp search.
@@ -82,6 +84,7 @@ def surface_of(
         solid: Convex parts of the object: for its volume, its centre of mass, and the sides no camera could
             see.
         others: (M, 3) points of what else may hide a side from the cameras [m].
+        images: What the cameras took: a side out of their view was not seen, either.
         tolerances: Spacing and neighbourhood.
 
     Returns:
@@ -95,7 +98,7 @@ def surface_of(
         nearest = np.argmin(np.linalg.norm(rays, axis=2), axis=1)
         toward = rays[np.arange(len(thin)), nearest]
     normals, evenness = fitted_normals(thin, tolerances.normal_radius, toward)
-    hidden, hidden_normals = _hidden(thin, solid, viewpoints, others, tolerances)
+    hidden, hidden_normals = _hidden(thin, solid, viewpoints, others, images, tolerances)
     volume, centre = volume_and_centre(thin, solid)
     return Surface(
         np.vstack([thin, hidden]),
@@ -112,6 +115,7 @@ def _hidden(
     solid: Sequence[FloatArray],
     viewpoints: FloatArray | None,
     others: FloatArray | None,
+    images: Sequence[DepthImage],
     tolerances: GraspTolerances,
 ) -> tuple[FloatArray, FloatArray]:
     """Points and normals of the sides nobody saw: of the convex parts, where no camera looked through."""
@@ -123,8 +127,10 @@ def _hidden(
     distance, _ = KDTree(seen).query(points, distance_upper_bound=tolerances.hidden_gap)
     unseen = np.isinf(distance)
     occluders = seen if others is None else np.vstack([seen, others])
-    for viewpoint in viewpoints:
-        unseen &= _shadowed(points, occluders, viewpoint, tolerances.hidden_gap)
+    pictures = images if len(images) == len(viewpoints) else [None] * len(viewpoints)
+    for viewpoint, picture in zip(viewpoints, pictures, strict=True):
+        in_view = True if picture is None else picture.in_view(points)
+        unseen &= _shadowed(points, occluders, viewpoint, tolerances.hidden_gap) | ~np.bool_(in_view)
     return points[unseen], normals[unseen]
 
 

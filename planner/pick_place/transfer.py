@@ -111,6 +111,7 @@ def plan_transfer(
     places: Sequence[Placement] | None = None,
     *,
     grasps: Sequence[Grasp] | None = None,
+    whole: Sequence[FloatArray] | None = None,
     avoid: Sequence[Grasp] = (),
     riding: Sequence[str] = (),
     upright: bool | None = None,
@@ -128,6 +129,7 @@ def plan_transfer(
         q_start: (n,) joint values now [rad].
         places: Where it may go, best first; free places on the table where None.
         grasps: How it may be held, best first; found from the clouds where None.
+        whole: Convex parts of the object with the sides that nobody saw, which fingers keep clear of as well.
         avoid: Grasps that failed: none near them is tried while there are others.
         riding: What lies in the object and goes with it.
         upright: Whether it is kept upright on the way; where something rides in it, if None.
@@ -145,9 +147,14 @@ def plan_transfer(
     bodies = solids_of(scene) if bodies is None else bodies
     searched, dropped = grasps is None, Dropped()
     if grasps is None:
-        grasps = _others(grasp_candidates(name, scene, arm, solids=bodies, dropped=dropped), avoid)
+        candidates = grasp_candidates(
+            name, scene, arm, solids=bodies, whole=whole, wide=bool(avoid), dropped=dropped
+        )
+        grasps = _others(candidates, avoid)
         if grasps and "fingers" in arm.tools and all(grasp.tool in _tired(avoid) for grasp in grasps):
-            pinches = grasp_candidates(name, scene, hand=hand_shape(arm), solids=bodies)
+            pinches = grasp_candidates(
+                name, scene, hand=hand_shape(arm), solids=bodies, whole=whole, wide=bool(avoid)
+            )
             grasps = _others(pinches, avoid) or grasps
     if places is None:
         places = placements(name, scene, bodies, pose_base_to_world=pose_base_to_world)
@@ -163,7 +170,9 @@ def plan_transfer(
     found = search.run(grasps)
     by_cup_alone = searched and all(grasp.tool == "suction" for grasp in grasps) and "fingers" in arm.tools
     if isinstance(found, TransferFailure) and by_cup_alone:
-        pinches = grasp_candidates(name, scene, hand=hand_shape(arm), solids=bodies)
+        pinches = grasp_candidates(
+            name, scene, hand=hand_shape(arm), solids=bodies, whole=whole, wide=bool(avoid)
+        )
         return search.run(_others(pinches, avoid))
     return found
 

@@ -9,6 +9,7 @@ from topple.robots.camera import Camera
 from topple.robots.scenarios.scenario import pose_at
 from topple.robots.world import World
 from topple.topology.complete import complete, is_hollow
+from topple.topology.image import DepthImage
 from topple.topology.relate import relate
 from topple.topology.relation import Relation
 from topple.topology.scene import Scene
@@ -108,6 +109,18 @@ def test_space_is_empty_in_front_of_what_was_seen_and_nowhere_else() -> None:
     places = np.array([[0, 0, 0.5], [0, 0, 0.05], [0, 0, 0.005], [0, 0, -0.1], [0.5, 0, 0.5]])
     assert sight.empty(places).tolist() == [True, True, False, False, False]
     assert len(sight.empty(places[:0])) == 0
+
+
+def test_beyond_a_picture_s_edge_nothing_was_seen_whatever_others_saw_there() -> None:
+    across = np.linspace(-0.5, 0.5, 201)
+    wall = np.stack(np.meshgrid(across, across, [0.0]), axis=-1).reshape(-1, 3)
+    pose = np.diag([1.0, -1.0, -1.0, 1.0])
+    pose[2, 3] = 1.0
+    K = np.array([[500.0, 0.0, 49.5], [0.0, 500.0, 49.5], [0.0, 0.0, 1.0]])
+    image = DepthImage(np.ones((100, 100)), K, np.zeros((100, 100), dtype=np.int64), pose)
+    places = np.array([[0.02, 0.0, 0.5], [0.2, 0.0, 0.5]])
+    assert Sight(wall, pose[None, :3, 3]).empty(places).tolist() == [True, True]
+    assert Sight(wall, pose[None, :3, 3], [image]).empty(places).tolist() == [True, False]
 
 
 def test_a_hidden_contact_carries_what_nothing_seen_does() -> None:

@@ -103,3 +103,12 @@ def test_an_image_travels_between_processes() -> None:
     back = pickle.loads(pickle.dumps(image))
     assert back.names == {2: "mug"}
     assert np.array_equal(back.label, LABEL)
+
+
+def test_a_place_is_in_view_within_the_edges_of_the_picture_and_ahead() -> None:
+    image = DepthImage(DEPTH, K, LABEL)
+    corner = image.points()[0, 0]
+    beyond = corner + np.array([-0.01, 0.0, 0.0])
+    behind = -image.points()[24, 32]
+    places = np.array([corner, 3.0 * corner, beyond, behind, image.points()[47, 63]])
+    assert image.in_view(places).tolist() == [True, True, False, False, True]
