@@ -64,6 +64,8 @@ def test_an_interrupted_demo_leaves_its_report(tmp_path: Path) -> None:
         stdout=subprocess.DEVNULL,
         stderr=subprocess.PIPE,
         text=True,
+        # a shell starts what it puts in the background deaf to Ctrl-C, and children inherit that
+        preexec_fn=lambda: signal.signal(signal.SIGINT, signal.SIG_DFL),
     ) as done:
         assert done.stderr is not None
         for line in done.stderr:  # until it acts
