@@ -7,7 +7,7 @@ from types import TracebackType
 import numpy as np
 
 from topple.planner.place.placement import Placement
-from topple.planner.solids import Solids, moved, up_of
+from topple.planner.solids import Solids, apart, moved, up_of
 from topple.robots.poses import angle_between
 from topple.topology.arrays import FloatArray
 from topple.topology.pairs import Relations
@@ -16,11 +16,10 @@ from topple.topology.scene import Scene
 
 SECONDS = 1.5  # of simulation: a fall of 4 cm takes 0.1, rolling down a bowl and back half a second
 KEPT = 0.01  # [m] what moves less than this has stayed: the same as for a violation
+CLEAR = 0.01  # [m] beside what lies in a container: more than two bodies and a drop are off by
 TURNED = 0.25  # [rad] a face found on noisy points is that far from the one it stands on
-PUSHED = (
-    0.005  # [m] what something else moves by this, or turns by `TIPPED`, is disturbed: half of a violation
-)
-TIPPED = 0.09  # [rad]
+PUSHED = 0.005  # [m] what something else moves when it is disturbed: half of a violation
+TIPPED = 0.09  # [rad] or by how much it turns then
 
 
 class Drops:
@@ -136,7 +135,8 @@ def staying(
         contents: What lies in the container.
 
     Returns:
-        Those that hold and disturb nothing that lies there, and all that hold; where it rolls least first.
+        Those that hold and disturb nothing that lies there, and all that hold; clear of the contents first,
+        then where it rolls least.
     """
     scene, rule = relations.scene, relations.rule
     up, container = up_of(scene), rule.prepare(where, scene.clouds[where])
@@ -147,21 +147,23 @@ def staying(
         return pair.relation in (Relation.WITHIN, Relation.PARTIAL_WITHIN)
 
     found = [place for place in places if inside(place.pose_at_rest(up))]
-    gentle: list[tuple[float, Placement]] = []
-    kept: list[tuple[float, Placement]] = []
+    gentle: list[tuple[tuple[bool, int], Placement]] = []
+    kept: list[tuple[tuple[bool, int], Placement]] = []
     if found:
         with Drops(name, bodies, up, contents) as drops:
             for place in found:
                 rest = drops.rest(place.pose_before_to_after)
                 if inside(rest):
                     way = (rest - place.pose_at_rest(up)) @ np.append(drops.centre_of_mass, 1.0)
-                    kept.append((round(float(np.linalg.norm(way)) / KEPT), place))
+                    there = moved(bodies[name], rest)
+                    beside = not all(apart(there, bodies[other], CLEAR) for other in contents)
+                    kept.append(((beside, round(float(np.linalg.norm(way)) / KEPT)), place))
                     gentle += [] if drops.pushes() else kept[-1:]
-    return _least_rolling(gentle), _least_rolling(kept)
+    return _quietest(gentle), _quietest(kept)
 
 
-def _least_rolling(found: Sequence[tuple[float, Placement]]) -> list[Placement]:
-    """Placements with how far each rolls, those first that stay where they are let go."""
+def _quietest(found: Sequence[tuple[tuple[bool, int], Placement]]) -> list[Placement]:
+    """Placements clear of what lies there first, then those that stay where they are let go."""
     return [place for _, place in sorted(found, key=lambda each: each[0])]
 
 
