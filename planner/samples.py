@@ -1,11 +1,12 @@
 """Points standing for bodies: clouds thinned evenly, convex parts sampled, and where their mass is."""
 
 from collections.abc import Sequence
+from functools import cache
 
 import numpy as np
 from scipy.spatial import ConvexHull, QhullError
 
-from topple.topology.arrays import FloatArray
+from topple.topology.arrays import FloatArray, frozen
 
 
 def voxel_means(points: FloatArray, spacing: float) -> FloatArray:
@@ -50,25 +51,22 @@ def sampled_with_normals(solid: Sequence[FloatArray], spacing: float) -> tuple[F
             hull = ConvexHull(part, qhull_options="QJ Pp")
         except (QhullError, ValueError):
             continue
-        for corners, equation in zip(part[hull.simplices], hull.equations, strict=True):
-            samples = _triangle_grid(corners, spacing)
-            points.append(samples)
-            normals.append(np.tile(equation[:3], (len(samples), 1)))
+        corners = part[hull.simplices]
+        edges = np.linalg.norm(corners - np.roll(corners, 1, axis=1), axis=2).max(axis=1)
+        for (first, second, third), longest, equation in zip(corners, edges, hull.equations, strict=True):
+            u, v = _triangle_grid(max(1, int(np.ceil(longest / spacing))))
+            points.append(first + u * (second - first) + v * (third - first))
+            normals.append(np.broadcast_to(equation[:3], (len(u), 3)))
     return np.vstack(points), np.vstack(normals)
 
 
-def _triangle_grid(corners: FloatArray, spacing: float) -> FloatArray:
-    """Points spread evenly over a (3, 3) triangle, its corners' neighbourhood included."""
-    longest = float(np.linalg.norm(corners - np.roll(corners, 1, axis=0), axis=1).max())
-    steps = max(1, int(np.ceil(longest / spacing)))
+@cache
+def _triangle_grid(steps: int) -> tuple[FloatArray, FloatArray]:
+    """Shares (N, 1) of two edges of a triangle, spread evenly over it and near its corners."""
     i, j = np.meshgrid(np.arange(steps), np.arange(steps), indexing="ij")
     u, v = (i + 1.0 / 3.0) / steps, (j + 1.0 / 3.0) / steps
     inside = u + v < 1.0
-    return (
-        corners[0]
-        + np.outer(u[inside], corners[1] - corners[0])
-        + np.outer(v[inside], corners[2] - corners[0])
-    )
+    return frozen(u[inside][:, None]), frozen(v[inside][:, None])
 
 
 def centre_of_mass(points: FloatArray, solid: Sequence[FloatArray] = ()) -> FloatArray:

@@ -1,10 +1,11 @@
 """A scene at rest: bodies, contacts and weights, and who would not stay if something were gone."""
 
 from collections.abc import Collection, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from functools import cached_property
 from types import MappingProxyType
 from typing import TYPE_CHECKING
+from weakref import WeakKeyDictionary
 
 import numpy as np
 from scipy.spatial import ConvexHull, QhullError
@@ -47,6 +48,33 @@ UNSTEADY = 0.1
 
 
 @dataclass(frozen=True, eq=False)
+class _Whole:
+    """The bodies of a scene, each completed once for all who ask, in whatever company."""
+
+    upright: Upright
+    sight: Sight | None
+    _done: dict[str, FloatArray] = field(default_factory=dict[str, FloatArray])
+
+    @staticmethod
+    def of(scene: "Scene") -> "_Whole":
+        upright = Upright.of(scene)
+        if upright.viewpoints is None:
+            return _Whole(upright, None)
+        everything = np.concatenate(list(upright.clouds.values()))
+        return _Whole(upright, Sight(everything, upright.viewpoints, scene.images, upright.rotation))
+
+    def among(self, names: Collection[str]) -> dict[str, FloatArray]:
+        """Upright points (N, 3) [m] of the whole surfaces, by name."""
+        missing = [name for name in names if name not in self._done]
+        self._done.update(complete(self.upright.among(missing), self.sight))
+        return {name: self._done[name] for name in names}
+
+
+_WHOLE: WeakKeyDictionary["Scene", _Whole] = WeakKeyDictionary()
+"""Of the scenes there are: relations that infer contacts, orders and placements ask of the same one."""
+
+
+@dataclass(frozen=True, eq=False)
 class Statics:
     """What gravity can be asked about.
 
@@ -82,14 +110,11 @@ class Statics:
         Raises:
             InvalidInput: The scene has no `up`.
         """
-        upright = Upright.of(scene)
-        sight = None
-        if upright.viewpoints is not None:
-            everything = np.concatenate(list(upright.clouds.values()))
-            sight = Sight(everything, upright.viewpoints, scene.images, upright.rotation)
-        if among is not None:
-            upright = upright.among(among)
-        surfaces = complete(upright, sight)
+        whole = _WHOLE.get(scene)
+        if whole is None:
+            whole = _WHOLE.setdefault(scene, _Whole.of(scene))
+        upright = whole.upright if among is None else whole.upright.among(among)
+        sight, surfaces = whole.sight, whole.among(upright.clouds)
         contacts = find_contacts(upright, surfaces)
         weights = {name: weigh(surfaces[name]) for name in upright.movable}
         unexplained = balance(weights, within_reach(contacts, weights)).deficit

@@ -17,7 +17,7 @@ from topple.planner.grasp.surroundings import Dropped, Surroundings, surrounding
 from topple.planner.grasp.tolerances import GRASP_TOLERANCES, GraspTolerances
 from topple.planner.grasp.widen import widened
 from topple.planner.solids import parts_of
-from topple.topology.arrays import FloatArray
+from topple.topology.arrays import BoolArray, FloatArray
 from topple.topology.errors import InvalidInput, UnknownObject
 from topple.topology.hull import Hull
 from topple.topology.scene import Scene
@@ -100,7 +100,8 @@ def grasp_candidates(
     if hand is not None and sealed < tolerances.enough_sealed:
         pinched = _pinch_grasps(name, surface, around, up, hand, tolerances, dropped)
         hulls = [Hull.of(part) for part in solid]
-        clear = [grasp for grasp in pinched if not _pierces(grasp, hand, hulls, tolerances)]
+        pierced = _pierced(pinched, hand, hulls, tolerances)
+        clear = [grasp for grasp, bad in zip(pinched, pierced, strict=True) if not bad]
         dropped.note("fingers would stand in what it fills", len(pinched) - len(clear))
         found += clear
     best = _varied(found, limit)
@@ -133,18 +134,38 @@ def _pinch_grasps(
     return found
 
 
-def _pierces(grasp: Grasp, hand: HandShape, hulls: Sequence[Hull], tolerances: GraspTolerances) -> bool:
-    """Whether the open fingers would stand in the object: its cloud may have a hole where it has none."""
-    corners: list[FloatArray] = []
-    for x0, x1, y0, y1, front in hand.footprints(grasp.opening)[: 2 * len(hand.finger)]:
-        grid = np.meshgrid(
-            np.linspace(x0, x1, 3), np.linspace(y0, y1, 3), front - np.linspace(0.0, hand.pad_length, 3)
+def _pierced(
+    grasps: Sequence[Grasp], hand: HandShape, hulls: Sequence[Hull], tolerances: GraspTolerances
+) -> BoolArray:
+    """Whose open fingers would stand in the object: its cloud may have a hole where it has none."""
+    found = np.zeros(len(grasps), dtype=np.bool_)
+    if not grasps:
+        return found
+    points = _finger_points(grasps, hand)
+    for hull in hulls:
+        inside = ((points > hull.lower) & (points < hull.upper)).all(axis=2)
+        near = np.flatnonzero(np.any(inside, axis=1) & ~found)
+        deep = points[near] @ hull.normals.T + hull.offsets < -tolerances.into_solid
+        found[near] = np.any(deep.all(axis=2), axis=1)
+    return found
+
+
+def _finger_points(grasps: Sequence[Grasp], hand: HandShape) -> FloatArray:
+    """Points (G, N, 3) in the open fingers of grasps, in the world [m]."""
+    grids = [
+        np.meshgrid(
+            np.linspace(*prism.x, 3),
+            np.linspace(*prism.y, 3),
+            prism.front - np.linspace(0.0, hand.pad_length, 3),
         )
-        corners.append(np.column_stack([axis.ravel() for axis in grid]))
-    pose = grasp.pose_tool_to_world
-    points = np.vstack(corners) @ pose[:3, :3].T + pose[:3, 3]
-    inside = (points @ hull.normals.T + hull.offsets < -tolerances.into_solid for hull in hulls)
-    return any(bool(deep.all(axis=1).any()) for deep in inside)
+        for prism in hand.finger
+    ]
+    one = np.vstack([np.column_stack([axis.ravel() for axis in grid]) for grid in grids])
+    half = np.array([grasp.opening / 2.0 for grasp in grasps])[:, None, None] * np.array([0.0, 1.0, 0.0])
+    right = one + half
+    both = np.concatenate([right, right * np.array([1.0, -1.0, 1.0])], axis=1)
+    poses = np.stack([grasp.pose_tool_to_world for grasp in grasps])
+    return both @ poses[:, :3, :3].swapaxes(1, 2) + poses[:, None, :3, 3]
 
 
 def _in_words(load: float) -> str:

@@ -142,20 +142,21 @@ def _at_rest(
         lift = space.height + tolerances.drop - float((turned @ space.normal).min())
         scores = _scores(places, room, rest, axes @ middle, base, k / yaws, tolerances)
         scores[bars & (scores > 0.0)] *= BARRING
-        for index in np.argsort(-scores, kind="stable")[:KEPT]:
-            if room[index] > tolerances.gap:
-                target = axes.T @ places[index]
-                target = target + up * (lift - float(target @ space.normal)) / float(up @ space.normal)
-                pose = np.eye(4)
-                pose[:3, :3], pose[:3, 3] = rotation, target - rotation @ middle
-                turned_by, gap = np.degrees(rest.turn), 1e3 * float(room[index])
-                words = f"turned {turned_by:.0f} deg onto a face, {gap:.0f} mm free"
-                found.append(
-                    Placement(
-                        pose, float(scores[index]), words, tolerances.drop,
-                        rolls=rest.rolls, bars=bool(bars[index]),
-                    )
-                )  # fmt: skip
+        best = np.argsort(-scores, kind="stable")[:KEPT]
+        best = best[room[best] > tolerances.gap]
+        targets = places[best] @ axes
+        targets += np.outer((lift - targets @ space.normal) / float(up @ space.normal), up)
+        poses = np.tile(np.eye(4), (len(best), 1, 1))
+        poses[:, :3, :3], poses[:, :3, 3] = rotation, targets - rotation @ middle
+        turned_by = np.degrees(rest.turn)
+        for index, pose in zip(best.tolist(), poses, strict=True):
+            words = f"turned {turned_by:.0f} deg onto a face, {1e3 * room[index]:.0f} mm free"
+            found.append(
+                Placement(
+                    pose, float(scores[index]), words, tolerances.drop,
+                    rolls=rest.rolls, bars=bool(bars[index]),
+                )
+            )  # fmt: skip
     return found
 
 
@@ -184,15 +185,15 @@ def _scores(
 def _spread_out(found: list[Placement], middle: FloatArray, limit: int) -> list[Placement]:
     """Steady ones that bar no way first, best first: at most three headings at a place, places 6 cm apart."""
     kept: list[Placement] = []
-    spots: list[FloatArray] = []
+    spots = np.empty((0, 3))
     for placement in sorted(found, key=lambda placement: (placement.rolls, placement.bars, -placement.score)):
         pose = placement.pose_before_to_after
         spot = pose[:3, :3] @ middle + pose[:3, 3]
-        near = [other for other in spots if np.linalg.norm(other - spot) < 0.06]
-        same = sum(bool(np.linalg.norm(other - spot) < 0.005) for other in near)
-        if len(near) == same and same < 3:
+        apart = np.sqrt(((spots - spot) ** 2).sum(axis=1))
+        same = np.count_nonzero(apart < 0.005)
+        if np.count_nonzero(apart < 0.06) == same and same < 3:
             kept.append(placement)
-            spots.append(spot)
+            spots = np.vstack([spots, spot])
         if len(kept) >= limit:
             break
     return kept
