@@ -14,7 +14,7 @@ from PIL import Image, ImageDraw
 from topple.planner.bench.rules import order_by
 from topple.planner.demo import loop_in
 from topple.planner.judge import LIMITS
-from topple.planner.order import order
+from topple.planner.order import cautious
 from topple.planner.report.record import RunRecord, StepRecord
 from topple.robots.camera import Camera
 from topple.robots.scenarios import scenario_called
@@ -27,7 +27,7 @@ def played(seed: int, rule: str | None) -> tuple[RunRecord, list[np.ndarray], st
     """Play a pile; a picture before and after each action, and what was wanted."""
     pictures: list[np.ndarray] = []
     with scenario_called("pile", seed) as stage:
-        orderer = order if rule is None else order_by(rule, stage.pose_base_to_world)
+        orderer = cautious if rule is None else order_by(rule, stage.pose_base_to_world)
         loop = loop_in(stage, orderer=orderer, seed=seed)
         loop.progress = lambda line: pictures.append(EYE.picture(stage.world))
         return loop.run(), pictures, stage.goal
