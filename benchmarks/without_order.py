@@ -1,4 +1,4 @@
-"""What goes wrong without an order: the same pile, arm and grasps, the highest top first and by topple.
+"""What goes wrong without an order: the same pile, arm and grasps, by plain 6IM + height and by topple.
 
     python benchmarks/without_order.py [SEED] [OUT.png]
 
@@ -19,7 +19,7 @@ from topple.planner.report.record import RunRecord, StepRecord
 from topple.robots.camera import Camera
 from topple.robots.scenarios import scenario_called
 
-RULE = "top height first"
+RULE = "plain 6IM + height"
 EYE = Camera.looking_at((0.47, -0.43, 0.42), (0.0, 0.0, 0.03), width=440, height=330)
 
 
@@ -65,4 +65,4 @@ def main(seed: int, path: str) -> int:
 
 
 if __name__ == "__main__":
-    sys.exit(main(int((sys.argv[1:] or ["0"])[0]), (sys.argv[2:] or ["without_order.png"])[0]))
+    sys.exit(main(int((sys.argv[1:] or ["4"])[0]), (sys.argv[2:] or ["without_order.png"])[0]))
