@@ -8,7 +8,6 @@ import numpy as np
 from topple.planner.report.raster import picture
 from topple.planner.solids import table_top, up_of
 from topple.robots.camera import Camera
-from topple.robots.poses import inverse
 from topple.robots.world import World
 from topple.topology.arrays import BoolArray, FloatArray
 from topple.topology.cloud import clean, thinned
@@ -136,19 +135,7 @@ def _moved(now: FloatArray, before: FloatArray) -> bool:
 
 def _seen_through(cloud: FloatArray, images: Sequence[DepthImage]) -> BoolArray:
     """Which of (N, 3) points some camera sees something clearly behind."""
-    through = np.zeros(len(cloud), dtype=np.bool_)
-    for image in images:
-        pose = inverse(image.pose_camera_to_world)
-        x, y, z = (cloud @ pose[:3, :3].T + pose[:3, 3]).T
-        ahead = z > 0.05
-        safe = np.where(ahead, z, 1.0)
-        column = np.round((image.K[0, 0] * x + image.K[0, 1] * y) / safe + image.K[0, 2]).astype(int)
-        row = np.round(image.K[1, 1] * y / safe + image.K[1, 2]).astype(int)
-        height, width = image.depth.shape
-        ahead &= (column >= 0) & (column < width) & (row >= 0) & (row < height)
-        depth = image.depth[np.clip(row, 0, height - 1), np.clip(column, 0, width - 1)]
-        through |= ahead & (depth > z + SEEN_THROUGH)
-    return through
+    return np.any([image.depth_past(cloud) > SEEN_THROUGH for image in images], axis=0)
 
 
 def unexpected(predicted: Relations, observed: Relations) -> list[str]:

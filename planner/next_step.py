@@ -283,19 +283,29 @@ class StepChooser:
                 return self._take_off(contents, REMOVE, f"{name} needs room in {where}", doubting=False)
             except NoSafePlan as error:
                 places, gentle, kept = self._spots(place, MORE_CHOICE)
-                for choice in (gentle, kept, None, places):
-                    if choice is None and (step := self._out_of_turn(contents, REMOVE)) is not None:
-                        return step
-                    if choice and isinstance(on_top := self._transfer(name, choice), Transfer):
-                        why = f"no more room can be made in {where} ({error})"
-                        return NextStep(on_top, PLACE, why, chosen)
-                raise
+                why = f"no more room can be made in {where} ({error})"
+                step = (
+                    self._put(name, (gentle, kept), why, chosen)
+                    or self._out_of_turn(contents, REMOVE)
+                    or self._put(name, (places,), why, chosen)
+                )
+                if step is None:
+                    raise
+                return step
         if room and (name, REMOVE) not in self.done and name not in self.given_up:
             aside = self._transfer(name, None)
             if isinstance(aside, Transfer):
                 words = f"it is put down to be taken otherwise, as it cannot go straight to {where} ({found})"
                 return NextStep(aside, REMOVE, words, chosen)
         raise NoSafePlan(str(found), (str(found),), (found,))
+
+    def _put(self, name: str, tries: Sequence[list[Placement]], why: str, chosen: Order) -> NextStep | None:
+        """The step to the first of some lists of placements that the arm can make."""
+        for places in filter(None, tries):
+            found = self._transfer(name, places)
+            if isinstance(found, Transfer):
+                return NextStep(found, PLACE, why, chosen)
+        return None
 
     def _spots(self, place: Place, limit: int) -> tuple[list[Placement], list[Placement], list[Placement]]:
         """Where an object could go, where it stays there and pushes nothing, and all where it stays."""

@@ -46,7 +46,7 @@ class Order:
         assumptions: What was assumed and not seen, in sentences.
         explanation: One sentence per step.
         verified: True where simulation has checked the order.
-        found: (first, then) -> chance that taking `then` moves `first`, as this scene shows it.
+        chances: (first, then) -> chance that taking `then` moves `first`, as this scene shows it.
         notes: More entries of the JSON object.
     """
 
@@ -61,7 +61,7 @@ class Order:
     assumptions: tuple[str, ...] = ()
     explanation: tuple[str, ...] = ()
     verified: bool = False
-    found: Mapping[tuple[str, str], float] = field(default_factory=lambda: MappingProxyType({}))
+    chances: Mapping[tuple[str, str], float] = field(default_factory=lambda: MappingProxyType({}))
     notes: Mapping[str, Any] = field(default_factory=lambda: MappingProxyType({}))
 
     def to_json(self) -> dict[str, Any]:
@@ -144,7 +144,7 @@ def order(
     risked = (beliefs or Beliefs()).weighed(chance, edges)
     found = arrange(full.reduced(), wanted, tops, carried, said, risked, removal_risk)
     checked = verify and not notes["budget_exhausted"]
-    found = replace(found, verified=checked, found=MappingProxyType(chance), notes=MappingProxyType(notes))
+    found = replace(found, verified=checked, chances=MappingProxyType(chance), notes=MappingProxyType(notes))
     return found if robot is None else _with_access(found, scene, robot)
 
 

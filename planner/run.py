@@ -263,7 +263,7 @@ class ClosedLoop:
         different = unexpected(predicted, seen.relations)
         alone = {name, *transfer.riding} if outcome.success and chosen.action != PLACE else ()
         stirred = {name, *transfer.riding, *seen.surprises}
-        self._beliefs = self._beliefs.after(chosen.order.found, stirred, alone)
+        self._beliefs = self._beliefs.after(chosen.order.chances, stirred, alone)
         events += [*seen.surprises.values(), *different]
         if different or seen.surprises:
             events.append("the next step is planned from what is seen")

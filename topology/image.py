@@ -98,14 +98,33 @@ class DepthImage:
 
     def in_view(self, places: FloatArray) -> BoolArray:
         """Which places (N, 3) in world coordinates [m] lie within the picture's edges, hidden or not."""
+        return self._pixels_of(places)[3]
+
+    def depth_past(self, places: FloatArray) -> FloatArray:
+        """How much further than places the camera saw in their directions.
+
+        Args:
+            places: (N, 3) in world coordinates [m].
+
+        Returns:
+            (N,) measured depth less that of the place [m]; -inf out of view and where nothing was measured.
+        """
+        rows, columns, depth, seen = self._pixels_of(places)
+        past = np.full(len(places), -np.inf)
+        measured = self.depth[rows[seen], columns[seen]]
+        past[seen] = np.where(measured > 0, measured - depth[seen], -np.inf)
+        return past
+
+    def _pixels_of(self, places: FloatArray) -> tuple[IntArray, IntArray, FloatArray, BoolArray]:
+        """Row, column and depth [m] of places (N, 3), and which of them are in the picture."""
         local = (places - self.viewpoint) @ self.pose_camera_to_world[:3, :3]
         ahead = local[:, 2] > 1e-6
         pixel = local @ self.K.T / np.where(ahead, local[:, 2], 1.0)[:, None]
+        column, row = np.floor(pixel[:, :2].T + 0.5)
         height, width = self.depth.shape
-        within = (np.abs(pixel[:, 0] - (width - 1) / 2) < width / 2) & (
-            np.abs(pixel[:, 1] - (height - 1) / 2) < height / 2
-        )
-        return ahead & within
+        inside = ahead & (column >= 0) & (column < width) & (row >= 0) & (row < height)
+        rows, columns = (np.where(inside, each, 0).astype(np.int64) for each in (row, column))
+        return rows, columns, local[:, 2], inside
 
     def pixels(self) -> dict[str, int]:
         """Count the pixels of each object, with depth or without.

@@ -48,7 +48,7 @@ UNSTEADY = 0.1
 
 
 @dataclass(frozen=True, eq=False)
-class _Whole:
+class _Completed:
     """The bodies of a scene, each completed once for all who ask, in whatever company."""
 
     upright: Upright
@@ -56,12 +56,12 @@ class _Whole:
     _done: dict[str, FloatArray] = field(default_factory=dict[str, FloatArray])
 
     @staticmethod
-    def of(scene: "Scene") -> "_Whole":
+    def of(scene: "Scene") -> "_Completed":
         upright = Upright.of(scene)
         if upright.viewpoints is None:
-            return _Whole(upright, None)
+            return _Completed(upright, None)
         everything = np.concatenate(list(upright.clouds.values()))
-        return _Whole(upright, Sight(everything, upright.viewpoints, scene.images, upright.rotation))
+        return _Completed(upright, Sight(everything, upright.viewpoints, scene.images, upright.rotation))
 
     def among(self, names: Collection[str]) -> dict[str, FloatArray]:
         """Upright points (N, 3) [m] of the whole surfaces, by name."""
@@ -70,7 +70,7 @@ class _Whole:
         return {name: self._done[name] for name in names}
 
 
-_WHOLE: WeakKeyDictionary["Scene", _Whole] = WeakKeyDictionary()
+_COMPLETED: WeakKeyDictionary["Scene", _Completed] = WeakKeyDictionary()
 """Of the scenes there are: relations that infer contacts, orders and placements ask of the same one."""
 
 
@@ -110,11 +110,11 @@ class Statics:
         Raises:
             InvalidInput: The scene has no `up`.
         """
-        whole = _WHOLE.get(scene)
-        if whole is None:
-            whole = _WHOLE.setdefault(scene, _Whole.of(scene))
-        upright = whole.upright if among is None else whole.upright.among(among)
-        sight, surfaces = whole.sight, whole.among(upright.clouds)
+        bodies = _COMPLETED.get(scene)
+        if bodies is None:
+            bodies = _COMPLETED.setdefault(scene, _Completed.of(scene))
+        upright = bodies.upright if among is None else bodies.upright.among(among)
+        sight, surfaces = bodies.sight, bodies.among(upright.clouds)
         contacts = find_contacts(upright, surfaces)
         weights = {name: weigh(surfaces[name]) for name in upright.movable}
         unexplained = balance(weights, within_reach(contacts, weights)).deficit

@@ -79,7 +79,7 @@ class Visibility:
         """
         seen = np.zeros(len(places), dtype=np.bool_)
         for image in self._images:
-            seen |= _free_in(image, places)
+            seen |= image.depth_past(places) > MARGIN
         for viewpoint, table in zip(self._viewpoints, self._tables, strict=True):
             key, reach = _directions(places, viewpoint)
             seen |= table[key] > reach - MARGIN
@@ -109,19 +109,3 @@ def _nearest(points: FloatArray, viewpoint: FloatArray) -> tuple[IntArray, Float
     np.minimum.at(table, key - first, reach)
     cells = np.flatnonzero(np.isfinite(table))
     return cells + first, table[cells]
-
-
-def _free_in(image: DepthImage, places: FloatArray) -> BoolArray:
-    """Which places one image saw to be empty: its depth there is greater."""
-    turn, centre = image.pose_camera_to_world[:3, :3], image.pose_camera_to_world[:3, 3]
-    local = (places - centre) @ turn
-    ahead = local[:, 2] > 1e-6
-    pixel = local @ image.K.T
-    scale = np.where(ahead, pixel[:, 2], 1.0)
-    column = np.floor(pixel[:, 0] / scale + 0.5)
-    row = np.floor(pixel[:, 1] / scale + 0.5)
-    height, width = image.depth.shape
-    inside = ahead & (column >= 0) & (column < width) & (row >= 0) & (row < height)
-    depth = np.zeros(len(places))
-    depth[inside] = image.depth[row[inside].astype(np.int64), column[inside].astype(np.int64)]
-    return depth > local[:, 2] + MARGIN

@@ -3,6 +3,7 @@
 from collections import Counter
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
+from functools import partial
 
 import numpy as np
 
@@ -146,16 +147,11 @@ def plan_transfer(
         raise UnknownObject(name, scene.names)
     bodies = solids_of(scene) if bodies is None else bodies
     searched, dropped = grasps is None, Dropped()
+    find = partial(grasp_candidates, name, scene, solids=bodies, whole=whole, wide=bool(avoid))
     if grasps is None:
-        candidates = grasp_candidates(
-            name, scene, arm, solids=bodies, whole=whole, wide=bool(avoid), dropped=dropped
-        )
-        grasps = _others(candidates, avoid)
+        grasps = _others(find(arm, dropped=dropped), avoid)
         if grasps and "fingers" in arm.tools and all(grasp.tool in _tired(avoid) for grasp in grasps):
-            pinches = grasp_candidates(
-                name, scene, hand=hand_shape(arm), solids=bodies, whole=whole, wide=bool(avoid)
-            )
-            grasps = _others(pinches, avoid) or grasps
+            grasps = _others(find(hand=hand_shape(arm)), avoid) or grasps
     if places is None:
         places = placements(name, scene, bodies, pose_base_to_world=pose_base_to_world)
     level = bool(riding) if upright is None else upright
@@ -170,10 +166,7 @@ def plan_transfer(
     found = search.run(grasps)
     by_cup_alone = searched and all(grasp.tool == "suction" for grasp in grasps) and "fingers" in arm.tools
     if isinstance(found, TransferFailure) and by_cup_alone:
-        pinches = grasp_candidates(
-            name, scene, hand=hand_shape(arm), solids=bodies, whole=whole, wide=bool(avoid)
-        )
-        return search.run(_others(pinches, avoid))
+        return search.run(_others(find(hand=hand_shape(arm)), avoid))
     return found
 
 

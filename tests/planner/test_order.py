@@ -100,7 +100,7 @@ def test_more_is_taken_where_that_risks_less_and_the_reason_says_so() -> None:
 
 def test_what_earlier_looks_found_weighs_on(tower: Scene) -> None:
     alone = order(tower, ["top"], removal_risk=0.05)
-    assert alone.order == ("top",) and alone.found["top", "low"] > 0.9
+    assert alone.order == ("top",) and alone.chances["top", "low"] > 0.9
     past = Beliefs({("aside", "top"): (0.9, 0.9)})
     assert order(tower, ["top"], removal_risk=0.05, beliefs=past).order == ("aside", "top")
 

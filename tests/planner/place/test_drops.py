@@ -10,6 +10,9 @@ from topple.topology.relate import relate
 from topple.topology.scene import Scene
 
 UP = np.array([0.0, 0.0, 1.0])
+AXIS = np.arange(-0.4, 0.4, 0.01)
+GROUND = np.stack(np.meshgrid(AXIS, AXIS, [0.0]), -1).reshape(-1, 3)
+SLAB = np.array([[x, y, z] for x in (-0.4, 0.4) for y in (-0.4, 0.4) for z in (0.0, -0.05)])
 
 
 def cloud(body: Body, x: float = 0.0) -> np.ndarray:
@@ -55,15 +58,11 @@ def test_what_is_let_go_over_a_rim_does_not_stay_and_in_the_middle_it_does() -> 
 
 def test_what_would_tip_over_is_put_down_as_it_comes_to_lie() -> None:
     stick = box("stick", (0.02, 0.02, 0.2))
-    axis = np.arange(-0.4, 0.4, 0.01)
-    level = np.stack(np.meshgrid(axis, axis), -1).reshape(-1, 2)
-    ground = np.column_stack([level, np.zeros(len(level))])
-    scene = Scene({"stick": cloud(stick), "table": ground}, fixed=["table"], up=UP)
-    slab = np.array([[x, y, z] for x in (-0.4, 0.4) for y in (-0.4, 0.4) for z in (0.0, -0.05)])
+    scene = Scene({"stick": cloud(stick), "table": GROUND}, fixed=["table"], up=UP)
     upright, tilted = shifted(0.1, 0.004), shifted(0.1, 0.03)
     tilted[:3, :3] = [[np.cos(0.3), 0.0, np.sin(0.3)], [0.0, 1.0, 0.0], [-np.sin(0.3), 0.0, np.cos(0.3)]]
     places = [Placement(upright, 1.0, drop=0.004), Placement(tilted, 0.9, drop=0.004)]
-    bodies = {"stick": standing_parts(stick), "table": [slab]}
+    bodies = {"stick": standing_parts(stick), "table": [SLAB]}
     stays, lies = standing(places, "stick", scene, bodies)
     assert stays is places[0]
     assert lies.rolls
@@ -72,14 +71,10 @@ def test_what_would_tip_over_is_put_down_as_it_comes_to_lie() -> None:
 
 def test_what_tips_from_how_it_is_now_may_be_let_go_so_where_no_hand_gets_down_with_it_lying() -> None:
     pole = box("pole", (0.004, 0.02, 0.2))
-    axis = np.arange(-0.4, 0.4, 0.01)
-    level = np.stack(np.meshgrid(axis, axis), -1).reshape(-1, 2)
-    ground = np.column_stack([level, np.zeros(len(level))])
-    scene = Scene({"pole": cloud(pole), "table": ground}, fixed=["table"], up=UP)
-    slab = np.array([[x, y, z] for x in (-0.4, 0.4) for y in (-0.4, 0.4) for z in (0.0, -0.05)])
+    scene = Scene({"pole": cloud(pole), "table": GROUND}, fixed=["table"], up=UP)
     leaning = shifted(0.1, 0.005)
     leaning[:3, :3] = [[np.cos(0.1), 0.0, np.sin(0.1)], [0.0, 1.0, 0.0], [-np.sin(0.1), 0.0, np.cos(0.1)]]
     place = Placement(leaning, 0.9, drop=0.004)
-    lies, falls = standing([place], "pole", scene, {"pole": standing_parts(pole), "table": [slab]})
+    lies, falls = standing([place], "pole", scene, {"pole": standing_parts(pole), "table": [SLAB]})
     assert lies.rolls and lies.tilt(UP) > 1.4
     assert falls.rolls and np.allclose(falls.pose_before_to_after, leaning)
