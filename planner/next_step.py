@@ -172,8 +172,7 @@ class StepChooser:
         """
         lost = [name for name in self.goal.names if name not in self.scene.clouds]
         if lost and self.unmet():
-            words = f"{', '.join(lost)}: seen nowhere any more"
-            raise NoSafePlan(words, (words,))
+            raise NoSafePlan(words := f"{', '.join(lost)}: seen nowhere any more", (words,))
         if targets := self._not_free():
             return self._take_off(targets, FREE)
         if held := [name for names in self._contents().values() for name in names]:
@@ -198,16 +197,16 @@ class StepChooser:
         failures: list[TransferFailure] = []
         for name in may_go(chosen):
             found = self._transfer(name, None)
+            if isinstance(found, Transfer) and name in targets:
+                return NextStep(found, action, why or "nothing has to go before it", chosen)
             if isinstance(found, Transfer):
-                if name in targets:
-                    return NextStep(found, action, why or "nothing has to go before it", chosen)
                 return NextStep(found, REMOVE, why_first(name, chosen), chosen)
             failures.append(found)
         step = self._make_room(failures) or (self._out_of_turn(targets, action) if doubting else None)
         if step is not None:
             return step
-        words = [str(failure) for failure in failures]
-        words = words or [f"each of {', '.join(chosen.order)} has to go before another one"]
+        waiting = f"each of {', '.join(chosen.order)} has to go before another one"
+        words = [str(failure) for failure in failures] or [waiting]
         raise NoSafePlan("; ".join(words), tuple(words), tuple(failures))
 
     def _out_of_turn(self, targets: Sequence[str], action: str) -> NextStep | None:
@@ -289,9 +288,9 @@ class StepChooser:
                     or self._out_of_turn(contents, REMOVE)
                     or self._put(name, (places,), why, chosen)
                 )
-                if step is None:
-                    raise
-                return step
+                if step is not None:
+                    return step
+                raise
         if room and (name, REMOVE) not in self.done and name not in self.given_up:
             aside = self._transfer(name, None)
             if isinstance(aside, Transfer):
@@ -382,8 +381,8 @@ class StepChooser:
 
     def _remaining(self, name: str) -> frozenset[str]:
         """What is still to be taken once an object is gone, or to have something put on or into it."""
-        places = [place for place in self.goal.places if (place.object, PLACE) not in self.done]
-        named = {other for place in places for other in (place.object, place.where)}
+        left = (place for place in self.goal.places if (place.object, PLACE) not in self.done)
+        named = {other for place in left for other in (place.object, place.where)}
         return frozenset(named.union(self._needed, self._not_free()) - {name})
 
     def _riding(self, name: str) -> tuple[str, ...]:
@@ -392,8 +391,8 @@ class StepChooser:
 
     def _inside(self, name: str) -> tuple[str, ...]:
         """What lies in an object."""
-        others = (other for other in self.scene.movable if other != name)
-        return tuple(n for n in others if self.relations.between(n, name).relation in INSIDE)
+        between = self.relations.between
+        return tuple(n for n in self.scene.movable if n != name and between(n, name).relation in INSIDE)
 
 
 def _no_room(place: Place) -> TransferFailure:
