@@ -26,6 +26,9 @@ class Control:
         settled: Joint error in [rad] below which the end of a trajectory counts as reached.
         patience: Seconds to wait for that.
         stall: Pad speed in [m/s] below which a closing jaw counts as closed on something.
+        one_sided: Force in [N] by which one pad presses more than the other when the hand gives way: what
+            joint torque sensors tell from nothing, and less than moves a bowl.
+        give_way: How far it does at most in [m]: objects are seen better than that.
     """
 
     position_gain: float = 0.3
@@ -33,6 +36,8 @@ class Control:
     settled: float = 2e-3
     patience: float = 0.6
     stall: float = 2e-3
+    one_sided: float = 0.5
+    give_way: float = 0.015
 
 
 class Motion(Protocol):
@@ -254,6 +259,9 @@ class SimulatedArm:
     def close(self, force: float | None = None) -> float:
         """Closes the jaw with a force in [N] until it stalls.
 
+        The pad that comes first does not push the object to the other one: the hand gives way, as an arm does
+        that is compliant across, so that both pads meet the object where it is.
+
         Returns:
             The distance of the pads in [m]: near zero when there is nothing between them.
 
@@ -264,7 +272,7 @@ class SimulatedArm:
             raise InvalidInput(f"{self.arm.name} has no fingers to close: use a robot with a parallel jaw")
         self._opening = 0.0
         self._grip_force = self.jaw.force if force is None else min(force, self.jaw.force)
-        self._wait_for_hand()
+        self._wait_for_hand(self._given_way())
         return self.opening
 
     def extend(self, extension: float) -> None:
@@ -322,12 +330,44 @@ class SimulatedArm:
     def _error(self) -> float:
         return float(np.abs(self.q - self.q_target).max())
 
-    def _wait_for_hand(self) -> None:
+    def _given_way(self) -> Callable[[], None]:
+        """What lets the hand give way across itself by as much as a pad closes in a step of the world."""
+        assert self.jaw is not None
+        tool = self.arm.tool("fingers")
+        pads = {self._link[link] for link in self.jaw.links}
+        start, stride = self.q_target, self.jaw.speed / 2.0 * self.world.time_step
+        held = False
+
+        def give_way() -> None:
+            nonlocal held
+            if held:
+                return
+            pose_tool_to_world = self.link_pose(tool.link) @ tool.pose_tool_to_link
+            across = pose_tool_to_world[:3, 1]
+            points: Any = pybullet.getContactPoints(bodyA=self.id, physicsClientId=self.world.client)
+            sides = [point[9] * float(np.dot(point[7], across)) for point in points if point[3] in pads]
+            push, held = sum(sides), min(sides, default=0.0) < 0.0 < max(sides, default=0.0)
+            if held or abs(push) < self.control.one_sided:
+                return
+            at = (inverse(self.pose_base_to_world) @ pose_tool_to_world)[:3, [1, 3]]
+            frames = self.arm.chain.frames(self.q_target[None])
+            jacobian = self.arm.chain.jacobian(frames, at[None, :, 1])[0]
+            twist = np.concatenate([np.sign(push) * stride * at[:, 0], np.zeros(3)])
+            q = self.q_target + np.linalg.lstsq(jacobian, twist, rcond=1e-2)[0]
+            there, here = self.arm.tool_pose(np.stack([q, start]))[:, :3, 3]
+            if np.linalg.norm(there - here) < self.control.give_way:
+                self.q_target = q
+
+        return give_way
+
+    def _wait_for_hand(self, each_step: Callable[[], None] | None = None) -> None:
         """Until the hand's joints stand still, or three seconds have passed."""
         joints = list(self._hand_values())
         moving, before = 0, np.full(len(joints), np.inf)
         for k in range(round(3.0 / self.world.time_step)):
             self.step()
+            if each_step is not None:
+                each_step()
             if k % 12 == 0:
                 states: Any = pybullet.getJointStates(
                     self.id, [self._index[name] for name in joints], physicsClientId=self.world.client

@@ -46,10 +46,13 @@ def frames(surface: Surface, up: FloatArray, tilts: Sequence[float], count: int 
     across_all, leaning = _closing_directions(points, up), _leaning_sides(surface.normals, up)
     found: list[Frames] = []
     for origin in _places(points, surface.centre, up, count):
-        near = points[np.linalg.norm(flat - (origin - up * float(origin @ up)), axis=1) < 0.02]
+        around = np.linalg.norm(flat - (origin - up * float(origin @ up)), axis=1) < 0.02
+        near = points[around]
         normal = _facing(near, up)
         level = _distinct([*_closing_directions(near, up), *across_all])
-        closings = [*(_along(closing, normal, up) for closing in level), *leaning]
+        # a bowl has no flat side, but here its wall leans one way
+        square = leaning or _leaning_sides(surface.normals[: surface.seen][around], up)
+        closings = [*(_along(closing, normal, up) for closing in level), *square]
         turned = np.array([rotation for closing in closings for rotation in _tilted(closing, up, tilts)])
         found.append(Frames(origin, turned, np.arccos(np.clip(-turned[:, :, 2] @ up, -1.0, 1.0))))
     return found
