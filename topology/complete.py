@@ -7,6 +7,7 @@ import numpy as np
 from scipy.spatial import ConvexHull, Delaunay, KDTree, QhullError
 
 from topple.topology.arrays import FloatArray
+from topple.topology.round import round_body
 from topple.topology.sight import Sight
 from topple.topology.upright import SPACING, Upright, thin
 
@@ -59,16 +60,17 @@ def complete(upright: Upright, sight: Sight | None) -> Mapping[str, FloatArray]:
     """
     done: dict[str, FloatArray] = {}
     for name, points in upright.clouds.items():
-        done[name] = points if name in upright.fixed else complete_body(points, sight)
+        done[name] = points if name in upright.fixed else complete_body(points, sight, upright.floor)
     return done
 
 
-def complete_body(points: FloatArray, sight: Sight | None) -> FloatArray:
+def complete_body(points: FloatArray, sight: Sight | None, floor: float = -np.inf) -> FloatArray:
     """Add the hidden surface of one body.
 
     Args:
         points: (N, 3) upright seen points [m].
         sight: What the cameras saw to be empty, or None where nobody knows.
+        floor: Height of what everything stands on [m].
 
     Returns:
         (M, 3) points, M >= N, the seen ones first.
@@ -80,6 +82,15 @@ def complete_body(points: FloatArray, sight: Sight | None) -> FloatArray:
         return points
     hollow = _mouth_share(points, hull, sight) > MOUTH
     box = bounding_box(points, upright_only=hollow)
+    if not hollow:
+        normals = _normals(points[:: max(1, len(points) // 200)], points)
+        fit = round_body(points, normals, _off(box, points), floor)
+        if fit is not None:
+            surface = fit.surface(SPACING)
+            surface[:, 2] = np.maximum(surface[:, 2], floor)
+            guess = _believable(surface, points, sight)
+            if len(guess):
+                return np.concatenate([points, guess])
     mirrored = _turned(points, box) if hollow else 2 * box.centre - points
     extra = [_believable(mirrored, points, sight)]
     known = np.concatenate([points, extra[0]])
@@ -166,6 +177,13 @@ def _box_along(points: FloatArray, axis: FloatArray) -> Box:
     # One point in two hundred may be stray on each side.
     lower, upper = np.quantile(local, [0.005, 0.995], axis=0)
     return Box(axes, lower, upper)
+
+
+def _off(box: Box, points: FloatArray) -> float:
+    """How far points (N, 3) are off the sides of a box [m], root mean square."""
+    local = points @ box.axes.T
+    off = np.minimum(np.abs(local - box.lower), np.abs(local - box.upper)).min(axis=1)
+    return float(np.sqrt(np.mean(off**2)))
 
 
 def _turned(points: FloatArray, box: Box) -> FloatArray:

@@ -7,7 +7,7 @@ from types import TracebackType
 import numpy as np
 
 from topple.planner.place.placement import Placement
-from topple.planner.solids import Solids, apart, moved, up_of
+from topple.planner.solids import Solids, apart, level_axes, moved, up_of
 from topple.robots.poses import angle_between
 from topple.topology.arrays import FloatArray
 from topple.topology.pairs import Relations
@@ -20,6 +20,7 @@ CLEAR = 0.01  # [m] beside what lies in a container: more than two bodies and a 
 TURNED = 0.25  # [rad] a face found on noisy points is that far from the one it stands on
 PUSHED = 0.005  # [m] what something else moves when it is disturbed: half of a violation
 TIPPED = 0.09  # [rad] or by how much it turns then
+ASIDE = 0.005  # [m] what is let go may be off by: how well it and its place are seen, and the arm
 
 
 class Drops:
@@ -87,6 +88,17 @@ class Drops:
             if way > PUSHED or angle_between(now, settled) > TIPPED:
                 return True
         return False
+
+    def gentle_around(self, place: Placement, up: FloatArray) -> bool:
+        """Whether the object disturbs nothing loose either where it is let go a little beside a placement."""
+        x, y = level_axes(up)
+        for aside in (x, -x, y, -y):
+            pose = place.pose_before_to_after.copy()
+            pose[:3, 3] += ASIDE * aside
+            self.rest(pose)
+            if self.pushes():
+                return False
+        return True
 
     def tipping(self, place: Placement, up: FloatArray) -> tuple[FloatArray, float] | None:
         """How the object turns (3, 3) in its own axes from how a placement has it, and how low it then is.
@@ -158,7 +170,8 @@ def staying(
                     there = moved(bodies[name], rest)
                     beside = not all(apart(there, bodies[other], CLEAR) for other in contents)
                     kept.append(((beside, round(float(np.linalg.norm(way)) / KEPT)), place))
-                    gentle += [] if drops.pushes() else kept[-1:]
+                    if not drops.pushes() and (not contents or drops.gentle_around(place, up)):
+                        gentle.append(kept[-1])
     return _quietest(gentle), _quietest(kept)
 
 

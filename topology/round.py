@@ -1,0 +1,261 @@
+"""Balls and cylinders: the round bodies whose hidden half follows from the half that was seen."""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from topple.topology.arrays import FloatArray
+
+ROUNDS = 12
+"""Steps of least squares: a fit of half a ball is still after five."""
+
+STRAY = 0.02
+"""Share of the points that may lie off a body: flying pixels at its outline."""
+
+LARGEST = 0.1
+"""Radius [m] beyond which a surface is a wall with a curve in it and no body a hand could take."""
+
+ROUGH = 0.12
+"""Share of the radius that points are off a ball or a cylinder (root mean square): fruit is no ball."""
+
+CAP = 0.35
+"""Depth of a seen cap in radii from which it says how large its ball is: 50 degrees to each side."""
+
+ARC = 2.0
+"""Seen part of a cylinder's round [rad] that says how large it is."""
+
+STRETCHES = (1.25, 1.5)
+"""Lengths of spheroids in their thickness: lemons, pears and eggs."""
+
+SPARE = 1.3
+"""A spheroid has three numbers more than a sphere: its error counts so many times."""
+
+SUNK = 0.25
+"""Share of its radius by which a round body may reach below the floor: a dome reaches deeper, and is none."""
+
+COARSE = 0.01
+"""Spacing [m] at which a fit's lowest point is looked for."""
+
+BETTER = 0.8
+"""Of two explanations the one with corners holds, unless a round one leaves less than this share of its error."""
+
+
+@dataclass(frozen=True, eq=False)
+class Ball:
+    """A sphere, or a spheroid.
+
+    Attributes:
+        centre: (3,) in [m].
+        radius: Across its axis [m].
+        axis: (3,) unit vector.
+        stretch: How many times as long it is along its axis; 1 for a sphere.
+    """
+
+    centre: FloatArray
+    radius: float
+    axis: FloatArray
+    stretch: float = 1.0
+
+    def off(self, points: FloatArray) -> FloatArray:
+        """(N,) distances of points from its surface [m], along the ray from its centre."""
+        rays = points - self.centre
+        far = np.linalg.norm(rays, axis=1)
+        there = np.linalg.norm(_squeezed(rays, self.axis, self.stretch), axis=1)
+        return far * np.abs(1.0 - self.radius / np.maximum(there, 1e-9))
+
+    def surface(self, spacing: float) -> FloatArray:
+        """(M, 3) points all over it, about `spacing` [m] apart."""
+        count = max(16, round(4 * np.pi * (self.radius / spacing) ** 2))
+        height = 1.0 - (2.0 * np.arange(count) + 1.0) / count
+        angle = np.pi * (3.0 - np.sqrt(5.0)) * np.arange(count)  # the golden angle: no two above each other
+        level = np.sqrt(1.0 - height**2)
+        rays = np.column_stack([level * np.cos(angle), level * np.sin(angle), height])
+        return self.centre + self.radius * _squeezed(rays, self.axis, 1.0 / self.stretch)
+
+
+@dataclass(frozen=True, eq=False)
+class Cylinder:
+    """A cylinder: (3,) centre, (3,) unit axis, radius and half its length in [m]."""
+
+    centre: FloatArray
+    axis: FloatArray
+    radius: float
+    half: float
+
+    def off(self, points: FloatArray) -> FloatArray:
+        """(N,) distances of points from its side or an end, whichever is nearer [m]."""
+        along = (points - self.centre) @ self.axis
+        across = np.linalg.norm(points - self.centre - np.outer(along, self.axis), axis=1)
+        return np.minimum(np.abs(across - self.radius), np.abs(np.abs(along) - self.half))
+
+    def surface(self, spacing: float) -> FloatArray:
+        """(M, 3) points all over it, about `spacing` [m] apart."""
+        u, v = _across(self.axis)
+        around = np.linspace(0, 2 * np.pi, max(8, round(2 * np.pi * self.radius / spacing)), endpoint=False)
+        ring = np.outer(np.cos(around), u) + np.outer(np.sin(around), v)
+        heights = np.linspace(-self.half, self.half, max(2, round(2 * self.half / spacing) + 1))
+        side = self.radius * ring[None] + (heights[:, None] * self.axis)[:, None]
+        radii = np.arange(spacing / 2, self.radius, spacing)
+        ends = [radius * ring + sign * self.half * self.axis for radius in radii for sign in (-1.0, 1.0)]
+        return self.centre + np.vstack([side.reshape(-1, 3), *ends])
+
+
+def round_body(
+    points: FloatArray, normals: FloatArray, corners: float, floor: float = -np.inf
+) -> Ball | Cylinder | None:
+    """The ball, spheroid or cylinder that explains what was seen of a body.
+
+    Args:
+        points: (N, 3) seen points [m].
+        normals: (M, 3) normals at flat spots among them.
+        corners: How far the points are off the best box [m], root mean square.
+        floor: Height of what everything stands on [m].
+
+    Returns:
+        What explains the points better than a box does; None where neither does, or where too little is seen
+        to say how large it is.
+    """
+    balls = [_ball(points, axis, stretch) for axis, stretch in _stretches(points)]
+    found = [fit for fit in (*balls, *_cylinders(points, normals)) if fit is not None]
+    found = [fit for fit in found if fit.surface(COARSE)[:, 2].min() > floor - SUNK * fit.radius]
+    if not found:
+        return None
+    errors = [
+        _error(fit.off(points)) * (SPARE if isinstance(fit, Ball) and fit.stretch != 1.0 else 1.0)
+        for fit in found
+    ]
+    best = found[int(np.argmin(errors))]
+    error = min(errors)
+    return best if error < ROUGH * best.radius and error < BETTER * corners else None
+
+
+def _error(off: FloatArray) -> float:
+    """Root mean square of distances [m], the strays left out."""
+    kept = np.sort(off)[: max(1, int(np.ceil((1.0 - STRAY) * len(off))))]
+    return float(np.sqrt(np.mean(kept**2)))
+
+
+def _stretches(points: FloatArray) -> list[tuple[FloatArray, float]]:
+    """Axes and stretches of spheroids to try: a sphere, and longer ones along what is seen to be long."""
+    axes = np.linalg.eigh(np.cov(points.T))[1] if len(points) > 3 else np.eye(3)
+    return [(axes[:, 2], 1.0), *((axes[:, k], stretch) for k in (2, 1) for stretch in STRETCHES)]
+
+
+def _squeezed(rays: FloatArray, axis: FloatArray, stretch: float) -> FloatArray:
+    """Rays (N, 3) shortened along an axis."""
+    return rays + np.outer(rays @ axis * (1.0 / stretch - 1.0), axis)
+
+
+def _ball(points: FloatArray, axis: FloatArray, stretch: float) -> Ball | None:
+    """The spheroid of a stretch through points, where they show a cap of it deep enough."""
+    if len(points) < 12:
+        return None
+    squeezed = _squeezed(points, axis, stretch)
+    fit = _sphere(squeezed)
+    if fit is None:
+        return None
+    off = np.abs(np.linalg.norm(squeezed - fit[0], axis=1) - fit[1])
+    fit = _sphere(squeezed[off <= np.quantile(off, 1.0 - STRAY)])
+    if fit is None or fit[1] * stretch > LARGEST:
+        return None
+    centre, radius = fit
+    rays = (squeezed - centre) / radius
+    towards = rays.mean(axis=0)
+    towards /= max(float(np.linalg.norm(towards)), 1e-9)
+    depth = 1.0 - float(np.quantile(rays @ towards, STRAY))
+    centre = _squeezed(centre[None], axis, 1.0 / stretch)[0]
+    return Ball(centre, radius, axis, stretch) if depth > CAP else None
+
+
+def _sphere(points: FloatArray) -> tuple[FloatArray, float] | None:
+    """(3,) centre and radius of the sphere through points, by least squares of the distances."""
+    middle = points.mean(axis=0)
+    local = points - middle
+    system = np.column_stack([2.0 * local, np.ones(len(local))])
+    solution, _, rank, _ = np.linalg.lstsq(system, (local**2).sum(axis=1), rcond=None)
+    if rank < 4:
+        return None
+    centre = solution[:3]
+    radius = float(np.sqrt(max(solution[3] + centre @ centre, 1e-12)))
+    for _ in range(ROUNDS):
+        rays = local - centre
+        far = np.maximum(np.linalg.norm(rays, axis=1), 1e-9)
+        system = np.column_stack([-rays / far[:, None], -np.ones(len(rays))])
+        step = np.linalg.lstsq(system, radius - far, rcond=None)[0]
+        centre, radius = centre + step[:3], radius + float(step[3])
+        if not np.isfinite(radius) or abs(radius) > 10.0 * LARGEST:
+            return None
+    return (centre + middle, radius) if radius > 0.0 else None
+
+
+def _cylinders(points: FloatArray, normals: FloatArray) -> list[Cylinder]:
+    """Cylinders along the directions that may be an axis: up, across all normals, square to a flat end."""
+    axes = [np.array([0.0, 0.0, 1.0])]
+    if len(normals) >= 8:
+        axes.append(np.linalg.eigh(normals.T @ normals)[1][:, 0])
+        agree = np.abs(normals @ normals.T) > np.cos(np.radians(12.0))
+        group = normals[agree[int(np.argmax(agree.sum(axis=1)))]]
+        axes.append(np.linalg.eigh(group.T @ group)[1][:, -1])
+    found = (_cylinder(points, axis) for axis in axes)
+    return [fit for fit in found if fit is not None]
+
+
+def _cylinder(points: FloatArray, axis: FloatArray) -> Cylinder | None:
+    """The cylinder along an axis whose side and ends are nearest to points, where enough of its round shows."""
+    if len(points) < 20:
+        return None
+    plane = np.stack(_across(axis), axis=1)
+    flat, along = points @ plane, points @ axis
+    low, high = np.quantile(along, [STRAY / 2, 1.0 - STRAY / 2])
+    half = (high - low) / 2.0
+    side = np.abs(along - (low + high) / 2.0) < half - min(0.004, 0.2 * half)  # what is no end
+    for _ in range(4):
+        circle = _circle(flat[side])
+        if circle is None:
+            return None
+        middle, radius = circle
+        off = np.abs(np.linalg.norm(flat - middle, axis=1) - radius)
+        side = off < max(0.003, 0.1 * radius)
+        if np.count_nonzero(side) < 12:
+            return None
+    if radius > LARGEST or _arc(flat[side] - middle) < ARC:
+        return None
+    return Cylinder(plane @ middle + (low + high) / 2.0 * axis, axis, radius, float(half))
+
+
+def _circle(flat: FloatArray) -> tuple[FloatArray, float] | None:
+    """(2,) centre and radius of the circle through points (N, 2) in the plane, by least squares."""
+    if len(flat) < 6:
+        return None
+    middle = flat.mean(axis=0)
+    local = flat - middle
+    system = np.column_stack([2.0 * local, np.ones(len(local))])
+    solution, _, rank, _ = np.linalg.lstsq(system, (local**2).sum(axis=1), rcond=None)
+    if rank < 3:
+        return None
+    centre = solution[:2]
+    radius = float(np.sqrt(max(solution[2] + centre @ centre, 1e-12)))
+    for _ in range(ROUNDS):
+        rays = local - centre
+        far = np.maximum(np.linalg.norm(rays, axis=1), 1e-9)
+        system = np.column_stack([-rays / far[:, None], -np.ones(len(rays))])
+        step = np.linalg.lstsq(system, radius - far, rcond=None)[0]
+        centre, radius = centre + step[:2], radius + float(step[2])
+        if not np.isfinite(radius) or abs(radius) > 10.0 * LARGEST:
+            return None
+    return (centre + middle, radius) if radius > 0.0 else None
+
+
+def _arc(rays: FloatArray) -> float:
+    """How much of a round is seen from its middle [rad]: all of it less the widest gap."""
+    angles = np.sort(np.arctan2(rays[:, 1], rays[:, 0]))
+    gaps = np.diff(np.concatenate([angles, angles[:1] + 2 * np.pi]))
+    return float(2 * np.pi - gaps.max())
+
+
+def _across(axis: FloatArray) -> tuple[FloatArray, FloatArray]:
+    """Two unit vectors square to a direction and to each other."""
+    u = np.cross(axis, np.eye(3)[int(np.argmin(np.abs(axis)))])
+    u /= np.linalg.norm(u)
+    return u, np.cross(axis, u)
+
