@@ -271,17 +271,18 @@ class StepChooser:
             return self._take_off([where], REMOVE, why)
         contents = self._in_the_way(place) if place.how == "within" else []
         places, gentle, kept = self._spots(place, CHOICE)
-        room = [found for found in (gentle if contents else gentle or kept or places) if found.drop <= GENTLE]
-        if (name, PLACE) in self.done and contents:
-            room = []  # it was tried, and it is not there: more room is needed
-        found = self._transfer(name, room) if room else _no_room(place)
+        room, found = self._into(place, gentle if contents else gentle or kept or places, contents)
+        if (
+            isinstance(found, TransferFailure) and contents
+        ):  # taking things out of a heap stirs it: look longer
+            places, gentle, kept = self._spots(place, MORE_CHOICE)
+            room, found = self._into(place, gentle, contents)
         if isinstance(found, Transfer):
             return NextStep(found, PLACE, f"it shall be {place.how} {where}", chosen)
         if contents:
             try:
                 return self._take_off(contents, REMOVE, f"{name} needs room in {where}", doubting=False)
             except NoSafePlan as error:
-                places, gentle, kept = self._spots(place, MORE_CHOICE)
                 why = f"no more room can be made in {where} ({error})"
                 step = (
                     self._put(name, (gentle, kept), why, chosen)
@@ -297,6 +298,15 @@ class StepChooser:
                 words = f"it is put down to be taken otherwise, as it cannot go straight to {where} ({found})"
                 return NextStep(aside, REMOVE, words, chosen)
         raise NoSafePlan(str(found), (str(found),), (found,))
+
+    def _into(
+        self, place: Place, spots: list[Placement], contents: Sequence[str]
+    ) -> tuple[list[Placement], Transfer | TransferFailure]:
+        """The spots that a fall is not too high to, and the transfer to one of them."""
+        room = [spot for spot in spots if spot.drop <= GENTLE]
+        if (place.object, PLACE) in self.done and contents:
+            room = []  # it was tried, and it is not there: more room is needed
+        return room, self._transfer(place.object, room) if room else _no_room(place)
 
     def _put(self, name: str, tries: Sequence[list[Placement]], why: str, chosen: Order) -> NextStep | None:
         """The step to the first of some lists of placements that the arm can make."""

@@ -30,6 +30,10 @@ REFUTED = 0.35
 """Share of a guess that lies in space seen to be empty, from which the symmetry behind it is given up."""
 
 
+DENTED = 0.25
+"""The same for a ball or a cylinder, whose own outline leaves nothing to be refuted but noise."""
+
+
 @dataclass(frozen=True, eq=False)
 class Box:
     """An oriented box: rows of `axes` are its directions; the first one is the most upright."""
@@ -88,7 +92,7 @@ def complete_body(points: FloatArray, sight: Sight | None, floor: float = -np.in
         if fit is not None:
             surface = fit.surface(SPACING)
             surface[:, 2] = np.maximum(surface[:, 2], floor)
-            guess = _believable(surface, points, sight)
+            guess = _believable(surface, points, sight, refuted=DENTED)
             if len(guess):
                 return np.concatenate([points, guess])
     mirrored = _turned(points, box) if hollow else 2 * box.centre - points
@@ -194,7 +198,11 @@ def _turned(points: FloatArray, box: Box) -> FloatArray:
 
 
 def _believable(
-    guess: FloatArray, known: FloatArray, sight: Sight | None, partly: bool = False
+    guess: FloatArray,
+    known: FloatArray,
+    sight: Sight | None,
+    partly: bool = False,
+    refuted: float = REFUTED,
 ) -> FloatArray:
     """The part of a guess that says something new and is not refuted.
 
@@ -203,6 +211,7 @@ def _believable(
         known: (M, 3) points known before: a guess next to them adds nothing.
         sight: What was seen to be empty.
         partly: Keep what is not refuted however much is; a refuted symmetry is given up as a whole.
+        refuted: Share from which it is.
     """
     if len(guess) == 0:
         return guess
@@ -212,7 +221,7 @@ def _believable(
     if sight is None or len(guess) == 0:
         return guess
     empty = sight.empty(guess)
-    if not partly and empty.mean() > REFUTED:
+    if not partly and empty.mean() > refuted:
         return guess[:0]
     return guess[~empty]
 

@@ -1,4 +1,4 @@
-"""Balls and cylinders: the round bodies whose hidden half follows from the half that was seen."""
+"""Balls, spheroids and cylinders: the round bodies whose hidden half follows from the half that was seen."""
 
 from dataclasses import dataclass
 
@@ -15,7 +15,7 @@ STRAY = 0.02
 LARGEST = 0.1
 """Radius [m] beyond which a surface is a wall with a curve in it and no body a hand could take."""
 
-ROUGH = 0.12
+ROUGH = 0.1
 """Share of the radius that points are off a ball or a cylinder (root mean square): fruit is no ball."""
 
 CAP = 0.35
@@ -37,7 +37,7 @@ COARSE = 0.01
 """Spacing [m] at which a fit's lowest point is looked for."""
 
 BETTER = 0.8
-"""Of two explanations the one with corners holds, unless a round one leaves less than this share of its error."""
+"""Of two explanations that with corners holds, unless a round one has less than this share of its error."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -168,21 +168,22 @@ def _ball(points: FloatArray, axis: FloatArray, stretch: float) -> Ball | None:
 
 
 def _sphere(points: FloatArray) -> tuple[FloatArray, float] | None:
-    """(3,) centre and radius of the sphere through points, by least squares of the distances."""
+    """(d,) centre and radius of the sphere (d = 2: circle) through points (N, d), by least squares."""
+    size = points.shape[1]
     middle = points.mean(axis=0)
     local = points - middle
     system = np.column_stack([2.0 * local, np.ones(len(local))])
     solution, _, rank, _ = np.linalg.lstsq(system, (local**2).sum(axis=1), rcond=None)
-    if rank < 4:
+    if rank <= size:
         return None
-    centre = solution[:3]
-    radius = float(np.sqrt(max(solution[3] + centre @ centre, 1e-12)))
-    for _ in range(ROUNDS):
+    centre = solution[:size]
+    radius = float(np.sqrt(max(solution[size] + centre @ centre, 1e-12)))
+    for _ in range(ROUNDS):  # of the distances, where the first solution is of their squares
         rays = local - centre
         far = np.maximum(np.linalg.norm(rays, axis=1), 1e-9)
         system = np.column_stack([-rays / far[:, None], -np.ones(len(rays))])
         step = np.linalg.lstsq(system, radius - far, rcond=None)[0]
-        centre, radius = centre + step[:3], radius + float(step[3])
+        centre, radius = centre + step[:size], radius + float(step[size])
         if not np.isfinite(radius) or abs(radius) > 10.0 * LARGEST:
             return None
     return (centre + middle, radius) if radius > 0.0 else None
@@ -201,7 +202,7 @@ def _cylinders(points: FloatArray, normals: FloatArray) -> list[Cylinder]:
 
 
 def _cylinder(points: FloatArray, axis: FloatArray) -> Cylinder | None:
-    """The cylinder along an axis whose side and ends are nearest to points, where enough of its round shows."""
+    """The cylinder along an axis that is nearest to points, where enough of its round shows."""
     if len(points) < 20:
         return None
     plane = np.stack(_across(axis), axis=1)
@@ -209,41 +210,20 @@ def _cylinder(points: FloatArray, axis: FloatArray) -> Cylinder | None:
     low, high = np.quantile(along, [STRAY / 2, 1.0 - STRAY / 2])
     half = (high - low) / 2.0
     side = np.abs(along - (low + high) / 2.0) < half - min(0.004, 0.2 * half)  # what is no end
+    circle = None
     for _ in range(4):
-        circle = _circle(flat[side])
+        circle = _sphere(flat[side])
         if circle is None:
             return None
-        middle, radius = circle
-        off = np.abs(np.linalg.norm(flat - middle, axis=1) - radius)
-        side = off < max(0.003, 0.1 * radius)
+        off = np.abs(np.linalg.norm(flat - circle[0], axis=1) - circle[1])
+        side = off < max(0.003, 0.1 * circle[1])
         if np.count_nonzero(side) < 12:
             return None
+    assert circle is not None
+    middle, radius = circle
     if radius > LARGEST or _arc(flat[side] - middle) < ARC:
         return None
     return Cylinder(plane @ middle + (low + high) / 2.0 * axis, axis, radius, float(half))
-
-
-def _circle(flat: FloatArray) -> tuple[FloatArray, float] | None:
-    """(2,) centre and radius of the circle through points (N, 2) in the plane, by least squares."""
-    if len(flat) < 6:
-        return None
-    middle = flat.mean(axis=0)
-    local = flat - middle
-    system = np.column_stack([2.0 * local, np.ones(len(local))])
-    solution, _, rank, _ = np.linalg.lstsq(system, (local**2).sum(axis=1), rcond=None)
-    if rank < 3:
-        return None
-    centre = solution[:2]
-    radius = float(np.sqrt(max(solution[2] + centre @ centre, 1e-12)))
-    for _ in range(ROUNDS):
-        rays = local - centre
-        far = np.maximum(np.linalg.norm(rays, axis=1), 1e-9)
-        system = np.column_stack([-rays / far[:, None], -np.ones(len(rays))])
-        step = np.linalg.lstsq(system, radius - far, rcond=None)[0]
-        centre, radius = centre + step[:2], radius + float(step[2])
-        if not np.isfinite(radius) or abs(radius) > 10.0 * LARGEST:
-            return None
-    return (centre + middle, radius) if radius > 0.0 else None
 
 
 def _arc(rays: FloatArray) -> float:
@@ -255,7 +235,6 @@ def _arc(rays: FloatArray) -> float:
 
 def _across(axis: FloatArray) -> tuple[FloatArray, FloatArray]:
     """Two unit vectors square to a direction and to each other."""
-    u = np.cross(axis, np.eye(3)[int(np.argmin(np.abs(axis)))])
+    u = np.cross(axis, np.eye(3)[int(np.argmin(np.abs(axis)))]).astype(np.float64)
     u /= np.linalg.norm(u)
-    return u, np.cross(axis, u)
-
+    return u, np.cross(axis, u).astype(np.float64)

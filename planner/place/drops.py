@@ -7,7 +7,7 @@ from types import TracebackType
 import numpy as np
 
 from topple.planner.place.placement import Placement
-from topple.planner.solids import Solids, apart, level_axes, moved, up_of
+from topple.planner.solids import Solids, apart, moved, up_of
 from topple.robots.poses import angle_between
 from topple.topology.arrays import FloatArray
 from topple.topology.pairs import Relations
@@ -18,9 +18,11 @@ SECONDS = 1.5  # of simulation: a fall of 4 cm takes 0.1, rolling down a bowl an
 KEPT = 0.01  # [m] what moves less than this has stayed: the same as for a violation
 CLEAR = 0.01  # [m] beside what lies in a container: more than two bodies and a drop are off by
 TURNED = 0.25  # [rad] a face found on noisy points is that far from the one it stands on
-PUSHED = 0.005  # [m] what something else moves when it is disturbed: half of a violation
-TIPPED = 0.09  # [rad] or by how much it turns then
-ASIDE = 0.005  # [m] what is let go may be off by: how well it and its place are seen, and the arm
+PUSHED = 0.01  # [m] what something else moves when it is disturbed: the same as for a violation
+TIPPED = 0.17  # [rad] or by how much it turns then
+GENTLE = (
+    0.8  # of that may be pushed where room could be made instead: taking a thing out of a heap stirs more
+)
 
 
 class Drops:
@@ -80,25 +82,14 @@ class Drops:
         self._world.settle(SECONDS)
         return np.asarray(self._level.T @ self._world.pose(self.name), dtype=np.float64)
 
-    def pushes(self) -> bool:
-        """Whether the last drop disturbed something loose."""
+    def push(self) -> float:
+        """How much the last drop disturbed what is loose, at most: 1 is as much as counts."""
+        most = 0.0
         for other, settled in self._settled.items():
             now, centre = self._world.pose(other), self._world.body(other).centre_of_mass
-            way = np.linalg.norm((now - settled) @ np.append(centre, 1.0))
-            if way > PUSHED or angle_between(now, settled) > TIPPED:
-                return True
-        return False
-
-    def gentle_around(self, place: Placement, up: FloatArray) -> bool:
-        """Whether the object disturbs nothing loose either where it is let go a little beside a placement."""
-        x, y = level_axes(up)
-        for aside in (x, -x, y, -y):
-            pose = place.pose_before_to_after.copy()
-            pose[:3, 3] += ASIDE * aside
-            self.rest(pose)
-            if self.pushes():
-                return False
-        return True
+            way = float(np.linalg.norm((now - settled) @ np.append(centre, 1.0)))
+            most = max(most, way / PUSHED, angle_between(now, settled) / TIPPED)
+        return most
 
     def tipping(self, place: Placement, up: FloatArray) -> tuple[FloatArray, float] | None:
         """How the object turns (3, 3) in its own axes from how a placement has it, and how low it then is.
@@ -148,7 +139,7 @@ def staying(
 
     Returns:
         Those that hold and disturb nothing that lies there, and all that hold; clear of the contents first,
-        then where it rolls least.
+        then what pushes them least, then where it rolls least.
     """
     scene, rule = relations.scene, relations.rule
     up, container = up_of(scene), rule.prepare(where, scene.clouds[where])
@@ -159,24 +150,24 @@ def staying(
         return pair.relation in (Relation.WITHIN, Relation.PARTIAL_WITHIN)
 
     found = [place for place in places if inside(place.pose_at_rest(up))]
-    gentle: list[tuple[tuple[bool, int], Placement]] = []
-    kept: list[tuple[tuple[bool, int], Placement]] = []
+    gentle: list[tuple[tuple[float, ...], Placement]] = []
+    kept: list[tuple[tuple[float, ...], Placement]] = []
     if found:
         with Drops(name, bodies, up, contents) as drops:
             for place in found:
                 rest = drops.rest(place.pose_before_to_after)
                 if inside(rest):
                     way = (rest - place.pose_at_rest(up)) @ np.append(drops.centre_of_mass, 1.0)
-                    there = moved(bodies[name], rest)
+                    there, push = moved(bodies[name], rest), drops.push()
                     beside = not all(apart(there, bodies[other], CLEAR) for other in contents)
-                    kept.append(((beside, round(float(np.linalg.norm(way)) / KEPT)), place))
-                    if not drops.pushes() and (not contents or drops.gentle_around(place, up)):
-                        gentle.append(kept[-1])
+                    quiet = beside, round(2.0 * push), round(float(np.linalg.norm(way)) / KEPT)
+                    kept.append((quiet, place))
+                    gentle += kept[-1:] if push < GENTLE else []
     return _quietest(gentle), _quietest(kept)
 
 
-def _quietest(found: Sequence[tuple[tuple[bool, int], Placement]]) -> list[Placement]:
-    """Placements clear of what lies there first, then those that stay where they are let go."""
+def _quietest(found: Sequence[tuple[tuple[float, ...], Placement]]) -> list[Placement]:
+    """Placements clear of what lies there first, then what pushes least, then what rolls least."""
     return [place for _, place in sorted(found, key=lambda each: each[0])]
 
 
