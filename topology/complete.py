@@ -34,6 +34,10 @@ DENTED = 0.25
 """The same for a ball or a cylinder, whose own outline leaves nothing to be refuted but noise."""
 
 
+OUTSIDE = 0.8
+"""Share of the seen points that are on the outside of a round body: noise turns some at its outline."""
+
+
 @dataclass(frozen=True, eq=False)
 class Box:
     """An oriented box: rows of `axes` are its directions; the first one is the most upright."""
@@ -89,7 +93,8 @@ def complete_body(points: FloatArray, sight: Sight | None, floor: float = -np.in
     if not hollow:
         normals = _normals(points[:: max(1, len(points) // 200)], points)
         fit = round_body(points, normals, _off(box, points), floor)
-        if fit is not None:
+        # what a camera sees of a body is turned to it: the inside of a bowl is round as well, and is no ball
+        if fit is not None and (sight is None or sight.facing(points, fit.outward(points)).mean() > OUTSIDE):
             surface = fit.surface(SPACING)
             surface[:, 2] = np.maximum(surface[:, 2], floor)
             guess = _believable(surface, points, sight, refuted=DENTED)

@@ -63,6 +63,10 @@ class Ball:
         there = np.linalg.norm(_squeezed(rays, self.axis, self.stretch), axis=1)
         return far * np.abs(1.0 - self.radius / np.maximum(there, 1e-9))
 
+    def outward(self, points: FloatArray) -> FloatArray:
+        """(N, 3) directions out of it at points of its surface; of no unit length."""
+        return _squeezed(points - self.centre, self.axis, self.stretch**2)
+
     def surface(self, spacing: float) -> FloatArray:
         """(M, 3) points all over it, about `spacing` [m] apart."""
         count = max(16, round(4 * np.pi * (self.radius / spacing) ** 2))
@@ -87,6 +91,14 @@ class Cylinder:
         along = (points - self.centre) @ self.axis
         across = np.linalg.norm(points - self.centre - np.outer(along, self.axis), axis=1)
         return np.minimum(np.abs(across - self.radius), np.abs(np.abs(along) - self.half))
+
+    def outward(self, points: FloatArray) -> FloatArray:
+        """(N, 3) directions out of it at points of its surface; of no unit length."""
+        along = ((points - self.centre) @ self.axis)[:, None] * self.axis
+        across = points - self.centre - along
+        end = np.abs(np.linalg.norm(along, axis=1) - self.half)
+        side = np.abs(np.linalg.norm(across, axis=1) - self.radius)
+        return np.where((end < side)[:, None], along, across)
 
     def surface(self, spacing: float) -> FloatArray:
         """(M, 3) points all over it, about `spacing` [m] apart."""

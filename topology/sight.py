@@ -67,3 +67,18 @@ class Sight:
             through = near.all(axis=1) & (seen > far[:, None] + MARGIN).all(axis=1)
             found |= through if image is None else through & image.in_view(points @ self._rotation)
         return found
+
+    def facing(self, points: FloatArray, outward: FloatArray) -> BoolArray:
+        """Which points of a surface are on a side of it that a camera looks at.
+
+        Args:
+            points: (N, 3) points [m].
+            outward: (N, 3) directions out of the body there.
+
+        Returns:
+            (N,) True where at least one camera is on the outer side.
+        """
+        found = np.zeros(len(points), dtype=np.bool_)
+        for centre, _, _ in self._views:
+            found |= ((centre - points) * outward).sum(axis=1) > 0.0
+        return found
