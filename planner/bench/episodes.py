@@ -8,17 +8,21 @@ from dataclasses import asdict, dataclass
 from pathlib import Path
 from typing import Any
 
+from topple.planner.bench.possible import freeing_order
 from topple.planner.bench.rules import order_by
 from topple.planner.demo import loop_in
 from topple.planner.goal import parse_goal
 from topple.planner.judge import LIMITS, truly_unmet
 from topple.planner.order import cautious
 from topple.planner.report.record import RunRecord, StepRecord
-from topple.robots.scenarios import scenario_called
+from topple.robots.scenarios import Scenario, scenario_called
 from topple.topology.errors import ToppleError
 
 TOPPLE = "topple"
 """The rule of an episode whose order topple decides."""
+
+IDEAL = "any order, ideal lifts"
+"""The rule of an episode that no arm plays: whether its target could be freed at all."""
 
 ENDINGS = ("success", "hit", "disturbed", "dropped", "no plan", "budget", "blind", "goal missed", "crash")
 """How an episode can end; of several that apply to one that failed, the first."""
@@ -32,7 +36,7 @@ class Episode:
         scenario: One of `topple.robots.scenarios.SCENARIOS`, or the name of a frame.
         seed: Of the scene, the sensor noise and every search.
         cameras: How many of the scene's cameras look.
-        rule: Who decides the order: `TOPPLE`, or one of `topple.planner.bench.rules.RULES`.
+        rule: Who decides the order: `TOPPLE`, one of `topple.planner.bench.rules.RULES`, or `IDEAL`.
         folder: Where the frame is; empty for a built-in scene.
     """
 
@@ -139,6 +143,8 @@ def _played(episode: Episode, begun: float) -> Ending:
         )
         return _ended(episode, record, begun, movable, sagged=sagged)
     with scenario_called(episode.scenario, episode.seed) as stage:
+        if episode.rule == IDEAL:
+            return _possible(episode, stage, begun)
         base = stage.pose_base_to_world
         orderer = cautious if episode.rule == TOPPLE else order_by(episode.rule, base)
         loop = loop_in(stage, seed=episode.seed, cameras=episode.cameras, orderer=orderer)
@@ -149,6 +155,20 @@ def _played(episode: Episode, begun: float) -> Ending:
         movable = len(stage.world.movable)
     places = len(goal.places)
     return _ended(episode, record, begun, movable, placed=max(places - missing, 0), places=places)
+
+
+def _possible(episode: Episode, stage: Scenario, begun: float) -> Ending:
+    """Whether the true bodies could be lifted in any order that frees the target."""
+    found = freeing_order(stage.world, stage.targets[0])
+    return Ending(
+        episode,
+        "no plan" if found is None else "success",
+        objects=len(stage.world.movable),
+        steps=len(found or ()),
+        seconds=time.perf_counter() - begun,
+        memory=_memory(),
+        process=os.getpid(),
+    )
 
 
 def _ended(

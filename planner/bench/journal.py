@@ -16,7 +16,9 @@ PACKAGES = ("topple.topology", "topple.robots", "topple.planner")
 ASIDE = ("planner/report/", "planner/cli/", "planner/export/", "planner/verify/", "planner/bench/")
 """What draws, prints, hands on, checks afterwards or counts: no episode goes otherwise for it."""
 
-PLAYED = tuple(f"planner/bench/{name}.py" for name in ("episodes", "frames", "guesses", "recorded", "rules"))
+PLAYED = tuple(
+    f"planner/bench/{name}.py" for name in ("episodes", "frames", "guesses", "possible", "recorded", "rules")
+)
 """What of it decides how an episode goes all the same."""
 
 

@@ -4,6 +4,7 @@
   three cameras and with one; a pile sorted into two bins.
 - With `--data DIR`, annotated camera frames, each rebuilt as bodies in which an arm frees the object that
   most others have to go before.
+- Of the same piles, how many any order of ideal lifts could free at all, were all known perfectly.
 - The first piles again with the same arm, grasps and motions, but with the order decided by a rule of thumb:
   what is nearest to the arm first, the highest top first, or the paper's relations and height.
 
@@ -24,7 +25,7 @@ from pathlib import Path
 from statistics import median
 from typing import Any
 
-from topple.planner.bench.episodes import ENDINGS, TOPPLE, Ending, Episode, ignore_interrupts, play
+from topple.planner.bench.episodes import ENDINGS, IDEAL, TOPPLE, Ending, Episode, ignore_interrupts, play
 from topple.planner.bench.frames import frames_in
 from topple.planner.bench.journal import Journal
 from topple.planner.bench.row import Progress, Row
@@ -82,6 +83,7 @@ FULL = (
     Series("pile", 60, cameras=1, bar=80),
     Series("sort", 20, bar=85),
     *(Series("pile", 20, rule=rule) for rule in RULES),
+    Series("pile", 60, rule=IDEAL),
 )
 QUICK = (Series("dishes", 1), Series("tower", 1), Series("pile", 1), Series("pile", 1, rule=RULES[1]))
 
@@ -201,6 +203,10 @@ def figures(found: Mapping[Series, Sequence[Ending]]) -> list[Row]:
     for one, endings in found.items():
         if endings and one.rule == TOPPLE:
             rows += _of_series(one, endings)
+        if endings and one.rule == IDEAL:
+            possible = sum(ending.success for ending in endings)
+            what = f"targets that ideal lifts of true bodies free, {len(endings)} of {one.seeds} piles"
+            rows.append(_share(what, possible, len(endings)))
     rows += _against_rules(found)
     ours = [ending for endings in found.values() for ending in endings]
     return rows + _endurance(ours)
