@@ -25,7 +25,7 @@ from topple.topology.scene import Scene
 if TYPE_CHECKING:
     from topple.robots.arm import Arm
 
-WEIGHTS = {"antipodality": 0.6, "balance": 0.3, "clearance": 0.15, "depth": 0.15, "upright": 0.1}
+WEIGHTS = {"antipodality": 0.3, "balance": 0.3, "clearance": 0.15, "depth": 0.15, "upright": 0.1}
 """Exponents of a pinch's terms: one that is nil spoils the grasp alone."""
 
 CUP_TURNS: tuple[FloatArray, ...] = tuple(

@@ -69,4 +69,4 @@ def kept(load: float) -> float:
     A load just above 1 may hold: weights are guessed within a factor of two, and pads on flat faces resist
     turning twice as much as on round ones, which is what their lever is given for.
     """
-    return 1.0 if load <= 1.0 else 1.0 / load**3
+    return 1.0 if load <= 1.0 else 1.0 / load**2
