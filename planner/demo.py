@@ -10,7 +10,6 @@ from pathlib import Path
 from topple.planner.errors import NoSafePlan
 from topple.planner.files import make_folder, write_whole
 from topple.planner.goal import parse_goal
-from topple.planner.next_step import Orderer, Station
 from topple.planner.order import cautious, order
 from topple.planner.plan import plan, plan_as_done
 from topple.planner.plan_format import plan_to_json
@@ -19,6 +18,7 @@ from topple.planner.report.rerun_file import RATE as RERUN_RATE
 from topple.planner.report.rerun_file import rerun_file
 from topple.planner.report.run_page import run_page
 from topple.planner.run import ClosedLoop
+from topple.planner.step import Orderer, Station
 from topple.robots.catalog import robot as robot_named
 from topple.robots.film import filmed
 from topple.robots.recording import Recording

@@ -5,14 +5,12 @@ should be by then, and of the scene as it is seen.
 """
 
 from collections.abc import Collection, Mapping, Sequence
-from dataclasses import dataclass
 from functools import cached_property
-from typing import Protocol
 
 import numpy as np
 
 from topple.planner.beliefs import Beliefs
-from topple.planner.dependency import Dependency, dependencies
+from topple.planner.dependency import dependencies
 from topple.planner.errors import NoSafePlan
 from topple.planner.goal import Goal, Place, holds
 from topple.planner.grasp.grasp import Grasp
@@ -25,73 +23,18 @@ from topple.planner.place.stacking import GENTLE, over, placements_on
 from topple.planner.place.whole import whole_bodies
 from topple.planner.samples import sampled
 from topple.planner.solids import GRAIN, Solids, apart, solids_of, up_of
+from topple.planner.step import FREE, PLACE, REMOVE, NextStep, Orderer, Station
 from topple.planner.turn import may_go, out_of_turn, says, why_first
-from topple.robots.arm import Arm
-from topple.topology.arrays import FloatArray
 from topple.topology.relate import Relations, relate
 from topple.topology.relation import Relation
 from topple.topology.scene import Scene
 from topple.topology.statics import Statics
 from topple.topology.support import Support, supports
 
-FREE, REMOVE, PLACE = "free", "remove", "place"
-"""free: take a target clear, put it down; remove: take away what is in the way; place: as the goal says."""
-
 INSIDE = (Relation.WITHIN, Relation.PARTIAL_WITHIN)
 CHOICE = 48  # placements on or into a thing to choose from: a dozen spots, four headings each
 MORE_CHOICE = 192  # where no more room can be made: also the spots from higher up, each a drop in simulation
 BESIDE = 0.05  # [m] what is closer to an object than this bars a hand: half an open hand's width
-
-
-@dataclass(frozen=True, eq=False)
-class NextStep:
-    """A step that can be done now.
-
-    Attributes:
-        transfer: What the arm does.
-        action: One of free, remove, place.
-        reason: Why this object and why now.
-        order: The order the step was chosen from.
-        against: Doubtful dependencies that the step goes against.
-    """
-
-    transfer: Transfer
-    action: str
-    reason: str
-    order: Order
-    against: tuple[Dependency, ...] = ()
-
-
-@dataclass(frozen=True, eq=False)
-class Station:
-    """The arm as it stands before a step.
-
-    Attributes:
-        arm: The arm.
-        pose_base_to_world: (4, 4) where it stands.
-        q: (n,) its joint values [rad].
-    """
-
-    arm: Arm
-    pose_base_to_world: FloatArray
-    q: FloatArray
-
-
-class Orderer(Protocol):
-    """Whoever says in which order to free targets: `topple.planner.order.order`, or a rule of thumb."""
-
-    def __call__(
-        self,
-        scene: Scene,
-        targets: Sequence[str],
-        *,
-        relations: Relations,
-        seed: int,
-        statics: Statics | None = None,
-        beliefs: Beliefs | None = None,
-    ) -> Order:
-        """The order, as `topple.planner.order.order` gives it."""
-        ...
 
 
 class StepChooser:

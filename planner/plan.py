@@ -10,13 +10,14 @@ import numpy as np
 from topple.planner.base import choose_base
 from topple.planner.errors import NoSafePlan
 from topple.planner.goal import Goal, parse_goal
-from topple.planner.next_step import NextStep, Station, StepChooser
+from topple.planner.next_step import StepChooser
 from topple.planner.pick_place.transfer import scene_after, solids_after
 from topple.planner.place.whole import whole_bodies
 from topple.planner.plan_data import dependency_data, objects_data, step_data
 from topple.planner.plan_format import DependencyData, Plan, Step
 from topple.planner.plan_start import check_start, check_upright
 from topple.planner.solids import Solids, solids_of, up_of
+from topple.planner.step import NextStep, Station
 from topple.planner.turn import LIKELY
 from topple.robots.arm import Arm
 from topple.robots.catalog import robot as robot_named

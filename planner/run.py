@@ -18,7 +18,7 @@ from topple.planner.grasp.grasp import Grasp
 from topple.planner.judge import LIMITS, displacements, tilts, truly_unmet, violations
 from topple.planner.look import Look, Observer, unexpected
 from topple.planner.motion.collision import Checker
-from topple.planner.next_step import PLACE, NextStep, Orderer, Station, StepChooser
+from topple.planner.next_step import StepChooser
 from topple.planner.order import cautious
 from topple.planner.pick_place.transfer import scene_after
 from topple.planner.rebuilt.rehearsal import Rehearsal
@@ -26,6 +26,7 @@ from topple.planner.report.record import INTERRUPTED, RunRecord, StepRecord
 from topple.planner.report.rerun_file import RATE as RERUN_RATE
 from topple.planner.report.rerun_file import rerun_file
 from topple.planner.solids import solids_of
+from topple.planner.step import PLACE, NextStep, Orderer, Station
 from topple.robots.arm import Arm
 from topple.robots.camera import Camera
 from topple.robots.catalog import robot as robot_named

@@ -8,6 +8,7 @@ import numpy as np
 import pybullet
 
 from topple.robots.arm import Arm
+from topple.robots.compliance import Compliance
 from topple.robots.gripper import ToolState
 from topple.robots.poses import inverse, pose_from, position_and_quaternion
 from topple.robots.vacuum import Vacuum
@@ -26,9 +27,6 @@ class Control:
         settled: Joint error in [rad] below which the end of a trajectory counts as reached.
         patience: Seconds to wait for that.
         stall: Pad speed in [m/s] below which a closing jaw counts as closed on something.
-        one_sided: Force in [N] by which one pad presses more than the other when the hand gives way: what
-            joint torque sensors tell from nothing, and less than moves a bowl.
-        give_way: How far it does at most in [m]: objects are seen better than that.
     """
 
     position_gain: float = 0.3
@@ -36,8 +34,6 @@ class Control:
     settled: float = 2e-3
     patience: float = 0.6
     stall: float = 2e-3
-    one_sided: float = 0.5
-    give_way: float = 0.015
 
 
 class Motion(Protocol):
@@ -272,7 +268,9 @@ class SimulatedArm:
             raise InvalidInput(f"{self.arm.name} has no fingers to close: use a robot with a parallel jaw")
         self._opening = 0.0
         self._grip_force = self.jaw.force if force is None else min(force, self.jaw.force)
-        self._wait_for_hand(self._given_way())
+        stride = self.jaw.speed / 2.0 * self.world.time_step
+        compliance = Compliance(self.arm, self.pose_base_to_world, self.q_target, stride)
+        self._wait_for_hand(lambda: self._give_way(compliance))
         return self.opening
 
     def extend(self, extension: float) -> None:
@@ -330,35 +328,16 @@ class SimulatedArm:
     def _error(self) -> float:
         return float(np.abs(self.q - self.q_target).max())
 
-    def _given_way(self) -> Callable[[], None]:
-        """What lets the hand give way across itself by as much as a pad closes in a step of the world."""
+    def _give_way(self, compliance: Compliance) -> None:
+        """Holds what a compliant arm would, with these forces on its pads."""
         assert self.jaw is not None
         tool = self.arm.tool("fingers")
+        pose_tool_to_world = self.link_pose(tool.link) @ tool.pose_tool_to_link
         pads = {self._link[link] for link in self.jaw.links}
-        start, stride = self.q_target, self.jaw.speed / 2.0 * self.world.time_step
-        held = False
-
-        def give_way() -> None:
-            nonlocal held
-            if held:
-                return
-            pose_tool_to_world = self.link_pose(tool.link) @ tool.pose_tool_to_link
-            across = pose_tool_to_world[:3, 1]
-            points: Any = pybullet.getContactPoints(bodyA=self.id, physicsClientId=self.world.client)
-            sides = [point[9] * float(np.dot(point[7], across)) for point in points if point[3] in pads]
-            push, held = sum(sides), min(sides, default=0.0) < 0.0 < max(sides, default=0.0)
-            if held or abs(push) < self.control.one_sided:
-                return
-            at = (inverse(self.pose_base_to_world) @ pose_tool_to_world)[:3, [1, 3]]
-            frames = self.arm.chain.frames(self.q_target[None])
-            jacobian = self.arm.chain.jacobian(frames, at[None, :, 1])[0]
-            twist = np.concatenate([np.sign(push) * stride * at[:, 0], np.zeros(3)])
-            q = self.q_target + np.linalg.lstsq(jacobian, twist, rcond=1e-2)[0]
-            there, here = self.arm.tool_pose(np.stack([q, start]))[:, :3, 3]
-            if np.linalg.norm(there - here) < self.control.give_way:
-                self.q_target = q
-
-        return give_way
+        points: Any = pybullet.getContactPoints(bodyA=self.id, physicsClientId=self.world.client)
+        across = pose_tool_to_world[:3, 1]
+        pressing = [point[9] * float(np.dot(point[7], across)) for point in points if point[3] in pads]
+        self.q_target = compliance.after(self.q_target, pose_tool_to_world, pressing)
 
     def _wait_for_hand(self, each_step: Callable[[], None] | None = None) -> None:
         """Until the hand's joints stand still, or three seconds have passed."""

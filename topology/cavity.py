@@ -4,7 +4,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from topple.topology.arrays import BoolArray, FloatArray, frozen
+from topple.topology.arrays import BoolArray, FloatArray, frozen, perpendiculars
 from topple.topology.errors import InvalidInput
 from topple.topology.hull import Hull
 from topple.topology.tolerances import TOLERANCES
@@ -29,9 +29,7 @@ def surrounded(places: FloatArray, wall: FloatArray, up: FloatArray, height: flo
     Returns:
         (N,) True where the wall rises by `height` and by `wall_slope` in `wall_azimuths` of the directions.
     """
-    first = np.cross(up, np.eye(3)[int(np.argmin(np.abs(up)))])
-    first /= np.linalg.norm(first)
-    axes = np.stack([first, np.cross(up, first), up], axis=1)
+    axes = np.stack([*perpendiculars(up), up], axis=1)
     local, standing = places @ axes, wall @ axes
     found = np.zeros(len(places), dtype=np.bool_)
     step = max(1, BLOCK // max(len(wall), 1))
@@ -161,10 +159,9 @@ def _places_inside(hull: Hull) -> FloatArray:
 
 def _rim_points(wall: FloatArray, centre: FloatArray, up: FloatArray) -> FloatArray:
     """The highest wall point in each direction around the centre."""
-    first = np.cross(up, np.eye(3)[int(np.argmin(np.abs(up)))])
-    first /= np.linalg.norm(first)
+    first, second = perpendiculars(up)
     offset = wall - centre
-    turn = np.arctan2(offset @ np.cross(up, first), offset @ first) / (2 * np.pi) + 0.5
+    turn = np.arctan2(offset @ second, offset @ first) / (2 * np.pi) + 0.5
     azimuth = np.minimum((turn * AZIMUTHS).astype(np.int64), AZIMUTHS - 1)
     height = wall @ up
     best = [wall[chosen[np.argmax(height[chosen])]] for chosen in _groups(azimuth)]

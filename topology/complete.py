@@ -6,8 +6,8 @@ from dataclasses import dataclass
 import numpy as np
 from scipy.spatial import ConvexHull, Delaunay, KDTree, QhullError
 
-from topple.topology.arrays import FloatArray
-from topple.topology.round import round_body
+from topple.topology.arrays import FloatArray, perpendiculars
+from topple.topology.round import flattest_side, round_body
 from topple.topology.sight import Sight
 from topple.topology.upright import SPACING, Upright, thin
 
@@ -29,10 +29,8 @@ CLOSED = 0.6
 REFUTED = 0.35
 """Share of a guess that lies in space seen to be empty, from which the symmetry behind it is given up."""
 
-
-DENTED = 0.25
-"""The same for a ball or a cylinder, whose own outline leaves nothing to be refuted but noise."""
-
+ROUND_REFUTED = 0.25
+"""The same for a round body, whose own outline leaves nothing to be refuted but noise."""
 
 OUTSIDE = 0.8
 """Share of the seen points that are on the outside of a round body: noise turns some at its outline."""
@@ -50,6 +48,11 @@ class Box:
     def centre(self) -> FloatArray:
         """(3,) centre [m]."""
         return (self.lower + self.upper) / 2 @ self.axes
+
+    def distances(self, points: FloatArray) -> FloatArray:
+        """(N,) distances of points from the nearest of its planes [m]."""
+        local = points @ self.axes.T
+        return np.minimum(np.abs(local - self.lower), np.abs(local - self.upper)).min(axis=1)
 
 
 def complete(upright: Upright, sight: Sight | None) -> Mapping[str, FloatArray]:
@@ -90,16 +93,8 @@ def complete_body(points: FloatArray, sight: Sight | None, floor: float = -np.in
         return points
     hollow = _mouth_share(points, hull, sight) > MOUTH
     box = bounding_box(points, upright_only=hollow)
-    if not hollow:
-        normals = _normals(points[:: max(1, len(points) // 200)], points)
-        fit = round_body(points, normals, _off(box, points), floor)
-        # what a camera sees of a body is turned to it: the inside of a bowl is round as well, and is no ball
-        if fit is not None and (sight is None or sight.facing(points, fit.outward(points)).mean() > OUTSIDE):
-            surface = fit.surface(SPACING)
-            surface[:, 2] = np.maximum(surface[:, 2], floor)
-            guess = _believable(surface, points, sight, refuted=DENTED)
-            if len(guess):
-                return np.concatenate([points, guess])
+    if not hollow and len(guess := _as_round(points, box, sight, floor)):
+        return np.concatenate([points, guess])
     mirrored = _turned(points, box) if hollow else 2 * box.centre - points
     extra = [_believable(mirrored, points, sight)]
     known = np.concatenate([points, extra[0]])
@@ -147,15 +142,14 @@ def _candidate_axes(points: FloatArray, upright_only: bool) -> list[FloatArray]:
     for _ in range(2):  # the two best supported directions that are not yet there
         if len(normals) < 8:
             break
-        agree = np.abs(normals @ normals.T) > np.cos(np.radians(12.0))
-        best = int(np.argmax(agree.sum(axis=1)))
-        group = normals[agree[best]]
+        side, best = flattest_side(normals)
+        group = normals[side]
         group = group * np.sign(group @ normals[best])[:, None]
         axis = group.mean(axis=0)
         axis /= np.linalg.norm(axis)
         if all(abs(float(axis @ other)) < np.cos(np.radians(4.0)) for other in axes):
             axes.append(axis)
-        normals = normals[~agree[best]]
+        normals = normals[~side]
     return axes
 
 
@@ -170,10 +164,7 @@ def _normals(spots: FloatArray, points: FloatArray) -> FloatArray:
 
 def _box_along(points: FloatArray, axis: FloatArray) -> Box:
     """The smallest box with one direction given: the least rectangle of the projection."""
-    seed = np.eye(3)[int(np.argmin(np.abs(axis)))]
-    u = np.cross(axis, seed)
-    u /= np.linalg.norm(u)
-    v = np.cross(axis, u)
+    u, v = perpendiculars(axis)
     flat = points @ np.stack([u, v], axis=1)
     angles = np.linspace(0.0, np.pi / 2, 30, endpoint=False)
     turns = np.stack([np.cos(angles), np.sin(angles)])
@@ -188,11 +179,17 @@ def _box_along(points: FloatArray, axis: FloatArray) -> Box:
     return Box(axes, lower, upper)
 
 
-def _off(box: Box, points: FloatArray) -> float:
-    """How far points (N, 3) are off the sides of a box [m], root mean square."""
-    local = points @ box.axes.T
-    off = np.minimum(np.abs(local - box.lower), np.abs(local - box.upper)).min(axis=1)
-    return float(np.sqrt(np.mean(off**2)))
+def _as_round(points: FloatArray, box: Box, sight: Sight | None, floor: float) -> FloatArray:
+    """The hidden surface of a ball, a spheroid or a cylinder; (0, 3) where the body is none."""
+    normals = _normals(points[:: max(1, len(points) // 200)], points)
+    box_residual = float(np.sqrt(np.mean(box.distances(points) ** 2)))
+    fit = round_body(points, normals, box_residual, floor)
+    # what a camera sees of a body is turned to it: the inside of a bowl is round as well, and is no ball
+    if fit is None or (sight is not None and sight.facing(points, fit.outward(points)).mean() <= OUTSIDE):
+        return points[:0]
+    surface = fit.surface(SPACING)
+    surface[:, 2] = np.maximum(surface[:, 2], floor)
+    return _believable(surface, points, sight, refuted=ROUND_REFUTED)
 
 
 def _turned(points: FloatArray, box: Box) -> FloatArray:

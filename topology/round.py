@@ -4,7 +4,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from topple.topology.arrays import FloatArray
+from topple.topology.arrays import BoolArray, FloatArray, perpendiculars
 
 ROUNDS = 12
 """Steps of least squares: a fit of half a ball is still after five."""
@@ -12,37 +12,37 @@ ROUNDS = 12
 STRAY = 0.02
 """Share of the points that may lie off a body: flying pixels at its outline."""
 
-LARGEST = 0.1
+LARGEST_RADIUS = 0.1
 """Radius [m] beyond which a surface is a wall with a curve in it and no body a hand could take."""
 
-ROUGH = 0.1
+LARGEST_RESIDUAL = 0.1
 """Share of the radius that points are off a ball or a cylinder (root mean square): fruit is no ball."""
 
-CAP = 0.35
+LEAST_CAP = 0.35
 """Depth of a seen cap in radii from which it says how large its ball is: 50 degrees to each side."""
 
-ARC = 2.0
+LEAST_ARC = 2.0
 """Seen part of a cylinder's round [rad] that says how large it is."""
 
 STRETCHES = (1.25, 1.5)
 """Lengths of spheroids in their thickness: lemons, pears and eggs."""
 
-SPARE = 1.3
+SPHEROID_PENALTY = 1.3
 """A spheroid has three numbers more than a sphere: its error counts so many times."""
 
-SUNK = 0.25
+BELOW_FLOOR = 0.25
 """Share of its radius by which a round body may reach below the floor: a dome reaches deeper, and is none."""
 
 COARSE = 0.01
 """Spacing [m] at which a fit's lowest point is looked for."""
 
-BETTER = 0.8
-"""Of two explanations that with corners holds, unless a round one has less than this share of its error."""
+BETTER_THAN_BOX = 0.8
+"""A round body has to explain the points with less than this share of the error that the best box leaves."""
 
 
 @dataclass(frozen=True, eq=False)
-class Ball:
-    """A sphere, or a spheroid.
+class Spheroid:
+    """A ball, or one that is longer along its axis: a lemon.
 
     Attributes:
         centre: (3,) in [m].
@@ -56,7 +56,7 @@ class Ball:
     axis: FloatArray
     stretch: float = 1.0
 
-    def off(self, points: FloatArray) -> FloatArray:
+    def distances(self, points: FloatArray) -> FloatArray:
         """(N,) distances of points from its surface [m], along the ray from its centre."""
         rays = points - self.centre
         far = np.linalg.norm(rays, axis=1)
@@ -86,7 +86,7 @@ class Cylinder:
     radius: float
     half: float
 
-    def off(self, points: FloatArray) -> FloatArray:
+    def distances(self, points: FloatArray) -> FloatArray:
         """(N,) distances of points from its side or an end, whichever is nearer [m]."""
         along = (points - self.centre) @ self.axis
         across = np.linalg.norm(points - self.centre - np.outer(along, self.axis), axis=1)
@@ -102,7 +102,7 @@ class Cylinder:
 
     def surface(self, spacing: float) -> FloatArray:
         """(M, 3) points all over it, about `spacing` [m] apart."""
-        u, v = _across(self.axis)
+        u, v = perpendiculars(self.axis)
         around = np.linspace(0, 2 * np.pi, max(8, round(2 * np.pi * self.radius / spacing)), endpoint=False)
         ring = np.outer(np.cos(around), u) + np.outer(np.sin(around), v)
         heights = np.linspace(-self.half, self.half, max(2, round(2 * self.half / spacing) + 1))
@@ -113,14 +113,14 @@ class Cylinder:
 
 
 def round_body(
-    points: FloatArray, normals: FloatArray, corners: float, floor: float = -np.inf
-) -> Ball | Cylinder | None:
+    points: FloatArray, normals: FloatArray, box_residual: float, floor: float = -np.inf
+) -> Spheroid | Cylinder | None:
     """The ball, spheroid or cylinder that explains what was seen of a body.
 
     Args:
         points: (N, 3) seen points [m].
         normals: (M, 3) normals at flat spots among them.
-        corners: How far the points are off the best box [m], root mean square.
+        box_residual: How far the points are off the best box [m], root mean square.
         floor: Height of what everything stands on [m].
 
     Returns:
@@ -129,22 +129,27 @@ def round_body(
     """
     balls = [_ball(points, axis, stretch) for axis, stretch in _stretches(points)]
     found = [fit for fit in (*balls, *_cylinders(points, normals)) if fit is not None]
-    found = [fit for fit in found if fit.surface(COARSE)[:, 2].min() > floor - SUNK * fit.radius]
+    found = [fit for fit in found if fit.surface(COARSE)[:, 2].min() > floor - BELOW_FLOOR * fit.radius]
     if not found:
         return None
-    errors = [
-        _error(fit.off(points)) * (SPARE if isinstance(fit, Ball) and fit.stretch != 1.0 else 1.0)
-        for fit in found
-    ]
-    best = found[int(np.argmin(errors))]
-    error = min(errors)
-    return best if error < ROUGH * best.radius and error < BETTER * corners else None
+    errors = [_residual(fit, points) for fit in found]
+    best, error = found[int(np.argmin(errors))], min(errors)
+    return best if error < min(LARGEST_RESIDUAL * best.radius, BETTER_THAN_BOX * box_residual) else None
 
 
-def _error(off: FloatArray) -> float:
-    """Root mean square of distances [m], the strays left out."""
-    kept = np.sort(off)[: max(1, int(np.ceil((1.0 - STRAY) * len(off))))]
-    return float(np.sqrt(np.mean(kept**2)))
+def flattest_side(normals: FloatArray) -> tuple[BoolArray, int]:
+    """Which of some normals (N, 3) point as most others do, either way round, and the one amid them."""
+    agree = np.abs(normals @ normals.T) > np.cos(np.radians(12.0))
+    best = int(np.argmax(agree.sum(axis=1)))
+    return agree[best], best
+
+
+def _residual(fit: Spheroid | Cylinder, points: FloatArray) -> float:
+    """How far points are off a fit [m], root mean square, the strays left out; more for a longer spheroid."""
+    distances = np.sort(fit.distances(points))
+    kept = distances[: max(1, int(np.ceil((1.0 - STRAY) * len(distances))))]
+    penalty = SPHEROID_PENALTY if isinstance(fit, Spheroid) and fit.stretch != 1.0 else 1.0
+    return float(np.sqrt(np.mean(kept**2))) * penalty
 
 
 def _stretches(points: FloatArray) -> list[tuple[FloatArray, float]]:
@@ -158,7 +163,7 @@ def _squeezed(rays: FloatArray, axis: FloatArray, stretch: float) -> FloatArray:
     return rays + np.outer(rays @ axis * (1.0 / stretch - 1.0), axis)
 
 
-def _ball(points: FloatArray, axis: FloatArray, stretch: float) -> Ball | None:
+def _ball(points: FloatArray, axis: FloatArray, stretch: float) -> Spheroid | None:
     """The spheroid of a stretch through points, where they show a cap of it deep enough."""
     if len(points) < 12:
         return None
@@ -168,7 +173,7 @@ def _ball(points: FloatArray, axis: FloatArray, stretch: float) -> Ball | None:
         return None
     off = np.abs(np.linalg.norm(squeezed - fit[0], axis=1) - fit[1])
     fit = _sphere(squeezed[off <= np.quantile(off, 1.0 - STRAY)])
-    if fit is None or fit[1] * stretch > LARGEST:
+    if fit is None or fit[1] * stretch > LARGEST_RADIUS:
         return None
     centre, radius = fit
     rays = (squeezed - centre) / radius
@@ -176,7 +181,7 @@ def _ball(points: FloatArray, axis: FloatArray, stretch: float) -> Ball | None:
     towards /= max(float(np.linalg.norm(towards)), 1e-9)
     depth = 1.0 - float(np.quantile(rays @ towards, STRAY))
     centre = _squeezed(centre[None], axis, 1.0 / stretch)[0]
-    return Ball(centre, radius, axis, stretch) if depth > CAP else None
+    return Spheroid(centre, radius, axis, stretch) if depth > LEAST_CAP else None
 
 
 def _sphere(points: FloatArray) -> tuple[FloatArray, float] | None:
@@ -196,7 +201,7 @@ def _sphere(points: FloatArray) -> tuple[FloatArray, float] | None:
         system = np.column_stack([-rays / far[:, None], -np.ones(len(rays))])
         step = np.linalg.lstsq(system, radius - far, rcond=None)[0]
         centre, radius = centre + step[:size], radius + float(step[size])
-        if not np.isfinite(radius) or abs(radius) > 10.0 * LARGEST:
+        if not np.isfinite(radius) or abs(radius) > 10.0 * LARGEST_RADIUS:
             return None
     return (centre + middle, radius) if radius > 0.0 else None
 
@@ -206,8 +211,7 @@ def _cylinders(points: FloatArray, normals: FloatArray) -> list[Cylinder]:
     axes = [np.array([0.0, 0.0, 1.0])]
     if len(normals) >= 8:
         axes.append(np.linalg.eigh(normals.T @ normals)[1][:, 0])
-        agree = np.abs(normals @ normals.T) > np.cos(np.radians(12.0))
-        group = normals[agree[int(np.argmax(agree.sum(axis=1)))]]
+        group = normals[flattest_side(normals)[0]]
         axes.append(np.linalg.eigh(group.T @ group)[1][:, -1])
     found = (_cylinder(points, axis) for axis in axes)
     return [fit for fit in found if fit is not None]
@@ -217,7 +221,7 @@ def _cylinder(points: FloatArray, axis: FloatArray) -> Cylinder | None:
     """The cylinder along an axis that is nearest to points, where enough of its round shows."""
     if len(points) < 20:
         return None
-    plane = np.stack(_across(axis), axis=1)
+    plane = np.stack(perpendiculars(axis), axis=1)
     flat, along = points @ plane, points @ axis
     low, high = np.quantile(along, [STRAY / 2, 1.0 - STRAY / 2])
     half = (high - low) / 2.0
@@ -233,7 +237,7 @@ def _cylinder(points: FloatArray, axis: FloatArray) -> Cylinder | None:
             return None
     assert circle is not None
     middle, radius = circle
-    if radius > LARGEST or _arc(flat[side] - middle) < ARC:
+    if radius > LARGEST_RADIUS or _arc(flat[side] - middle) < LEAST_ARC:
         return None
     return Cylinder(plane @ middle + (low + high) / 2.0 * axis, axis, radius, float(half))
 
@@ -243,10 +247,3 @@ def _arc(rays: FloatArray) -> float:
     angles = np.sort(np.arctan2(rays[:, 1], rays[:, 0]))
     gaps = np.diff(np.concatenate([angles, angles[:1] + 2 * np.pi]))
     return float(2 * np.pi - gaps.max())
-
-
-def _across(axis: FloatArray) -> tuple[FloatArray, FloatArray]:
-    """Two unit vectors square to a direction and to each other."""
-    u = np.cross(axis, np.eye(3)[int(np.argmin(np.abs(axis)))]).astype(np.float64)
-    u /= np.linalg.norm(u)
-    return u, np.cross(axis, u).astype(np.float64)

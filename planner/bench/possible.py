@@ -7,7 +7,7 @@ lifting one thing after the other straight up; what a bench finds is to be read 
 import numpy as np
 
 from topple.planner.judge import LIMITS
-from topple.planner.whatif import Move, take_away
+from topple.planner.whatif import take_away
 from topple.robots.world import World
 
 TRIES = 300
@@ -50,7 +50,8 @@ class _Search:
             if self.lifts > TRIES:
                 return None
             moves = take_away(self.world, name)
-            if any(_counts(moves[other]) for other in left if other != name):
+            rest = [moves[other] for other in left if other != name]
+            if any(move.beyond(LIMITS.distance, np.degrees(LIMITS.angle)) for move in rest):
                 continue
             if name == self.target:
                 return (*taken, name)
@@ -67,7 +68,3 @@ class _Search:
         pose[:3, 3] = PARKED + 0.5 * place, PARKED, 0.2
         self.world.place(name, pose)
         self.world.settle()
-
-
-def _counts(move: Move) -> bool:
-    return move.distance > LIMITS.distance or move.angle > LIMITS.angle

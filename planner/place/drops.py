@@ -20,9 +20,7 @@ CLEAR = 0.01  # [m] beside what lies in a container: more than two bodies and a 
 TURNED = 0.25  # [rad] a face found on noisy points is that far from the one it stands on
 PUSHED = 0.01  # [m] what something else moves when it is disturbed: the same as for a violation
 TIPPED = 0.17  # [rad] or by how much it turns then
-GENTLE = (
-    0.8  # of that may be pushed where room could be made instead: taking a thing out of a heap stirs more
-)
+QUIET = 0.8  # of that may be pushed where room could be made instead: taking things out stirs a heap more
 
 
 class Drops:
@@ -162,7 +160,7 @@ def staying(
                     beside = not all(apart(there, bodies[other], CLEAR) for other in contents)
                     quiet = beside, round(2.0 * push), round(float(np.linalg.norm(way)) / KEPT)
                     kept.append((quiet, place))
-                    gentle += kept[-1:] if push < GENTLE else []
+                    gentle += kept[-1:] if push < QUIET else []
     return _quietest(gentle), _quietest(kept)
 
 

@@ -3,7 +3,8 @@
 import numpy as np
 
 from topple.planner.goal import parse_goal
-from topple.planner.next_step import Station, StepChooser
+from topple.planner.next_step import StepChooser
+from topple.planner.step import Station
 from topple.robots.catalog import robot
 from topple.robots.scenarios.scenario import pose_at
 from topple.topology.scene import Scene

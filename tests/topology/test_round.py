@@ -5,7 +5,7 @@ import pytest
 
 from topple.topology.arrays import FloatArray
 from topple.topology.complete import complete_body
-from topple.topology.round import Ball, Cylinder, round_body
+from topple.topology.round import Cylinder, Spheroid, round_body
 from topple.topology.sight import Sight
 
 EYE = np.array([0.6, 0.0, 0.6])
@@ -50,22 +50,22 @@ def _box(size: tuple[float, float, float] = (0.06, 0.04, 0.08)) -> tuple[FloatAr
 
 
 def test_half_a_ball_tells_the_whole() -> None:
-    found = round_body(*_seen(*_ball(0.035)), corners=0.01, floor=0.0)
-    assert isinstance(found, Ball)
+    found = round_body(*_seen(*_ball(0.035)), box_residual=0.01, floor=0.0)
+    assert isinstance(found, Spheroid)
     assert found.radius == pytest.approx(0.035, abs=0.002)
     assert found.centre == pytest.approx([0.0, 0.0, 0.035], abs=0.002)
 
 
 def test_a_lemon_is_longer_than_thick() -> None:
-    found = round_body(*_seen(*_ball(0.03, stretch=1.45)), corners=0.01, floor=0.0)
-    assert isinstance(found, Ball)
+    found = round_body(*_seen(*_ball(0.03, stretch=1.45)), box_residual=0.01, floor=0.0)
+    assert isinstance(found, Spheroid)
     assert found.stretch > 1.0
     assert abs(found.axis[1]) > 0.95
     assert np.ptp(found.surface(0.004)[:, 1]) == pytest.approx(0.087, abs=0.012)
 
 
 def test_a_can_that_lies_is_as_thick_as_wide() -> None:
-    found = round_body(*_seen(*_lying_can()), corners=0.01, floor=0.0)
+    found = round_body(*_seen(*_lying_can()), box_residual=0.01, floor=0.0)
     assert isinstance(found, Cylinder)
     assert abs(found.axis[1]) > 0.98
     assert found.radius == pytest.approx(0.033, abs=0.003)
@@ -73,14 +73,14 @@ def test_a_can_that_lies_is_as_thick_as_wide() -> None:
 
 
 def test_a_box_stays_a_box() -> None:
-    assert round_body(*_seen(*_box()), corners=0.001, floor=0.0) is None
+    assert round_body(*_seen(*_box()), box_residual=0.001, floor=0.0) is None
 
 
 def test_a_dome_is_no_ball() -> None:
     points, outward = _seen(*_ball(0.07))
     above = points[:, 2] > 0.07  # a bowl upside down: the upper half of a ball, on the ground
-    found = round_body(points[above], outward[above], corners=0.02, floor=0.07)
-    assert not isinstance(found, Ball)
+    found = round_body(points[above], outward[above], box_residual=0.02, floor=0.07)
+    assert not isinstance(found, Spheroid)
 
 
 def test_a_ball_is_completed_to_its_far_side() -> None:

@@ -12,7 +12,7 @@ from itertools import combinations
 import numpy as np
 from scipy.spatial import KDTree
 
-from topple.topology.arrays import FloatArray, IntArray
+from topple.topology.arrays import FloatArray, IntArray, perpendiculars
 from topple.topology.cloud import thinned
 from topple.topology.contact import local_normals
 from topple.topology.hull import Hull
@@ -109,9 +109,7 @@ def _carries(other: str, name: str, points: dict[str, FloatArray], up: FloatArra
 
 def _drop(above: FloatArray, below: FloatArray, up: FloatArray) -> float:
     """How far a thing would fall onto another [m], infinite where that is not under it."""
-    first = np.cross(up, np.eye(3)[int(np.argmin(np.abs(up)))])
-    first /= np.linalg.norm(first)
-    across = np.stack([first, np.cross(up, first)], axis=1)
+    across = np.stack(perpendiculars(up), axis=1)
     distance, index = KDTree(below @ across).query(above @ across, distance_upper_bound=2 * SPACING)
     under = np.asarray(distance) < np.inf
     fall = (above @ up)[under] - (below @ up)[np.asarray(index)[under]]
