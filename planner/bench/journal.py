@@ -9,17 +9,24 @@ from importlib import import_module
 from pathlib import Path
 from typing import Any
 
+from topple.planner.bench.episodes import IDEAL, TOPPLE
 from topple.topology.errors import InvalidInput
+
+RULE, FRAME = "rule of thumb", "real frame"
+"""Kinds of episodes beside those that topple decides, and ideal lifts."""
 
 PACKAGES = ("topple.topology", "topple.robots", "topple.planner")
 
 ASIDE = ("planner/report/", "planner/cli/", "planner/export/", "planner/verify/", "planner/bench/")
 """What draws, prints, hands on, checks afterwards or counts: no episode goes otherwise for it."""
 
-PLAYED = tuple(
-    f"planner/bench/{name}.py" for name in ("episodes", "frames", "guesses", "possible", "recorded", "rules")
-)
-"""What of it decides how an episode goes all the same."""
+PLAYED = {
+    TOPPLE: ("episodes",),
+    IDEAL: ("episodes", "possible"),
+    RULE: ("episodes", "guesses", "rules"),
+    FRAME: ("episodes", "frames", "recorded"),
+}
+"""What of the bench decides all the same how an episode goes, by its kind."""
 
 
 class Journal:
@@ -53,31 +60,41 @@ class Journal:
                 continue  # cut off when the bench was killed; what it stood for is played again
             if not isinstance(entry, dict) or "code" not in entry:
                 raise InvalidInput(f"{self.path}: is no journal of a bench: give another file")
-            if entry["code"] == code():
+            if entry["code"] == code(_kind(entry)):
                 self.entries.append(entry)
             else:
                 self.stale += 1
 
     def add(self, entry: Mapping[str, Any]) -> None:
         """Append an entry, at once and whole."""
-        kept = {**entry, "code": code()}
+        kept = {**entry, "code": code(_kind(entry))}
         with self.path.open("a", encoding="utf-8") as file:
             file.write(json.dumps(kept) + "\n")
         self.entries.append(kept)
 
 
+def _kind(entry: Mapping[str, Any]) -> str:
+    episode = entry.get("episode", {})
+    rule = episode.get("rule", TOPPLE)
+    return FRAME if episode.get("folder") else rule if rule in PLAYED else RULE
+
+
 @cache
-def code() -> str:
-    """Fingerprint of what topple does: results of other code are not to be mixed with today's.
+def code(kind: str) -> str:
+    """Fingerprint of what episodes of a kind go through: results of other code are not mixed with today's.
 
     Comments, docstrings and what only shows results do not count.
+
+    Args:
+        kind: One of `PLAYED`.
     """
+    played = {f"planner/bench/{name}.py" for name in PLAYED[kind]}
     digest = hashlib.sha256()
     for package in PACKAGES:
         folder = Path(str(import_module(package).__file__)).parent
         for path in sorted(folder.rglob("*.py")):
             place = f"{folder.name}/{path.relative_to(folder).as_posix()}"
-            if place in PLAYED or not place.startswith(ASIDE):
+            if place in played or not place.startswith(ASIDE):
                 digest.update(behaviour(path.read_text(encoding="utf-8")).encode())
     return digest.hexdigest()[:16]
 

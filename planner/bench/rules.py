@@ -1,10 +1,11 @@
 """Other people's orders for the same arm: what `topple bench run` is compared with."""
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Collection, Sequence
 from itertools import combinations
 
 import numpy as np
 
+from topple.planner.beliefs import Beliefs
 from topple.planner.bench.guesses import Guess, naive, top_height
 from topple.planner.dependency import Dependency, DependencyGraph
 from topple.planner.order import Order, arrange
@@ -40,10 +41,11 @@ def order_by(rule: str, base: FloatArray) -> Callable[..., Order]:
         relations: Relations,
         seed: int,
         statics: Statics | None = None,
-        beliefs: object = None,
+        beliefs: Beliefs | None = None,
     ) -> Order:
-        del relations, statics, seed, beliefs  # a rule of thumb asks for none of them
-        return _as_order(scene, targets, guess[rule](scene))
+        del relations, statics, seed  # a rule of thumb asks for none of them
+        put_down = frozenset[str]() if beliefs is None else beliefs.alone
+        return _as_order(scene, targets, guess[rule](scene), put_down)
 
     return chosen
 
@@ -63,9 +65,13 @@ def nearest(scene: Scene, point: FloatArray) -> Guess:
     return Guess(frozenset(combinations(names, 2)), tuple(names))
 
 
-def _as_order(scene: Scene, targets: Sequence[str], guess: Guess) -> Order:
-    """All that a rule takes before the targets, in its order."""
-    edges = tuple(Dependency(first, then, "blocking", 1.0) for first, then in sorted(guess.pairs))
+def _as_order(scene: Scene, targets: Sequence[str], guess: Guess, put_down: Collection[str]) -> Order:
+    """All that a rule takes before the targets, in its order; what it put down it does not take again."""
+    edges = tuple(
+        Dependency(first, then, "blocking", 1.0)
+        for first, then in sorted(guess.pairs)
+        if first not in put_down
+    )
     # One above the other in one place, all ways are equally short: the highest goes first.
     ranks = {name: np.array([0.0, 0.0, -float(place)]) for place, name in enumerate(guess.order)}
     return arrange(DependencyGraph(scene.movable, edges), targets, ranks)

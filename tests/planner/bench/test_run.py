@@ -6,9 +6,10 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from topple.planner.bench.episodes import Ending, Episode, play
+from topple.planner.beliefs import Beliefs
+from topple.planner.bench.episodes import TOPPLE, Ending, Episode, play
 from topple.planner.bench.frames import frames_in, wanted_of
-from topple.planner.bench.journal import Journal, behaviour, code
+from topple.planner.bench.journal import PLAYED, Journal, behaviour, code
 from topple.planner.bench.recorded import Frame
 from topple.planner.bench.row import Row
 from topple.planner.bench.rules import RULES, order_by
@@ -48,6 +49,13 @@ def test_a_rule_takes_all_that_comes_first_by_it(shelf: Scene, rule: str, taken:
     assert found.order[-1] == "book"
 
 
+def test_a_rule_takes_nothing_twice(shelf: Scene) -> None:
+    put_down = Beliefs(alone=frozenset(["bottle"]))
+    rule = order_by("top height first", np.eye(4))
+    found = rule(shelf, ("book",), relations=relate(shelf), seed=0, beliefs=put_down)
+    assert found.order == ("can", "book")
+
+
 def test_an_ending_is_read_back_equal(tmp_path: Path) -> None:
     ending = Ending(Episode("pile", 3, 1, RULES[0]), "hit", ("box_1 was hit",), violated=1, seconds=31.5)
     Journal(tmp_path / "endings.jsonl").add(ending.to_json())
@@ -68,9 +76,13 @@ def test_a_line_that_was_cut_off_is_left_out_and_the_next_is_whole(tmp_path: Pat
 
 def test_results_of_other_code_do_not_count(tmp_path: Path) -> None:
     path = tmp_path / "endings.jsonl"
-    path.write_text(json.dumps({"code": "0" * len(code())}) + "\n")
+    path.write_text(json.dumps({"code": "0" * len(code(TOPPLE))}) + "\n")
     book = Journal(path)
     assert (book.entries, book.stale) == ([], 1)
+
+
+def test_what_rules_of_thumb_do_is_nothing_to_other_episodes() -> None:
+    assert len({code(kind) for kind in PLAYED}) == len(PLAYED)
 
 
 def test_words_about_code_do_not_void_results() -> None:
