@@ -13,7 +13,7 @@ from topple.planner.bench.journal import PLAYED, Journal, behaviour, code
 from topple.planner.bench.recorded import Frame
 from topple.planner.bench.row import Row
 from topple.planner.bench.rules import RULES, order_by
-from topple.planner.bench.run import QUICK, Series, figures, rows
+from topple.planner.bench.run import QUICK, Series, endurance, figures, rows
 from topple.topology.errors import InvalidInput
 from topple.topology.relate import relate
 from topple.topology.scene import Scene
@@ -162,6 +162,14 @@ def test_orders_are_compared_on_the_seeds_that_both_played() -> None:
     found |= {one: _endings(one, ["hit", "hit"][: 1 + number]) for number, one in enumerate(theirs)}
     row = next(row for row in figures(found) if row.baseline == RULES[0] and row.what.startswith("things"))
     assert (row.value, row.baseline_value) == (0, 1)  # of seed 0 alone
+
+
+@pytest.mark.parametrize(("leak", "ok"), [(0, True), (40, False)])
+def test_memory_that_grows_on_is_a_leak_and_loading_is_none(leak: int, ok: bool) -> None:
+    loaded = [min(300 + 100 * place, 1000) + leak * place for place in range(30)]
+    endings = [Ending(Episode("pile", place), "success", memory=m) for place, m in enumerate(loaded)]
+    row = next(row for row in endurance(endings) if row.what.startswith("memory"))
+    assert row.ok is ok
 
 
 def test_a_scene_that_is_none_is_an_ending() -> None:
