@@ -74,9 +74,12 @@ class Journal:
 
 
 def _kind(entry: Mapping[str, Any]) -> str:
+    """Which of `PLAYED` the episode of an entry is."""
     episode = entry.get("episode", {})
+    if episode.get("folder"):
+        return FRAME
     rule = episode.get("rule", TOPPLE)
-    return FRAME if episode.get("folder") else rule if rule in PLAYED else RULE
+    return rule if rule in PLAYED else RULE
 
 
 @cache

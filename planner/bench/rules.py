@@ -9,16 +9,15 @@ from topple.planner.beliefs import Beliefs
 from topple.planner.bench.guesses import Guess, naive, top_height
 from topple.planner.dependency import Dependency, DependencyGraph
 from topple.planner.order import Order, arrange
+from topple.planner.step import Orderer
 from topple.topology.arrays import FloatArray
-from topple.topology.relate import Relations
 from topple.topology.scene import Scene
-from topple.topology.statics import Statics
 
 RULES = ("nearest first", "top height first", "plain 6IM + height")
 """Names of the rules."""
 
 
-def order_by(rule: str, base: FloatArray) -> Callable[..., Order]:
+def order_by(rule: str, base: FloatArray) -> Orderer:
     """A rule in the place of `topple.planner.order.order`.
 
     Args:
@@ -34,16 +33,7 @@ def order_by(rule: str, base: FloatArray) -> Callable[..., Order]:
         "plain 6IM + height": naive,
     }
 
-    def chosen(
-        scene: Scene,
-        targets: Sequence[str],
-        *,
-        relations: Relations,
-        seed: int,
-        statics: Statics | None = None,
-        beliefs: Beliefs | None = None,
-    ) -> Order:
-        del relations, statics, seed  # a rule of thumb asks for none of them
+    def chosen(scene: Scene, targets: Sequence[str], *, beliefs: Beliefs | None = None, **_: object) -> Order:
         put_down = frozenset[str]() if beliefs is None else beliefs.alone
         return _as_order(scene, targets, guess[rule](scene), put_down)
 

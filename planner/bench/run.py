@@ -33,7 +33,7 @@ from topple.planner.bench.rules import RULES
 from topple.planner.bench.scores import share_interval
 
 JOURNAL = Path("topple-bench-run.jsonl")
-WARM = 5  # episodes in a third of a process's from which on its memory is judged
+LEAST_THIRD = 5  # episodes: with fewer in a third a process's memory says nothing
 LOOP = 30  # [min] that a process has to go on without a break
 STAYED = 0.01  # [m] a rebuilt body may move until it is at rest
 
@@ -232,14 +232,8 @@ def endurance(endings: Sequence[Ending]) -> list[Row]:
         for ending in endings:
             worked[ending.process] += round(ending.seconds)
         longest = max(worked.values()) / 60
-        rows.append(
-            Row(
-                "memory of a process, last third of its episodes against the second",
-                growth,
-                "x",
-                bar="<= 1.2",
-            )
-        )
+        what = "memory of a process, last third of its episodes against the second"
+        rows.append(Row(what, growth, "x", bar="<= 1.2"))
         rows.append(Row("longest that a process went on", longest, "min", bar=f">= {LOOP}"))
     return rows
 
@@ -309,7 +303,7 @@ def _growth(endings: Sequence[Ending]) -> float | None:
     grown: list[float] = []
     for memory in by_process.values():
         third = len(memory) // 3
-        if third >= WARM:
+        if third >= LEAST_THIRD:
             grown.append(median(memory[-third:]) / median(memory[-2 * third : -third]))
     return max(grown, default=None)
 
