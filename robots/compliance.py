@@ -1,20 +1,21 @@
-"""Compliance of a closing hand: it gives way to the pad that comes first."""
+"""Compliance of a closing hand: it gives way to the pad that comes first, and turns until both lie flat."""
 
-from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
 
 from topple.robots.arm import Arm
-from topple.robots.poses import inverse
+from topple.robots.poses import angle_between, inverse
 from topple.topology.arrays import FloatArray
 
 
 @dataclass
 class Compliance:
-    """Moves a hand across itself, as fast as a pad closes, while one pad alone presses.
+    """Moves a hand while its jaw closes gently: across itself, and about its middle.
 
-    An arm under impedance control does so by itself. Once both pads press there is nothing to give way to.
+    An arm under impedance control does so by itself. While one pad alone presses, the hand goes across as
+    fast as a pad closes. Once both press, it turns about its approach and about the pads' breadth against the
+    torque, so that pads that meet a face or a wall askew turn themselves and not the object.
 
     Attributes:
         arm: An arm with fingers.
@@ -24,6 +25,9 @@ class Compliance:
         force: By which one pad presses more than the other when the hand gives way [N]: what joint torque
             sensors tell from nothing, and less than moves a bowl.
         distance: How far it gives way at most [m]: objects are seen better than that.
+        friction: Between pads and object at most: by it a hand that turns would take along what is wide.
+        turn: Angle of a step under a torque of 1 Nm [rad].
+        angle: How far it turns at most [rad]: a wall's slope is seen better than that.
         held: Whether both pads have pressed.
     """
 
@@ -33,27 +37,41 @@ class Compliance:
     stride: float
     force: float = 0.5
     distance: float = 0.015
+    friction: float = 0.5
+    turn: float = 0.05
+    angle: float = 0.2
     held: bool = False
 
-    def after(self, q: FloatArray, pose_tool_to_world: FloatArray, pressing: Sequence[float]) -> FloatArray:
+    def after(
+        self, q: FloatArray, pose_tool_to_world: FloatArray, places: FloatArray, forces: FloatArray
+    ) -> FloatArray:
         """The joint values to hold next.
 
         Args:
             q: (n,) those held now.
             pose_tool_to_world: (4, 4) measured.
-            pressing: Forces on the pads along the tool's y [N].
+            places: (k, 3) where something presses on the pads, in the tool's frame [m].
+            forces: (k, 3) how it presses, in the tool's frame [N].
 
         Returns:
-            (n,) the same where nothing presses on one side, or it has given way far enough.
+            (n,) the same where nothing is uneven, or the hand has given way far enough.
         """
-        push = sum(pressing)
-        self.held = self.held or min(pressing, default=0.0) < 0.0 < max(pressing, default=0.0)
-        if self.held or abs(push) < self.force:
+        across = forces[:, 1]
+        self.held = self.held or bool(across.min(initial=0.0) < 0.0 < across.max(initial=0.0))
+        twist = np.zeros(6)
+        if self.held:
+            torque = np.cross(places, forces).sum(axis=0) * (1.0, 0.0, 1.0)
+            along = self.friction * float(np.abs(places[:, 1] * across).sum())
+            twist[3:] = self.turn * np.where(np.abs(torque) > along, torque, 0.0)
+        elif abs(across.sum()) >= self.force:
+            twist[1] = np.sign(across.sum()) * self.stride
+        if not twist.any():
             return q
         pose_tool_to_base = inverse(self.pose_base_to_world) @ pose_tool_to_world
         frames = self.arm.chain.frames(q[None])
         jacobian = self.arm.chain.jacobian(frames, pose_tool_to_base[None, :3, 3])[0]
-        twist = np.concatenate([np.sign(push) * self.stride * pose_tool_to_base[:3, 1], np.zeros(3)])
-        moved = q + np.linalg.lstsq(jacobian, twist, rcond=1e-2)[0]
-        there, here = self.arm.tool_pose(np.stack([moved, self.start]))[:, :3, 3]
-        return moved if np.linalg.norm(there - here) < self.distance else q
+        in_base = (twist.reshape(2, 3) @ pose_tool_to_base[:3, :3].T).reshape(-1)
+        moved = q + np.linalg.lstsq(jacobian, in_base, rcond=1e-2)[0]
+        there, here = self.arm.tool_pose(np.stack([moved, self.start]), "fingers")
+        near = np.linalg.norm(there[:3, 3] - here[:3, 3]) < self.distance
+        return moved if near and angle_between(there, here) < self.angle else q

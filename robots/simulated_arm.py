@@ -27,6 +27,7 @@ class Control:
         settled: Joint error in [rad] below which the end of a trajectory counts as reached.
         patience: Seconds to wait for that.
         stall: Pad speed in [m/s] below which a closing jaw counts as closed on something.
+        gentle: Force in [N] with which a jaw closes until both pads lie on something: less than turns a bowl.
     """
 
     position_gain: float = 0.3
@@ -34,6 +35,7 @@ class Control:
     settled: float = 2e-3
     patience: float = 0.6
     stall: float = 2e-3
+    gentle: float = 5.0
 
 
 class Motion(Protocol):
@@ -213,14 +215,17 @@ class SimulatedArm:
         """Holds still for a time in [s]."""
         self.step(max(1, round(seconds / self.world.time_step)))
 
-    def follow(self, trajectory: Motion, until: Callable[[], bool] | None = None) -> float:
+    def follow(
+        self, trajectory: Motion, until: Callable[[], bool] | None = None, *, aside: bool = False
+    ) -> float:
         """Follows a joint trajectory and waits until its end is reached.
 
-        An arm that stopped short of where the trajectory starts does not jump there: it joins on the way.
+        An arm that is not where the trajectory starts does not jump there: it joins on the way.
 
         Args:
             trajectory: Times, positions and velocities; it should start where the arm is, or near.
             until: Asked after every step; as soon as it says yes the arm stops (a guarded motion).
+            aside: Stay as far aside of the trajectory as the arm is instead of joining it.
 
         Returns:
             The largest joint error at the end in [rad]: above `Control.settled` something is in the way.
@@ -231,14 +236,14 @@ class SimulatedArm:
             t = min(k * self.world.time_step, float(times[-1]))
             q = np.array([np.interp(t, times, column) for column in trajectory.positions.T])
             v = np.array([np.interp(t, times, column) for column in trajectory.velocities.T])
-            q += (1.0 - t / times[-1]) * short
-            v -= short / times[-1]
+            q += short if aside else (1.0 - t / times[-1]) * short
+            v -= 0.0 if aside else short / times[-1]
             self._drive(q, v)
             self._advance()
             if until is not None and until():
                 self.q_target = q
                 return 0.0
-        self.q_target = np.array(trajectory.positions[-1])
+        self.q_target = trajectory.positions[-1] + (short if aside else 0.0)
         for _ in range(round(self.control.patience / self.world.time_step)):
             if self._error() < self.control.settled:
                 break
@@ -255,8 +260,8 @@ class SimulatedArm:
     def close(self, force: float | None = None) -> float:
         """Closes the jaw with a force in [N] until it stalls.
 
-        The pad that comes first does not push the object to the other one: the hand gives way, as an arm does
-        that is compliant across, so that both pads meet the object where it is.
+        The pad that comes first does not push the object to the other one, and pads that meet it askew do not
+        turn it: the jaw closes gently while the hand gives way, as a compliant arm does, and presses after.
 
         Returns:
             The distance of the pads in [m]: near zero when there is nothing between them.
@@ -267,10 +272,13 @@ class SimulatedArm:
         if not self.jaw:
             raise InvalidInput(f"{self.arm.name} has no fingers to close: use a robot with a parallel jaw")
         self._opening = 0.0
-        self._grip_force = self.jaw.force if force is None else min(force, self.jaw.force)
+        force = self.jaw.force if force is None else min(force, self.jaw.force)
+        self._grip_force = min(force, self.control.gentle)
         stride = self.jaw.speed / 2.0 * self.world.time_step
         compliance = Compliance(self.arm, self.pose_base_to_world, self.q_target, stride)
         self._wait_for_hand(lambda: self._give_way(compliance))
+        self._grip_force = force
+        self._wait_for_hand()
         return self.opening
 
     def extend(self, extension: float) -> None:
@@ -335,9 +343,11 @@ class SimulatedArm:
         pose_tool_to_world = self.link_pose(tool.link) @ tool.pose_tool_to_link
         pads = {self._link[link] for link in self.jaw.links}
         points: Any = pybullet.getContactPoints(bodyA=self.id, physicsClientId=self.world.client)
-        across = pose_tool_to_world[:3, 1]
-        pressing = [point[9] * float(np.dot(point[7], across)) for point in points if point[3] in pads]
-        self.q_target = compliance.after(self.q_target, pose_tool_to_world, pressing)
+        pressing = [point for point in points if point[3] in pads]
+        places = np.array([point[5] for point in pressing]).reshape(-1, 3) - pose_tool_to_world[:3, 3]
+        forces = np.array([np.multiply(point[9], point[7]) for point in pressing]).reshape(-1, 3)
+        turn = pose_tool_to_world[:3, :3]
+        self.q_target = compliance.after(self.q_target, pose_tool_to_world, places @ turn, forces @ turn)
 
     def _wait_for_hand(self, each_step: Callable[[], None] | None = None) -> None:
         """Until the hand's joints stand still, or three seconds have passed."""

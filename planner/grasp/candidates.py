@@ -119,19 +119,24 @@ def _pinch_grasps(
 ) -> list[Grasp]:
     found: list[Grasp] = []
     for tilts in (tolerances.tilts, tolerances.steep_tilts):
-        if len(found) >= tolerances.enough:
+        if _enough(found, tolerances):
             break
         for directions in frames(surface, up, tilts):
             near = around.near(directions.origin, tolerances.reach)
             pinched = pinches(directions, surface, near, up, hand, tolerances, dropped)
             found += [_as_grasp(name, pinch) for pinch in pinched]
-    if len(found) >= tolerances.enough:
+    if _enough(found, tolerances):
         return found
     for directions in rim_frames(surface, around.floor, up, hand, tolerances, dropped):
         near = around.near(directions.origin, tolerances.reach)
         pinched = pinches(directions, surface, near, up, hand, tolerances, dropped)
         found += [_as_grasp(name, pinch) for pinch in pinched]
     return found
+
+
+def _enough(found: Sequence[Grasp], tolerances: GraspTolerances) -> bool:
+    """Whether the arm has a choice among grasps that are sure to hold."""
+    return sum(grasp.score >= tolerances.sure for grasp in found) >= tolerances.enough
 
 
 def _pierced(
@@ -173,7 +178,7 @@ def _in_words(load: float) -> str:
 
 
 def _as_grasp(name: str, pinch: Pinch) -> Grasp:
-    score = float(np.prod([value ** WEIGHTS[term] for term, value in pinch.terms.items()])) * kept(pinch.load)
+    score = float(np.prod([value ** WEIGHTS[term] for term, value in pinch.terms.items()]) * kept(pinch.load))
     reason = (
         f"{1e3 * pinch.width:.0f} mm between the pads, tips {1e3 * pinch.depth:.0f} mm deep; "
         + ", ".join(f"{term} {value:.2f}" for term, value in pinch.terms.items())
@@ -205,7 +210,7 @@ def _suction_grasps(
         if score < tolerances.least_seal:
             dropped.note("the seal would leak or peel off")
             continue
-        score, reason = score * kept(load), reason + _in_words(load)
+        score, reason = float(score * kept(load)), reason + _in_words(load)
         for turn in CUP_TURNS:  # a cup is round: how the hand is turned about it matters to the arm alone
             pose = patch.pose_tool_to_world @ turn
             found.append(Grasp(name, "suction", pose, 0.0, cup.opening, score, reason, patch.terms))

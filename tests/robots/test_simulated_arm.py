@@ -84,6 +84,48 @@ def test_fingers_lift_a_can_by_friction_and_drop_it_when_they_open(world: World)
     assert height(world, "can") < 0.1
 
 
+def _moved_by_closing(world: World, name: str, hand: FloatArray) -> tuple[float, float, SimulatedArm]:
+    """Distance [m] and angle [degrees] by which an object moves while a hand closes on it."""
+    world.settle()
+    arm = SimulatedArm(world, robot("panda"), np.eye(4))
+    before = world.pose(name)
+    go(arm, at(0.0, 0.0, 0.1) @ hand, "fingers")
+    go(arm, hand, "fingers")
+    arm.close(42.0)
+    assert arm.holds(name)
+    after = world.pose(name)
+    moved = float(np.linalg.norm(after[:3, 3] - before[:3, 3]))
+    return moved, float(np.degrees(angle_between(before, after))), arm
+
+
+def test_a_closing_hand_gives_way_to_the_pad_that_comes_first(world: World) -> None:
+    world.add(shapes.box("box", (0.05, 0.05, 0.08), mass=0.1), at(0.5, 0.0, 0.0))
+    moved, angle, _ = _moved_by_closing(world, "box", down(0.5, 0.01, 0.05))
+    assert moved < 1e-3 and angle < 1.0, "the pads met it a centimetre beside the hand's middle"
+
+
+def test_a_closing_hand_turns_to_a_wall_that_leans(world: World) -> None:
+    world.add(shapes.bowl("bowl"), at(0.5, 0.0, 0.0))
+    lean = np.radians(10.0)  # the wall leans by 19 degrees
+    turn = np.eye(4)
+    turn[1:3, 1:3] = [[np.cos(lean), -np.sin(lean)], [np.sin(lean), np.cos(lean)]]
+    hand = at(0.5, 0.076, 0.052) @ turn @ np.diag([1.0, -1.0, -1.0, 1.0])
+    moved, angle, arm = _moved_by_closing(world, "bowl", hand)
+    assert moved < 2e-3 and angle < 2.0, "the bowl stays"
+    assert np.degrees(angle_between(arm.arm.tool_pose(arm.q, "fingers")[0], hand)) > 5.0, "the hand turns"
+
+
+def test_an_arm_that_stands_aside_may_stay_aside_of_its_way(world: World) -> None:
+    arm = SimulatedArm(world, robot("panda"), np.eye(4))
+    start, aside = np.asarray(arm.arm.home), np.full(7, 0.05)
+    arm.follow(Way.between(start, start + aside, seconds=0.5))
+    way = Way.between(start, start - aside)
+    arm.follow(way, aside=True)
+    assert arm.q == pytest.approx(start, abs=3e-3)
+    arm.follow(way)
+    assert arm.q == pytest.approx(start - aside, abs=3e-3)
+
+
 def test_a_can_wider_than_the_grip_is_strong_slips(world: World) -> None:
     world.add(shapes.can("can", mass=4.0), at(0.5, 0.0, 0.0))
     world.settle()
