@@ -62,9 +62,14 @@ class Checks:
         """With the object."""
         return self.ready(grasp) if grasp.tool == "suction" else ToolState(grasp.width)
 
-    def released(self, grasp: Grasp) -> ToolState:
-        """After letting go: wide open, so that the object stays where it is when the hand leaves."""
-        return self.ready(grasp) if grasp.tool == "suction" else self.arm.open_hand
+    def released(self, grasp: Grasp, into: str | None) -> ToolState:
+        """After letting go: wide open, so that the object stays where it is when the hand leaves.
+
+        In a vessel only as on the way in: fingers would push aside what else is in it.
+        """
+        if grasp.tool == "suction" or into is not None:
+            return self.ready(grasp)
+        return self.arm.open_hand
 
     # -- what is checked against what
 
@@ -109,14 +114,15 @@ class Checks:
             )
         return self._checkers[key]
 
-    def leaving(self, grasp: Grasp) -> Checker:
+    def leaving(self, grasp: Grasp, into: str | None = None) -> Checker:
         """The open hand drawing back from the object at its new place.
 
         The object itself is left out, as its place is not known here; `parting` has it.
         """
-        key = ("leave", grasp.tool, self.released(grasp))
+        state = self.released(grasp, into)
+        key = ("leave", grasp.tool, state)
         if key not in self._checkers:
-            self._checkers[key] = self._checker(self.others, self.released(grasp))
+            self._checkers[key] = self._checker(self.others, state)
         return self._checkers[key]
 
     def parting(self, grasp: Grasp, place: Placement) -> Checker:
@@ -124,7 +130,7 @@ class Checks:
         pose = place.pose_before_to_after
         bodies = {**self.others, **{n: moved(self.bodies[n], pose) for n in (self.name, *self.riding)}}
         allow = _pairs(self._links(grasp), (self.name, *self.riding))
-        return self._checker(bodies, self.released(grasp), allow=allow)
+        return self._checker(bodies, self.released(grasp, place.into), allow=allow)
 
     def empty(self, opening: float, q_start: FloatArray) -> Checker:
         """The empty hand among everything, at the largest of `MARGINS` that it keeps at the start."""

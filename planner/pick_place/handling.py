@@ -193,7 +193,8 @@ class Handling(Checks):
             retreat: Straight way out [m].
             tally: Notes what placements are dropped for.
         """
-        carrying, leaving = self.carrying(grasp, 0.0, places[0].into), self.leaving(grasp)
+        into = places[0].into
+        carrying, leaving = self.carrying(grasp, 0.0, into), self.leaving(grasp, into)
         found = list(places)
         for checker, step, way in (
             (carrying, "place", 0.0),
@@ -275,7 +276,8 @@ class Handling(Checks):
             if len(found) >= most or any(end.placement is place for end in found):
                 continue
             up = self._clear(rising, carrying, q, "place", tally)
-            away = None if up is None else self._clear(leaving, self.leaving(grasp), q, "retreat", tally)
+            empty = self.leaving(grasp, place.into)
+            away = None if up is None else self._clear(leaving, empty, q, "retreat", tally)
             if up is not None and away is not None:
                 found.append(End(place, up[::-1], away))
         return found

@@ -11,6 +11,7 @@ from topple.planner.motion.collision import Checker
 from topple.planner.motion.trajectory import retime
 from topple.planner.pick_place.handling import Handling
 from topple.planner.pick_place.segments import Segment, no_faster_than
+from topple.planner.place.placement import Placement
 from topple.robots.gripper import ToolState
 from topple.topology.arrays import FloatArray
 
@@ -35,7 +36,12 @@ class Leg:
 
 
 def segments_of(
-    legs: Sequence[Leg], handling: Handling, grasp: Grasp, speed: float, straight_speed: float
+    legs: Sequence[Leg],
+    handling: Handling,
+    grasp: Grasp,
+    place: Placement,
+    speed: float,
+    straight_speed: float,
 ) -> tuple[Segment, ...]:
     """Time the legs, and put grasp and release between them.
 
@@ -43,13 +49,15 @@ def segments_of(
         legs: Move, approach, lift, transfer, place and retreat.
         handling: Of the object.
         grasp: How it is held.
+        place: Where it goes.
         speed: Share of the joints' velocity limits.
         straight_speed: Of the tool on straight legs [m/s].
 
     Returns:
         The segments in the order they are driven.
     """
-    ready, closed, released = handling.ready(grasp), handling.closed(grasp), handling.released(grasp)
+    ready, closed = handling.ready(grasp), handling.closed(grasp)
+    released = handling.released(grasp, place.into)
     hands = {"move": ToolState(ready.opening), "approach": ready, "retreat": released}
     segments: list[Segment] = []
     for leg in legs:

@@ -266,7 +266,8 @@ class _Search:
             return None
         legs = [Leg("move", move.path, emptied, certificate=move.certificate), *ahead]
         legs += [Leg("transfer", carry.path, carrying, certificate=carry.certificate), *behind]
-        segments = segments_of(legs, handling, grasp, limits.speed, limits.straight_speed)
+        speeds = limits.speed, limits.straight_speed
+        segments = segments_of(legs, handling, grasp, end.placement, *speeds)
         q_end, tried = end.retreat[-1], dict(self.tally.reasons)
         return Transfer(
             handling.name, grasp, end.placement, segments, q_end, tried, handling.riding, self.level

@@ -3,7 +3,9 @@
 import numpy as np
 
 from topple.planner.execute import execute
+from topple.planner.grasp.grasp import Grasp
 from topple.planner.pick_place.transfer import Transfer, plan_transfer
+from topple.planner.place.placement import Placement
 from topple.robots import shapes
 from topple.robots.bodies import Body
 from topple.robots.catalog import robot
@@ -69,3 +71,36 @@ def _start(transfer: Transfer, number: int) -> FloatArray:
     trajectory = transfer.segments[number].trajectory
     assert trajectory is not None
     return trajectory.positions[0]
+
+
+def test_in_a_vessel_the_hand_opens_no_wider_than_on_its_way_in() -> None:
+    bodies = {
+        "cube": (shapes.box("cube", (0.04, 0.04, 0.06), mass=0.1), pose_at(0.0, -0.25, 0.0)),
+        "tray": (shapes.box("tray", (0.3, 0.2, 0.01)), pose_at(0.0, 0.1, 0.0)),
+        "left": (shapes.box("left", (0.04, 0.1, 0.06), mass=0.05), pose_at(-0.072, 0.1, 0.01)),
+        "right": (shapes.box("right", (0.04, 0.1, 0.06), mass=0.05), pose_at(0.072, 0.1, 0.01)),
+    }
+    rng = np.random.default_rng(0)
+    clouds = {n: b.surface(3000, rng) @ p[:3, :3].T + p[:3, 3] for n, (b, p) in bodies.items()}
+    table = _on_table(bodies["cube"][0]).clouds["table"]
+    scene = Scene({**clouds, "table": table}, fixed=["table"], up=(0, 0, 1))
+    grasp = np.diag([1.0, -1.0, -1.0, 1.0])
+    grasp[:3, :2] = [[0.0, 1.0], [1.0, 0.0], [0.0, 0.0]]  # closing towards the neighbours at its place
+    grasp[:3, 3] = [0.0, -0.25, 0.045]
+    between = Placement(pose_at(0.0, 0.35, 0.012), 1.0, drop=0.002, into="tray")
+    hold = Grasp("cube", "pinch", grasp, 0.04, 0.056, 1.0, "", {})
+    with World() as world:
+        world.add_table(size=(1.4, 1.2))
+        for body, pose in bodies.values():
+            world.add(body, pose)
+        world.settle()
+        before = world.poses()
+        found = plan_transfer(
+            "cube", scene, None, PANDA, BASE, np.asarray(PANDA.home), [between], grasps=[hold]
+        )
+        assert isinstance(found, Transfer), found
+        outcome = execute(found, SimulatedArm(world, PANDA, BASE))
+        assert outcome.success, outcome.text
+        moved = {name: np.linalg.norm(world.pose(name)[:3, 3] - before[name][:3, 3]) for name in bodies}
+    assert moved["cube"] > 0.3
+    assert max(moved["left"], moved["right"]) < 1e-3, "fingers wide open would push them aside"
