@@ -9,7 +9,7 @@ from topple.planner.grasp.hand import PRESS
 from topple.planner.motion.collision import Checker
 from topple.planner.motion.planner import MotionFailure, plan_motion
 from topple.planner.motion.trajectory import retime
-from topple.planner.pick_place.checks import MARGIN
+from topple.planner.pick_place.checks import MARGIN, PARTED
 from topple.planner.pick_place.segments import Segment
 from topple.planner.pick_place.transfer import Transfer
 from topple.planner.solids import Solids
@@ -26,7 +26,6 @@ OFF_COURSE = 0.03  # [rad] an arm this far from its goal is held up by something
 NOTHING = 0.001  # [m] pads closer than this have nothing between them
 AT_HOME = 0.01  # [rad]
 SPEED = 0.5  # share of the joints' velocity limits on the way home
-LET_GO = 0.01  # [m] pads part from what they held at least
 SAMPLES = 40  # of the tool's path per segment, for pictures
 
 
@@ -134,7 +133,7 @@ def _drive(segment: Segment, transfer: Transfer, robot: SimulatedArm) -> str | N
     if segment.kind == "grasp":
         return _take(segment, transfer, robot)
     if segment.kind == "release":
-        robot.release(max(segment.hand.opening, robot.opening + LET_GO))
+        robot.release(max(segment.hand.opening, robot.opening + PARTED))
         robot.wait(0.25)  # what was let go comes to rest before the hand leaves
         return None
     if segment.trajectory is None:

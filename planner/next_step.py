@@ -265,7 +265,7 @@ class StepChooser:
         found = placements_on(name, self.scene, where, place.how, self._solids, limit=limit)
         if place.how != "within":
             return found, found, found
-        lying = [other for other in self._inside(where) if other != name]
+        lying = [other for other in self._heap(where) if other != name]
         return found, *staying(found, name, where, self.relations, self._solids, lying)
 
     def _stands_on_later(self, place: Place) -> str | None:
@@ -279,7 +279,7 @@ class StepChooser:
     def _in_the_way(self, place: Place) -> list[str]:
         """What is in a container and does not belong there."""
         settled = {other.object for other in self.goal.places if other.where == place.where}
-        return [other for other in self._inside(place.where) if other not in settled | {place.object}]
+        return [other for other in self._heap(place.where) if other not in settled | {place.object}]
 
     def _standing_on(self, place: Place) -> tuple[str, ...]:
         """What stands on a supporter and is not what shall stand there."""
@@ -341,6 +341,13 @@ class StepChooser:
     def _riding(self, name: str) -> tuple[str, ...]:
         """What lies in an object that is kept upright."""
         return self._inside(name) if name in self.upright else ()
+
+    def _heap(self, where: str) -> list[str]:
+        """What lies in a container, and what lies on that or on its rim."""
+        found = {where, *self._inside(where)}
+        while more := {s.supported for s in self._supports if s.supporter in found} - found:
+            found |= more
+        return sorted(found.difference({where}, self.scene.fixed))
 
     def _inside(self, name: str) -> tuple[str, ...]:
         """What lies in an object."""

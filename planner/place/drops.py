@@ -137,7 +137,7 @@ def staying(
 
     Returns:
         Those that hold and disturb nothing that lies there, and all that hold; clear of the contents first,
-        then what pushes them least, then where it rolls least.
+        then what pushes them least, falls least far, and rolls least.
     """
     scene, rule = relations.scene, relations.rule
     up, container = up_of(scene), rule.prepare(where, scene.clouds[where])
@@ -158,14 +158,14 @@ def staying(
                     way = (rest - place.pose_at_rest(up)) @ np.append(drops.centre_of_mass, 1.0)
                     there, push = moved(bodies[name], rest), drops.push()
                     beside = not all(apart(there, bodies[other], CLEAR) for other in contents)
-                    quiet = beside, round(2.0 * push), round(float(np.linalg.norm(way)) / KEPT)
+                    quiet = beside, round(2.0 * push), place.drop, round(float(np.linalg.norm(way)) / KEPT)
                     kept.append((quiet, place))
                     gentle += kept[-1:] if push < QUIET else []
     return _quietest(gentle), _quietest(kept)
 
 
 def _quietest(found: Sequence[tuple[tuple[float, ...], Placement]]) -> list[Placement]:
-    """Placements clear of what lies there first, then what pushes least, then what rolls least."""
+    """Placements clear of what lies there first, then what pushes least, falls and rolls least."""
     return [place for _, place in sorted(found, key=lambda each: each[0])]
 
 

@@ -107,3 +107,25 @@ def test_the_extent_between_pads_ends_at_a_gap_a_finger_could_enter() -> None:
 def test_packed_rows_name_the_columns_that_are_set() -> None:
     index, there = packed(np.array([[False, True, True], [False, False, False], [True, False, False]]))
     assert [row[have].tolist() for row, have in zip(index, there, strict=True)] == [[1, 2], [], [0]]
+
+
+def test_pads_close_on_the_ends_of_a_thing_and_not_where_the_hand_stops_to_look() -> None:
+    # a mug on its side: longer than the hand opens, its top sinks towards the mouth by a few millimetres
+    lying = mug().surface(8000, np.random.default_rng(5)) @ np.array([[0, 0, -1.0], [0, 1, 0], [1, 0, 0]]).T
+    lying[:, 2] -= lying[:, 2].min()
+    axis = np.arange(-0.3, 0.3, 0.006)
+    x, y = np.meshgrid(axis, axis)
+    table = np.column_stack([x.ravel(), y.ravel(), np.zeros(x.size)])
+    seen = lying[lying[:, 2] > 0.02] + np.random.default_rng(6).normal(0.0, 0.0005, (1, 3))
+    surface, _, found = searched(Scene({"table": table, "mug": seen}, fixed=["table"], up=UP), "mug")
+    pinched = [pinch for at_point in found for pinch in at_point]
+    assert pinched, "by its handle or its rim"
+    for pinch in pinched:
+        to_tool = np.linalg.inv(pinch.pose_tool_to_world)
+        local = surface.points @ to_tool[:3, :3].T + to_tool[:3, 3]
+        x, y, z = local.T
+        beside = (
+            (np.abs(x) < HAND.pad_width / 2) & (np.abs(y) > pinch.width / 2 + 0.004) & (z < HAND.tip - 0.001)
+        )
+        near = beside & (np.abs(y) < pinch.width / 2 + 0.02)
+        assert np.count_nonzero(near) <= GRASP_TOLERANCES.stray_points, "it goes on where a pad would be"
