@@ -16,7 +16,7 @@ from topple.planner.goal import Goal, Place, holds
 from topple.planner.grasp.grasp import Grasp
 from topple.planner.order import Order, order
 from topple.planner.pick_place.failure import Setback, TransferFailure
-from topple.planner.pick_place.transfer import Transfer, plan_transfer
+from topple.planner.pick_place.transfer import TRANSFER_LIMITS, Transfer, TransferLimits, plan_transfer
 from topple.planner.place.drops import standing, staying
 from topple.planner.place.placement import Placement, placements
 from topple.planner.place.stacking import GENTLE, over, placements_on
@@ -34,6 +34,7 @@ from topple.topology.support import Support, supports
 INSIDE = (Relation.WITHIN, Relation.PARTIAL_WITHIN)
 CHOICE = 48  # placements on or into a thing to choose from: a dozen spots, four headings each
 MORE_CHOICE = 192  # where no more room can be made: also the spots from higher up, each a drop in simulation
+MORE_HANDS = TransferLimits(grasps=60, reached=80)  # then, too: all hands that a search for grasps finds
 BESIDE = 0.05  # [m] what is closer to an object than this bars a hand: half an open hand's width
 
 
@@ -219,7 +220,7 @@ class StepChooser:
             isinstance(found, TransferFailure) and contents
         ):  # taking things out of a heap stirs it: look longer
             places, gentle, kept = self._spots(place, MORE_CHOICE)
-            room, found = self._into(place, gentle, contents)
+            room, found = self._into(place, gentle, contents, MORE_HANDS)
         if isinstance(found, Transfer):
             return NextStep(found, PLACE, f"it shall be {place.how} {where}", chosen)
         if contents:
@@ -243,13 +244,17 @@ class StepChooser:
         raise NoSafePlan(str(found), (str(found),), (found,))
 
     def _into(
-        self, place: Place, spots: list[Placement], contents: Sequence[str]
+        self,
+        place: Place,
+        spots: list[Placement],
+        contents: Sequence[str],
+        limits: TransferLimits = TRANSFER_LIMITS,
     ) -> tuple[list[Placement], Transfer | TransferFailure]:
         """The spots that a fall is not too high to, and the transfer to one of them."""
         room = [spot for spot in spots if spot.drop <= GENTLE]
         if (place.object, PLACE) in self.done and contents:
             room = []  # it was tried, and it is not there: more room is needed
-        return room, self._transfer(place.object, room) if room else _no_room(place)
+        return room, self._transfer(place.object, room, limits) if room else _no_room(place)
 
     def _put(self, name: str, tries: Sequence[list[Placement]], why: str, chosen: Order) -> NextStep | None:
         """The step to the first of some lists of placements that the arm can make."""
@@ -265,7 +270,7 @@ class StepChooser:
         found = placements_on(name, self.scene, where, place.how, self._solids, limit=limit)
         if place.how != "within":
             return found, found, found
-        lying = [other for other in self._heap(where) if other != name]
+        lying = [other for other in self._inside(where) if other != name]
         return found, *staying(found, name, where, self.relations, self._solids, lying)
 
     def _stands_on_later(self, place: Place) -> str | None:
@@ -279,7 +284,7 @@ class StepChooser:
     def _in_the_way(self, place: Place) -> list[str]:
         """What is in a container and does not belong there."""
         settled = {other.object for other in self.goal.places if other.where == place.where}
-        return [other for other in self._heap(place.where) if other not in settled | {place.object}]
+        return [other for other in self._inside(place.where) if other not in settled | {place.object}]
 
     def _standing_on(self, place: Place) -> tuple[str, ...]:
         """What stands on a supporter and is not what shall stand there."""
@@ -314,7 +319,9 @@ class StepChooser:
                 scene = scene.without(rider).with_cloud(name, cloud)
         return scene, self.relations if scene is self.scene else relate(scene)
 
-    def _transfer(self, name: str, places: list[Placement] | None) -> Transfer | TransferFailure:
+    def _transfer(
+        self, name: str, places: list[Placement] | None, limits: TransferLimits = TRANSFER_LIMITS
+    ) -> Transfer | TransferFailure:
         """A transfer of an object, or why there is none."""
         if name in self.given_up:
             return TransferFailure(name, {self.given_up[name]: 1}, None)
@@ -329,7 +336,7 @@ class StepChooser:
         return plan_transfer(
             name, self.scene, self._solids, self.station.arm, base, self.station.q, places,
             whole=self._whole[name], avoid=self.avoid.get(name, ()), riding=self._riding(name),
-            upright=name in self.upright, seed=self.seed,
+            upright=name in self.upright, seed=self.seed, limits=limits,
         )  # fmt: skip
 
     def _remaining(self, name: str) -> frozenset[str]:
@@ -341,13 +348,6 @@ class StepChooser:
     def _riding(self, name: str) -> tuple[str, ...]:
         """What lies in an object that is kept upright."""
         return self._inside(name) if name in self.upright else ()
-
-    def _heap(self, where: str) -> list[str]:
-        """What lies in a container, and what lies on that or on its rim."""
-        found = {where, *self._inside(where)}
-        while more := {s.supported for s in self._supports if s.supporter in found} - found:
-            found |= more
-        return sorted(found.difference({where}, self.scene.fixed))
 
     def _inside(self, name: str) -> tuple[str, ...]:
         """What lies in an object."""

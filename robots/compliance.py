@@ -22,11 +22,11 @@ class Compliance:
         pose_base_to_world: (4, 4) where it stands.
         start: (n,) joint values when the hand begins to close.
         stride: How far a pad closes in a step [m].
+        turn: Angle by which the hand turns in a step under a torque of 1 N m [rad].
         force: By which one pad presses more than the other when the hand gives way [N]: what joint torque
             sensors tell from nothing, and less than moves a bowl.
         distance: How far it gives way at most [m]: objects are seen better than that.
         friction: Between pads and object at most: by it a hand that turns would take along what is wide.
-        turn: Angle of a step under a torque of 1 Nm [rad].
         angle: How far it turns at most [rad]: a wall's slope is seen better than that.
         held: Whether both pads have pressed.
     """
@@ -35,10 +35,10 @@ class Compliance:
     pose_base_to_world: FloatArray
     start: FloatArray
     stride: float
+    turn: float
     force: float = 0.5
     distance: float = 0.015
     friction: float = 0.5
-    turn: float = 0.05
     angle: float = 0.2
     held: bool = False
 

@@ -27,6 +27,7 @@ class Control:
         settled: Joint error in [rad] below which the end of a trajectory counts as reached.
         patience: Seconds to wait for that.
         stall: Pad speed in [m/s] below which a closing jaw counts as closed on something.
+        turning: Speed in [rad/s] at which a closing hand gives way to a torque of 1 N m on its pads.
         gentle: Force in [N] with which a jaw closes until both pads lie on something: less than turns a bowl.
     """
 
@@ -35,6 +36,7 @@ class Control:
     settled: float = 2e-3
     patience: float = 0.6
     stall: float = 2e-3
+    turning: float = 12.0
     gentle: float = 5.0
 
 
@@ -274,8 +276,9 @@ class SimulatedArm:
         self._opening = 0.0
         force = self.jaw.force if force is None else min(force, self.jaw.force)
         self._grip_force = min(force, self.control.gentle)
-        stride = self.jaw.speed / 2.0 * self.world.time_step
-        compliance = Compliance(self.arm, self.pose_base_to_world, self.q_target, stride)
+        step = self.world.time_step
+        give = self.jaw.speed / 2.0 * step, self.control.turning * step
+        compliance = Compliance(self.arm, self.pose_base_to_world, self.q_target, *give)
         self._wait_for_hand(lambda: self._give_way(compliance))
         self._grip_force = force
         self._wait_for_hand()

@@ -119,24 +119,19 @@ def _pinch_grasps(
 ) -> list[Grasp]:
     found: list[Grasp] = []
     for tilts in (tolerances.tilts, tolerances.steep_tilts):
-        if _enough(found, tolerances):
+        if len(found) >= tolerances.enough:
             break
         for directions in frames(surface, up, tilts):
             near = around.near(directions.origin, tolerances.reach)
             pinched = pinches(directions, surface, near, up, hand, tolerances, dropped)
             found += [_as_grasp(name, pinch) for pinch in pinched]
-    if _enough(found, tolerances):
+    if len(found) >= tolerances.enough:
         return found
     for directions in rim_frames(surface, around.floor, up, hand, tolerances, dropped):
         near = around.near(directions.origin, tolerances.reach)
         pinched = pinches(directions, surface, near, up, hand, tolerances, dropped)
         found += [_as_grasp(name, pinch) for pinch in pinched]
     return found
-
-
-def _enough(found: Sequence[Grasp], tolerances: GraspTolerances) -> bool:
-    """Whether the arm has a choice among grasps that are sure to hold."""
-    return sum(grasp.score >= tolerances.sure for grasp in found) >= tolerances.enough
 
 
 def _pierced(

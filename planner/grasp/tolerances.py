@@ -20,8 +20,8 @@ class GraspTolerances:
         stray_points: So many points in the way count as noise (flying pixels), not as a thing.
         depths: Tried depths of the finger tips below the object's top between the pads, least first.
         tilts: Tried angles between the approach and straight down, about the closing axis.
-        steep_tilts: Tried where those find fewer than `enough` sure grasps; then rims are.
-        enough: So many sure grasps leave the arm a choice.
+        steep_tilts: Tried where those find fewer than `enough` grasps.
+        enough: So many grasps leave the arm a choice.
         reach: Only points this close to a grasp can touch the hand.
         into_solid: A finger this deep in the object's own hull would be driven into it: twice the depth
             noise, and more than hulls stand out from a surface between its points.
@@ -30,7 +30,7 @@ class GraspTolerances:
             0.1 kg object then turns in the pads of a 20 N gripper.
         seal_tolerance: Unevenness under a suction cup's lip that its bellows takes up.
         least_seal: Suction scored below this would leak or peel off.
-        sure: Score from which a grasp is sure to hold: a good seal, or square faces, near the centre of mass.
+        sure: Score from which a suction grasp is sure to hold: a good seal near the centre of mass.
         enough_sealed: With so many sure suction grasps no pinch is looked for.
         seal_tilt: Angle between a cup, which is set square on a surface, and straight down: beyond it most of
             the weight pulls along the lip.
