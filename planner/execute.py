@@ -9,7 +9,7 @@ from topple.planner.grasp.hand import PRESS
 from topple.planner.motion.collision import Checker
 from topple.planner.motion.planner import MotionFailure, plan_motion
 from topple.planner.motion.trajectory import retime
-from topple.planner.pick_place.checks import MARGIN, PARTED
+from topple.planner.pick_place.checks import MARGIN, RELEASE_GAP
 from topple.planner.pick_place.segments import Segment
 from topple.planner.pick_place.transfer import Transfer
 from topple.planner.solids import Solids
@@ -133,7 +133,8 @@ def _drive(segment: Segment, transfer: Transfer, robot: SimulatedArm) -> str | N
     if segment.kind == "grasp":
         return _take(segment, transfer, robot)
     if segment.kind == "release":
-        robot.release(max(segment.hand.opening, robot.opening + PARTED))
+        # what is held may be wider than it looked
+        robot.release(max(segment.hand.opening, robot.opening + RELEASE_GAP))
         robot.wait(0.25)  # what was let go comes to rest before the hand leaves
         return None
     if segment.trajectory is None:
@@ -144,8 +145,8 @@ def _drive(segment: Segment, transfer: Transfer, robot: SimulatedArm) -> str | N
         if segment.kind != "retreat":
             robot.open(segment.hand.opening)
     # a hand that gave way as it closed lifts straight up from where it is
-    aside = segment.kind == "lift"
-    error = robot.follow(segment.trajectory, _guard(segment, name, robot), aside=aside)
+    keep_offset = segment.kind == "lift"
+    error = robot.follow(segment.trajectory, _guard(segment, name, robot), keep_offset=keep_offset)
     if segment.kind == "approach" and segment.tool == "fingers" and _way_left(segment, robot) > SHALLOW:
         touched = robot.strongest_touch()
         return f"the fingers met {touched[0] if touched else 'something'} on their way in."

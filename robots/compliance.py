@@ -60,9 +60,10 @@ class Compliance:
         self.held = self.held or bool(across.min(initial=0.0) < 0.0 < across.max(initial=0.0))
         twist = np.zeros(6)
         if self.held:
-            torque = np.cross(places, forces).sum(axis=0) * (1.0, 0.0, 1.0)
-            along = self.friction * float(np.abs(places[:, 1] * across).sum())
-            twist[3:] = self.turn * np.where(np.abs(torque) > along, torque, 0.0)
+            torque = np.cross(places, forces).sum(axis=0)
+            torque[1] = 0.0  # about the line through the pads nothing lies flatter
+            dragging = self.friction * float(np.abs(places[:, 1] * across).sum())
+            twist[3:] = self.turn * np.where(np.abs(torque) > dragging, torque, 0.0)
         elif abs(across.sum()) >= self.force:
             twist[1] = np.sign(across.sum()) * self.stride
         if not twist.any():

@@ -9,35 +9,13 @@ import pybullet
 
 from topple.robots.arm import Arm
 from topple.robots.compliance import Compliance
+from topple.robots.control import Control
 from topple.robots.gripper import ToolState
 from topple.robots.poses import inverse, pose_from, position_and_quaternion
 from topple.robots.vacuum import Vacuum
 from topple.robots.world import World
 from topple.topology.arrays import FloatArray
 from topple.topology.errors import InvalidInput
-
-
-@dataclass(frozen=True)
-class Control:
-    """How the joints are driven.
-
-    Attributes:
-        position_gain: Share of the position error that a step removes; 0.3 follows within a milliradian.
-        velocity_gain: Share of the velocity error that a step removes.
-        settled: Joint error in [rad] below which the end of a trajectory counts as reached.
-        patience: Seconds to wait for that.
-        stall: Pad speed in [m/s] below which a closing jaw counts as closed on something.
-        turning: Speed in [rad/s] at which a closing hand gives way to a torque of 1 N m on its pads.
-        gentle: Force in [N] with which a jaw closes until both pads lie on something: less than turns a bowl.
-    """
-
-    position_gain: float = 0.3
-    velocity_gain: float = 1.0
-    settled: float = 2e-3
-    patience: float = 0.6
-    stall: float = 2e-3
-    turning: float = 12.0
-    gentle: float = 5.0
 
 
 class Motion(Protocol):
@@ -218,7 +196,7 @@ class SimulatedArm:
         self.step(max(1, round(seconds / self.world.time_step)))
 
     def follow(
-        self, trajectory: Motion, until: Callable[[], bool] | None = None, *, aside: bool = False
+        self, trajectory: Motion, until: Callable[[], bool] | None = None, *, keep_offset: bool = False
     ) -> float:
         """Follows a joint trajectory and waits until its end is reached.
 
@@ -227,7 +205,7 @@ class SimulatedArm:
         Args:
             trajectory: Times, positions and velocities; it should start where the arm is, or near.
             until: Asked after every step; as soon as it says yes the arm stops (a guarded motion).
-            aside: Stay as far aside of the trajectory as the arm is instead of joining it.
+            keep_offset: Stay as far beside the trajectory as the arm is at its start instead of joining it.
 
         Returns:
             The largest joint error at the end in [rad]: above `Control.settled` something is in the way.
@@ -238,14 +216,14 @@ class SimulatedArm:
             t = min(k * self.world.time_step, float(times[-1]))
             q = np.array([np.interp(t, times, column) for column in trajectory.positions.T])
             v = np.array([np.interp(t, times, column) for column in trajectory.velocities.T])
-            q += short if aside else (1.0 - t / times[-1]) * short
-            v -= 0.0 if aside else short / times[-1]
+            q += short if keep_offset else (1.0 - t / times[-1]) * short
+            v -= 0.0 if keep_offset else short / times[-1]
             self._drive(q, v)
             self._advance()
             if until is not None and until():
                 self.q_target = q
                 return 0.0
-        self.q_target = trajectory.positions[-1] + (short if aside else 0.0)
+        self.q_target = trajectory.positions[-1] + (short if keep_offset else 0.0)
         for _ in range(round(self.control.patience / self.world.time_step)):
             if self._error() < self.control.settled:
                 break
@@ -276,9 +254,13 @@ class SimulatedArm:
         self._opening = 0.0
         force = self.jaw.force if force is None else min(force, self.jaw.force)
         self._grip_force = min(force, self.control.gentle)
-        step = self.world.time_step
-        give = self.jaw.speed / 2.0 * step, self.control.turning * step
-        compliance = Compliance(self.arm, self.pose_base_to_world, self.q_target, *give)
+        compliance = Compliance(
+            self.arm,
+            self.pose_base_to_world,
+            self.q_target,
+            stride=self.jaw.speed / 2.0 * self.world.time_step,
+            turn=self.control.turn_admittance * self.world.time_step,
+        )
         self._wait_for_hand(lambda: self._give_way(compliance))
         self._grip_force = force
         self._wait_for_hand()

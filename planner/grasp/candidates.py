@@ -8,7 +8,7 @@ import numpy as np
 from topple.planner.grasp.frames import frames
 from topple.planner.grasp.grasp import Grasp
 from topple.planner.grasp.hand import HandShape, hand_shape
-from topple.planner.grasp.load import cup_load, kept, likely_weight
+from topple.planner.grasp.load import chance_to_hold, cup_load, likely_weight
 from topple.planner.grasp.pinch import Pinch, pinches
 from topple.planner.grasp.rims import rim_frames
 from topple.planner.grasp.suction import CupShape, cup_shape, patches, seal_score
@@ -173,7 +173,9 @@ def _in_words(load: float) -> str:
 
 
 def _as_grasp(name: str, pinch: Pinch) -> Grasp:
-    score = float(np.prod([value ** WEIGHTS[term] for term, value in pinch.terms.items()]) * kept(pinch.load))
+    score = float(
+        np.prod([value ** WEIGHTS[term] for term, value in pinch.terms.items()]) * chance_to_hold(pinch.load)
+    )
     reason = (
         f"{1e3 * pinch.width:.0f} mm between the pads, tips {1e3 * pinch.depth:.0f} mm deep; "
         + ", ".join(f"{term} {value:.2f}" for term, value in pinch.terms.items())
@@ -205,7 +207,7 @@ def _suction_grasps(
         if score < tolerances.least_seal:
             dropped.note("the seal would leak or peel off")
             continue
-        score, reason = float(score * kept(load)), reason + _in_words(load)
+        score, reason = float(score * chance_to_hold(load)), reason + _in_words(load)
         for turn in CUP_TURNS:  # a cup is round: how the hand is turned about it matters to the arm alone
             pose = patch.pose_tool_to_world @ turn
             found.append(Grasp(name, "suction", pose, 0.0, cup.opening, score, reason, patch.terms))

@@ -9,7 +9,9 @@ from topple.robots.bodies import DENSITY
 from topple.topology.arrays import FloatArray
 
 GRAVITY = 9.81  # [m/s2]
-GUESSED = 0.42  # standard deviation of a guessed weight's logarithm: within a factor of two in 90 of 100
+WEIGHT_SPREAD = (
+    0.42  # standard deviation of a guessed weight's logarithm: within a factor of two in 90 of 100
+)
 
 
 def likely_weight(volume: float) -> float:
@@ -65,7 +67,7 @@ def cup_load(lever: float, weight: float, cup: CupShape) -> float:
     return weight / cup.max_force * (1.0 + lever / cup.radius)
 
 
-def kept(load: FloatArray | float) -> FloatArray:
+def chance_to_hold(load: FloatArray | float) -> FloatArray:
     """Chance that a grasp under a load holds: the share of its score that it keeps.
 
     Weights are guessed within a factor of two nine times in ten, up or down. Pads on flat faces resist
@@ -77,4 +79,4 @@ def kept(load: FloatArray | float) -> FloatArray:
     Returns:
         1 for none, 0.95 at a half, 0.5 where the likely weight takes all of what holds it, of the same shape.
     """
-    return np.asarray(ndtr(-np.log(np.maximum(load, 1e-6)) / GUESSED), dtype=np.float64)
+    return np.asarray(ndtr(-np.log(np.maximum(load, 1e-6)) / WEIGHT_SPREAD), dtype=np.float64)

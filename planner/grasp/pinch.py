@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from topple.planner.grasp.frames import Frames
 from topple.planner.grasp.hand import HandShape, Prism
-from topple.planner.grasp.load import jaw_load, kept, likely_weight
+from topple.planner.grasp.load import chance_to_hold, jaw_load, likely_weight
 from topple.planner.grasp.pads import Between, antipodality, between, extents, packed
 from topple.planner.grasp.surface import Surface
 from topple.planner.grasp.surroundings import ITSELF, Dropped, Surroundings
@@ -144,16 +144,17 @@ def _look(frames: Frames, surface: Surface, hand: HandShape, tolerances: GraspTo
     """See the object in the axes of each direction that has points of it between the pads."""
     points = surface.points - frames.origin
     x, y = (frames.rotations[:, :, axis] @ points.T for axis in (0, 1))
+    half_open = hand.max_opening / 2.0
     # twice as far as the pads: a hand moved to the middle of what it holds sees past both of its ends
-    inside = (np.abs(x) <= hand.pad_width / 2.0) & (np.abs(y) <= hand.max_opening)
-    some = np.count_nonzero(inside & (np.abs(y) <= hand.max_opening / 2.0), axis=1) >= 4
+    inside = (np.abs(x) <= hand.pad_width / 2.0) & (np.abs(y) <= 2.0 * half_open)
+    some = np.count_nonzero(inside & (np.abs(y) <= half_open), axis=1) >= 4
     if not some.any():
         return None
     rotations = frames.rotations[some]
     held = between(points, surface.normals, rotations, inside[some])
-    middle = held.there & (np.abs(held.points[:, :, 1]) <= hand.max_opening / 2.0)
-    heights = np.sort(np.where(middle, held.points[:, :, 2], np.inf), axis=1)
-    last = np.count_nonzero(middle, axis=1) - 1
+    between_pads = held.there & (np.abs(held.points[:, :, 1]) <= half_open)
+    heights = np.sort(np.where(between_pads, held.points[:, :, 2], np.inf), axis=1)
+    last = np.count_nonzero(between_pads, axis=1) - 1
     top = heights[np.arange(len(heights)), np.minimum(tolerances.stray_points, last)]
     return _Look(frames.origin, rotations, frames.tilts[some], held, top)
 
@@ -371,7 +372,7 @@ def _best_and_deepest(
         "depth": np.minimum(1.0, hold.depth / (0.5 * hand.pad_length)),
         "upright": 1.0 - 0.5 * look.tilts[hold.row],
     }
-    total = np.sum(list(terms.values()), axis=0) * kept(load)
+    total = np.sum(list(terms.values()), axis=0) * chance_to_hold(load)
     found: list[Pinch] = []
     for row in np.unique(hold.row):
         here = np.flatnonzero(hold.row == row)

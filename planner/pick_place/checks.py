@@ -17,7 +17,7 @@ from topple.topology.scene import Scene
 
 MARGIN = 0.004  # kept to everything on free motions: depth noise and tracking error [m]
 MARGINS = (MARGIN, 0.001, 0.0)  # the hand may start nearer to what it just left: then the first that holds
-PARTED = 0.01  # pads this much wider than what they held let go of it [m]
+RELEASE_GAP = 0.01  # pads this much wider than what they held let go of it [m]
 OPENING_STEP = 0.005  # openings are rounded up to it, so that grasps share their checks [m]
 CONTACT = 0.006  # bodies this close touch: noise of two clouds [m]
 
@@ -71,7 +71,7 @@ class Checks:
         if grasp.tool == "suction":
             return self.ready(grasp)
         if into is not None:
-            return ToolState(_rounded(grasp.width + PARTED, self.arm))
+            return ToolState(_rounded(grasp.width + RELEASE_GAP, self.arm))
         return self.arm.open_hand
 
     # -- what is checked against what

@@ -266,8 +266,7 @@ class _Search:
             return None
         legs = [Leg("move", move.path, emptied, certificate=move.certificate), *ahead]
         legs += [Leg("transfer", carry.path, carrying, certificate=carry.certificate), *behind]
-        speeds = limits.speed, limits.straight_speed
-        segments = segments_of(legs, handling, grasp, end.placement, *speeds)
+        segments = segments_of(legs, handling, grasp, end.placement, limits.speed, limits.straight_speed)
         q_end, tried = end.retreat[-1], dict(self.tally.reasons)
         return Transfer(
             handling.name, grasp, end.placement, segments, q_end, tried, handling.riding, self.level

@@ -73,7 +73,7 @@ def _start(transfer: Transfer, number: int) -> FloatArray:
     return trajectory.positions[0]
 
 
-def test_in_a_vessel_the_hand_opens_no_wider_than_on_its_way_in() -> None:
+def test_in_a_vessel_the_hand_opens_no_wider_than_letting_go_takes() -> None:
     bodies = {
         "cube": (shapes.box("cube", (0.04, 0.04, 0.06), mass=0.1), pose_at(0.0, -0.25, 0.0)),
         "tray": (shapes.box("tray", (0.3, 0.2, 0.01)), pose_at(0.0, 0.1, 0.0)),

@@ -115,15 +115,15 @@ def test_a_closing_hand_turns_to_a_wall_that_leans(world: World) -> None:
     assert np.degrees(angle_between(arm.arm.tool_pose(arm.q, "fingers")[0], hand)) > 5.0, "the hand turns"
 
 
-def test_an_arm_that_stands_aside_may_stay_aside_of_its_way(world: World) -> None:
+def test_an_arm_beside_its_trajectory_may_keep_its_offset(world: World) -> None:
     arm = SimulatedArm(world, robot("panda"), np.eye(4))
-    start, aside = np.asarray(arm.arm.home), np.full(7, 0.05)
-    arm.follow(Way.between(start, start + aside, seconds=0.5))
-    way = Way.between(start, start - aside)
-    arm.follow(way, aside=True)
+    start, offset = np.asarray(arm.arm.home), np.full(7, 0.05)
+    arm.follow(Way.between(start, start + offset, seconds=0.5))
+    way = Way.between(start, start - offset)
+    arm.follow(way, keep_offset=True)
     assert arm.q == pytest.approx(start, abs=3e-3)
     arm.follow(way)
-    assert arm.q == pytest.approx(start - aside, abs=3e-3)
+    assert arm.q == pytest.approx(start - offset, abs=3e-3)
 
 
 def test_a_can_wider_than_the_grip_is_strong_slips(world: World) -> None:

@@ -6,7 +6,7 @@ import pytest
 
 from topple.planner.grasp import grasp_candidates
 from topple.planner.grasp.hand import hand_shape
-from topple.planner.grasp.load import cup_load, jaw_load, kept, likely_weight
+from topple.planner.grasp.load import chance_to_hold, cup_load, jaw_load, likely_weight
 from topple.planner.grasp.suction import cup_shape
 from topple.robots.bodies import DENSITY
 from topple.robots.catalog import robot
@@ -48,10 +48,12 @@ def test_a_cup_peels_off_with_its_force_or_its_moment() -> None:
 
 
 def test_what_cannot_hold_scores_below_what_can() -> None:
-    assert kept(0.0) == 1.0 and kept(0.5) == pytest.approx(0.95, abs=0.01), "half of it by the guess"
-    assert kept(1.0) == pytest.approx(0.5), "as likely too heavy as not"
-    assert kept(2.0) == pytest.approx(0.05, abs=0.01), "if it is half as heavy as guessed"
-    assert np.all(np.diff(kept(np.linspace(0.3, 5.0, 20))) < 0.0)
+    assert chance_to_hold(0.0) == 1.0 and chance_to_hold(0.5) == pytest.approx(0.95, abs=0.01), (
+        "half of it by the guess"
+    )
+    assert chance_to_hold(1.0) == pytest.approx(0.5), "as likely too heavy as not"
+    assert chance_to_hold(2.0) == pytest.approx(0.05, abs=0.01), "if it is half as heavy as guessed"
+    assert np.all(np.diff(chance_to_hold(np.linspace(0.3, 5.0, 20))) < 0.0)
 
 
 def bar() -> Scene:

@@ -18,11 +18,15 @@ HAND = hand_shape(robot("panda"))
 UP = np.array([0.0, 0.0, 1.0])
 
 
-def clouds(**bodies: tuple[Body, tuple[float, float, float]]) -> Scene:
-    rng = np.random.default_rng(3)
+def table() -> np.ndarray:
     axis = np.arange(-0.3, 0.3, 0.006)
     x, y = np.meshgrid(axis, axis)
-    found = {"table": np.column_stack([x.ravel(), y.ravel(), np.zeros(x.size)])}
+    return np.column_stack([x.ravel(), y.ravel(), np.zeros(x.size)])
+
+
+def clouds(**bodies: tuple[Body, tuple[float, float, float]]) -> Scene:
+    rng = np.random.default_rng(3)
+    found = {"table": table()}
     for name, (body, place) in bodies.items():
         points = body.surface(5000, rng) + np.array(place)
         found[name] = points + rng.normal(0.0, 0.0005, points.shape)
@@ -113,11 +117,8 @@ def test_pads_close_on_the_ends_of_a_thing_and_not_where_the_hand_stops_to_look(
     # a mug on its side: longer than the hand opens, its top sinks towards the mouth by a few millimetres
     lying = mug().surface(8000, np.random.default_rng(5)) @ np.array([[0, 0, -1.0], [0, 1, 0], [1, 0, 0]]).T
     lying[:, 2] -= lying[:, 2].min()
-    axis = np.arange(-0.3, 0.3, 0.006)
-    x, y = np.meshgrid(axis, axis)
-    table = np.column_stack([x.ravel(), y.ravel(), np.zeros(x.size)])
     seen = lying[lying[:, 2] > 0.02] + np.random.default_rng(6).normal(0.0, 0.0005, (1, 3))
-    surface, _, found = searched(Scene({"table": table, "mug": seen}, fixed=["table"], up=UP), "mug")
+    surface, _, found = searched(Scene({"table": table(), "mug": seen}, fixed=["table"], up=UP), "mug")
     pinched = [pinch for at_point in found for pinch in at_point]
     assert pinched, "by its handle or its rim"
     for pinch in pinched:

@@ -1,0 +1,26 @@
+"""How the joints of a simulated arm and its hand are driven."""
+
+from dataclasses import dataclass
+
+
+@dataclass(frozen=True)
+class Control:
+    """How the joints are driven.
+
+    Attributes:
+        position_gain: Share of the position error that a step removes; 0.3 follows within a milliradian.
+        velocity_gain: Share of the velocity error that a step removes.
+        settled: Joint error in [rad] below which the end of a trajectory counts as reached.
+        patience: Seconds to wait for that.
+        stall: Pad speed in [m/s] below which a closing jaw counts as closed on something.
+        turn_admittance: Speed in [rad/s] at which a closing hand turns under a torque of 1 N m on its pads.
+        gentle: Force in [N] with which a jaw closes until both pads lie on something: less than turns a bowl.
+    """
+
+    position_gain: float = 0.3
+    velocity_gain: float = 1.0
+    settled: float = 2e-3
+    patience: float = 0.6
+    stall: float = 2e-3
+    turn_admittance: float = 12.0
+    gentle: float = 5.0
