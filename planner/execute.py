@@ -20,7 +20,7 @@ from topple.topology.arrays import FloatArray
 WATCHED = ("lift", "transfer", "place")  # segments during which the object must be in the hand
 TOUCHDOWN = 1.0  # [N] an object that presses this much on what is below stands on it: the arm goes no further
 TOUCHED = 2.0  # [N] fingers that press so much on their way in push: less does not move a can
-SEATED = 8.0  # [N] seat a cup's lip; what an arm presses beyond that counts against what the vacuum holds
+SEATED = 8.0  # [N] seat a cup's lip: the arm goes no further
 SHALLOW = 0.005  # [m] before the end of the way in that a grasp still holds: a third of a pad
 OFF_COURSE = 0.03  # [rad] an arm this far from its goal is held up by something
 NOTHING = 0.001  # [m] pads closer than this have nothing between them

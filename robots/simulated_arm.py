@@ -1,5 +1,6 @@
 """An arm in the PyBullet world: torque-limited joints, a jaw that holds by friction, a cup with a vacuum."""
 
+import math
 from collections.abc import Callable, Collection
 from dataclasses import dataclass, field
 from typing import Any, Protocol
@@ -291,6 +292,9 @@ class SimulatedArm:
         self.vacuum = Vacuum.on(
             self.world, self.id, self._link[self.cup.link], pose_lip_to_world, self.cup, name
         )
+        if self.cup.joint is not None:  # what gave way as the lip was seated does not push back
+            index, client = self._index[self.cup.joint], self.world.client
+            self._extension = float(pybullet.getJointState(self.id, index, physicsClientId=client)[0])
         return self.vacuum is not None
 
     def release(self, opening: float | None = None) -> None:
@@ -368,10 +372,11 @@ class SimulatedArm:
                     force=self._grip_force, maxVelocity=self.jaw.speed / 2, physicsClientId=client,
                 )  # fmt: skip
         if self.cup:
+            push = self.control.seating if self.vacuum is None else math.inf
             for name, value in self.cup.values(self._extension).items():
                 pybullet.setJointMotorControl2(
                     self.id, self._index[name], pybullet.POSITION_CONTROL, targetPosition=value,
-                    force=self._limit[name], maxVelocity=self.cup.speed, physicsClientId=client,
+                    force=min(push, self._limit[name]), maxVelocity=self.cup.speed, physicsClientId=client,
                 )  # fmt: skip
 
     def _advance(self) -> None:

@@ -15,6 +15,7 @@ RAYS = 16  # around the lip: 6 mm apart on a 30 mm cup, narrower than what a bel
 CLEAR = 2.5e-3  # [m] the rays pass the cup's own body, which PyBullet pads by some 2 mm in ray tests
 REACH = 0.01  # [m] how far before and behind the lip the rays look
 TILT = np.radians(15)  # a bellows cup aligns itself with a surface tilted up to about this
+ERP = 0.2  # share of a constraint's error that Bullet removes in a step
 RELEASE = (
     3  # steps in a row over the limit until the lip peels off: the rubber gives way, a contact spike does not
 )
@@ -25,23 +26,24 @@ class Vacuum:
     """A cup that has taken an object.
 
     The hold is a constraint whose forces are read after every step: pull, shear and moment beyond what the
-    vacuum gives break it. A lip of radius r under a force F resists a moment of about F r before it peels.
+    vacuum gives break it; pressing does not. A lip of radius r under a force F resists a moment of about F r
+    before it peels.
 
     Attributes:
         world: The world both are in.
         name: The object it holds.
         constraint: PyBullet's number of the constraint; None once it has let go.
+        axis: (3,) unit, out of the cup, in the object's frame.
         max_force: Limit of pull and shear in [N].
         max_moment: Limit of the moment in [N m].
-        peak: Largest force met so far in [N].
     """
 
     world: World
     name: str
     constraint: int | None
+    axis: FloatArray
     max_force: float
     max_moment: float
-    peak: float = 0.0
     _over: int = 0
 
     @property
@@ -71,22 +73,29 @@ class Vacuum:
         pose_object = pose_from(
             *pybullet.getBasePositionAndOrientation(world.ids[name], physicsClientId=world.client)
         )
+        # Bullet's constraints see gravity a step late: what hangs on one sags, and would be pushed down first
+        pose_object[2, 3] += world.physics.gravity * world.time_step**2 / ERP
         position, quaternion = position_and_quaternion(inverse(pose_from(state[0], state[1])) @ pose_object)
         constraint = pybullet.createConstraint(
             robot, link, world.ids[name], -1, pybullet.JOINT_FIXED, [0, 0, 0],
             position, [0, 0, 0], quaternion,
             physicsClientId=world.client,
         )  # fmt: skip
-        pybullet.changeConstraint(constraint, maxForce=cup.max_force, physicsClientId=world.client)
-        return cls(world, name, constraint, cup.max_force, cup.max_force * cup.radius)
+        # it carries more than the vacuum, whose limit is checked
+        pybullet.changeConstraint(constraint, maxForce=2.0 * cup.max_force, physicsClientId=world.client)
+        axis = world.pose(name)[:3, :3].T @ pose_lip_to_world[:3, 2]
+        return cls(world, name, constraint, axis, cup.max_force, cup.max_force * cup.radius)
 
     def check(self) -> None:
         """Reads the forces of the last step and lets go where they were too much for too long."""
         if self.constraint is None:
             return
         state = np.array(pybullet.getConstraintState(self.constraint, physicsClientId=self.world.client))
-        force, moment = float(np.linalg.norm(state[:3])), float(np.linalg.norm(state[3:6]))
-        self.peak = max(self.peak, force)
+        out = self.world.pose(self.name)[:3, :3] @ self.axis
+        pull = float(state[:3] @ out)
+        shear = float(np.linalg.norm(state[:3] - pull * out))
+        force = float(np.hypot(max(pull, 0.0), shear))
+        moment = float(np.linalg.norm(state[3:6]))
         self._over = self._over + 1 if force >= self.max_force or moment >= self.max_moment else 0
         if self._over >= RELEASE:
             self.off()

@@ -27,13 +27,15 @@ class Physics:
     Attributes:
         gravity: In [m/s^2], down along z.
         time_step: In [s].
-        iterations: Of the contact solver.
+        iterations: Of the contact solver, at most.
+        residual: Change of speeds in an iteration, squared, at which it stops before.
         damping: Share of linear and angular speed lost per second: air, and contacts that are soft.
     """
 
     gravity: float = 9.81
     time_step: float = TOLERANCES.time_step
     iterations: int = TOLERANCES.solver_iterations
+    residual: float = TOLERANCES.solver_residual
     damping: float = 0.04
 
 
@@ -100,6 +102,7 @@ class World:
         pybullet.setPhysicsEngineParameter(
             fixedTimeStep=self.physics.time_step,
             numSolverIterations=self.physics.iterations,
+            solverResidualThreshold=self.physics.residual,
             deterministicOverlappingPairs=1,
             physicsClientId=self.client,
         )
