@@ -11,7 +11,7 @@ class Tolerances:
         time_step: 240 Hz, Bullet's own: what has fallen 5 cm goes 4 mm a step, as thick as a plate.
         solver_iterations: With 100 a stack of eight blocks stands, but a fork of 45 g held by its neck with
             42 N creeps in the hand and turns by 90 degrees in two seconds; with 400 it stays to 0.5 mm.
-        solver_residual: Change of speeds in an iteration, squared, at which the solver stops, as at rest it does.
+        solver_residual: Change of speeds in an iteration, squared, at which the solver stops: at rest soon.
             Bullet's own 1e-7 lets such a fork creep by 3 mm; less than this costs more than it gains.
         margin: Radius of the edges of simulated bodies: contacts are fast and steady while only margins
             overlap. More would round cutlery away.
