@@ -13,9 +13,10 @@ from topple.topology.arrays import FloatArray
 class Compliance:
     """Moves a hand while its jaw closes gently: across itself, and about its middle.
 
-    An arm under impedance control does so by itself. While one pad alone presses, the hand goes across as
-    fast as a pad closes. Once both press, it turns about its approach and about the pads' breadth against the
-    torque, so that pads that meet a face or a wall askew turn themselves and not the object.
+    An arm under impedance control does so by itself. From when one pad presses the hand goes across as fast
+    as a pad closes, so that this pad stands still, until the other one is there. Once both press, it turns
+    about its approach and about the pads' breadth against the torque, so that pads that meet a face or a wall
+    askew turn themselves and not the object.
 
     Attributes:
         arm: An arm with fingers.
@@ -28,6 +29,7 @@ class Compliance:
         distance: How far it gives way at most [m]: objects are seen better than that.
         friction: Between pads and object at most: by it a hand that turns would take along what is wide.
         angle: How far it turns at most [rad]: a wall's slope is seen better than that.
+        first: Along the hand's y, which way the pad that came first is pressed: 1 or -1; 0 while none is.
         held: Whether both pads have pressed.
     """
 
@@ -40,6 +42,7 @@ class Compliance:
     distance: float = 0.015
     friction: float = 0.5
     angle: float = 0.2
+    first: float = 0.0
     held: bool = False
 
     def after(
@@ -64,8 +67,10 @@ class Compliance:
             torque[1] = 0.0  # about the line through the pads nothing lies flatter
             dragging = self.friction * float(np.abs(places[:, 1] * across).sum())
             twist[3:] = self.turn * np.where(np.abs(torque) > dragging, torque, 0.0)
-        elif abs(across.sum()) >= self.force:
-            twist[1] = np.sign(across.sum()) * self.stride
+        else:
+            if self.first == 0.0 and abs(across.sum()) >= self.force:
+                self.first = float(np.sign(across.sum()))
+            twist[1] = self.first * self.stride
         if not twist.any():
             return q
         pose_tool_to_base = inverse(self.pose_base_to_world) @ pose_tool_to_world

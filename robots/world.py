@@ -27,15 +27,13 @@ class Physics:
     Attributes:
         gravity: In [m/s^2], down along z.
         time_step: In [s].
-        iterations: Of the contact solver, at most.
-        residual: Change of speeds in an iteration, squared, at which it stops before.
+        iterations: Of the contact solver.
         damping: Share of linear and angular speed lost per second: air, and contacts that are soft.
     """
 
     gravity: float = 9.81
     time_step: float = TOLERANCES.time_step
     iterations: int = TOLERANCES.solver_iterations
-    residual: float = TOLERANCES.solver_residual
     damping: float = 0.04
 
 
@@ -102,7 +100,6 @@ class World:
         pybullet.setPhysicsEngineParameter(
             fixedTimeStep=self.physics.time_step,
             numSolverIterations=self.physics.iterations,
-            solverResidualThreshold=self.physics.residual,
             deterministicOverlappingPairs=1,
             physicsClientId=self.client,
         )
@@ -210,8 +207,16 @@ class World:
         )
 
     def register_robot(self, number: int) -> None:
-        """Note that PyBullet's body `number` is a robot: no object, and background to the cameras."""
+        """Note that PyBullet's body `number` is a robot: no object, and background to the cameras.
+
+        From now on contacts are solved as closely as it takes to hold something between two pads.
+        """
         self.robots.add(number)
+        pybullet.setPhysicsEngineParameter(
+            numSolverIterations=max(self.physics.iterations, TOLERANCES.holding_iterations),
+            solverResidualThreshold=TOLERANCES.holding_residual,
+            physicsClientId=self.client,
+        )
 
     def remove(self, name: str) -> None:
         """Take a body out of the world."""
