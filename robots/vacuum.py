@@ -16,6 +16,7 @@ CLEAR = 2.5e-3  # [m] the rays pass the cup's own body, which PyBullet pads by s
 REACH = 0.01  # [m] how far before and behind the lip the rays look
 TILT = np.radians(15)  # a bellows cup aligns itself with a surface tilted up to about this
 ERP = 0.2  # share of a constraint's error that Bullet removes in a step
+FULL = 0.99  # share of its limit from which a constraint counts as at it: along an axis it never says more
 RELEASE = (
     3  # steps in a row over the limit until the lip peels off: the rubber gives way, a contact spike does not
 )
@@ -81,8 +82,7 @@ class Vacuum:
             position, [0, 0, 0], quaternion,
             physicsClientId=world.client,
         )  # fmt: skip
-        # it carries more than the vacuum, whose limit is checked
-        pybullet.changeConstraint(constraint, maxForce=2.0 * cup.max_force, physicsClientId=world.client)
+        pybullet.changeConstraint(constraint, maxForce=cup.max_force, physicsClientId=world.client)
         axis = world.pose(name)[:3, :3].T @ pose_lip_to_world[:3, 2]
         return cls(world, name, constraint, axis, cup.max_force, cup.max_force * cup.radius)
 
@@ -96,7 +96,8 @@ class Vacuum:
         shear = float(np.linalg.norm(state[:3] - pull * out))
         force = float(np.hypot(max(pull, 0.0), shear))
         moment = float(np.linalg.norm(state[3:6]))
-        self._over = self._over + 1 if force >= self.max_force or moment >= self.max_moment else 0
+        over = force >= FULL * self.max_force or moment >= self.max_moment
+        self._over = self._over + 1 if over else 0
         if self._over >= RELEASE:
             self.off()
 
