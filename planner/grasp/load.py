@@ -71,7 +71,7 @@ def chance_to_hold(load: FloatArray | float) -> FloatArray:
     """Chance that a grasp under a load holds: the share of its score that it keeps.
 
     Weights are guessed within a factor of two nine times in ten, up or down. Pads on flat faces resist
-    turning twice as much as on round ones, which is what their lever is given for: that is left as a reserve.
+    turning several times as much as on round ones, which is what their lever is given for: that is a reserve.
 
     Args:
         load: Shares, of any shape.
