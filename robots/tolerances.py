@@ -11,10 +11,11 @@ class Tolerances:
         time_step: 240 Hz, Bullet's own: what has fallen 5 cm goes 4 mm a step, as thick as a plate.
         solver_iterations: With 60 a stack of eight blocks sways, with 100 it stands; at rest the solver stops
             early, so that they cost little.
-        holding_iterations: Where an arm is: with 100 a fork of 45 g held by its neck with 42 N creeps in the
-            hand and turns by 90 degrees in two seconds; with 400 it stays to 0.5 mm.
-        holding_residual: Change of speeds in an iteration, squared, at which the solver stops there. Bullet's
-            own 1e-7 lets such a fork creep by 3 mm; less than this costs more than it gains.
+        solver_residual: Change of speeds in an iteration, squared, at which the solver stops: Bullet's own.
+        holding_iterations: While a hand holds something: with 100 a fork of 45 g held by its neck with 42 N
+            creeps in it and turns by 90 degrees in two seconds; with 400 it stays to 0.5 mm.
+        holding_residual: The residual meanwhile: with Bullet's own such a fork creeps by 3 mm; less than this
+            costs more than it gains.
         margin: Radius of the edges of simulated bodies: contacts are fast and steady while only margins
             overlap. More would round cutlery away.
         margin_share: Share of the thinnest part that the margin may be: a core must remain.
@@ -32,6 +33,7 @@ class Tolerances:
 
     time_step: float = 1 / 240
     solver_iterations: int = 100
+    solver_residual: float = 1e-7
     holding_iterations: int = 400
     holding_residual: float = 1e-9
     margin: float = 1e-3

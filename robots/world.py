@@ -99,10 +99,10 @@ class World:
         pybullet.setGravity(0, 0, -self.physics.gravity, physicsClientId=self.client)
         pybullet.setPhysicsEngineParameter(
             fixedTimeStep=self.physics.time_step,
-            numSolverIterations=self.physics.iterations,
             deterministicOverlappingPairs=1,
             physicsClientId=self.client,
         )
+        self.solve(closely=False)
 
     def __enter__(self) -> "World":
         return self
@@ -207,14 +207,15 @@ class World:
         )
 
     def register_robot(self, number: int) -> None:
-        """Note that PyBullet's body `number` is a robot: no object, and background to the cameras.
-
-        From now on contacts are solved as closely as it takes to hold something between two pads.
-        """
+        """Note that PyBullet's body `number` is a robot: no object, and background to the cameras."""
         self.robots.add(number)
+
+    def solve(self, *, closely: bool) -> None:
+        """Solve contacts from now on as closely as a thing held between two pads asks for, or as usual."""
+        few, many = self.physics.iterations, TOLERANCES.holding_iterations
         pybullet.setPhysicsEngineParameter(
-            numSolverIterations=max(self.physics.iterations, TOLERANCES.holding_iterations),
-            solverResidualThreshold=TOLERANCES.holding_residual,
+            numSolverIterations=max(few, many) if closely else few,
+            solverResidualThreshold=TOLERANCES.holding_residual if closely else TOLERANCES.solver_residual,
             physicsClientId=self.client,
         )
 

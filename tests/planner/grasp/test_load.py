@@ -76,7 +76,7 @@ def test_grasps_that_a_heavy_bar_would_turn_in_come_last_and_say_so() -> None:
 
 
 def turned(share: float) -> float:
-    """By how many degrees a bar turns in the hand, lifted 10 cm beside its middle, at a share of what is held."""
+    """By how many degrees a bar turns, lifted 10 cm beside its middle, at a share of what pads hold."""
     arm, aside = robot("panda"), 0.10
     down = np.diag([1.0, -1.0, -1.0, 1.0])
     low, high = at(0.5 + aside, 0.0, 0.045) @ down, at(0.5 + aside, 0.0, 0.15) @ down
@@ -96,4 +96,6 @@ def turned(share: float) -> float:
 
 def test_a_bar_turns_between_the_pads_where_the_load_says_so() -> None:
     assert turned(0.9) < 1.0
-    assert turned(6.0) > 10.0, "flat faces hold several times as much as the round ones that are reckoned with"
+    assert turned(6.0) > 10.0, (
+        "flat faces hold several times as much as the round ones that are reckoned with"
+    )
