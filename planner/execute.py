@@ -144,9 +144,9 @@ def _drive(segment: Segment, transfer: Transfer, robot: SimulatedArm) -> str | N
             robot.extend(segment.hand.cup_extension)
         if segment.kind != "retreat":
             robot.open(segment.hand.opening)
+    guard = _guard(segment, name, robot)
     # a hand that gave way as it closed lifts straight up from where it is
-    keep_offset = segment.kind == "lift"
-    error = robot.follow(segment.trajectory, _guard(segment, name, robot), keep_offset=keep_offset)
+    error = robot.follow(segment.trajectory, guard, keep_offset=segment.kind == "lift")
     if segment.kind == "approach" and segment.tool == "fingers" and _way_left(segment, robot) > SHALLOW:
         touched = robot.strongest_touch()
         return f"the fingers met {touched[0] if touched else 'something'} on their way in."

@@ -29,7 +29,7 @@ class Compliance:
         distance: How far it gives way at most [m]: objects are seen better than that.
         friction: Between pads and object at most: by it a hand that turns would take along what is wide.
         angle: How far it turns at most [rad]: a wall's slope is seen better than that.
-        first: Along the hand's y, which way the pad that came first is pressed: 1 or -1; 0 while none is.
+        leading: Along the hand's y, which way the pad that came first is pressed: 1 or -1; 0 while none is.
         held: Whether both pads have pressed.
     """
 
@@ -42,7 +42,7 @@ class Compliance:
     distance: float = 0.015
     friction: float = 0.5
     angle: float = 0.2
-    first: float = 0.0
+    leading: float = 0.0
     held: bool = False
 
     def after(
@@ -68,9 +68,9 @@ class Compliance:
             dragging = self.friction * float(np.abs(places[:, 1] * across).sum())
             twist[3:] = self.turn * np.where(np.abs(torque) > dragging, torque, 0.0)
         else:
-            if self.first == 0.0 and abs(across.sum()) >= self.force:
-                self.first = float(np.sign(across.sum()))
-            twist[1] = self.first * self.stride
+            if self.leading == 0.0 and abs(across.sum()) >= self.force:
+                self.leading = float(np.sign(across.sum()))
+            twist[1] = self.leading * self.stride
         if not twist.any():
             return q
         pose_tool_to_base = inverse(self.pose_base_to_world) @ pose_tool_to_world

@@ -15,11 +15,9 @@ RAYS = 16  # around the lip: 6 mm apart on a 30 mm cup, narrower than what a bel
 CLEAR = 2.5e-3  # [m] the rays pass the cup's own body, which PyBullet pads by some 2 mm in ray tests
 REACH = 0.01  # [m] how far before and behind the lip the rays look
 TILT = np.radians(15)  # a bellows cup aligns itself with a surface tilted up to about this
-ERP = 0.2  # share of a constraint's error that Bullet removes in a step
-FULL = 0.99  # share of its limit from which a constraint counts as at it: along an axis it never says more
-RELEASE = (
-    3  # steps in a row over the limit until the lip peels off: the rubber gives way, a contact spike does not
-)
+CORRECTED = 0.2  # share of a constraint's error that Bullet removes in a step (its ERP)
+AT_LIMIT = 0.99  # share of a limit from which a constraint counts as at it: along an axis it says no more
+PEELING = 3  # steps in a row at the limit until the lip is off: rubber gives way, contact spikes do not
 
 
 @dataclass
@@ -75,7 +73,7 @@ class Vacuum:
             *pybullet.getBasePositionAndOrientation(world.ids[name], physicsClientId=world.client)
         )
         # Bullet's constraints see gravity a step late: what hangs on one sags, and would be pushed down first
-        pose_object[2, 3] += world.physics.gravity * world.time_step**2 / ERP
+        pose_object[2, 3] += world.physics.gravity * world.time_step**2 / CORRECTED
         position, quaternion = position_and_quaternion(inverse(pose_from(state[0], state[1])) @ pose_object)
         constraint = pybullet.createConstraint(
             robot, link, world.ids[name], -1, pybullet.JOINT_FIXED, [0, 0, 0],
@@ -96,9 +94,9 @@ class Vacuum:
         shear = float(np.linalg.norm(state[:3] - pull * out))
         force = float(np.hypot(max(pull, 0.0), shear))
         moment = float(np.linalg.norm(state[3:6]))
-        over = force >= FULL * self.max_force or moment >= self.max_moment
+        over = force >= AT_LIMIT * self.max_force or moment >= self.max_moment
         self._over = self._over + 1 if over else 0
-        if self._over >= RELEASE:
+        if self._over >= PEELING:
             self.off()
 
     def off(self) -> None:

@@ -102,7 +102,7 @@ class World:
             deterministicOverlappingPairs=1,
             physicsClientId=self.client,
         )
-        self.solve(closely=False)
+        self.solve_contacts(closely=False)
 
     def __enter__(self) -> "World":
         return self
@@ -210,8 +210,8 @@ class World:
         """Note that PyBullet's body `number` is a robot: no object, and background to the cameras."""
         self.robots.add(number)
 
-    def solve(self, *, closely: bool) -> None:
-        """Solve contacts from now on as closely as a thing held between two pads asks for, or as usual."""
+    def solve_contacts(self, *, closely: bool) -> None:
+        """Solve contacts from now on closely, as what is held between two pads asks for, or as usual."""
         few, many = self.physics.iterations, TOLERANCES.holding_iterations
         pybullet.setPhysicsEngineParameter(
             numSolverIterations=max(few, many) if closely else few,

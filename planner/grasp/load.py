@@ -9,9 +9,7 @@ from topple.robots.bodies import DENSITY
 from topple.topology.arrays import FloatArray
 
 GRAVITY = 9.81  # [m/s2]
-WEIGHT_SPREAD = (
-    0.42  # standard deviation of a guessed weight's logarithm: within a factor of two in 90 of 100
-)
+WEIGHT_SPREAD = 0.42  # standard deviation of a guessed weight's logarithm: a factor of two in 90 of 100
 
 
 def likely_weight(volume: float) -> float:

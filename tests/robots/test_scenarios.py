@@ -29,9 +29,8 @@ def test_a_scene_stays_put_is_within_reach_and_seen(name: str, seed: int) -> Non
 
 
 def test_a_pile_does_not_fall_by_itself() -> None:
-    with scenario_called(
-        "pile", 614
-    ) as scenario:  # a layout of this seed stands on an edge, and falls in seconds
+    # a layout of this seed stands on an edge, and falls in seconds
+    with scenario_called("pile", 614) as scenario:
         SimulatedArm(scenario.world, robot(scenario.robot), scenario.pose_base_to_world)
         before = scenario.world.poses()
         scenario.world.step(1200)
