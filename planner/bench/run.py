@@ -5,7 +5,7 @@
 - With `--data DIR`, annotated camera frames, each rebuilt as bodies in which an arm frees the object that
   most others have to go before.
 - Of the same piles, how many any order of ideal lifts could free at all, were all known perfectly.
-- The first piles again with the same arm, grasps and motions, but with the order decided by a rule of thumb:
+- The same piles again with the same arm, grasps and motions, but with the order decided by a rule of thumb:
   what is nearest to the arm first, the highest top first, or the paper's relations and height.
 
 Every episode that ends is kept in a journal: a bench that was stopped goes on, and the figures are of all
@@ -82,7 +82,7 @@ FULL = (
     Series("pile", 60, bar=90),
     Series("pile", 60, cameras=1, bar=80),
     Series("sort", 20, bar=85),
-    *(Series("pile", 20, rule=rule) for rule in RULES),
+    *(Series("pile", 60, rule=rule) for rule in RULES),
     Series("pile", 60, rule=IDEAL),
 )
 QUICK = (Series("dishes", 1), Series("tower", 1), Series("pile", 1), Series("pile", 1, rule=RULES[1]))
