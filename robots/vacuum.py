@@ -15,9 +15,9 @@ RAYS = 16  # around the lip: 6 mm apart on a 30 mm cup, narrower than what a bel
 CLEAR = 2.5e-3  # [m] the rays pass the cup's own body, which PyBullet pads by some 2 mm in ray tests
 REACH = 0.01  # [m] how far before and behind the lip the rays look
 TILT = np.radians(15)  # a bellows cup aligns itself with a surface tilted up to about this
-CORRECTED = 0.2  # share of a constraint's error that Bullet removes in a step (its ERP)
+CONSTRAINT_ERP = 0.2  # error reduction: share of a constraint's error that Bullet removes in a step
 AT_LIMIT = 0.99  # share of a limit from which a constraint counts as at it: along an axis it says no more
-PEELING = 3  # steps in a row at the limit until the lip is off: rubber gives way, contact spikes do not
+PEEL_STEPS = 3  # in a row at the limit until the lip is off: rubber gives way, contact spikes do not
 
 
 @dataclass
@@ -73,7 +73,7 @@ class Vacuum:
             *pybullet.getBasePositionAndOrientation(world.ids[name], physicsClientId=world.client)
         )
         # Bullet's constraints see gravity a step late: what hangs on one sags, and would be pushed down first
-        pose_object[2, 3] += world.physics.gravity * world.time_step**2 / CORRECTED
+        pose_object[2, 3] += world.physics.gravity * world.time_step**2 / CONSTRAINT_ERP
         position, quaternion = position_and_quaternion(inverse(pose_from(state[0], state[1])) @ pose_object)
         constraint = pybullet.createConstraint(
             robot, link, world.ids[name], -1, pybullet.JOINT_FIXED, [0, 0, 0],
@@ -96,7 +96,7 @@ class Vacuum:
         moment = float(np.linalg.norm(state[3:6]))
         over = force >= AT_LIMIT * self.max_force or moment >= self.max_moment
         self._over = self._over + 1 if over else 0
-        if self._over >= PEELING:
+        if self._over >= PEEL_STEPS:
             self.off()
 
     def off(self) -> None:
