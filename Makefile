@@ -1,8 +1,8 @@
 # Two commands for a fresh machine: `make demo` and `make test`. Both set up what they need in .venv.
-PYTHON ?= $(shell command -v python3.11 || command -v python3)
+PYTHON ?= $(shell command -v python3.11 || command -v python3.10 || command -v python3)
 BIN := .venv/bin
 
-.PHONY: demo test lint peers schema compiler clean
+.PHONY: demo test lint peers schema film python clean
 
 demo: .venv/run.stamp
 	$(BIN)/topple demo
@@ -16,23 +16,27 @@ lint: .venv/dev.stamp
 	$(BIN)/pyright
 
 # Other planners, for `topple bench motion` to run beside ours; each needs versions of its own.
-peers: | compiler
+peers: | python
 	for name in mplib pybullet-planning; do \
 	  $(PYTHON) -m venv .peers/$$name && .peers/$$name/bin/pip install --quiet $$name || exit 1; \
 	done
+
+# The moving picture of the README, from a run that is played for it.
+film: .venv/dev.stamp
+	$(BIN)/python docs/figures/film.py docs/dishes.webp
 
 # docs/plan.schema.json is what the structs of planner/plan_format.py say; a test holds it to that.
 schema: .venv/dev.stamp
 	$(BIN)/python -c 'import json; from topple.planner.plan_format import plan_schema; print(json.dumps(plan_schema(), indent=1))' > docs/plan.schema.json
 
-# pybullet has wheels for CPython 3.11 on Linux x86-64 alone; anywhere else pip has to compile it.
-compiler:
-	@test -n "$(PYTHON)" || { echo "topple needs Python 3.11 or newer: install it, or name it with make PYTHON=/path/to/python3"; exit 1; }
-	@$(PYTHON) -c 'import sys; sys.exit(sys.version_info < (3, 11))' || { echo "topple needs Python 3.11 or newer, $(PYTHON) is older: name another with make PYTHON=/path/to/python3"; exit 1; }
-	@$(PYTHON) -c 'import platform, sys; sys.exit((sys.version_info[:2], sys.platform, platform.machine()) != ((3, 11), "linux", "x86_64"))' \
-	  || command -v c++ >/dev/null || { echo "pybullet has no wheel for this platform: install a C++ compiler (c++), or use CPython 3.11 on Linux x86-64"; exit 1; }
+# Both simulate, and PyBullet has wheels for CPython 3.10 and 3.11 on Linux x86-64 alone.
+python:
+	@test -n "$(PYTHON)" || { echo "topple needs Python 3.10 or 3.11: install it, or name it with make PYTHON=/path/to/python3.11"; exit 1; }
+	@$(PYTHON) -c 'import platform, sys; sys.exit(sys.version_info[:2] not in ((3, 10), (3, 11)) or (sys.platform, platform.machine()) != ("linux", "x86_64"))' \
+	  || $(PYTHON) -c 'import pybullet' 2>/dev/null \
+	  || { echo "PyBullet has no wheel for $(PYTHON): name a CPython 3.10 or 3.11 on Linux x86-64 with make PYTHON=/path/to/python3.11 (docs/install.md says what works on others)"; exit 1; }
 
-.venv/bin/python: | compiler
+.venv/bin/python: | python
 	$(PYTHON) -m venv .venv
 
 .venv/run.stamp: .venv/bin/python pyproject.toml hatch_build.py

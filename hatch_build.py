@@ -1,21 +1,27 @@
-"""Build hook: links the three folders as one package for an editable install."""
+"""Build hook: puts the front door above the three packages, and links all of them for an editable install."""
 
 from pathlib import Path
 from typing import Any
 
 from hatchling.builders.hooks.plugin.interface import BuildHookInterface
 
+FRONT = "planner/topple.py"
+"""Installed as `topple/__init__.py`."""
 
-class EditableLinks(BuildHookInterface):  # type: ignore[type-arg]
-    """Makes `.dev/topple/{topology,robots,planner}`: an editable install cannot follow a source mapping."""
+
+class Layout(BuildHookInterface):  # type: ignore[type-arg]
+    """Lays `topple` out: `__init__.py`, `topology`, `robots`, `planner`."""
 
     def initialize(self, version: str, build_data: dict[str, Any]) -> None:
-        """Make the links for the editable version; a wheel needs none."""
+        """Name the front door in a wheel; make links in `.dev/topple` for an editable install."""
+        if self.target_name != "wheel":
+            return
         if version != "editable":
+            build_data["force_include"][FRONT] = "topple/__init__.py"
             return
         package = Path(self.root, ".dev", "topple")
         package.mkdir(parents=True, exist_ok=True)
-        for folder in ("topology", "robots", "planner"):
-            link = package / folder
+        for source in (FRONT, "topology", "robots", "planner"):
+            link = package / ("__init__.py" if source == FRONT else source)
             if not link.is_symlink():
-                link.symlink_to(Path("..", "..", folder), target_is_directory=True)
+                link.symlink_to(Path("..", "..", source), target_is_directory=source != FRONT)

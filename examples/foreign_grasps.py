@@ -4,6 +4,7 @@
 
 FILE is what a grasp network writes (GraspNet, Contact-GraspNet, isaac_grasp, plain poses). Without one,
 grasps are made here as a network might propose them that knows no gravity: from above, all over the scene.
+From a shell: topple rank SCENE FILE --robot panda.
 """
 
 import sys
@@ -39,8 +40,7 @@ def main(path: str | None = None, seed: int = 0) -> int:
         scene, proposed(scene) if path is None else read_grasps(path), "panda", pose_base_to_world=base
     )
     for found in ranked[:5]:
-        wait = f"after {', '.join(found.before)}" if found.before else "now"
-        print(f"grasp {found.index} of {found.grasp.object or 'nothing'}: {found.dropped or wait}")
+        print(f"grasp {found.index} of {found.grasp.object or 'nothing'}: {found.dropped or 'now'}")
     print(f"{sum(g.dropped is None for g in ranked)} of {len(ranked)} can be done now")
     for reason, times in Counter(g.dropped for g in ranked if g.dropped).most_common(4):
         print(f"{times} x {reason}")

@@ -1,16 +1,21 @@
 """Where the arm should stand: reach over what is to be handled, and room to put it down."""
 
+from collections.abc import Sequence
+
 import numpy as np
 from scipy.spatial import KDTree
 
-from topple.planner.place.free_space import FreeSpace, free_space
+from topple.planner.motion.collision import Checker
+from topple.planner.place.free_space import FreeSpace, free_spaces
+from topple.planner.place.placement import reachable
 from topple.planner.place.resting import PLACEMENT_TOLERANCES
 from topple.planner.samples import voxel_means
-from topple.planner.solids import Solids, level_axes, solids_of, table_top, up_of
+from topple.planner.solids import Solids, level_axes, solids_of, up_of
 from topple.robots.arm import Arm
 from topple.topology.arrays import FloatArray
 from topple.topology.errors import ToppleError
 from topple.topology.scene import Scene
+from topple.topology.tops import lowest_in_use, tops_of
 
 DISTANCES = (
     0.45,
@@ -20,6 +25,7 @@ DISTANCES = (
 DIRECTIONS = 16
 FOOT = 0.15  # nothing may stand this close to the middle of the base [m]
 HOVER = 0.10  # a hand this far above an object's top must be reachable, to take it and to carry it away [m]
+STEP = 0.02  # what rises less above the level the arm stands on is no hindrance to its foot [m]
 SEEDS = 6
 
 
@@ -32,8 +38,9 @@ def choose_base(
 ) -> FloatArray:
     """Search for a place of the arm's base.
 
-    Places on circles around what is to be handled, on the table's level, are compared by how many of the
-    objects the hand reaches straight from above, by the free table within reach, and by the distance.
+    Places on circles around what is to be handled, on the level of the top under it, are compared by how many
+    of the objects the hand reaches straight from above, by the free room on tops within reach, and by the
+    distance.
 
     Args:
         scene: The scene, with `up`.
@@ -42,7 +49,8 @@ def choose_base(
         solids: Convex parts of the objects; made from the scene where not given.
 
     Returns:
-        (4, 4) pose_base_to_world, z along up, x towards the objects. Deterministic.
+        (4, 4) pose_base_to_world, z along up, x towards the objects: the best at which the arm's home touches
+        nothing. Deterministic.
 
     Raises:
         NoBase: Nothing is reachable from anywhere.
@@ -52,31 +60,35 @@ def choose_base(
     names = targets or scene.movable
     axes = np.stack(level_axes(up))
     middle = np.mean([scene.clouds[name].mean(axis=0) for name in names], axis=0)
-    space = free_space(scene, solids)
+    spaces = free_spaces(scene, solids)
     level = _level(scene, up)
     poses = [
         _pose(axes, up, axes @ middle, level, distance, 2.0 * np.pi * k / DIRECTIONS)
         for distance in DISTANCES
         for k in range(DIRECTIONS)
     ]
-    standing = _standing(poses, scene, axes, up)
+    standing = _standing(poses, scene, axes, up, level)
     reached: list[tuple[float, FloatArray]] = []
     for pose, reach in zip(standing, _reach(standing, names, scene, arm, up), strict=True):
         if reach > 0.0:
             way = float(np.linalg.norm(pose[:3, 3] - middle))
-            reached.append((reach + 0.3 * _room(pose, space, axes) - 0.1 * way, pose))
+            reached.append((reach + 0.3 * _room(pose, spaces, axes) - 0.1 * way, pose))
     if not reached:
         raise NoBase(
             f"no place for {arm.name} from which it reaches {', '.join(names)}: give --base X Y Z YAW"
         )
-    return max(reached, key=lambda item: item[0])[1]
+    reached.sort(key=lambda item: -item[0])
+    free = (pose for _, pose in reached if not Checker(arm, pose, solids).contacts(arm.home))
+    return next(free, reached[0][1])
 
 
 def _level(scene: Scene, up: FloatArray) -> float:
-    """Height of the table, or of the lowest point where there is none [m]."""
-    tops = [table_top(scene.clouds[name], up) for name in scene.names if name in scene.fixed]
-    heights = [top[1] for top in tops if top is not None]
-    return max(heights) if heights else min(float((cloud @ up).min()) for cloud in scene.clouds.values())
+    """Height of the lowest top that is in use, or of the lowest point of all where there is none [m]."""
+    fixed = [tops_of(scene.clouds[name], up) for name in sorted(scene.fixed)]
+    tops = [top for found in fixed for top in found.tops if not top.walled]
+    if not tops:
+        return min(float((cloud @ up).min()) for cloud in scene.clouds.values())
+    return lowest_in_use(tops, [scene.clouds[name] for name in scene.movable]).height
 
 
 def _pose(
@@ -91,15 +103,17 @@ def _pose(
     return pose
 
 
-def _standing(poses: list[FloatArray], scene: Scene, axes: FloatArray, up: FloatArray) -> list[FloatArray]:
-    """The poses at which nothing but a table is where the arm's foot would be."""
-    things = [
-        voxel_means(scene.clouds[name], 0.01) @ axes.T
-        for name in scene.names
-        if name not in scene.fixed or table_top(scene.clouds[name], up) is None
-    ]
-    if not things:
-        return poses
+def _standing(
+    poses: list[FloatArray], scene: Scene, axes: FloatArray, up: FloatArray, level: float
+) -> list[FloatArray]:
+    """The poses at which nothing that rises above their level is where the arm's foot would be."""
+    things: list[FloatArray] = []
+    for name, cloud in scene.clouds.items():
+        if name in scene.fixed:
+            found = tops_of(cloud, up)
+            higher = [top.points for top in found.tops if top.height > level + STEP]
+            cloud = np.vstack([*higher, found.rest[found.rest @ up > level + STEP]])
+        things.append(voxel_means(cloud, 0.01) @ axes.T)
     tree = KDTree(np.vstack(things))
     return [pose for pose in poses if tree.query(axes @ pose[:3, 3])[0] > FOOT]
 
@@ -125,12 +139,13 @@ def _reach(
     return [float(value) for value in found.reshape(len(poses), len(names)).mean(axis=1)]
 
 
-def _room(pose: FloatArray, space: FreeSpace | None, axes: FloatArray) -> float:
-    """Free table within reach, as a share of the ring the arm reaches."""
-    if space is None:
-        return 0.0
+def _room(pose: FloatArray, spaces: Sequence[FreeSpace], axes: FloatArray) -> float:
+    """Free tops within reach, as a share of the ring the arm reaches."""
     near, far = PLACEMENT_TOLERANCES.reach
-    places = space.origin + (np.argwhere(space.distance > 0.05) + 0.5) * space.cell
-    distance = np.linalg.norm(places - axes @ pose[:3, 3], axis=1)
-    inside = np.count_nonzero((distance > near) & (distance < far))
-    return min(1.0, inside * space.cell**2 / (np.pi * (far**2 - near**2)))
+    area = 0.0
+    for space in spaces:
+        places = space.middles(np.argwhere(space.distance > 0.05))
+        rise = space.height - float(pose[:3, 3] @ space.normal)
+        within = reachable(places, rise, axes @ pose[:3, 3], PLACEMENT_TOLERANCES)
+        area += float(np.count_nonzero(within)) * space.cell**2
+    return min(1.0, area / (np.pi * (far**2 - near**2)))

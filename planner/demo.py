@@ -7,13 +7,15 @@ from dataclasses import replace
 from multiprocessing import get_context
 from pathlib import Path
 
+from topple.planner.demo_seeds import CAMERAS, default_seed
 from topple.planner.errors import NoSafePlan
 from topple.planner.files import make_folder, write_whole
 from topple.planner.goal import parse_goal
-from topple.planner.order import cautious, order
+from topple.planner.look import Look
+from topple.planner.order import cautious
 from topple.planner.plan import plan, plan_as_done
 from topple.planner.plan_format import plan_to_json
-from topple.planner.report.record import INTERRUPTED, RunRecord
+from topple.planner.report.record import INTERRUPTED, Document, RunRecord
 from topple.planner.report.rerun_file import RATE as RERUN_RATE
 from topple.planner.report.rerun_file import rerun_file
 from topple.planner.report.run_page import run_page
@@ -31,9 +33,9 @@ Progress = Callable[[str], None]
 def demo(
     name: str = "dishes",
     *,
-    seed: int = 0,
+    seed: int | None = None,
     robot: str | None = None,
-    cameras: int = 3,
+    cameras: int = CAMERAS,
     mask_noise: float = 0.0,
     folder: str | Path = "topple-demo",
     video: Path | None = None,
@@ -44,7 +46,8 @@ def demo(
 
     Args:
         name: One of `topple.robots.scenarios.SCENARIOS`.
-        seed: Of the scene, the sensor noise and every search.
+        seed: Of the scene, the sensor noise and every search; where None, one that is known to succeed, see
+            `topple.planner.demo_seeds`.
         robot: The arm; the one the scene is made for where None.
         cameras: How many depth cameras look on, 1 to 3.
         mask_noise: By how many pixels the edges of their masks are wrong (standard deviation).
@@ -59,6 +62,7 @@ def demo(
     Raises:
         InvalidInput: There is no such scene or robot, or the folder cannot be written.
     """
+    seed = default_seed(name) if seed is None else seed
     with scenario_called(name, seed) as stage:
         place = make_folder(folder)
         robot = robot or stage.robot
@@ -67,13 +71,11 @@ def demo(
         )
         first = loop.look()
         write_whole(place / "relations.json", _text(first.relations.to_json()))
-        chosen = order(first.scene, stage.targets, relations=first.relations, seed=seed)
-        write_whole(place / "order.json", _text(chosen.to_json()))
         # the plan of the whole sequence is made on the other core while the arm already works
         with get_context("spawn").Pool(1, _ignore_interrupts) as other:  # leaving it ends what still plans
             base = stage.pose_base_to_world
             task = (first.scene, stage.goal, robot)
-            planned = other.apply_async(plan, task, {"base": base, "seed": seed})
+            planned = other.apply_async(plan, task, {"base": base, "orderer": cautious, "seed": seed})
             recording = Recording(loop.robot, RERUN_RATE) if rerun is not None else None
             with filmed(video, loop.robot, stage.cameras[0]):
                 record = loop.run(first)
@@ -88,11 +90,20 @@ def demo(
             arm, goal = robot_named(robot), parse_goal(stage.goal, first.scene)
             whole = plan_as_done(first.scene, goal, Station(arm, base, arm.home), loop.followed, seed)
         write_whole(place / "plan.json", plan_to_json(whole))
+        write_whole(place / "order.json", _text(_decided_by(record, first, stage, seed)))
         if rerun is not None and recording is not None:
             write_whole(rerun, rerun_file(record, recording))
     write_whole(place / "run.json", _text(record.to_json()))
     write_whole(place / "report.html", run_page(record))
     return record
+
+
+def _decided_by(record: RunRecord, first: Look, stage: Scenario, seed: int) -> Document:
+    """The order that the first action was chosen from; where there was none, that of the targets."""
+    chosen = record.steps[0].order if record.steps else None
+    if chosen is not None:
+        return chosen
+    return cautious(first.scene, stage.targets, relations=first.relations, seed=seed).to_json()
 
 
 def loop_in(

@@ -25,6 +25,9 @@ REASONS = ("contained", "supported", "leaning", "counterweight", "blocking")
 PRESSED = -0.3
 """Upward part of a contact normal below which what is taken away lies on what is left."""
 
+BOARD = 0.01
+"""What lies this far [m] below a top is under its board: thin things on it are not, despite noise."""
+
 CLEARLY = 0.25
 """Two objects hook into each other over areas of like size; a share below this is what masks get wrong."""
 
@@ -227,8 +230,11 @@ def _hanging(statics: Statics) -> dict[tuple[str, str], Overlap]:
     was guessed for it, or by a few pixels on the wrong side of a mask's edge: what was seen then decides.
     """
     surfaces, seen = statics.surfaces, statics.upright.clouds
+    stands_at = {name: statics.upright.floor_under(surfaces[name]) for name in statics.upright.movable}
     hanging: dict[tuple[str, str], Overlap] = {}
     for first, then in permutations(statics.upright.movable, 2):
+        if float(surfaces[then][:, 2].max()) < stands_at[first] - BOARD:
+            continue  # a board that never moves is between them
         over = overlap(surfaces[first], surfaces[then])
         if over is not None and over.evasion > MOVED:
             hanging[first, then] = over

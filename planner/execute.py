@@ -123,7 +123,7 @@ def retreat(transfer: Transfer, done: list[Segment], robot: SimulatedArm) -> Non
                     path.times[:come], np.ascontiguousarray(positions), np.ascontiguousarray(velocities)
                 )
             )
-    robot.extend(0.0)
+    robot.extend(robot.arm.on_the_way(0.0).cup_extension)
     robot.open()
 
 

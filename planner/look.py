@@ -6,7 +6,7 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from topple.planner.report.raster import picture
-from topple.planner.solids import table_top, up_of
+from topple.planner.solids import up_of
 from topple.robots.camera import Camera
 from topple.robots.world import World
 from topple.topology.arrays import BoolArray, FloatArray
@@ -16,6 +16,7 @@ from topple.topology.image import DepthImage
 from topple.topology.relate import Relations, relate
 from topple.topology.relation import Relation
 from topple.topology.scene import Scene
+from topple.topology.tops import tops_of
 
 FINE = 0.002  # [m] between the points kept of an object: what three cameras at a metre see apart
 COARSE = 0.008  # [m] between those of a table: finer than the foot of what stands on it
@@ -53,6 +54,8 @@ class Observer:
         rng: Of their noise.
         fixed: Names that never move.
         up: (3,) up direction in the world.
+        masses: Masses [kg] by name of what was weighed, seen or not.
+        friction: Coefficients of surfaces by name of what was tried, seen or not.
     """
 
     world: World
@@ -60,6 +63,8 @@ class Observer:
     rng: np.random.Generator
     fixed: tuple[str, ...]
     up: FloatArray = field(default_factory=lambda: np.array([0.0, 0.0, 1.0]))
+    masses: Mapping[str, float] = field(default_factory=dict[str, float])
+    friction: Mapping[str, float] = field(default_factory=dict[str, float])
 
     def look(self, expected: Scene | None = None) -> Look:
         """Takes a picture with every camera and relates what is seen.
@@ -84,6 +89,7 @@ class Observer:
         surprises: dict[str, str] = {}
         if expected is not None:
             scene, surprises = _joined(scene, expected)
+        scene = scene.weighed(_among(self.masses, scene), _among(self.friction, scene))
         return Look(images, scene, relate(scene), _seen(images[0]), surprises)
 
 
@@ -114,7 +120,12 @@ def _joined(seen: Scene, expected: Scene) -> tuple[Scene, dict[str, str]]:
         images=seen.images,
         assumptions=seen.assumptions,
     )
-    return joined, said
+    return joined.weighed(_among(expected.masses, joined), _among(expected.friction, joined)), said
+
+
+def _among(values: Mapping[str, float], scene: Scene) -> dict[str, float]:
+    """What is known of the objects of a scene."""
+    return {name: value for name, value in values.items() if name in scene.clouds}
 
 
 def _middle(cloud: FloatArray) -> FloatArray:
@@ -169,6 +180,8 @@ def _seen(image: DepthImage) -> bytes | None:
 def _thinned(scene: Scene) -> Scene:
     """The scene without strays, and with as many points as decisions need: a table comes with 300 000."""
     for name, cloud in scene.clouds.items():
-        flat = name in scene.fixed and table_top(cloud, up_of(scene)) is not None
-        scene = scene.with_cloud(name, clean(thinned(cloud, COARSE if flat else FINE)))
+        cloud = thinned(cloud, FINE)
+        tops = tops_of(cloud, up_of(scene)).tops if name in scene.fixed else ()
+        table = any(not top.walled for top in tops)
+        scene = scene.with_cloud(name, clean(thinned(cloud, COARSE) if table else cloud))
     return scene

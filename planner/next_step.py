@@ -5,7 +5,8 @@ should be by then, and of the scene as it is seen.
 """
 
 from collections.abc import Collection, Mapping, Sequence
-from functools import cached_property
+from dataclasses import replace
+from functools import cached_property, partial
 
 import numpy as np
 
@@ -13,18 +14,28 @@ from topple.planner.beliefs import Beliefs
 from topple.planner.dependency import dependencies
 from topple.planner.errors import NoSafePlan
 from topple.planner.goal import Goal, Place, holds
+from topple.planner.grasp.given import GraspsByObject, doable
 from topple.planner.grasp.grasp import Grasp
-from topple.planner.order import Order, order
+from topple.planner.order import Order, ordered
 from topple.planner.pick_place.failure import Setback, TransferFailure
-from topple.planner.pick_place.transfer import TRANSFER_LIMITS, Transfer, TransferLimits, plan_transfer
+from topple.planner.pick_place.transfer import (
+    NO_PLACE,
+    TRANSFER_LIMITS,
+    Transfer,
+    TransferLimits,
+    plan_transfer,
+)
 from topple.planner.place.drops import standing, staying
 from topple.planner.place.placement import Placement, placements
+from topple.planner.place.proof import Proof
+from topple.planner.place.shortage import shortage
 from topple.planner.place.stacking import GENTLE, over, placements_on
 from topple.planner.place.whole import whole_bodies
 from topple.planner.samples import sampled
 from topple.planner.solids import GRAIN, Solids, apart, solids_of, up_of
 from topple.planner.step import FREE, PLACE, REMOVE, NextStep, Orderer, Station
 from topple.planner.turn import may_go, out_of_turn, says, why_first
+from topple.topology.errors import InvalidInput, UnknownObject
 from topple.topology.relate import Relations, relate
 from topple.topology.relation import Relation
 from topple.topology.scene import Scene
@@ -56,7 +67,10 @@ class StepChooser:
         solids: Convex parts of the objects; made from the scene where not given.
         whole: The same with the sides that nobody saw; made from the scene where not given.
         upright: Objects that are kept upright, with what is in them.
-        orderer: Who decides the order; another one only to compare with.
+        allow_drop: Whether what stays nowhere the arm can put it may be let go to fall. Where the scene is
+            observed it always may: the next look shows where it lies.
+        orderer: Who decides the order.
+        grasps: Grasps of the caller's own, in the world: an object that has an entry is taken by those alone.
         seed: Of every search.
     """
 
@@ -75,15 +89,18 @@ class StepChooser:
         solids: Solids | None = None,
         whole: Solids | None = None,
         upright: Collection[str] = (),
-        orderer: Orderer = order,
+        allow_drop: bool = False,
+        orderer: Orderer = ordered,
+        grasps: GraspsByObject | None = None,
         seed: int = 0,
     ) -> None:
         self.scene, self.goal, self.station, self.done, self.seed = scene, goal, station, done, seed
-        self._orderer = orderer
+        self._orderer, self._grasps = orderer, grasps or {}
         self.relations = relate(scene) if relations is None else relations
         self.observed, self.given_up, self.avoid = observed, given_up or {}, avoid or {}
         self._beliefs = beliefs
         self.upright, self._given_solids, self._given_whole = upright, solids, whole
+        self._allow_drop = allow_drop
         self._needed: set[str] = set()  # what orders said has to be taken
 
     @cached_property
@@ -141,14 +158,16 @@ class StepChooser:
         failures: list[TransferFailure] = []
         for name in may_go(chosen):
             found = self._transfer(name, None)
-            if isinstance(found, Transfer) and name in targets:
-                return NextStep(found, action, why or "nothing has to go before it", chosen)
             if isinstance(found, Transfer):
-                return NextStep(found, REMOVE, why_first(name, chosen), chosen)
+                is_target = name in targets
+                reason = (why or "nothing has to go before it") if is_target else why_first(name, chosen)
+                role = action if is_target else REMOVE
+                return NextStep(found, role, "; ".join([reason, *map(str, failures)]), chosen)
             failures.append(found)
         step = self._make_room(failures) or (self._out_of_turn(targets, action) if doubting else None)
         if step is not None:
             return step
+        failures = [self._explained(failure) for failure in failures]
         waiting = f"each of {', '.join(chosen.order)} has to go before another one"
         words = [str(failure) for failure in failures] or [waiting]
         raise NoSafePlan("; ".join(words), tuple(words), tuple(failures))
@@ -303,6 +322,7 @@ class StepChooser:
         chosen = self._orderer(
             scene, targets, relations=relations, statics=statics, seed=self.seed, beliefs=self._beliefs
         )
+        _check_order(chosen, scene)
         if chosen.unresolved:
             cycles = tuple("cycle: " + " before ".join([*cycle, cycle[0]]) for cycle in chosen.unresolved)
             raise NoSafePlan(f"no safe order frees {', '.join(targets)}: {cycles[0]}", cycles)
@@ -316,7 +336,11 @@ class StepChooser:
             riders = [rider for rider in self._riding(name) if rider not in targets]
             for rider in riders:
                 cloud = np.vstack([scene.clouds[name], scene.clouds[rider]])
-                scene = scene.without(rider).with_cloud(name, cloud)
+                together: dict[str, float] = {}
+                if name in scene.masses or rider in scene.masses:
+                    guessed = {one: self._statics.weights[one].mass for one in (name, rider)}
+                    together = {name: sum({**guessed, **scene.masses}[one] for one in (name, rider))}
+                scene = scene.without(rider).with_cloud(name, cloud).weighed(together)
         return scene, self.relations if scene is self.scene else relate(scene)
 
     def _transfer(
@@ -327,17 +351,43 @@ class StepChooser:
             return TransferFailure(name, {self.given_up[name]: 1}, None)
         base = self.station.pose_base_to_world
         if places is None:
-            own, whole = self.scene.clouds[name], self._whole[name]
-            scene = self.scene.with_cloud(name, np.vstack([own, sampled(whole, 2.0 * GRAIN)]))
-            solids, left = {**self._solids, name: whole}, self._remaining(name)
+            (scene, solids), own, left = self._standing(name), self.scene.clouds[name], self._remaining(name)
             elsewhere = placements(name, scene, solids, pose_base_to_world=base, avoid=[own], remaining=left)
             places = elsewhere or placements(name, scene, solids, pose_base_to_world=base, remaining=left)
             places = standing(places, name, self.scene, self._whole)
-        return plan_transfer(
-            name, self.scene, self._solids, self.station.arm, base, self.station.q, places,
-            whole=self._whole[name], avoid=self.avoid.get(name, ()), riding=self._riding(name),
-            upright=name in self.upright, seed=self.seed, limits=limits,
+        transfer = partial(
+            plan_transfer, name, self.scene, self._solids, self.station.arm, base, self.station.q, places,
+            grasps=self._own_grasps(name), whole=self._whole[name], avoid=self.avoid.get(name, ()),
+            riding=self._riding(name), upright=name in self.upright, seed=self.seed, limits=limits,
         )  # fmt: skip
+        if self.observed:
+            return transfer()
+        with Proof(name, self._solids, self._whole, up_of(self.scene), self._riding(name)) as proof:
+            found = transfer(holds=proof.holds)
+            if isinstance(found, TransferFailure) and self._allow_drop:
+                found = transfer()
+                return found if isinstance(found, TransferFailure) else _falling(found, proof)
+            return found
+
+    def _standing(self, name: str) -> tuple[Scene, Solids]:
+        """The scene and its bodies with the sides of an object that nobody saw: how it stands."""
+        own, whole = self.scene.clouds[name], self._whole[name]
+        scene = self.scene.with_cloud(name, np.vstack([own, sampled(whole, 2.0 * GRAIN)]))
+        return scene, {**self._solids, name: whole}
+
+    def _explained(self, failure: TransferFailure) -> TransferFailure:
+        """A failure for want of a place with its reason; any other as it is."""
+        if NO_PLACE not in failure.reasons:
+            return failure
+        station, name = self.station, failure.object
+        why = shortage(name, *self._standing(name), station.arm, station.pose_base_to_world)
+        return TransferFailure(name, {why: 1}, None, Setback("place", "room", why))
+
+    def _own_grasps(self, name: str) -> list[Grasp] | None:
+        """The caller's grasps of an object that can be done now; None where they are to be searched for."""
+        if name not in self._grasps:
+            return None
+        return doable(self._grasps[name], self.scene, self.station.arm, self.station.pose_base_to_world)
 
     def _remaining(self, name: str) -> frozenset[str]:
         """What is still to be taken once an object is gone, or to have something put on or into it."""
@@ -353,6 +403,27 @@ class StepChooser:
         """What lies in an object."""
         between = self.relations.between
         return tuple(n for n in self.scene.movable if n != name and between(n, name).relation in INSIDE)
+
+
+def _falling(transfer: Transfer, proof: Proof) -> Transfer:
+    """A transfer to a place where the object need not stay, which then says what becomes of it."""
+    place = transfer.placement
+    if proof.holds(place):
+        return transfer
+    words = f"{place.rest}: let go, {proof.settled(place)}"
+    return replace(transfer, placement=replace(place, rest=words, falls=True))
+
+
+def _check_order(chosen: object, scene: Scene) -> None:
+    """Refuse what an orderer of the caller's own must not answer."""
+    if not isinstance(chosen, Order):
+        raise InvalidInput(
+            f"the orderer gave {type(chosen).__name__}, expected an Order: topple.planner.order.order "
+            "gives one, and topple.planner.order.arrange makes one"
+        )
+    for name in chosen.order:
+        if name not in scene.movable:
+            raise UnknownObject(name, scene.movable, role="object in the orderer's order")
 
 
 def _no_room(place: Place) -> TransferFailure:

@@ -2,8 +2,9 @@
 
 import math
 import time
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
+from functools import partial
 from itertools import pairwise, permutations
 from types import MappingProxyType
 from typing import TYPE_CHECKING, Any
@@ -18,6 +19,7 @@ from topple.planner.evidence import reasoned
 from topple.planner.sequence import safest
 from topple.topology.arrays import FloatArray
 from topple.topology.errors import InvalidInput, UnknownObject
+from topple.topology.gravity import check_up
 from topple.topology.statics import Statics
 from topple.topology.support import Support, supports
 
@@ -38,7 +40,7 @@ class Order:
         targets: What is to be freed; the last of `order`.
         order: Names, first to take first; exactly the targets and all that must go before them.
         graph: Dependencies among all movable objects.
-        supports: Who carries whom.
+        supports: What carries what.
         groups: Objects of one cycle that must be taken together or held.
         unresolved: Cycles for which no group was found; empty where every cycle became one.
         risk: name -> chance, 0..1, that taking it at its turn moves something that is still there.
@@ -96,6 +98,7 @@ def order(
     statics: Statics | None = None,
     removal_risk: float | None = None,
     beliefs: Beliefs | None = None,
+    check_gravity: bool = True,
 ) -> Order:
     """Find the order that frees the targets with the fewest removals, or with the least risk.
 
@@ -113,18 +116,23 @@ def order(
             higher than it may lean on it unseen.
         beliefs: What earlier looks made of the same things: the risk is by all looks, what has to go before
             what by this one.
+        check_gravity: Whether a scene is refused that would stand with another `up`. In one that is planned
+            on, things may hang.
 
     Returns:
         The order. What must go before a target is what has a path to it in the dependency graph,
         so no smaller set will do.
 
     Raises:
-        InvalidInput: The scene has no `up`, nothing in it can move, or a target is fixed.
+        InvalidInput: The scene has no `up`, or hangs in the air with it and would stand with another; nothing
+            in it can move, or a target is fixed.
         UnknownObject: A target is not in the scene.
     """
     started = time.monotonic()
     wanted = _check_targets(scene, targets)
     statics = Statics.of(scene) if statics is None else statics
+    if check_gravity:
+        check_up(scene, statics)
     full = dependencies(scene, relations, statics, direct=False)
     chance = reasoned(full, statics, len(scene.viewpoints) or None)
     notes: dict[str, Any] = {}
@@ -148,6 +156,10 @@ def order(
     return found if robot is None else _with_access(found, scene, robot)
 
 
+ordered: Callable[..., Order] = partial(order, check_gravity=False)
+"""The order of a scene that is planned on, which was checked when the plan began."""
+
+
 def cautious(
     scene: "Scene",
     targets: Sequence[str],
@@ -169,7 +181,7 @@ def cautious(
     """
     return order(
         scene, targets, relations=relations, seed=seed, statics=statics,
-        removal_risk=REMOVAL_RISK, beliefs=beliefs,
+        removal_risk=REMOVAL_RISK, beliefs=beliefs, check_gravity=False,
     )  # fmt: skip
 
 
@@ -177,8 +189,10 @@ def _with_access(found: Order, scene: "Scene", robot: "Arm | str") -> Order:
     """An order that also says what bars the gripper's way."""
     from topple.planner.access import access  # arms are not wanted without a robot
     from topple.robots.catalog import robot as robot_named
+    from topple.robots.own_arm import check_tool
 
     arm = robot_named(robot) if isinstance(robot, str) else robot
+    check_tool(arm)
     ways = access(scene, found.order, found.graph, arm)
     said = [f"{arm.name} finds no grasp of {name}, whatever is taken away" for name in ways.graspless]
     return replace(found, access=ways.bars, assumptions=(*found.assumptions, *said))

@@ -4,11 +4,11 @@ from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 
 import numpy as np
-import pybullet
 
 from topple.planner.whatif import FRICTIONS, Move, label, set_friction, take_away
 from topple.robots import shapes
 from topple.robots.bodies import Body
+from topple.robots.engine import pybullet
 from topple.robots.world import World
 from topple.topology.arrays import FloatArray
 from topple.topology.scene import Scene

@@ -74,6 +74,7 @@ def step_data(
             place.rest,
             round(place.drop, DIGITS),
             place.into,
+            place.falls,
         ),
         segments=[segment_data(segment) for segment in transfer.segments],
         attachments=attachments,

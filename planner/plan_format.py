@@ -1,10 +1,13 @@
 """A plan as data: frozen structs that are written as JSON and read back equal."""
 
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 import msgspec
+import numpy as np
 
 from topple.planner.pick_place.segments import KINDS
+from topple.planner.plan_robot import ArmData
+from topple.topology.arrays import FloatArray
 from topple.topology.errors import InvalidInput
 
 if TYPE_CHECKING:
@@ -16,6 +19,14 @@ FORMAT = "topple.plan"
 FORMAT_VERSION = 1
 
 Matrix = list[list[float]]
+
+
+class JointTrajectory(NamedTuple):
+    """A motion as arrays: times (t,) [s], positions (t, n) [rad] or [m], velocities (t, n)."""
+
+    times: FloatArray
+    positions: FloatArray
+    velocities: FloatArray
 
 
 class HandState(msgspec.Struct, frozen=True, forbid_unknown_fields=False):
@@ -44,7 +55,8 @@ class SegmentData(msgspec.Struct, frozen=True):
         holding: What is in the hand.
         may_touch: Pairs of names (links, objects) that touch here and are meant to.
         certified: Whether the motion was proven free between its samples too.
-        clearance: Proven lower bound of all other pairs' distances [m], on top of the margin that was kept.
+        clearance: Proven lower bound [m] of the distance, all along, of the arm and what it holds to all that
+            stands, but for the pairs that may touch.
         witness: Who meets whom where the proof failed.
     """
 
@@ -92,12 +104,14 @@ class PlacementData(msgspec.Struct, frozen=True):
         rest: In words.
         drop: How far it then falls [m].
         into: What it is put on or into; null on a table.
+        falls: Whether it is let go though it does not stay there: a drop that was allowed.
     """
 
     pose_before_to_after: Matrix
     rest: str = ""
     drop: float = 0.0
     into: str | None = None
+    falls: bool = False
 
 
 class DependencyData(msgspec.Struct, frozen=True):
@@ -179,6 +193,7 @@ class Plan(msgspec.Struct, frozen=True, kw_only=True):
         seconds: Duration of the motions [s].
         planning_seconds: What it took to find the plan.
         tried: What was dropped on the way, with counts.
+        arm: The arm with its tools, and where its URDF is; null in plans of older versions.
     """
 
     format: str = FORMAT
@@ -200,13 +215,45 @@ class Plan(msgspec.Struct, frozen=True, kw_only=True):
     seconds: float = 0.0
     planning_seconds: float = 0.0
     tried: dict[str, int] = {}
+    arm: ArmData | None = None
+
+    def trajectory(self, step: int, segment: int | str) -> "JointTrajectory":
+        """Give one motion as arrays.
+
+        Args:
+            step: Index of the step, from 0.
+            segment: Index of the segment in it, from 0, or its kind, such as "approach".
+
+        Returns:
+            Times (t,) [s] from 0, positions (t, n) [rad] or [m], velocities (t, n), columns as in `joints`.
+
+        Raises:
+            InvalidInput: There is no such step or segment, or the arm stands still in it (grasp, release).
+        """
+        if not 0 <= step < len(self.steps):
+            raise InvalidInput(f"the plan has no step {step}: expected 0 to {len(self.steps) - 1}")
+        segments = self.steps[step].segments
+        kinds = [part.kind for part in segments]
+        found = kinds.index(segment) if segment in kinds else -1
+        index = found if isinstance(segment, str) else segment
+        if not 0 <= index < len(segments):
+            known = ", ".join(f"{number} {kind}" for number, kind in enumerate(kinds))
+            raise InvalidInput(f"step {step} has no segment {segment!r}: it has {known}")
+        motion = segments[index].motion
+        if motion is None:
+            raise InvalidInput(f"step {step}: the arm stands still in segment {index}, {kinds[index]}")
+        return JointTrajectory(
+            np.array(motion.times),
+            np.array(motion.positions).reshape(len(motion.times), -1),
+            np.array(motion.velocities).reshape(len(motion.times), -1),
+        )
 
     def verify(self, scene: "Scene | None" = None, robot: "Arm | str | None" = None) -> "Verification":
         """Check everything again by other means than it was planned with.
 
         Args:
             scene: What the plan was made for; without it what needs clouds is not evaluated.
-            robot: The arm; looked up by the plan's name where None.
+            robot: The arm; found again by what the plan says of it where None.
 
         Returns:
             Residuals: at most 0 where all is well, `inf` where not evaluated; see `topple.planner.verify`.
@@ -273,6 +320,8 @@ def _check(plan: Plan, name: str) -> None:
         raise InvalidInput(
             f"{name} is no plan: `$.q_start` has {len(plan.q_start)} values for {count} joints"
         )
+    for i, tool in enumerate(plan.arm.tools if plan.arm is not None else []):
+        _matrix(tool.pose_tool_to_link, 4, 4, f"$.arm.tools[{i}].pose_tool_to_link", name)
     for i, step in enumerate(plan.steps):
         here = f"$.steps[{i}]"
         _matrix(step.grasp.pose_tool_to_world, 4, 4, f"{here}.grasp.pose_tool_to_world", name)

@@ -9,6 +9,7 @@ from topple.planner.solids import solids_of
 from topple.robots.arm import Arm
 from topple.topology.arrays import FloatArray
 from topple.topology.errors import InvalidInput, UnknownObject
+from topple.topology.rounded import rounded
 from topple.topology.scene import Scene
 
 
@@ -38,7 +39,7 @@ def check_start(scene: Scene, arm: Arm, pose_base_to_world: FloatArray, q_start:
         worst = contacts[0]
         deep = 1e3 * max(-worst.distance, 0.0)
         raise InvalidInput(
-            f"the start is in collision: {worst.a} of {arm.name} is {deep:.0f} mm deep in {worst.b}: "
+            f"the start is in collision: {worst.a} of {arm.name} is {rounded(deep)} mm deep in {worst.b}: "
             "move the arm (q_start) or its base (--base X Y Z YAW)"
         )
 

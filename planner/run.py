@@ -3,7 +3,7 @@
 import logging
 import time
 from collections import Counter
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from pathlib import Path
 
@@ -14,6 +14,7 @@ from topple.planner.errors import NoSafePlan
 from topple.planner.execute import Outcome, execute, withdraw
 from topple.planner.files import write_whole
 from topple.planner.goal import Goal, parse_goal
+from topple.planner.grasp.given import GraspsByObject, OwnGrasps, own_grasps
 from topple.planner.grasp.grasp import Grasp
 from topple.planner.judge import LIMITS, displacements, tilts, truly_unmet, violations
 from topple.planner.look import Look, Observer, unexpected
@@ -27,15 +28,18 @@ from topple.planner.report.rerun_file import RATE as RERUN_RATE
 from topple.planner.report.rerun_file import rerun_file
 from topple.planner.solids import solids_of
 from topple.planner.step import PLACE, NextStep, Orderer, Station
+from topple.planner.turn import Ahead
 from topple.robots.arm import Arm
 from topple.robots.camera import Camera
 from topple.robots.catalog import robot as robot_named
 from topple.robots.film import filmed
+from topple.robots.own_arm import check_tool
 from topple.robots.recording import Recording
 from topple.robots.simulated_arm import SimulatedArm
 from topple.robots.world import World
 from topple.topology.arrays import FloatArray
 from topple.topology.errors import ToppleError
+from topple.topology.gravity import check_up
 from topple.topology.scene import Scene
 
 log = logging.getLogger(__name__)
@@ -55,6 +59,8 @@ def run(
     mask_noise: float = 0.0,
     video: Path | None = None,
     rerun: Path | None = None,
+    grasps: OwnGrasps | None = None,
+    orderer: Orderer = cautious,
     seed: int = 0,
     progress: Progress | None = None,
 ) -> RunRecord:
@@ -69,6 +75,10 @@ def run(
         mask_noise: By how many pixels the edges of their masks are wrong (standard deviation).
         video: Where a film of it is written, an MP4 file.
         rerun: Where a recording for the Rerun viewer is written, an .rrd file.
+        grasps: Grasps of your own, in the scene's frame, as for `topple.planner.plan`. They count for an
+            object until the arm has tried to take it: where it is then has to be seen, and grasps for it
+            there are searched for.
+        orderer: Who says in which order to free targets: see `topple.planner.step.Orderer`.
         seed: Of sensor noise and every search.
         progress: Called with a line before and after each action.
 
@@ -76,11 +86,15 @@ def run(
         Every step with what it disturbed; `notes` say where the base stands and how far bodies sagged.
 
     Raises:
-        InvalidInput: The goal is none, names what is not there, or the scene has no up or no table.
+        InvalidInput: The goal is none, names what is not there, the scene has no table, no up or hangs in the
+            air with it, or the arm has no tool.
         NoBase: The arm reaches nothing from anywhere.
     """
     arm = robot_named(robot) if isinstance(robot, str) else robot
+    check_tool(arm)
     parse_goal(goal, scene)
+    check_up(scene)
+    own = {} if grasps is None else own_grasps(grasps, scene, arm)
     with Rehearsal.of(scene, arm, base) as stage:
         loop = ClosedLoop(
             stage.world,
@@ -89,15 +103,27 @@ def run(
             goal,
             fixed=tuple(sorted(stage.world.fixed)),
             seed=seed,
+            orderer=orderer,
+            grasps={
+                name: [_turned(grasp, stage.pose_scene_to_world) for grasp in some]
+                for name, some in own.items()
+            },
             progress=progress,
+            masses=scene.masses,
+            friction=scene.friction,
         )
         recording = Recording(loop.robot, RERUN_RATE) if rerun is not None else None
         with filmed(video, loop.robot, stage.cameras[0]):
             record = loop.run()
-        record = replace(record, notes=(*scene.assumptions, *stage.notes()))
+        record = replace(record, notes=(*scene.assumptions, *arm.assumptions, *stage.notes()))
         if rerun is not None and recording is not None:
             write_whole(rerun, rerun_file(record, recording))
     return record
+
+
+def _turned(grasp: Grasp, pose: FloatArray) -> Grasp:
+    """A grasp in another frame."""
+    return replace(grasp, pose_tool_to_world=pose @ grasp.pose_tool_to_world)
 
 
 @dataclass(frozen=True)
@@ -131,8 +157,11 @@ class ClosedLoop:
         up: (3,) up direction in the world.
         seed: Seed of sensor noise and of every search.
         limits: When to give up.
-        orderer: Who decides the order; another one only to compare with.
+        orderer: Who decides the order.
+        grasps: Grasps of the caller's own, in the world, for objects that the arm has not tried to take yet.
         progress: Called with a line before and after each action.
+        masses: Masses [kg] by name of what was weighed; what is seen anew keeps them.
+        friction: Coefficients of surfaces by name of what was tried, likewise.
 
     After `run`, `followed` holds the steps that were done, with their transfers.
     """
@@ -146,16 +175,21 @@ class ClosedLoop:
     seed: int = 0
     limits: RunLimits = field(default_factory=RunLimits)
     orderer: Orderer = cautious
+    grasps: GraspsByObject = field(default_factory=dict[str, Sequence[Grasp]])
     progress: Progress | None = None
+    masses: Mapping[str, float] = field(default_factory=dict[str, float])
+    friction: Mapping[str, float] = field(default_factory=dict[str, float])
 
     def __post_init__(self) -> None:
-        rng = np.random.default_rng(self.seed)
-        self._observer = Observer(self.world, self.cameras, rng, self.fixed, self.up)
+        rng, known = np.random.default_rng(self.seed), (self.masses, self.friction)
+        self._observer = Observer(self.world, self.cameras, rng, self.fixed, self.up, *known)
         self._done: list[tuple[str, str]] = []
         self.followed: list[NextStep] = []
         self._attempts: Counter[str] = Counter()
+        self._tried: set[str] = set()
         self._failed: dict[str, list[Grasp]] = {}
         self._beliefs = Beliefs()
+        self._ahead: Ahead | None = None
 
     def look(self) -> Look:
         """Takes a picture with every camera and relates what is seen."""
@@ -238,9 +272,10 @@ class ClosedLoop:
         station = Station(self.robot.arm, self.robot.pose_base_to_world, self.robot.q_target)
         most = self.limits.attempts
         given_up = {name: f"{n} attempts failed" for name, n in self._attempts.items() if n >= most}
+        own = {name: some for name, some in self.grasps.items() if name not in self._tried}
         return StepChooser(
             look.scene, goal, station, done=self._done, relations=look.relations, observed=True,
-            given_up=given_up, avoid=self._failed, beliefs=self._beliefs, orderer=self.orderer,
+            given_up=given_up, avoid=self._failed, beliefs=self._beliefs, orderer=self.orderer, grasps=own,
             seed=self.seed + self._attempts.total(),
         )  # fmt: skip
 
@@ -249,6 +284,7 @@ class ClosedLoop:
         started, robot_started = time.perf_counter(), self.world.time
         transfer, name = chosen.transfer, chosen.transfer.object
         self._say(f"{chosen.action} {name}: {chosen.reason}")
+        events = self._decided(chosen)
         before = self.world.poses()
         self.robot.touched.clear()
         outcome = execute(transfer, self.robot)
@@ -256,9 +292,11 @@ class ClosedLoop:
         withdraw(self.robot, solids_of(expected), self.seed)
         self.robot.wait(self.limits.settle)
         after = self.world.poses()
+        self._tried.add(name)
         self._attempts[name] += 1
         attempts = self._attempts[name]
-        events = self._learn(chosen, outcome)
+        events += self._learn(chosen, outcome)
+        self._ahead = Ahead.of(chosen.order, name if outcome.success else None)
         seen = self._observer.look(expected)
         predicted = look.relations.updated(name, expected.clouds[name])
         different = unexpected(predicted, seen.relations)
@@ -299,6 +337,17 @@ class ClosedLoop:
         )
         self._say(f"{name}: {outcome.text}")
         return step, seen, [f"{name}: {text}" for text in wrong]
+
+    def _decided(self, chosen: NextStep) -> list[str]:
+        """How a step differs from what was to come by the look before, and from the order it is of."""
+        changed = None if self._ahead is None else self._ahead.changed(chosen.order)
+        events = [] if changed is None else [f"The look before it changed the order: {changed}."]
+        first = chosen.order.order[0]
+        if chosen.transfer.object != first:
+            events.append(f"It goes before {first}: {chosen.reason}.")
+        for event in events:
+            self._say(event)
+        return events
 
     def _learn(self, chosen: NextStep, outcome: Outcome) -> list[str]:
         """Notes what was done, or which grasp is not to be tried again; says what follows from it."""

@@ -1,4 +1,4 @@
-"""What a scene's clouds fill: convex parts of every object, hidden undersides added, tables as slabs."""
+"""What a scene's clouds fill: convex parts of every object, hidden undersides added, tops as slabs."""
 
 import hashlib
 from collections.abc import Callable, Mapping, Sequence
@@ -7,13 +7,14 @@ from typing import Any
 import numpy as np
 from scipy.spatial import ConvexHull, QhullError
 
-from topple.planner.plates import plates_of
+from topple.planner.plates import FEWEST, plates_of
 from topple.planner.samples import voxel_means
 from topple.robots.convex import hull_of
-from topple.topology.arrays import FloatArray
+from topple.topology.arrays import BoolArray, FloatArray
 from topple.topology.errors import InvalidInput
 from topple.topology.parts import convex_parts
 from topple.topology.scene import Scene
+from topple.topology.tops import Top, tops_of
 
 Solids = Mapping[str, Sequence[FloatArray]]
 """Per object the (V, 3) vertices of its convex parts, in the world [m]."""
@@ -21,9 +22,9 @@ Solids = Mapping[str, Sequence[FloatArray]]
 GRAIN = 0.003  # cubes whose points are averaged before hulls are drawn: halves 1-2 mm of depth noise [m]
 HOLLOW = 0.008  # hulls may stand out from the points by this: less cuts noise into pieces [m]
 SLAB = 0.05  # a table seen from above is taken to be this thick: fingers must not come out below it [m]
-FLAT = 0.02  # a fixed cloud no thicker than this is a surface, not a body: depth noise is 2-4 mm [m]
+BOARD = 0.02  # a board above another is at least taken to be this thick: depth noise would leave less [m]
+SKIN = 0.01  # points of a slab's faces and edges lie this close to it: depth noise [m]
 HOVER = 0.006  # a gap below an object up to this is depth noise, above it a side nobody saw [m]
-ENOUGH = 4000  # points that settle a table's plane to a tenth of a millimetre
 REMEMBERED = (
     128  # clouds whose parts are kept: a scene is filled again after each step, with most clouds unchanged
 )
@@ -117,7 +118,7 @@ def _remembered(
 
 
 def fixed_parts(cloud: FloatArray, up: FloatArray) -> tuple[FloatArray, ...]:
-    """Parts of something that never moves: a slab under a flat cloud, else plates and convex parts.
+    """Parts of something that never moves: a slab under each top, plates and convex parts of the rest.
 
     Args:
         cloud: (N, 3) points [m].
@@ -126,40 +127,39 @@ def fixed_parts(cloud: FloatArray, up: FloatArray) -> tuple[FloatArray, ...]:
     Returns:
         (V, 3) vertices of each part.
     """
-    top = table_top(cloud, up)
-    if top is None:
-        return _remembered(cloud, b"fixed", lambda: plates_of(voxel_means(cloud, 2 * GRAIN), HOLLOW))
-    normal, height = top
-    flat = cloud - np.outer(cloud @ normal - height, normal)
-    rim = hull_vertices(flat)
-    return (np.vstack([rim, rim - SLAB * up]),)
+    found = tops_of(cloud, up)
+    if found.flat:
+        return (_slab(found.tops[0], SLAB, up),)
+    slabs = [_slab(top, thickness, up) for top, thickness in zip(found.tops, _thick(found.tops), strict=True)]
+    rest = found.rest
+    for slab in slabs:
+        rest = rest[~_inside(rest, slab)]
+    if len(rest) < FEWEST:
+        return tuple(slabs)
+    more = up.tobytes() + b"fixed"
+    return (*slabs, *_remembered(rest, more, lambda: plates_of(voxel_means(rest, 2 * GRAIN), HOLLOW)))
 
 
-def table_top(cloud: FloatArray, up: FloatArray) -> tuple[FloatArray, float] | None:
-    """The plane of a flat, level cloud.
+def _slab(top: Top, thickness: float, up: FloatArray) -> FloatArray:
+    """(V, 3) corners of the board under a top."""
+    rim = hull_vertices(top.points - np.outer(top.above(top.points), top.normal))
+    return np.vstack([rim, rim - thickness * up])
 
-    Args:
-        cloud: (N, 3) points [m].
-        up: (3,) unit vector.
 
-    Returns:
-        Its unit normal and its height along the normal [m]; None where the cloud is no level surface.
-    """
-    cloud = cloud[:: max(1, len(cloud) // ENOUGH)]
-    kept = cloud
-    normal = up
-    for _ in range(3):
-        middle = kept.mean(axis=0)
-        _, _, axes = np.linalg.svd(kept - middle, full_matrices=False)
-        normal = axes[2] if axes[2] @ up >= 0 else -axes[2]
-        distance = np.abs((cloud - middle) @ normal)
-        kept = cloud[distance <= np.quantile(distance, 0.9)]
-        if len(kept) < 3:
-            return None
-    heights = kept @ normal
-    if normal @ up < 0.9 or float(np.ptp(heights)) > FLAT:
-        return None
-    return normal, float(np.median(heights))
+def _thick(tops: Sequence[Top]) -> list[float]:
+    """How thick the boards under some tops, the highest first, are taken to be [m]."""
+    unseen = [BOARD] * len(tops)
+    unseen[-1:] = [SLAB] * (len(tops) > 0)
+    return [
+        least if np.isnan(top.thickness) else max(top.thickness, BOARD)
+        for top, least in zip(tops, unseen, strict=True)
+    ]
+
+
+def _inside(points: FloatArray, corners: FloatArray) -> BoolArray:
+    """Which of (N, 3) points lie in or on a convex part."""
+    sides = ConvexHull(corners).equations
+    return np.asarray((points @ sides[:, :3].T + sides[:, 3]).max(axis=1) < SKIN)
 
 
 def hidden_depth(name: str, scene: Scene, up: FloatArray) -> float:
@@ -183,11 +183,12 @@ def hidden_depth(name: str, scene: Scene, up: FloatArray) -> float:
     for other, cloud in scene.clouds.items():
         if other == name:
             continue
-        top = table_top(cloud, up) if other in scene.fixed else None
-        if top is not None:
-            # of the same points that the parts are drawn around: they shall end on the table, not below
-            gap = min(gap, float((voxel_means(own, GRAIN) @ top[0]).min()) - top[1])
-            continue
+        if other in scene.fixed:
+            found = tops_of(cloud, up)
+            top, cloud = found.under(own), found.rest
+            if top is not None:
+                # of the same points that the parts are drawn around: they shall end on the table, not below
+                gap = min(gap, float(top.above(voxel_means(own, GRAIN)).min()))
         places = np.floor(cloud @ axes.T / CELL).astype(np.int64) - corner
         shared = np.all((places >= 0) & (places < size), axis=1)
         room = bottom[tuple(places[shared].T)] - cloud[shared] @ up

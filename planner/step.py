@@ -53,7 +53,16 @@ class Station:
 
 
 class Orderer(Protocol):
-    """Whoever says in which order to free targets: `topple.planner.order.order`, or a rule of thumb."""
+    """Whoever says in which order to free targets: `topple.planner.order.order`, or a function of your own.
+
+    It is asked before each step, of the scene as it is by then: objects that were put aside are in it, where
+    they were put. It takes what it needs of the keywords and leaves the others to `**_`.
+
+    Example:
+        >>> from topple.planner.order import order
+        >>> def careful(scene, targets, *, relations, **_):
+        ...     return order(scene, targets, relations=relations, removal_risk=0.05, check_gravity=False)
+    """
 
     def __call__(
         self,
@@ -65,5 +74,19 @@ class Orderer(Protocol):
         statics: Statics | None = None,
         beliefs: Beliefs | None = None,
     ) -> Order:
-        """The order, as `topple.planner.order.order` gives it."""
+        """Order what has to be taken to free some targets.
+
+        Args:
+            scene: What is seen, or what should be there by now.
+            targets: Names to free, each in the scene.
+            relations: The scene's relations.
+            seed: Of every search.
+            statics: The scene at rest where it has been worked out.
+            beliefs: What earlier looks made of the same things, in a run.
+
+        Returns:
+            An order as `topple.planner.order.order` gives it, or `topple.planner.order.arrange` makes it of a
+            `DependencyGraph`, the targets and a place (3,) for each object. Of the objects that no dependency
+            holds back, the first that the arm can take goes; `unresolved` cycles end the plan.
+        """
         ...

@@ -1,6 +1,7 @@
 """Whose turn it is in an order, and who may go out of turn because little speaks against it."""
 
 from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
 
 from topple.planner.dependency import Dependency, DependencyGraph
 from topple.planner.order import Order
@@ -8,6 +9,44 @@ from topple.topology.support import Support
 
 LIKELY = 0.5
 """Below this a dependency is more likely wrong than right."""
+
+
+@dataclass(frozen=True)
+class Ahead:
+    """What an order leaves to be done once a step of it is.
+
+    Attributes:
+        targets: What is still to be freed.
+        names: What is still to be taken, first to take first.
+    """
+
+    targets: tuple[str, ...]
+    names: tuple[str, ...]
+
+    @staticmethod
+    def of(chosen: Order, done: str | None) -> "Ahead":
+        """What an order leaves.
+
+        Args:
+            chosen: The order.
+            done: What was taken of it; None where that failed.
+        """
+        targets = tuple(name for name in chosen.targets if name != done)
+        return Ahead(targets, tuple(name for name in chosen.order if name != done))
+
+    def changed(self, chosen: Order) -> str | None:
+        """How a later order differs, in words.
+
+        Args:
+            chosen: The order that the next step is of.
+
+        Returns:
+            The words; None where it goes on as it was to, or is about the next part of the goal.
+        """
+        if chosen.order == self.names or not (self.names or self.targets == chosen.targets):
+            return None
+        was = f"instead of {', '.join(self.names)}" if self.names else "though nothing was left to take"
+        return f"{', '.join(chosen.order)} {was}"
 
 
 def may_go(chosen: Order) -> list[str]:

@@ -5,8 +5,8 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 import numpy as np
-import pybullet
 
+from topple.robots.engine import pybullet
 from topple.robots.poses import angle_between
 from topple.robots.world import World
 from topple.topology.arrays import FloatArray
@@ -22,6 +22,9 @@ LIFT = 0.25
 
 SETTLE = 1.0
 """Time [s] that what was disturbed gets to come to rest before it is looked at."""
+
+DOWNWARD = 0.7
+"""Contact normals steeper than 45 degrees come from something above."""
 
 STILL = 5e-4
 """Speed [m/s] (ten times as many [rad/s] for turns) below which nothing will move a centimetre any more."""
@@ -90,8 +93,8 @@ def take_away(
         world.step()
         if watch is not None:
             watch(world)
-        if step % 12 == 0 and _is_clear(world, name):
-            break  # the rest of the way meets nothing
+        if step % 12 == 0 and (_is_clear(world, name) or _is_stopped(world, name)):
+            break  # the rest of the way meets nothing, or a board bars it
     # Out of reach of everything, where it falls for as long as the others settle.
     pybullet.resetBasePositionAndOrientation(number, (0, 0, 1e3), turn, physicsClientId=client)
     for _ in range(round(seconds / world.time_step / 24)):
@@ -123,6 +126,15 @@ def _is_clear(world: World, name: str) -> bool:
     return bool(bottom > max(tops, default=-np.inf) + 0.005)
 
 
+def _is_stopped(world: World, name: str) -> bool:
+    """Whether a body has come up against something fixed above it."""
+    for other in sorted(world.fixed):
+        met = pybullet.getContactPoints(world.ids[name], world.ids[other], physicsClientId=world.client) or ()
+        if any(point[7][2] < -DOWNWARD for point in met):
+            return True
+    return False
+
+
 def _at_rest(world: World, besides: str) -> bool:
     """Whether nothing moves but one body."""
     for name in world.movable:
@@ -143,8 +155,8 @@ class Trial:
     """One way the world may be, within what the clouds leave open.
 
     Attributes:
-        between: Friction between objects.
-        table: Friction with what is fixed.
+        between: Friction between objects, where it is not known.
+        table: Friction with what is fixed, likewise.
         jitter: Standard deviation [m] of where each body really is, along each axis.
         seed: Seed of the jitter.
     """
@@ -168,10 +180,10 @@ class Stage:
 
         Args:
             rebuilt: The bodies.
-            trial: The friction.
+            trial: The friction, of surfaces of which it is not known.
         """
         self.world = rebuilt.world()
-        set_friction(self.world, trial.between, trial.table)
+        set_friction(self.world, trial.between, trial.table, rebuilt.friction)
         before = self.world.poses()
         _come_to_rest(self.world)
         kept = self.world.snapshot()
@@ -204,17 +216,20 @@ def _come_to_rest(world: World) -> None:
             break
 
 
-def set_friction(world: World, between: float, table: float) -> None:
-    """Give every contact one coefficient of friction.
+def set_friction(
+    world: World, between: float, table: float, known: Mapping[str, float] | None = None
+) -> None:
+    """Give every contact one coefficient of friction, as far as nothing else is known.
 
     Args:
         world: The world.
         between: Coefficient between objects; PyBullet multiplies those of the two bodies.
         table: Coefficient between an object and anything fixed.
+        known: Coefficients of surfaces by name, which stay as they are.
     """
-    own = float(np.sqrt(between))
+    own, known = float(np.sqrt(between)), known or {}
     for name, number in world.ids.items():
-        value = table / own if name in world.fixed else own
+        value = known.get(name, table / own if name in world.fixed else own)
         pybullet.changeDynamics(number, -1, lateralFriction=value, physicsClientId=world.client)
 
 

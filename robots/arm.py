@@ -3,16 +3,21 @@
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from functools import cached_property
+from itertools import pairwise
 from pathlib import Path
 
 import numpy as np
 
 from topple.robots.gripper import ParallelJaw, SuctionCup, Tool, ToolState
+from topple.robots.gripper_file import Gripper
 from topple.robots.inverse import distinct, solve
 from topple.robots.kinematics import Chain
 from topple.robots.urdf import Joint, Model, read_urdf
-from topple.topology.arrays import FloatArray, frozen
+from topple.topology.arrays import BoolArray, FloatArray, frozen
 from topple.topology.errors import InvalidInput
+
+CHUNK = 512  # targets asked about at once: their states and frames are some 100 MB
+ROUNDS = (2, 8)  # starts after which targets that have a state are left alone: most have one by then
 
 
 @dataclass(frozen=True, eq=False)
@@ -34,6 +39,10 @@ class Arm:
         tools: The tools by name: "fingers", "suction".
         model: The tree as read from the file.
         chain: The driven joints as a chain.
+        source: The file the arm is described by; `urdf` may be made from it.
+        gripper: What was said of its hand beside that file, if anything.
+        assumptions: What neither says and was assumed, a sentence each.
+        catalog: Whether `topple.robots.robot` knows it by its name.
     """
 
     name: str
@@ -49,6 +58,10 @@ class Arm:
     tools: Mapping[str, Tool]
     model: Model
     chain: Chain
+    source: Path = Path()
+    gripper: Gripper | None = None
+    assumptions: tuple[str, ...] = ()
+    catalog: bool = False
     _offsets: dict[ToolState, FloatArray] = field(default_factory=dict[ToolState, FloatArray], repr=False)
 
     @classmethod
@@ -63,6 +76,7 @@ class Arm:
         velocity: Sequence[float] | None = None,
         acceleration: Sequence[float] | float = 10.0,
         home: Sequence[float] | None = None,
+        source: Path | None = None,
     ) -> "Arm":
         """Read an arm.
 
@@ -77,6 +91,7 @@ class Arm:
             velocity: Velocity limits that replace the file's.
             acceleration: Acceleration limits, which URDF cannot state, in [rad/s2].
             home: A state to rest in; the middle of the limits otherwise.
+            source: The file that the URDF was made from; itself otherwise.
 
         Returns:
             The arm.
@@ -86,20 +101,27 @@ class Arm:
                 that neither the arm nor the gripper drives; the message names them.
         """
         model = read_urdf(path)
+        named = (source or model.path).name
         joints, before = _driven(model, tool_frame)
+        follows = [joint.name for joint in joints if joint.mimic is not None]
+        if follows:
+            raise InvalidInput(
+                f"{named}: the arm's joints {', '.join(follows)} mimic others: such linkages are "
+                "not supported"
+            )
         tools = _as_tools(gripper, tool_frame)
-        _refuse_undriven(model, joints, tools)
+        _refuse_undriven(model, joints, tools, named)
         n = len(joints)
         lower = np.array([j.lower for j in joints] if limits is None else limits[0], dtype=float)
         upper = np.array([j.upper for j in joints] if limits is None else limits[1], dtype=float)
         if limits is None:
             unlimited = [joint.name for joint in joints if not joint.limited]
             if unlimited:
-                raise InvalidInput(f"{model.path.name}: joints without limits: {', '.join(unlimited)}")
+                raise InvalidInput(f"{named}: joints without limits: {', '.join(unlimited)}")
         speeds = np.array([j.velocity for j in joints] if velocity is None else velocity, dtype=float)
         slow = [joint.name for joint, speed in zip(joints, speeds, strict=True) if not speed > 0]
         if slow:
-            raise InvalidInput(f"{model.path.name}: joints without a velocity limit: {', '.join(slow)}")
+            raise InvalidInput(f"{named}: joints without a velocity limit: {', '.join(slow)}")
         return cls(
             name or model.name,
             model.path,
@@ -114,6 +136,7 @@ class Arm:
             tools,
             model,
             Chain.of(joints, before, lower, upper),
+            model.path if source is None else source,
         )
 
     @property
@@ -128,8 +151,12 @@ class Arm:
 
     @property
     def open_hand(self) -> ToolState:
-        """Fingers fully open, cup drawn in."""
-        return ToolState(self.jaw.max_opening if self.jaw else 0.0)
+        """Fingers fully open, the cup as it is on the way."""
+        return self.on_the_way(self.jaw.max_opening if self.jaw else 0.0)
+
+    def on_the_way(self, opening: float) -> ToolState:
+        """The hand between objects: the fingers at an opening in [m], the cup drawn in where it can be."""
+        return ToolState(opening, self.cup.stowed if self.cup else 0.0)
 
     @cached_property
     def frame_of_link(self) -> tuple[int, ...]:
@@ -176,7 +203,7 @@ class Arm:
         """Values of all moving joints by name: the arm's at q (n,), the hand's, and those that mimic them."""
         values = dict(zip(self.joints, (float(v) for v in q), strict=True)) | self._hand_values(state)
         moving = [joint for joint in self.model.joints.values() if joint.kind != "fixed"]
-        return {joint.name: _value(joint, values) for joint in moving}
+        return {joint.name: joint_value(joint, values) for joint in moving}
 
     def _hand_values(self, state: ToolState) -> dict[str, float]:
         values: dict[str, float] = {}
@@ -192,7 +219,7 @@ class Arm:
         for i, link in enumerate(self.links[1:], start=1):
             joint = self.model.joints[link]
             if joint.name not in self.joints:
-                offsets[i] = offsets[index[joint.parent]] @ _pose_of_joint(joint, _value(joint, values))
+                offsets[i] = offsets[index[joint.parent]] @ pose_of_joint(joint, joint_value(joint, values))
         return offsets
 
     def forward(self, q: FloatArray, state: ToolState | None = None) -> FloatArray:
@@ -259,17 +286,48 @@ class Arm:
             found.
         """
         targets: FloatArray = np.asarray(pose_tool_to_base, dtype=float).reshape(-1, 4, 4)
-        rng = rng or np.random.default_rng(0)
         start = self.home if near is None else near
-        starts = rng.uniform(self.lower, self.upper, (len(targets), seeds, len(self.joints)))
-        starts[:, :1] = start
-        flange: FloatArray = np.matmul(targets, np.linalg.inv(self.tool_to_flange(tool)))
-        solutions, owner = solve(self.chain, flange, starts)
+        starts = self._starts(len(targets), seeds, start, rng or np.random.default_rng(0))
+        solutions, owner = solve(self.chain, targets @ np.linalg.inv(self.tool_to_flange(tool)), starts)
         result: list[FloatArray] = []
         for k in range(len(targets)):
             found = solutions[owner == k]
             result.append(distinct(found[np.argsort(np.abs(found - start).max(axis=1), kind="stable")]))
         return result
+
+    def reaches(self, poses_tool_to_base: FloatArray, tool: str = "fingers", *, seeds: int = 64) -> BoolArray:
+        """Whether `inverse` has a state for any of a few poses, found without looking for all of them.
+
+        Args:
+            poses_tool_to_base: (k, a, 4, 4): k targets, each in a ways that will do.
+            tool: Name of the tool.
+            seeds: Random starts for each way, the home state among them.
+
+        Returns:
+            (k,) whether there is a state within the joint limits.
+        """
+        targets: FloatArray = np.asarray(poses_tool_to_base, dtype=float)
+        ways, rng = targets.shape[1], np.random.default_rng(0)
+        flanges = targets @ np.linalg.inv(self.tool_to_flange(tool))
+        found = np.zeros(len(targets), dtype=np.bool_)
+        for first in range(0, len(targets), CHUNK):
+            some = flanges[first : first + CHUNK]
+            starts = self._starts(len(some) * ways, seeds, self.home, rng).reshape(len(some), ways, seeds, -1)
+            left = np.flatnonzero((np.linalg.norm(some[..., :3, 3], axis=2) <= self.chain.reach).any(axis=1))
+            for begin, end in pairwise((0, *(count for count in ROUNDS if count < seeds), seeds)):
+                if len(left) == 0:
+                    break
+                tries = starts[left, :, begin:end].reshape(len(left) * ways, end - begin, -1)
+                _, owner = solve(self.chain, some[left].reshape(-1, 4, 4), tries)
+                found[first + left[owner // ways]] = True
+                left = left[~found[first + left]]
+        return found
+
+    def _starts(self, count: int, seeds: int, first: FloatArray, rng: np.random.Generator) -> FloatArray:
+        """Where searches for `count` targets start: (count, seeds, n) states, the same one first."""
+        starts = rng.uniform(self.lower, self.upper, (count, seeds, len(self.joints)))
+        starts[:, :1] = first
+        return starts
 
 
 def _driven(model: Model, tool_frame: str) -> tuple[tuple[Joint, ...], tuple[FloatArray, ...]]:
@@ -301,11 +359,11 @@ def _as_tools(
     return {"suction": Tool("suction", tool_frame, np.eye(4), gripper, (gripper.link,), ready)}
 
 
-def _refuse_undriven(model: Model, joints: tuple[Joint, ...], tools: Mapping[str, Tool]) -> None:
+def _refuse_undriven(model: Model, joints: tuple[Joint, ...], tools: Mapping[str, Tool], named: str) -> None:
     driven = {joint.name for joint in joints}
     for tool in tools.values():
-        named = tool.gripper.joints if isinstance(tool.gripper, ParallelJaw) else [tool.gripper.joint or ""]
-        driven |= {model.joint(name).name for name in named if name}
+        moved = tool.gripper.joints if isinstance(tool.gripper, ParallelJaw) else [tool.gripper.joint or ""]
+        driven |= {model.joint(name).name for name in moved if name}
     left = [
         joint.name
         for joint in model.joints.values()
@@ -315,11 +373,13 @@ def _refuse_undriven(model: Model, joints: tuple[Joint, ...], tools: Mapping[str
     ]
     if left:
         raise InvalidInput(
-            f"{model.path.name}: nothing drives the joints {', '.join(left)}; name them in the gripper"
+            f"{named}: nothing drives the joints {', '.join(left)}; name them in the gripper ([jaw] of a "
+            "gripper file)"
         )
 
 
-def _value(joint: Joint, values: Mapping[str, float]) -> float:
+def joint_value(joint: Joint, values: Mapping[str, float]) -> float:
+    """Value of a joint: the given one, that of the joint it mimics, or 0 [rad] or [m]."""
     if joint.name in values:
         return values[joint.name]
     if joint.mimic is not None and joint.mimic.joint in values:
@@ -327,7 +387,8 @@ def _value(joint: Joint, values: Mapping[str, float]) -> float:
     return 0.0
 
 
-def _pose_of_joint(joint: Joint, value: float) -> FloatArray:
+def pose_of_joint(joint: Joint, value: float) -> FloatArray:
+    """Pose (4, 4) of a joint's child link in its parent at a value in [rad] or [m]."""
     if joint.kind == "fixed":
         return joint.pose_child_to_parent
     chain = Chain.of(

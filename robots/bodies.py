@@ -11,6 +11,7 @@ from topple.robots.convex import hull_of
 from topple.topology.arrays import FloatArray, IntArray, frozen
 from topple.topology.checks import as_name, as_points
 from topple.topology.errors import InvalidInput
+from topple.topology.matter import DENSITY
 from topple.topology.scene import Mesh
 
 Color = tuple[float, float, float, float]
@@ -20,7 +21,6 @@ FRICTION = (
     0.7  # PyBullet multiplies: two household things then touch with 0.5, between glaze (0.3) and card (0.7)
 )
 ROLLING = 5e-4  # [m] lever of the rolling resistance: 1.5 % of a can's radius, as for thin steel on wood
-DENSITY = 700.0  # [kg/m^3] of a thing nobody knows: a full packet, wood, a half-empty bottle
 
 
 @dataclass(frozen=True, eq=False)

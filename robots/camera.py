@@ -4,10 +4,10 @@ from dataclasses import dataclass, field, replace
 from typing import Any, cast
 
 import numpy as np
-import pybullet
 from numpy.typing import NDArray
 from scipy import ndimage
 
+from topple.robots.engine import pybullet
 from topple.robots.poses import inverse
 from topple.robots.tolerances import TOLERANCES
 from topple.robots.world import World

@@ -1,6 +1,7 @@
 """The arms topple knows by name, and how to get one from a URDF file."""
 
 from collections.abc import Callable
+from dataclasses import replace
 from functools import cache
 from pathlib import Path
 
@@ -9,10 +10,12 @@ import numpy as np
 from topple.robots.arm import Arm
 from topple.robots.compose import composed
 from topple.robots.gripper import ParallelJaw, SuctionCup, Tool, ToolState
+from topple.robots.gripper_file import Cup, Gripper, Jaw
+from topple.robots.own_arm import arm_from_file
 from topple.robots.suction_hand import CUP_JOINT, CUP_LINK, PANDA_CUP, panda_with_cup
 from topple.robots.wsg50 import wsg50_fingers, wsg50_xml
 from topple.topology.arrays import FloatArray
-from topple.topology.errors import InvalidInput
+from topple.topology.errors import InvalidInput, NotInstalled
 
 # Franka Emika Panda data sheet: joint limits, velocities, accelerations
 PANDA_LOWER = (-2.8973, -1.7628, -2.8973, -3.0718, -2.8973, -0.0175, -2.8973)  # [rad]
@@ -43,22 +46,27 @@ XARM_JOINTS = (
 )
 
 
-def robot(name: str | Path) -> Arm:
+def robot(name: str | Path, gripper: str | Path | Gripper | Jaw | Cup | None = None) -> Arm:
     """An arm by name or from a URDF file.
 
     Args:
         name: One of `names()`, or the path of a URDF.
+        gripper: With a URDF: a gripper file (TOML), or what it would hold, see `topple.robots.gripper_file`.
+            A parallel jaw of the URDF is recognised where it is not named here.
 
     Returns:
         The arm; the same object for the same name.
 
     Raises:
-        InvalidInput: If the name is unknown (the message lists the known ones) or the file cannot be used.
+        InvalidInput: If the name is unknown (the message lists the known ones), a file cannot be used, or a
+            gripper is given with an arm that has its own.
     """
     if str(name) in _MAKERS:
+        if gripper is not None:
+            raise InvalidInput(f"{name} has a hand of its own: a gripper goes with the path of a .urdf file")
         return _by_name(str(name))
     if str(name).endswith((".urdf", ".xml")):
-        return _from_file(Path(name))
+        return arm_from_file(name, gripper)
     raise InvalidInput(
         f"unknown robot {str(name)!r}: expected {', '.join(_MAKERS)} or the path of a .urdf file"
     )
@@ -71,13 +79,19 @@ def names() -> tuple[str, ...]:
 
 @cache
 def _by_name(name: str) -> Arm:
-    return _MAKERS[name]()
+    return replace(_MAKERS[name](), catalog=True)
 
 
 def data_path() -> Path:
-    """The folder of pybullet_data, which carries the arms' meshes."""
-    import pybullet_data
+    """The folder of pybullet_data, which carries the arms' models.
 
+    Raises:
+        NotInstalled: PyBullet is not installed; `robot` then takes URDF files alone.
+    """
+    try:
+        import pybullet_data
+    except ModuleNotFoundError as error:
+        raise NotInstalled("this arm's model comes with PyBullet, others as FILE.urdf", "sim") from error
     return Path(pybullet_data.getDataPath())
 
 
@@ -131,6 +145,7 @@ def _panda_arm(name: str, urdf: Path, tools: dict[str, Tool]) -> Arm:
         velocity=PANDA_VELOCITY,
         acceleration=PANDA_ACCELERATION,
         home=PANDA_HOME,
+        source=data_path() / "franka_panda" / "panda.urdf",
     )
 
 
@@ -146,6 +161,7 @@ def _iiwa() -> Arm:
         velocity=IIWA_VELOCITY,
         acceleration=IIWA_ACCELERATION,
         home=IIWA_HOME,
+        source=source,
     )
 
 
@@ -173,15 +189,6 @@ def _xarm6() -> Arm:
         acceleration=XARM_ACCELERATION,
         home=XARM_HOME,
     )
-
-
-def _from_file(path: Path) -> Arm:
-    from topple.robots.urdf import read_urdf
-
-    model = read_urdf(path)
-    leaves = [link for link in model.links if all(joint.parent != link for joint in model.joints.values())]
-    longest = max(leaves, key=lambda link: sum(j.kind != "fixed" for j in model.path_to(link)))
-    return Arm.from_urdf(path, longest)
 
 
 _MAKERS: dict[str, Callable[[], Arm]] = {

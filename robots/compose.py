@@ -24,17 +24,27 @@ def composed(source: Path, name: str, addition: str) -> Path:
         inside = str(mesh.get("filename")).removeprefix("package://")
         mesh.set("filename", str(source.parent / inside))
     robot.extend(ElementTree.fromstring(f"<robot>{addition}</robot>"))
-    return _stored(ElementTree.tostring(robot, encoding="unicode"), name)
+    return stored(ElementTree.tostring(robot, encoding="unicode"), name, ".urdf")
 
 
-def _stored(text: str, name: str) -> Path:
+def stored(text: str, name: str, suffix: str) -> Path:
+    """Write a file into the user's own temporary folder.
+
+    Args:
+        text: Its content.
+        name: Of the file; a digest of the content is added.
+        suffix: Of the file.
+
+    Returns:
+        Its path.
+    """
     digest = hashlib.sha256(text.encode()).hexdigest()[:12]
     folder = Path(tempfile.gettempdir()) / f"topple-{os.getuid()}"
     folder.mkdir(mode=0o700, exist_ok=True)
-    path = folder / f"{name}-{digest}.urdf"
+    path = folder / f"{name}-{digest}{suffix}"
     # always written anew: what someone else left under this name is not trusted, and a reader never sees a
     # part
-    handle, partial = tempfile.mkstemp(dir=folder, suffix=".urdf")
+    handle, partial = tempfile.mkstemp(dir=folder, suffix=suffix)
     with os.fdopen(handle, "w", encoding="utf-8") as stream:
         stream.write(text)
     os.replace(partial, path)

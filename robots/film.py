@@ -9,7 +9,7 @@ from typing import Any
 
 from topple.robots.camera import Camera
 from topple.robots.simulated_arm import SimulatedArm
-from topple.topology.errors import InvalidInput
+from topple.topology.errors import InvalidInput, NotInstalled
 
 RATE = 12  # pictures a second of simulated time: motion is smooth, and drawing stays a small part of a run
 SIZE = (480, 360)  # [pixels]
@@ -87,10 +87,10 @@ def encoder() -> Any:
     """The library that encodes.
 
     Raises:
-        InvalidInput: It is not installed.
+        NotInstalled: It is not installed.
     """
     try:
         import av  # an extra: only films need it
     except ImportError as error:
-        raise InvalidInput("a film needs PyAV: pip install 'topple[video]'") from error
+        raise NotInstalled("a film needs PyAV", "video") from error
     return av

@@ -53,6 +53,11 @@ class ParallelJaw:
         """Largest distance between the pads in [m]."""
         return float(self.openings[-1])
 
+    def lever(self, joint: str) -> float:
+        """Way of one pad for the way of a joint, over the stroke: 1 for a slide, in [m/rad] for a hinge."""
+        column = self.joint_values[:, self.joints.index(joint)]
+        return float((self.openings[-1] - self.openings[0]) / 2.0 / abs(column[-1] - column[0]))
+
     def values(self, opening: float) -> dict[str, float]:
         """Joint values at a pad distance in [m]; beyond the ends of the stroke it stays at the end."""
         columns = self.joint_values.T
@@ -82,6 +87,7 @@ class SuctionCup:
         max_force: Pull at which it lets go in [N]: vacuum times lip area.
         lip_depth: How much unevenness under the lip the rubber bridges in [m].
         speed: Speed of the stroke in [m/s].
+        retracts: Whether a drive draws it in on the way; a sprung plunger stands out unless it is pressed.
     """
 
     link: str
@@ -91,6 +97,12 @@ class SuctionCup:
     max_force: float
     lip_depth: float = 0.002
     speed: float = 0.2
+    retracts: bool = True
+
+    @property
+    def stowed(self) -> float:
+        """How far it stands out on the way in [m]."""
+        return 0.0 if self.retracts else self.stroke
 
     def values(self, extension: float) -> dict[str, float]:
         """Joint values at an extension in [m], clipped to the stroke."""

@@ -8,6 +8,8 @@ import numpy as np
 from topple.robots.urdf import Joint
 from topple.topology.arrays import BoolArray, FloatArray, frozen
 
+ROUNDING = 1e-4  # [m] more than a solution's residual
+
 
 @dataclass(frozen=True, eq=False)
 class Chain:
@@ -38,6 +40,13 @@ class Chain:
     def size(self) -> int:
         """Number of joints."""
         return len(self.axes)
+
+    @cached_property
+    def reach(self) -> float:
+        """A distance from the base that the last frame's origin never exceeds [m]."""
+        sizes = [np.linalg.norm(k[:, :3, 3], axis=1) for k in (self.k0, self.k1, self.k2)]
+        most = np.where(self.revolute, 1.0, np.maximum(np.abs(self.lower), np.abs(self.upper)))
+        return float(np.sum(sizes[0] + most * sizes[1] + sizes[2])) + ROUNDING
 
     @staticmethod
     def of(

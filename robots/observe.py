@@ -5,12 +5,13 @@ from collections.abc import Iterable, Mapping
 from typing import Any
 
 import numpy as np
-import pybullet
 from numpy.typing import ArrayLike
 
+from topple.robots.engine import pybullet
 from topple.robots.tolerances import TOLERANCES
 from topple.topology.arrays import FloatArray
 from topple.topology.errors import InvalidInput, UnknownObject
+from topple.topology.matter import ROUGHEST
 from topple.topology.scene import Scene
 
 RAYS = 16_000  # a call: PyBullet takes at most 16384
@@ -46,7 +47,8 @@ def scene_from_world(
         spacing: Of the rays in [m].
 
     Returns:
-        The scene: a cloud (N, 3) in [m] for every body.
+        The scene: a cloud (N, 3) in [m] for every body, its mass where it can move, and its friction. Where
+        links differ in friction none is given; its assumptions say so.
 
     Raises:
         InvalidInput: If the world is empty.
@@ -66,11 +68,22 @@ def scene_from_world(
     for name in still:
         if fixed is not None and name not in clouds:
             raise UnknownObject(name, clouds, role="fixed object")
+    seen = {body: name for body, name in called.items() if name in clouds}
+    found = {name: _friction(client, body) for body, name in seen.items()}
+    friction = {name: min(one, ROUGHEST) for name, one in found.items() if one is not None}
+    notes = ["clouds are samples of the simulation's collision shapes, seen from all around"]
+    for name, one in found.items():
+        if one is None:
+            notes.append(f"the links of {name!r} differ in friction: none is taken from them")
+        elif one > ROUGHEST:
+            notes.append(f"the friction of {name!r}, {one:g}, is taken as {ROUGHEST:g}")
     return Scene(
         clouds,
         fixed=[name for name in still if name in clouds],
         up=up,
-        assumptions=["clouds are samples of the simulation's collision shapes, seen from all around"],
+        assumptions=notes,
+        masses={name: mass for body, name in seen.items() if (mass := _mass(client, body)) > 0},
+        friction=friction,
     )
 
 
@@ -90,10 +103,31 @@ def _is_fixed(client: int, body: int) -> bool:
     return mass == 0.0
 
 
+def _links(client: int, body: int) -> range:
+    """Numbers of a body's links, its base being -1."""
+    return range(-1, pybullet.getNumJoints(body, physicsClientId=client))
+
+
+def _mass(client: int, body: int) -> float:
+    """Mass of a body with all its links [kg]; 0 where it cannot move."""
+    if _is_fixed(client, body):
+        return 0.0
+    return float(
+        sum(pybullet.getDynamicsInfo(body, k, physicsClientId=client)[0] for k in _links(client, body))
+    )
+
+
+def _friction(client: int, body: int) -> float | None:
+    """Coefficient of friction of a body's surface; None where its links differ."""
+    corners = {k: pybullet.getAABB(body, k, physicsClientId=client) for k in _links(client, body)}
+    solid = [k for k, box in corners.items() if np.ptp(box, axis=0).max() > 0]  # the others have no shape
+    found = {float(pybullet.getDynamicsInfo(body, k, physicsClientId=client)[1]) for k in solid or [-1]}
+    return found.pop() if len(found) == 1 else None
+
+
 def _box(client: int, body: int) -> FloatArray:
     """(2, 3) lowest and highest corner of a body with all its links in [m]."""
-    links: int = pybullet.getNumJoints(body, physicsClientId=client)
-    found = np.array([pybullet.getAABB(body, link, physicsClientId=client) for link in range(-1, links)])
+    found = np.array([pybullet.getAABB(body, k, physicsClientId=client) for k in _links(client, body)])
     found = found[np.ptp(found, axis=1).max(axis=1) > 0]  # a link without a shape has no extent
     if len(found) == 0:
         return np.zeros((2, 3))

@@ -4,8 +4,8 @@ from dataclasses import dataclass, field
 from typing import Any
 
 import numpy as np
-import pybullet
 
+from topple.robots.engine import pybullet
 from topple.robots.simulated_arm import SimulatedArm
 from topple.topology.arrays import FloatArray
 

@@ -19,7 +19,7 @@ def colliding_pairs(
     hulls: Sequence[FloatArray],
     frame_of_link: Sequence[int],
     offsets: FloatArray,
-    home: FloatArray,
+    home: FloatArray | None,
 ) -> tuple[tuple[int, int], ...]:
     """Pairs of links that hit each other in some states and not in others.
 
@@ -31,7 +31,7 @@ def colliding_pairs(
         hulls: Per link its (V, 3) hull vertices in the link frame; empty without geometry.
         frame_of_link: Per link the chain frame that carries it.
         offsets: (L, 4, 4) poses of the links in those frames.
-        home: (n,) a state that is free.
+        home: (n,) a state that is free; None where none is known.
 
     Returns:
         Pairs of link indices.
@@ -42,7 +42,8 @@ def colliding_pairs(
     sets = ConvexSets.of(placed, frame)
     pairs = np.array([(i, j) for i, j in combinations(range(len(frame)), 2) if abs(frame[i] - frame[j]) > 1])
     states = np.random.default_rng(0).uniform(chain.lower, chain.upper, (SAMPLES, chain.size))
-    states[0] = home
+    if home is not None:
+        states[0] = home
     frames = Frames.of(chain.poses(states))
     centres = frames.points(sets.frame, sets.centre).transpose(2, 1, 0)
     found: list[tuple[int, int]] = []
@@ -55,6 +56,7 @@ def colliding_pairs(
         need = np.full(len(near), NEAR, dtype=np.float32)
         gap = gaps(sets, frames, Candidates(near, *many, apart[near], need), iterations=12)
         meets = near[gap <= NEAR]
-        if 0 < len(meets) < ALWAYS * SAMPLES and 0 not in meets:
+        built_so = home is not None and bool((gap[near == 0] <= 0.0).any())
+        if 0 < len(meets) < ALWAYS * SAMPLES and not built_so:
             found.append((with_hull[i], with_hull[j]))
     return tuple(found)

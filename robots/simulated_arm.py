@@ -6,11 +6,11 @@ from dataclasses import dataclass, field
 from typing import Any, Protocol
 
 import numpy as np
-import pybullet
 
 from topple.robots.arm import Arm
 from topple.robots.compliance import Compliance
 from topple.robots.control import Control
+from topple.robots.engine import pybullet
 from topple.robots.gripper import ToolState
 from topple.robots.poses import inverse, pose_from, position_and_quaternion
 from topple.robots.vacuum import Vacuum
@@ -88,7 +88,7 @@ class SimulatedArm:
         self.q_target = np.array(arm.home if q is None else q, dtype=float)
         self.jaw, self.cup = arm.jaw, arm.cup
         self._opening = self.jaw.max_opening if self.jaw else 0.0
-        self._extension = 0.0
+        self._extension = self.cup.stowed if self.cup else 0.0
         self._grip_force = self.jaw.force if self.jaw else 0.0
         self._reset()
         self._couple_fingers()
@@ -370,10 +370,12 @@ class SimulatedArm:
             physicsClientId=client,
         )  # fmt: skip
         if self.jaw:
+            share = 2.0 * self._grip_force / len(self.jaw.joints)  # all joints together press both pads
             for name, value in self.jaw.values(self._opening).items():
                 pybullet.setJointMotorControl2(
                     self.id, self._index[name], pybullet.POSITION_CONTROL, targetPosition=value,
-                    force=self._grip_force, maxVelocity=self.jaw.speed / 2, physicsClientId=client,
+                    force=share * self.jaw.lever(name),
+                    maxVelocity=self.jaw.speed / 2 / self.jaw.lever(name), physicsClientId=client,
                 )  # fmt: skip
         if self.cup:
             push = self.control.seating if self.vacuum is None else math.inf

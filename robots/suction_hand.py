@@ -1,4 +1,4 @@
-"""A Panda hand with a retractable suction cup on its tool axis, composed from pybullet_data's URDF."""
+"""A suction cup on a sliding rod, composed to a hand or a flange."""
 
 import math
 from dataclasses import dataclass
@@ -12,7 +12,7 @@ CUP_JOINT = "suction_cup_joint"
 
 @dataclass(frozen=True)
 class CupDesign:
-    """Dimensions of the cup, z along the hand's tool axis from the hand's origin.
+    """Dimensions of the cup, z along the tool axis from the origin of the frame it is mounted in.
 
     Attributes:
         retracted_lip: Where the lip stands when drawn in, in [m]: level with the root of the fingers, inside
@@ -67,10 +67,18 @@ def panda_with_cup(data: Path, design: CupDesign) -> Path:
         data: The folder of pybullet_data.
         design: Dimensions of the cup.
     """
-    return composed(data / "franka_panda" / "panda.urdf", "panda-suction", _cup_xml(design))
+    return composed(data / "franka_panda" / "panda.urdf", "panda-suction", cup_xml(design, "panda_hand"))
 
 
-def _cup_xml(design: CupDesign) -> str:
+def cup_xml(design: CupDesign, link: str, origin: str = "") -> str:
+    """The cup's link and joint, in URDF.
+
+    Args:
+        design: Dimensions of the cup.
+        link: Link it is mounted on.
+        origin: Attributes of the joint's `<origin>`; the retracted lip on the link's z axis where not given.
+    """
+    origin = origin or f"xyz='0 0 {design.retracted_lip}'"
     # the link's origin is the lip's centre, z out of the hand
     cup, rod = -design.height / 2, -design.height - design.rod_length / 2
     mass = design.cup_mass + design.rod_mass
@@ -84,8 +92,8 @@ def _cup_xml(design: CupDesign) -> str:
         f"<inertial><origin xyz='0 0 {centre}'/><mass value='{mass}'/>"
         f"<inertia ixx='{across}' ixy='0' ixz='0' iyy='{across}' iyz='0' izz='{along}'/>"
         f"</inertial>{shapes}</link>"
-        f"<joint name='{CUP_JOINT}' type='prismatic'><parent link='panda_hand'/><child link='{CUP_LINK}'/>"
-        f"<origin xyz='0 0 {design.retracted_lip}'/><axis xyz='0 0 1'/>"
+        f"<joint name='{CUP_JOINT}' type='prismatic'><parent link='{link}'/><child link='{CUP_LINK}'/>"
+        f"<origin {origin}/><axis xyz='0 0 1'/>"
         f"<limit effort='{design.push}' lower='0' upper='{design.stroke}' velocity='0.3'/></joint>"
     )
 

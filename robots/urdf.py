@@ -5,11 +5,13 @@ planner that promises collision-free motion has to refuse such a file, and say w
 """
 
 import math
+import re
 import xml.etree.ElementTree as ElementTree
 from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
+from xml.parsers import expat
 
 import numpy as np
 
@@ -17,6 +19,8 @@ from topple.topology.arrays import FloatArray, frozen
 from topple.topology.errors import InvalidInput
 
 DRIVABLE = ("revolute", "continuous", "prismatic")
+UNBOUND_PREFIX = expat.errors.codes[expat.errors.XML_ERROR_UNBOUND_PREFIX]
+FULL_TURN = 2 * math.pi  # a continuous joint may turn so far either way: cables and hoses allow no more
 CYLINDER_SIDES = 24  # a prism of 24 sides around the cylinder is 0.9 % wider, which is on the safe side
 
 
@@ -64,10 +68,17 @@ class Joint:
 
 @dataclass(frozen=True, eq=False)
 class Link:
-    """One link: its name and the vertices of all its collision geometry, (V, 3) in the link frame in [m]."""
+    """One link.
+
+    Attributes:
+        name: Name in the file.
+        vertices: (V, 3) vertices of all its collision geometry in the link frame in [m].
+        parts: The same for each collision element, (V, 3) each.
+    """
 
     name: str
     vertices: FloatArray
+    parts: tuple[FloatArray, ...] = ()
 
 
 @dataclass(frozen=True, eq=False)
@@ -133,8 +144,23 @@ def read_urdf(path: str | Path) -> Model:
             joint has no axis, or collision meshes are missing or unreadable. Every missing mesh is named.
     """
     path = Path(path).expanduser().resolve()
+    return model_of(urdf_root(path), path)
+
+
+def urdf_root(path: Path) -> ElementTree.Element:
+    """Parse a URDF file.
+
+    Args:
+        path: The file.
+
+    Returns:
+        Its `<robot>` element.
+
+    Raises:
+        InvalidInput: If the file cannot be read, or is not a URDF.
+    """
     try:
-        robot = ElementTree.parse(path).getroot()
+        robot = _parsed(path.read_bytes())
     except OSError as error:
         raise InvalidInput(
             f"{path}: cannot be read ({error.strerror}); give the path of a URDF file"
@@ -143,6 +169,36 @@ def read_urdf(path: str | Path) -> Model:
         raise InvalidInput(f"{path}: not XML ({error}); give the path of a URDF file") from error
     if robot.tag != "robot":
         raise InvalidInput(f"{path}: the root element is <{robot.tag}>, a URDF has <robot>")
+    if any("}" in element.tag and "xacro" in element.tag for element in robot.iter()):
+        raise InvalidInput(f"{path}: this is xacro: make a URDF of it (xacro {path.name} > robot.urdf)")
+    return robot
+
+
+def _parsed(data: bytes) -> ElementTree.Element:
+    """The root element; prefixes such as `drake:` are often used without being declared."""
+    try:
+        return ElementTree.fromstring(data)
+    except ElementTree.ParseError as error:
+        if error.code != UNBOUND_PREFIX:
+            raise
+    used = {prefix.decode() for prefix in re.findall(rb"[<\s/]([A-Za-z_][\w.-]*):[A-Za-z_]", data)}
+    declared = "".join(f' xmlns:{name}="urn:{name}"' for name in sorted(used) if name != "xmlns")
+    return ElementTree.fromstring(re.sub(rb"<robot\b", b"<robot" + declared.encode(), data, count=1))
+
+
+def model_of(robot: ElementTree.Element, path: Path) -> Model:
+    """Read a `<robot>` element with the meshes it names.
+
+    Args:
+        robot: The element.
+        path: The file it is from: mesh names are relative to it, and messages name it.
+
+    Returns:
+        The tree, as `read_urdf` gives it.
+
+    Raises:
+        InvalidInput: As for `read_urdf`.
+    """
     joints = _read_joints(robot, path)
     missing: list[str] = []
     links = {str(e.get("name")): _read_link(e, path, missing) for e in robot.findall("link")}
@@ -206,8 +262,8 @@ def _read_joint(element: ElementTree.Element, path: Path) -> Joint:
         raise InvalidInput(f"{where} moves but its axis is zero")
     turns = kind == "continuous"
     bounds = {} if limit is None else dict(limit.attrib)
-    lower = -math.pi if turns else _number(bounds.get("lower"), 0.0, where)
-    upper = math.pi if turns else _number(bounds.get("upper"), 0.0, where)
+    lower = -FULL_TURN if turns else _number(bounds.get("lower"), 0.0, where)
+    upper = FULL_TURN if turns else _number(bounds.get("upper"), 0.0, where)
     return Joint(
         name,
         kind,
@@ -234,13 +290,13 @@ def _read_mimic(element: ElementTree.Element, where: str) -> Mimic | None:
 
 def _read_link(element: ElementTree.Element, path: Path, missing: list[str]) -> Link:
     name = str(element.get("name"))
-    parts: list[FloatArray] = [np.empty((0, 3))]
+    parts: list[FloatArray] = []
     for collision in element.findall("collision"):
         where = f"{path.name}: link {name!r}"
         vertices = _geometry_vertices(collision.find("geometry"), path, where, missing)
         pose = _origin(collision, where)
         parts.append(vertices @ pose[:3, :3].T + pose[:3, 3])
-    return Link(name, frozen(np.concatenate(parts)))
+    return Link(name, frozen(np.concatenate([np.empty((0, 3)), *parts])), tuple(map(frozen, parts)))
 
 
 def _geometry_vertices(
@@ -273,7 +329,7 @@ def _mesh_vertices(shape: ElementTree.Element, path: Path, where: str, missing: 
 
     name = str(shape.get("filename"))
     scale = _numbers(shape.get("scale"), 3, (1.0, 1.0, 1.0), f"{where} scale")
-    file = _find_mesh(name, path)
+    file = find_mesh(name, path)
     if file is None:
         missing.append(name)
         return np.empty((0, 3))
@@ -289,7 +345,16 @@ def _mesh_vertices(shape: ElementTree.Element, path: Path, where: str, missing: 
     return vertices * scale
 
 
-def _find_mesh(name: str, path: Path) -> Path | None:
+def find_mesh(name: str, path: Path) -> Path | None:
+    """Find the file of a mesh.
+
+    Args:
+        name: As the URDF has it: a path, `file://` or `package://`.
+        path: The URDF.
+
+    Returns:
+        The file, or None where there is none.
+    """
     relative = name.removeprefix("file://")
     candidates = [Path(relative)] if relative.startswith("/") else []
     if name.startswith("package://"):

@@ -4,8 +4,8 @@ from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
-import pybullet
 
+from topple.robots.engine import pybullet
 from topple.robots.gripper import SuctionCup
 from topple.robots.poses import inverse, pose_from, position_and_quaternion
 from topple.robots.world import World

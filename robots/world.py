@@ -1,15 +1,16 @@
 """The PyBullet world: a table, bodies made of convex parts, and what touches what."""
 
 import tempfile
+from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from types import TracebackType
 from typing import Any
 
 import numpy as np
-import pybullet
 
 from topple.robots.bodies import Body
+from topple.robots.engine import pybullet
 from topple.robots.poses import inverse, pose_from, position_and_quaternion
 from topple.robots.rounding import Core, cores
 from topple.robots.tolerances import TOLERANCES
@@ -183,6 +184,7 @@ class World:
         size: tuple[float, float] = (1.2, 1.2),
         centre: tuple[float, float] = (0.0, 0.0),
         friction: float = TABLE_FRICTION,
+        more: Sequence[FloatArray] = (),
     ) -> None:
         """Put a fixed table top into the world, and a floor far below that stops what falls off it.
 
@@ -192,11 +194,12 @@ class World:
             size: Along x and y in [m].
             centre: (x, y) in [m].
             friction: Coulomb coefficient.
+            more: (V, 3) corners of further convex parts of it in the world [m]: a shelf's boards and walls.
         """
         corner = np.array([[x, y, z] for x in (-0.5, 0.5) for y in (-0.5, 0.5) for z in (-1.0, 0.0)])
         top = Body.of(
-            name, [corner * [size[0], size[1], THICKNESS]], friction=friction, rolling=0.0,
-            color=(0.72, 0.62, 0.5, 1.0), kind="table",
+            name, [corner * [size[0], size[1], THICKNESS], *(part - [*centre, height] for part in more)],
+            friction=friction, rolling=0.0, color=(0.72, 0.62, 0.5, 1.0), kind="table",
         )  # fmt: skip
         pose = np.eye(4)
         pose[:3, 3] = [*centre, height]

@@ -63,13 +63,17 @@ def test_a_tracked_spoon_goes_into_the_bowl_and_out_again(tmp_path: Path) -> Non
     assert any(line.startswith("bowl partial contain spoon: frames ") for line in lines)
 
 
-def test_in_a_foreign_world_the_counterweight_is_found(tmp_path: Path) -> None:
+def test_in_a_foreign_world_the_counterweight_is_found_and_a_stack_taken_apart(tmp_path: Path) -> None:
     lines = _output(tmp_path, "own_world.py")
     assert "never moves: table" in lines
     taken = [line.split(":")[0] for line in lines if line[0].isdigit()]
     assert taken[-1] == "3. block"
-    assert "plank before weight (counterweight)" in lines[-1]
+    assert any(
+        line.startswith("reasons: ") and "plank before weight (counterweight)" in line for line in lines
+    )
     assert any("weight and plank hold each other" in line for line in lines)
+    assert [line.split(":")[0] for line in lines[-3:]] == ["remove high", "free low", "free low"]
+    assert lines[-1] == "free low: reached"
 
 
 def test_dishes_are_played_with_one_call(tmp_path: Path) -> None:

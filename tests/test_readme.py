@@ -1,8 +1,6 @@
-"""Every command and every Python block of the README runs, in the README's order, in one folder.
+"""Every command and every Python block of the README and the pages runs, in their order, in one folder.
 
-Not run here: `make`, pip and the virtual environment, since the tests already run inside what those set up
-and .ci/run starts with them; pytest, which is this; and the whole `topple demo`, which .ci/run plays from the
-wheel.
+Not run here: `make`, since the tests already run inside what it sets up and .ci/run starts with it.
 """
 
 import os
@@ -16,9 +14,17 @@ import pytest
 from topple.planner.cli.main import COMMANDS
 
 ROOT = Path(__file__).resolve().parents[1]
-README = (ROOT / "README.md").read_text(encoding="utf-8")
-BLOCKS = re.findall(r"^```(\w+)\n(.*?)^```$", README, re.MULTILINE | re.DOTALL)
-ELSEWHERE = ("make ", "python3.11 -m venv ", ".venv/bin/")
+PAGES = (ROOT / "README.md", *sorted((ROOT / "docs").glob("*.md")))
+README = PAGES[0].read_text(encoding="utf-8")
+COMMANDS_PAGE = (ROOT / "docs" / "commands.md").read_text(encoding="utf-8")
+BLOCKS = [
+    block
+    for page in PAGES
+    for block in re.findall(
+        r"^```(\w+)\n(.*?)^```$", page.read_text(encoding="utf-8"), re.MULTILINE | re.DOTALL
+    )
+]
+MOST_WORDS = 800  # one screen
 
 
 def _steps() -> list[tuple[str, str]]:
@@ -26,7 +32,7 @@ def _steps() -> list[tuple[str, str]]:
     steps: list[tuple[str, str]] = []
     for language, text in BLOCKS:
         if language == "sh":
-            steps += [("sh", line) for line in text.splitlines() if line and not line.startswith(ELSEWHERE)]
+            steps += [("sh", line) for line in text.splitlines() if line and not line.startswith("make ")]
         elif language == "python":
             steps.append((language, text))
     return steps
@@ -70,16 +76,27 @@ def test_the_plate_comes_after_all_that_is_on_it(outputs: dict[str, str]) -> Non
 
 
 def test_the_python_block_relates_orders_and_plans(outputs: dict[str, str]) -> None:
-    (printed,) = (output.splitlines() for step, output in outputs.items() if step.startswith("from topple"))
-    assert printed[0] == "partial within"
-    assert "plate" in printed[5]
-    assert "('free', 'can', " in printed[-1]
+    printed = next(
+        output.splitlines() for step, output in outputs.items() if step.startswith("import topple")
+    )
+    assert printed[0] == "fork - partial within - plate"
+    assert printed[-1].startswith("[('free', 'can', ") and printed[-1].endswith(" True")
+
+
+def test_the_readme_is_one_screen() -> None:
+    assert len(README.split()) < MOST_WORDS
 
 
 def test_the_table_of_commands_names_all_there_are() -> None:
-    assert set(re.findall(r"^\| `topple (\w+) ", README, re.MULTILINE)) == set(COMMANDS)
+    assert set(re.findall(r"^\| `topple (\w+) ", COMMANDS_PAGE, re.MULTILINE)) == set(COMMANDS)
 
 
-def test_links_to_files_lead_somewhere() -> None:
-    for target in re.findall(r"\]\(([^)#:]+)\)", README):
-        assert (ROOT / target).exists(), target
+def test_links_lead_to_files_and_headings() -> None:
+    for page in PAGES:
+        for target, heading in re.findall(r"\]\(([^)#:]*)(?:#([^)]+))?\)", page.read_text(encoding="utf-8")):
+            file = (page.parent / target) if target else page
+            assert file.exists(), f"{page.name}: {target}"
+            titles = (
+                re.findall(r"^#+ (.+)$", file.read_text(encoding="utf-8"), re.MULTILINE) if heading else []
+            )
+            assert not heading or heading in [title.lower().replace(" ", "-") for title in titles], heading

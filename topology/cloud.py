@@ -17,6 +17,8 @@ PROBES = 300
 """Points per cloud at which spacing and noise are measured."""
 STRAY = 2.5
 """Usual distances that make a neighbour too far: sides seen at 80 degrees are 2.4 times as sparse."""
+MOST_STRAYS = 0.1
+"""Share of a cloud that strays are at most: cameras leave up to 3 % of them."""
 
 
 def deduplicated(points: FloatArray) -> FloatArray:
@@ -99,10 +101,12 @@ def clean(points: FloatArray) -> FloatArray:
 
     Returns:
         (M, 3) points, M <= N: those whose fifth neighbour is not much farther than is usual in the cloud.
-        Small clouds come back as they are.
+        Small clouds come back as they are, and those of which much would go: points that lie dense in
+        some places and thin in others are no strays.
     """
     if len(points) < 30:
         return points
     distance = KDTree(points).query(points, k=6)[0][:, -1]
     usual = max(float(np.median(distance)), 2 * TOLERANCES.least_deviation)
-    return points[distance <= STRAY * usual]
+    near = distance <= STRAY * usual
+    return points[near] if np.count_nonzero(~near) <= MOST_STRAYS * len(points) else points

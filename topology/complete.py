@@ -71,7 +71,8 @@ def complete(upright: Upright, sight: Sight | None) -> Mapping[str, FloatArray]:
     """
     done: dict[str, FloatArray] = {}
     for name, points in upright.clouds.items():
-        done[name] = points if name in upright.fixed else complete_body(points, sight, upright.floor)
+        fixed = name in upright.fixed
+        done[name] = points if fixed else complete_body(points, sight, upright.floor_under(points))
     return done
 
 

@@ -1,13 +1,14 @@
 """Where objects touch: contact patches with normals, between clouds and with flat fixed surfaces."""
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from scipy.spatial import KDTree
 
 from topple.topology.arrays import BoolArray, FloatArray, IntArray, bounds, frozen
 from topple.topology.broadphase import near_pairs
+from topple.topology.matter import FRICTION, friction_between
 from topple.topology.upright import SPACING, Upright, thin
 
 
@@ -40,6 +41,15 @@ TOLERANCES = ContactTolerances()
 SOLE = 0.03
 """Height [m] above the table up to which an underside is looked at."""
 
+MARGIN = 0.05
+"""A table goes on this far [m] beyond what was seen of it: one camera sees it cut off by objects."""
+
+EDGE = 0.02
+"""The same for a top whose edges were seen: the spacing of its points."""
+
+BELOW = 0.01
+"""Noise [m] by which the middle of something thin may lie below the top it stands on."""
+
 
 @dataclass(frozen=True, eq=False)
 class Contact:
@@ -54,6 +64,7 @@ class Contact:
         turns: (k,) angle between the two surfaces there [rad], 0 at an edge or a corner: how far one
             body must roll on the other until this is where they touch.
         inferred: True where no camera saw the contact and gravity says there must be one.
+        friction: Coefficient of dry friction.
     """
 
     a: str
@@ -63,30 +74,38 @@ class Contact:
     gaps: FloatArray
     turns: FloatArray
     inferred: bool = False
+    friction: float = FRICTION
 
     def only(self, keep: BoolArray) -> "Contact | None":
         """The part of the patch chosen by a (k,) mask, or None where nothing is chosen."""
         if not keep.any():
             return None
-        return Contact(
-            self.a,
-            self.b,
-            self.points[keep],
-            self.normals[keep],
-            self.gaps[keep],
-            self.turns[keep],
-            self.inferred,
+        return replace(
+            self,
+            points=self.points[keep],
+            normals=self.normals[keep],
+            gaps=self.gaps[keep],
+            turns=self.turns[keep],
         )
 
 
 @dataclass(frozen=True, eq=False)
 class Plane:
-    """A flat fixed surface: `normal @ x + offset` is the height above it [m], `normal` points up."""
+    """A flat fixed surface: `normal @ x + offset` is the height above it [m], `normal` points up.
+
+    Attributes:
+        normal: (3,) unit normal.
+        offset: See above [m].
+        lower: (3,) lowest corner of the box around what was seen of it [m].
+        upper: (3,) highest corner [m].
+        ends: Whether it ends there, as the boards of a shelf do; a table seen from above may just be cut off.
+    """
 
     normal: FloatArray
     offset: float
     lower: FloatArray
     upper: FloatArray
+    ends: bool = False
 
     @staticmethod
     def of(points: FloatArray) -> "Plane | None":
@@ -113,6 +132,30 @@ class Plane:
         """(N,) heights of (N, 3) points above the plane [m]."""
         return points @ self.normal + self.offset
 
+    def over(self, points: FloatArray) -> BoolArray:
+        """Which of (N, 3) points [m] are over it, or over where it goes on behind the objects."""
+        margin = EDGE if self.ends else MARGIN
+        low, high = self.lower[:2] - margin, self.upper[:2] + margin
+        return np.asarray(((points[:, :2] > low) & (points[:, :2] < high)).all(axis=1))
+
+
+def planes_and_rest(upright: Upright, name: str) -> tuple[tuple[Plane, ...], FloatArray]:
+    """Take a fixed body apart into the planes of its tops and what else can be touched of it.
+
+    Args:
+        upright: The upright scene.
+        name: The body.
+
+    Returns:
+        One plane a top, the highest first, and (M, 3) points on none of them [m].
+    """
+    tops, rest, cloud = upright.tops[name], upright.rest[name], upright.clouds[name]
+    if len(rest) == 0 or not tops:  # one surface, or what so few points show as one
+        plane = Plane.of(cloud)
+        return ((), cloud) if plane is None else ((plane,), np.empty((0, 3)))
+    planes = (Plane.of(top) for top in tops)
+    return tuple(replace(plane, ends=True) for plane in planes if plane is not None), rest
+
 
 def _fit(kept: FloatArray, points: FloatArray) -> tuple[FloatArray, FloatArray, float]:
     """Centre and normal of the plane through `kept`, and the robust spread [m] of `points` about it."""
@@ -136,43 +179,65 @@ def find_contacts(
         Contacts with at least one movable side, in the order of the objects' names in the scene.
     """
     surfaces = dict(upright.clouds if clouds is None else clouds)
-    planes = {name: Plane.of(surfaces[name]) for name in surfaces if name in upright.fixed}
+    grounds = {name: planes_and_rest(upright, name) for name in surfaces if name in upright.fixed}
+    planes = {name: planes for name, (planes, _) in grounds.items()}
+    sides = {**surfaces, **{name: rest for name, (_, rest) in grounds.items()}}
     trees: dict[str, KDTree] = {}
     found: list[Contact] = []
     for a, b in _meeting(surfaces, planes):
         if a in upright.fixed and b in upright.fixed:
             continue
-        if a in upright.fixed or b in upright.fixed:
-            ground, other = (a, b) if a in upright.fixed else (b, a)
-            plane = planes[ground]
-            if plane is not None:
-                contact = _on_plane(ground, plane, other, surfaces[other], reach)
-                if contact is not None:
-                    found.append(contact)
-                continue
-        contact = _between(a, b, surfaces, trees, reach)
-        if contact is not None:
-            found.append(contact)
-    return tuple(found)
+        ground, other = (a, b) if a in upright.fixed else (b, a)
+        touching = [
+            _on_plane(ground, plane, other, surfaces[other], reach) for plane in planes.get(ground, ())
+        ]
+        if len(sides[ground]):
+            touching.append(_between(a, b, sides, trees, reach))
+        found += _joined([contact for contact in touching if contact is not None])
+    return tuple(rubbing(contact, upright.friction) for contact in found)
 
 
-def _meeting(surfaces: Mapping[str, FloatArray], planes: Mapping[str, Plane | None]) -> list[tuple[str, str]]:
+def rubbing(contact: Contact, friction: Mapping[str, float]) -> Contact:
+    """The contact with the friction of its two surfaces, as far as that is known.
+
+    Args:
+        contact: The contact.
+        friction: Coefficient of the surface of each object that has been tried.
+    """
+    return replace(contact, friction=friction_between(friction, contact.a, contact.b))
+
+
+def _joined(patches: Sequence[Contact]) -> list[Contact]:
+    """The patches of one pair as one contact, where there are any."""
+    if len(patches) < 2:
+        return list(patches)
+    first = patches[0]
+    turned = [-patch.normals if patch.a != first.a else patch.normals for patch in patches]
+    points, gaps, turns = (
+        np.concatenate([getattr(patch, name) for patch in patches]) for name in ("points", "gaps", "turns")
+    )
+    return [Contact(first.a, first.b, points, np.concatenate(turned), gaps, turns)]
+
+
+def _meeting(
+    surfaces: Mapping[str, FloatArray], planes: Mapping[str, Sequence[Plane]]
+) -> list[tuple[str, str]]:
     """Pairs whose boxes are near each other, and every pair with a plane: it goes on behind the objects."""
     names = list(surfaces)
     lower, upper = np.array([bounds(points) for points in surfaces.values()]).reshape(-1, 2, 3).swapaxes(0, 1)
     pairs = {(i, j) for i, j in near_pairs(lower, upper, TOLERANCES.search).tolist()}
-    for number in (i for i, name in enumerate(names) if planes.get(name) is not None):
+    for number in (i for i, name in enumerate(names) if planes.get(name)):
         pairs |= {(min(i, number), max(i, number)) for i in range(len(names)) if i != number}
     return [(names[i], names[j]) for i, j in sorted(pairs)]
 
 
 def _on_plane(ground: str, plane: Plane, name: str, points: FloatArray, reach: float) -> Contact | None:
     """Contact of an object with a table top."""
-    margin = 0.05  # a table seen from one side is cut off, and goes on behind the objects
-    over = ((points[:, :2] > plane.lower[:2] - margin) & (points[:, :2] < plane.upper[:2] + margin)).all(
-        axis=1
-    )
-    heights = plane.heights(points)
+    over, heights = plane.over(points), plane.heights(points)
+    if plane.ends:
+        if float(heights.mean()) < -BELOW:
+            return None
+        over &= heights > -SOLE  # what is beside a board and reaches below it does not stand on it
     near = over & (heights < reach)
     if not near.any():
         return None

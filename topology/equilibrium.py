@@ -9,9 +9,7 @@ from scipy.sparse import coo_array, csr_array
 
 from topple.topology.arrays import FloatArray
 from topple.topology.contact import Contact
-
-FRICTION = 0.5
-"""Coefficient of dry friction: wood, card, glazed ware and tin lie between 0.3 and 0.7."""
+from topple.topology.matter import DENSITY
 
 CONE_EDGES = 6
 """Edges of the pyramid inside the friction cone: six lose at most 13 % of the friction."""
@@ -22,14 +20,19 @@ class Weight:
     """What gravity pulls on.
 
     Attributes:
-        mass: In any unit, since only ratios matter.
+        litres: Volume [l] of matter of the usual `DENSITY` that is as heavy: only ratios matter here.
         centre: (3,) centre of mass [m], upright frame.
         size: Length [m] that turns a torque into a force one can compare with the weight.
     """
 
-    mass: float
+    litres: float
     centre: FloatArray
     size: float
+
+    @property
+    def mass(self) -> float:
+        """In [kg]."""
+        return self.litres * DENSITY / 1e3
 
 
 @dataclass(frozen=True, eq=False)
@@ -39,7 +42,7 @@ class Balance:
     Attributes:
         deficit: name -> force and torque that nobody supplies, as a fraction of the weight; 0 for
             what stays in equilibrium.
-        loads: Per contact (k,) normal forces, in units of mass times 1 m/s² over g.
+        loads: Per contact (k,) normal forces, as the litres that weigh as much.
     """
 
     deficit: Mapping[str, float]
@@ -49,7 +52,6 @@ class Balance:
 def balance(
     weights: Mapping[str, Weight],
     contacts: Sequence[Contact],
-    friction: float = FRICTION,
     costs: Sequence[FloatArray] | None = None,
 ) -> Balance:
     """Find contact forces that hold every object still, leaving as little unexplained as possible.
@@ -60,7 +62,6 @@ def balance(
     Args:
         weights: The objects that can move.
         contacts: Patches between them and with anything fixed; a name without a weight is fixed.
-        friction: Coefficient of friction of every contact.
         costs: Per contact (k,) price of a unit of normal force at each point, in deficits per
             weight; nothing costs anything where it is not given.
 
@@ -70,7 +71,7 @@ def balance(
     names = list(weights)
     if not names:
         return Balance({}, tuple(np.zeros(len(c.gaps)) for c in contacts))
-    matrix, demand, count = equations(weights, contacts, friction)
+    matrix, demand, count = equations(weights, contacts)
     owner = np.repeat(np.arange(len(contacts)), [CONE_EDGES * len(c.gaps) for c in contacts])
     price = np.concatenate([_prices(contacts, costs, owner, weights), np.ones(12 * len(names))])
     solution = linprog(
@@ -86,21 +87,20 @@ def balance(
 
 
 def equations(
-    weights: Mapping[str, Weight], contacts: Sequence[Contact], friction: float
+    weights: Mapping[str, Weight], contacts: Sequence[Contact]
 ) -> tuple[csr_array, FloatArray, int]:
     """The equations of equilibrium, with slack forces and torques that nobody supplies.
 
     Args:
         weights: The objects that can move, six equations each, divided by the weight.
         contacts: Patches between them and with anything fixed; a name without a weight is fixed.
-        friction: Coefficient of friction of every contact.
 
     Returns:
         The matrix, what it has to give, and the number of its first columns that are forces along the
         edges of friction pyramids; two slacks per equation, up and down, follow.
     """
     height = 6 * len(weights)
-    rows, cols, values, count = _force_columns(weights, contacts, friction)
+    rows, cols, values, count = _force_columns(weights, contacts)
     slack_rows = np.repeat(np.arange(height), 2)
     slack_cols = count + np.arange(2 * height)
     slack_values = np.tile([1.0, -1.0], height)
@@ -128,24 +128,25 @@ def _prices(
     parts: list[FloatArray] = []
     for contact, cost in zip(contacts, costs, strict=True):
         carried = weights.get(contact.b) or weights[contact.a]
-        parts.append(np.repeat(np.asarray(cost, dtype=np.float64) / carried.mass, CONE_EDGES))
+        parts.append(np.repeat(np.asarray(cost, dtype=np.float64) / carried.litres, CONE_EDGES))
     return np.concatenate(parts)
 
 
 def _force_columns(
-    weights: Mapping[str, Weight], contacts: Sequence[Contact], friction: float
+    weights: Mapping[str, Weight], contacts: Sequence[Contact]
 ) -> tuple[np.ndarray, np.ndarray, np.ndarray, int]:
     """Sparse columns: the wrench each friction-pyramid edge puts on the two objects it acts between."""
     if not contacts:
         empty = np.zeros(0, dtype=np.int64)
         return empty, empty, np.zeros(0), 0
+    friction = np.repeat([c.friction for c in contacts], [len(c.gaps) for c in contacts])
     forces = cone_edges(np.concatenate([c.normals for c in contacts]), friction).reshape(-1, 3)
     points = np.repeat(np.concatenate([c.points for c in contacts]), CONE_EDGES, axis=0)
     each = [CONE_EDGES * len(c.gaps) for c in contacts]
     place = {name: i for i, name in enumerate(weights)}
     centres = np.array([weight.centre for weight in weights.values()])
     sizes = np.array([weight.size for weight in weights.values()])
-    masses = np.array([weight.mass for weight in weights.values()])
+    litres = np.array([weight.litres for weight in weights.values()])
     rows: list[np.ndarray] = []
     cols: list[np.ndarray] = []
     values: list[np.ndarray] = []
@@ -155,19 +156,19 @@ def _force_columns(
         body = pushed[columns]
         arms, force = points[columns] - centres[body], forces[columns]
         torque = np.cross(arms, force) / sizes[body, None]
-        wrench = sign * np.concatenate([force, torque], axis=1) / masses[body, None]
+        wrench = sign * np.concatenate([force, torque], axis=1) / litres[body, None]
         rows.append((6 * body[:, None] + np.arange(6)).ravel())
         cols.append(np.repeat(columns, 6))
         values.append(wrench.ravel())
     return np.concatenate(rows), np.concatenate(cols), np.concatenate(values), len(points)
 
 
-def cone_edges(normals: FloatArray, friction: float) -> FloatArray:
+def cone_edges(normals: FloatArray, friction: FloatArray) -> FloatArray:
     """Edges of the friction pyramids.
 
     Args:
         normals: (k, 3) unit normals into the pushed object.
-        friction: Coefficient of friction.
+        friction: (k,) coefficients of friction.
 
     Returns:
         (k, E, 3) forces with unit normal part.
@@ -178,4 +179,4 @@ def cone_edges(normals: FloatArray, friction: float) -> FloatArray:
     second = np.cross(normals, first)
     angles = 2 * np.pi * np.arange(CONE_EDGES) / CONE_EDGES
     sideways = first[:, None] * np.cos(angles)[:, None] + second[:, None] * np.sin(angles)[:, None]
-    return normals[:, None] + friction * sideways
+    return normals[:, None] + friction[:, None, None] * sideways

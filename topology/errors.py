@@ -2,6 +2,9 @@
 
 from collections.abc import Iterable
 
+DISTRIBUTION = "topple-planner"
+"""The name topple is installed by; `topple` alone is another project's on PyPI."""
+
 
 class ToppleError(Exception):
     """Base of every error raised on purpose; its text is one line fit to be printed as it is."""
@@ -9,6 +12,23 @@ class ToppleError(Exception):
 
 class InvalidInput(ToppleError):
     """Wrong use or unreadable input: says what is wrong, where, what was expected and what to do."""
+
+
+class NotInstalled(InvalidInput):
+    """A part of topple needs a package that is not installed.
+
+    Attributes:
+        what: What needs it, as "films need PyAV".
+        extra: The extra of `topple-planner` that brings it.
+    """
+
+    def __init__(self, what: str, extra: str) -> None:
+        self.what, self.extra = what, extra
+        super().__init__(f"{what}: pip install '{DISTRIBUTION}[{extra}]' (in a checkout '.[{extra}]')")
+
+    def __reduce__(self) -> tuple[object, ...]:
+        """Pickle by its parts, so that it can come back from another process."""
+        return (NotInstalled, (self.what, self.extra))
 
 
 class UnknownObject(InvalidInput):

@@ -19,7 +19,7 @@ from scipy.spatial import ConvexHull, QhullError
 
 from topple.topology.arrays import FloatArray
 from topple.topology.contact import Contact
-from topple.topology.equilibrium import CONE_EDGES, FRICTION, Weight, equations
+from topple.topology.equilibrium import CONE_EDGES, Weight, equations
 
 FARTHEST = 0.02
 """Displacement [m] at which a body is followed no further: twice what counts as a move."""
@@ -116,7 +116,6 @@ def islands(names: Collection[str], contacts: Sequence[Contact]) -> list[frozens
 def falls(
     weights: Mapping[str, Weight],
     contacts: Sequence[Contact],
-    friction: float = FRICTION,
     beside: Collection[str] | None = None,
     without: Collection[str] = (),
 ) -> dict[str, Fall]:
@@ -125,7 +124,6 @@ def falls(
     Args:
         weights: The objects that can move.
         contacts: Patches between them and with anything fixed, from `catching`.
-        friction: Coefficient of friction.
         beside: Only what hangs together with one of these is asked about; everything where not given.
         without: Names that are gone.
 
@@ -138,22 +136,22 @@ def falls(
     for island in islands(left, near):
         if beside is None or not island.isdisjoint(beside):
             part = {name: weight for name, weight in left.items() if name in island}
-            found |= _sunk(part, [c for c in near if c.a in island or c.b in island], friction)
+            found |= _sunk(part, [c for c in near if c.a in island or c.b in island])
     return {name: found[name] for name in left if name in found}
 
 
-def _sunk(left: Mapping[str, Weight], near: Sequence[Contact], friction: float) -> dict[str, Fall]:
+def _sunk(left: Mapping[str, Weight], near: Sequence[Contact]) -> dict[str, Fall]:
     """How far the bodies of an island sink."""
-    matrix, demand, count = equations(left, near, friction)
-    mass = np.array([weight.mass for weight in left.values()])
-    share = mass / mass.mean()
+    matrix, demand, count = equations(left, near)
+    litres = np.array([weight.litres for weight in left.values()])
+    share = litres / litres.mean()
     size = np.array([weight.size for weight in left.values()])
     # What a missing force costs bounds the displacement it would do work on, and so for torques and turns.
     bound = np.empty((len(left), 6, 2))
     bound[:, :3] = (FARTHEST * share)[:, None, None]
     bound[:, 3:] = (TURNED * share * size)[:, None, None]
     gaps = np.concatenate([np.repeat(c.gaps, CONE_EDGES) for c in near]) if near else np.zeros(count)
-    price = np.concatenate([np.maximum(gaps - SEATED, 0.0) / mass.mean(), bound.ravel()])
+    price = np.concatenate([np.maximum(gaps - SEATED, 0.0) / litres.mean(), bound.ravel()])
     free = kron(eye_array(len(demand)), np.array([[1.0, -1.0]]))
     price = np.concatenate([price, np.zeros(bound.size)])
     most = np.concatenate([np.full(count + bound.size, np.inf), np.full(bound.size, FREE)])

@@ -1,11 +1,12 @@
 """Contacts no camera saw, which there must be: what is at rest is carried by something."""
 
 from collections.abc import Mapping, Sequence
+from dataclasses import replace
 
 import numpy as np
 
 from topple.topology.arrays import FloatArray
-from topple.topology.contact import TOLERANCES, Contact, Plane
+from topple.topology.contact import TOLERANCES, Contact, Plane, planes_and_rest, rubbing
 from topple.topology.equilibrium import Weight, balance
 from topple.topology.sight import Sight
 from topple.topology.upright import Upright
@@ -53,37 +54,34 @@ def hidden_contacts(
     tops = _Tops(upright, surfaces)
     candidates: list[Contact] = []
     for name in wanting:
-        candidates += _below(name, surfaces[name], tops, sight)
+        below = _below(name, surfaces[name], tops, sight)
+        candidates += [rubbing(contact, upright.friction) for contact in below]
     if not candidates:
         return ()
     costs = [np.zeros(len(c.gaps)) for c in contacts] + [np.maximum(c.gaps, 0) * PRICE for c in candidates]
     loads = balance(weights, [*contacts, *candidates], costs=costs).loads[len(contacts) :]
     found: list[Contact] = []
     for candidate, load in zip(candidates, loads, strict=True):
-        loaded = load > CARRIED * weights[candidate.b].mass
+        loaded = load > CARRIED * weights[candidate.b].litres
         if loaded.any():
             level = float(candidate.gaps[loaded].max())
             part = candidate.only(candidate.gaps <= level + LEVEL)
             if part is not None:
                 gaps = np.maximum(part.gaps - level, 0.0)
-                found.append(
-                    Contact(part.a, part.b, part.points, part.normals, gaps, part.turns, inferred=True)
-                )
+                found.append(replace(part, gaps=gaps))
     return tuple(found)
 
 
 class _Tops:
-    """What stands highest over each plan cell: planes everywhere, other surfaces where they have points."""
+    """What stands highest over each plan cell: tables everywhere, other surfaces where they have points."""
 
     def __init__(self, upright: Upright, surfaces: Mapping[str, FloatArray]) -> None:
         self._planes: list[tuple[int, str, Plane]] = []
         self._cells: dict[tuple[int, int], list[tuple[int, str, float]]] = {}
         for order, (name, points) in enumerate(surfaces.items()):
-            plane = Plane.of(upright.clouds[name]) if name in upright.fixed else None
-            if plane is not None:
-                self._planes.append((order, name, plane))
-                continue
-            for cell, height in _plan(points, np.maximum).items():
+            planes, sides = planes_and_rest(upright, name) if name in upright.fixed else ((), points)
+            self._planes += [(order, name, plane) for plane in planes]
+            for cell, height in _plan(sides, np.maximum).items():
                 self._cells.setdefault(cell, []).append((order, name, height))
 
     def below(self, name: str, cell: tuple[int, int], spot: FloatArray) -> tuple[float, str] | None:
@@ -91,6 +89,7 @@ class _Tops:
         options = self._cells.get(cell, []) + [
             (order, other, float(-(plane.offset + spot[:2] @ plane.normal[:2]) / plane.normal[2]))
             for order, other, plane in self._planes
+            if not plane.ends or plane.over(spot[None])[0]
         ]
         fitting = [
             (top, -order, other)

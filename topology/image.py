@@ -96,6 +96,14 @@ class DepthImage:
         pieces = np.split(points, starts[1:]) if len(present) else []
         return {self.name_of(int(number)): piece for number, piece in zip(present, pieces, strict=True)}
 
+    def background(self) -> FloatArray:
+        """Lift the pixels without a label that have depth.
+
+        Returns:
+            Points (N, 3) in world coordinates in [m].
+        """
+        return self._lifted(*np.nonzero((self.label == 0) & (self.depth > 0)))
+
     def in_view(self, places: FloatArray) -> BoolArray:
         """Which places (N, 3) in world coordinates [m] lie within the picture's edges, hidden or not."""
         return self._pixels_of(places)[3]

@@ -7,19 +7,30 @@ import numpy as np
 from topple.topology.arrays import FloatArray
 
 _DRAWS = 200  # a plane holding 40 % of the points is missed by all draws with probability 1e-6
+_LEVEL_DRAWS = 4000  # draws of which the level ones vote: one in thirty is on one of a shelf's boards
+_LEVEL = (
+    0.97  # cosine of the largest angle of a level plane with the horizontal one: up is known to 14 degrees
+)
 _SAMPLE = 4000  # points that vote; more change the answer by less than the noise
 _INLIER = 0.006  # [m] three sigmas of a Kinect at 1 m
 _FLAT_SHARE = 0.4  # a table seen past its clutter is above 0.9, a bowl or a shelf of boards below 0.4
-_TABLE_NAMES = ("table", "ground", "floor", "shelf")
+
+TABLE = "table"
+"""Name of a table that was not given as an object."""
+
+_TABLE_NAMES = (TABLE, "ground", "floor", "shelf")
 
 
-def fit_plane(points: FloatArray, *, inlier: float = _INLIER, seed: int = 0) -> tuple[FloatArray, float]:
+def fit_plane(
+    points: FloatArray, *, inlier: float = _INLIER, seed: int = 0, up: FloatArray | None = None
+) -> tuple[FloatArray, float]:
     """Find the plane that holds most points, whatever the others do (RANSAC, then least squares).
 
     Args:
         points: Cloud (N, 3) in [m].
         inlier: Largest distance of a point of the plane in [m].
         seed: Seed of the draws.
+        up: Unit vector (3,): only level planes are drawn; None draws any.
 
     Returns:
         The plane (4,) as (n, d) with a unit normal of either sign, and the share of points within
@@ -30,11 +41,14 @@ def fit_plane(points: FloatArray, *, inlier: float = _INLIER, seed: int = 0) -> 
     none = np.array([0.0, 0.0, 1.0, 0.0])
     if len(some) < 3:
         return none, 0.0
-    first, second, third = some[rng.integers(len(some), size=(3, _DRAWS))]
+    first, second, third = some[rng.integers(len(some), size=(3, _DRAWS if up is None else _LEVEL_DRAWS))]
     normals = np.cross(second - first, third - first)
     lengths = np.linalg.norm(normals, axis=1)
     usable = lengths > 1e-12
-    if not usable.any():
+    if up is not None:
+        usable &= np.abs(normals @ up) > _LEVEL * lengths
+    usable = np.flatnonzero(usable)[:_DRAWS]
+    if len(usable) == 0:
         return none, 0.0
     normals = normals[usable] / lengths[usable, None]
     offsets = -(normals * first[usable]).sum(axis=1)

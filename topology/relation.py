@@ -5,7 +5,7 @@ the other's hull: R(A, B) = [[A∩B°, A∩∂B, A∩B⁻], [A°∩B, ∂A∩B, 
 of empty and non-empty cells that two non-empty clouds can make matches exactly one row of Table 1.
 """
 
-from enum import StrEnum
+from enum import Enum
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -13,7 +13,7 @@ from numpy.typing import ArrayLike
 from topple.topology.arrays import IntArray
 
 
-class Relation(StrEnum):
+class Relation(str, Enum):
     """How a cloud A lies to a cloud B (Definitions 4-10 of section 3.1)."""
 
     CROSS = "cross"
@@ -30,6 +30,8 @@ class Relation(StrEnum):
     """Neither has points in the other's interior, each has points on the other's boundary."""
     DISJOINT = "disjoint"
     """None of the others."""
+
+    __str__ = str.__str__  # printed and formatted as the word, on every Python
 
     @property
     def converse(self) -> "Relation":

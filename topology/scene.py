@@ -3,16 +3,22 @@
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from types import MappingProxyType
+from typing import Literal, TypeVar
 
 import numpy as np
 from numpy.typing import ArrayLike
 
+from topple.topology.amounts import as_friction, as_masses
 from topple.topology.arrays import FloatArray, IntArray, frozen_int
+from topple.topology.background import find_table, note_of
 from topple.topology.checks import as_direction, as_name, as_points, as_pose, as_viewpoints, numeric
 from topple.topology.errors import InvalidInput, UnknownObject
 from topple.topology.image import DepthImage
-from topple.topology.plane import up_from_fixed
+from topple.topology.plane import TABLE, table_by_name, up_from_fixed
 
+_Value = TypeVar("_Value")
+
+_LARGEST_HELD = 2.0  # [m] no arm takes a longer thing; what is fixed may be as large as a hall
 _FEWEST_SEEN = 4  # points: fewer pixels than this span no solid, and are as likely a mask's edge as an object
 
 
@@ -60,6 +66,9 @@ class Scene:
         meshes: Triangle meshes in world coordinates of the objects that have one.
         robot_base: Pose (4, 4) of the robot's base in the world, or None.
         assumptions: Plain sentences on what was assumed and not given.
+        masses: Masses in [kg] of the objects that were weighed; any others are guessed from their volume.
+        friction: Coulomb coefficients of the surfaces of the objects that were tried: two that touch have
+            the product (`topple.topology.matter`).
     """
 
     clouds: Mapping[str, FloatArray]
@@ -70,6 +79,8 @@ class Scene:
     meshes: Mapping[str, Mesh]
     robot_base: FloatArray | None
     assumptions: tuple[str, ...]
+    masses: Mapping[str, float]
+    friction: Mapping[str, float]
 
     def __init__(
         self,
@@ -81,6 +92,8 @@ class Scene:
         meshes: Mapping[str, Mesh] | None = None,
         robot_base: ArrayLike | None = None,
         assumptions: Iterable[str] = (),
+        masses: Mapping[str, float] | None = None,
+        friction: Mapping[str, float] | None = None,
     ) -> None:
         """Check everything and keep read-only copies.
 
@@ -93,10 +106,12 @@ class Scene:
             meshes: Meshes in world coordinates, for objects that have a cloud.
             robot_base: Rigid pose (4, 4) base to world.
             assumptions: Sentences on what was assumed.
+            masses: Masses in [kg], above 0, of objects that have a cloud; of all, of some or of none.
+            friction: Coulomb coefficients, 0 to 10, of the surfaces of objects that have a cloud.
 
         Raises:
             InvalidInput: If anything is not what it should be; names the object.
-            UnknownObject: If `fixed` or `meshes` name an object without a cloud.
+            UnknownObject: If `fixed`, `meshes`, `masses` or `friction` name an object without a cloud.
         """
         if not clouds:
             raise InvalidInput("the scene has no objects: expected at least one named cloud (N, 3) in metres")
@@ -108,6 +123,8 @@ class Scene:
         for name in meshes or {}:
             if name not in checked:
                 raise UnknownObject(name, checked, role="object with a mesh")
+        if not images:  # whose depths are held against what a camera reaches
+            _check_unit({name: points for name, points in checked.items() if name not in fixed})
         notes = [assumptions] if isinstance(assumptions, str) else list(assumptions)
         if up is not None:
             given = numeric(up, "up")
@@ -123,12 +140,14 @@ class Scene:
         put(self, "meshes", MappingProxyType(dict(meshes or {})))
         put(self, "robot_base", None if robot_base is None else as_pose(robot_base, "robot_base"))
         put(self, "assumptions", tuple(dict.fromkeys(notes)))
+        put(self, "masses", as_masses(masses, checked))
+        put(self, "friction", as_friction(friction, checked))
 
     def __reduce__(self) -> tuple[object, ...]:
         """Pickle by parts, so that a scene can go to another process."""
         clouds, fixed = dict(self.clouds), self._fixed_in_order()
         parts = (clouds, fixed, self.up, self.viewpoints, self.images, dict(self.meshes), self.robot_base)
-        return (Scene, (*parts, self.assumptions))
+        return (Scene, (*parts, self.assumptions, dict(self.masses), dict(self.friction)))
 
     def __repr__(self) -> str:
         """Say what is in the scene, not the points."""
@@ -137,7 +156,11 @@ class Scene:
 
     @classmethod
     def from_images(
-        cls, images: Sequence[DepthImage], fixed: Iterable[str] = (), up: ArrayLike | None = None
+        cls,
+        images: Sequence[DepthImage],
+        fixed: Iterable[str] = (),
+        up: ArrayLike | None = None,
+        table: Literal["auto"] | None = None,
     ) -> "Scene":
         """Merge what one or several depth cameras see into one scene.
 
@@ -145,10 +168,12 @@ class Scene:
             images: Depth images of the same moment; labels of one name are one object.
             fixed: Names of the objects that never move.
             up: Direction (3,) against gravity; None takes it from the plane of a fixed object.
+            table: "auto" finds the table where nothing is fixed: an object named so, else the plane under
+                the objects among the pixels without a label, which becomes the fixed object "table".
 
         Returns:
             The scene in world coordinates. An object of which hardly a point was seen is left out,
-            which its assumptions say.
+            which its assumptions say, and so is where the table is from.
 
         Raises:
             InvalidInput: If no image shows an object, or an image is not what it should be.
@@ -165,7 +190,11 @@ class Scene:
             if len(points) < _FEWEST_SEEN
         ]
         clouds = {name: points for name, points in clouds.items() if len(points) >= _FEWEST_SEEN}
-        viewpoints = [image.viewpoint for image in images]
+        viewpoints = np.array([image.viewpoint for image in images]).reshape(-1, 3)
+        fixed = [fixed] if isinstance(fixed, str) else list(fixed)
+        if table == "auto" and not fixed and clouds:
+            background = np.concatenate([image.background() for image in images])
+            fixed = table_among(clouds, background, viewpoints, notes)
         scene = cls(clouds, fixed, up, viewpoints, images, assumptions=notes)
         return scene if up is not None else scene.upright()
 
@@ -194,11 +223,25 @@ class Scene:
         up, note = found
         return self._changed(up=as_direction(up, "up"), assumptions=(*self.assumptions, note))
 
+    def with_up(self, up: ArrayLike) -> "Scene":
+        """Give the scene another upward direction.
+
+        Args:
+            up: Direction (3,) against gravity, of any length.
+
+        Returns:
+            A new scene; all else is shared.
+
+        Raises:
+            InvalidInput: If it is not a direction.
+        """
+        return self._changed(up=as_direction(up, "up"))
+
     def with_cloud(self, name: str, points: ArrayLike) -> "Scene":
         """Give an object a new cloud, or add one.
 
         Args:
-            name: The object; one already there keeps its place, and loses its mesh.
+            name: The object; one already there keeps its place, mass and friction, and loses its mesh.
             points: Its points (N, 3) in [m].
 
         Returns:
@@ -208,8 +251,7 @@ class Scene:
             InvalidInput: If the cloud is not what it should be.
         """
         clouds = {**self.clouds, as_name(name): as_points(points, f"cloud {name!r}")}
-        meshes = {other: mesh for other, mesh in self.meshes.items() if other != name}
-        return self._changed(clouds=MappingProxyType(clouds), meshes=MappingProxyType(meshes))
+        return self._changed(clouds=MappingProxyType(clouds), meshes=_except(name, self.meshes))
 
     def without(self, name: str) -> "Scene":
         """Take an object out of the scene.
@@ -229,9 +271,33 @@ class Scene:
         clouds = {other: points for other, points in self.clouds.items() if other != name}
         if not clouds:
             raise InvalidInput(f"without {name!r} the scene has no objects: expected at least one")
-        meshes = {other: mesh for other, mesh in self.meshes.items() if other != name}
         return self._changed(
-            clouds=MappingProxyType(clouds), fixed=self.fixed - {name}, meshes=MappingProxyType(meshes)
+            clouds=MappingProxyType(clouds),
+            fixed=self.fixed - {name},
+            meshes=_except(name, self.meshes),
+            masses=_except(name, self.masses),
+            friction=_except(name, self.friction),
+        )
+
+    def weighed(
+        self, masses: Mapping[str, float] | None = None, friction: Mapping[str, float] | None = None
+    ) -> "Scene":
+        """Say how heavy and how rough objects are.
+
+        Args:
+            masses: Masses in [kg], above 0, by name; they replace what was known of these objects.
+            friction: Coulomb coefficients, 0 to 10, of their surfaces, by name.
+
+        Returns:
+            A new scene; what is known of the other objects stays.
+
+        Raises:
+            InvalidInput: If a value is not what it should be; names the object.
+            UnknownObject: If there is no such object.
+        """
+        return self._changed(
+            masses=MappingProxyType({**self.masses, **as_masses(masses, self.clouds)}),
+            friction=MappingProxyType({**self.friction, **as_friction(friction, self.clouds)}),
         )
 
     def _changed(self, **checked: object) -> "Scene":
@@ -242,3 +308,53 @@ class Scene:
 
     def _fixed_in_order(self) -> list[str]:
         return [name for name in self.clouds if name in self.fixed]
+
+
+def _except(name: str, values: Mapping[str, _Value]) -> Mapping[str, _Value]:
+    """What is known of all objects but one, read-only."""
+    return MappingProxyType({other: value for other, value in values.items() if other != name})
+
+
+def _check_unit(movable: Mapping[str, FloatArray]) -> None:
+    """Refuse a scene whose objects are too large for metres: three quarters of them, as a floor may be one.
+
+    Raises:
+        InvalidInput: Most objects are longer than anything an arm takes.
+    """
+    if not movable:
+        return
+    ends = {name: np.quantile(points, (0.05, 0.95), axis=0) for name, points in movable.items()}  # no strays
+    extents = {name: float((high - low).max()) for name, (low, high) in ends.items()}
+    name = sorted(extents, key=extents.__getitem__)[(len(extents) - 1) // 4]
+    if extents[name] > _LARGEST_HELD:
+        raise InvalidInput(
+            f"most objects are longer than {_LARGEST_HELD:g} m, {name!r} {extents[name]:.4g} m: centimetres? "
+            "topple takes metres, so scale the scene (centimetres: points / 100); what never moves may be "
+            "larger: name it with --fixed"
+        )
+
+
+def table_among(
+    clouds: dict[str, FloatArray], background: FloatArray, viewpoints: FloatArray, notes: list[str]
+) -> list[str]:
+    """Find the table of a scene in which nothing is fixed, by its name or in what belongs to no object.
+
+    Args:
+        clouds: Points (N, 3) in [m] per object, at least one; a table that is found is added.
+        background: Points (N, 3) in [m] that belong to no object.
+        viewpoints: Camera centres (k, 3) in [m].
+        notes: Where the sentence that says so is added.
+
+    Returns:
+        The names of what is fixed by this: one or none.
+    """
+    named = table_by_name(clouds)
+    if named is not None:
+        notes.append(f"{named!r} is taken as fixed because of its name")
+        return [named]
+    found = find_table(background, clouds, viewpoints)
+    if found is None:
+        return []
+    clouds[TABLE] = found
+    notes.append(note_of(found))
+    return [TABLE]

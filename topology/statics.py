@@ -16,6 +16,7 @@ from topple.topology.contact import TOLERANCES, Contact, find_contacts
 from topple.topology.equilibrium import Weight, balance
 from topple.topology.falling import REACH, Fall, catching, falls, islands
 from topple.topology.hidden import hidden_contacts
+from topple.topology.matter import DENSITY
 from topple.topology.sight import Sight
 from topple.topology.upright import SPACING, Upright
 
@@ -82,7 +83,7 @@ class Statics:
         upright: The scene in a frame whose z axis is up.
         surfaces: name -> (N, 3) upright points [m] of the whole body, hidden parts completed.
         contacts: Patches between the bodies.
-        weights: The movable objects' weights; only their ratios matter.
+        weights: The movable objects' weights: as given, else guessed from their volume.
         unexplained: name -> missing share of the weight while everything is in place: what the
             clouds leave open.
         sight: What the cameras saw to be empty, or None where nobody knows.
@@ -116,7 +117,7 @@ class Statics:
         upright = bodies.upright if among is None else bodies.upright.among(among)
         sight, surfaces = bodies.sight, bodies.among(upright.clouds)
         contacts = find_contacts(upright, surfaces)
-        weights = {name: weigh(surfaces[name]) for name in upright.movable}
+        weights = {name: weigh(surfaces[name], scene.masses.get(name)) for name in upright.movable}
         unexplained = balance(weights, within_reach(contacts, weights)).deficit
         wanting = [name for name, missing in unexplained.items() if missing > UNSTEADY]
         if wanting:
@@ -152,12 +153,11 @@ class Statics:
         far = {name: fall.beyond(self._settled[name]) for name, fall in found.items()}
         return {name: share for name, share in far.items() if share > 1.0}
 
-    def unsteady_without(self, away: Collection[str], friction: float | None = None) -> dict[str, float]:
+    def unsteady_without(self, away: Collection[str]) -> dict[str, float]:
         """Who does not stay where it is once some objects are gone.
 
         Args:
             away: Names taken out of the scene.
-            friction: Coefficient of friction, the usual one where not given.
 
         Returns:
             name -> share of its weight that nothing carries any more, only for those for whom it
@@ -169,7 +169,7 @@ class Statics:
         moving = set[str]().union(*(island for island in joined if not island.isdisjoint(met)))
         left = {name: weight for name, weight in self.weights.items() if name in moving}
         usable = within_reach([c for c in contacts if c.a in moving or c.b in moving], left)
-        found = balance(left, usable) if friction is None else balance(left, usable, friction)
+        found = balance(left, usable)
         limit = UNSTEADY if self.sight is None else GUESSED
         return {
             name: missing
@@ -178,23 +178,32 @@ class Statics:
         }
 
 
-def weigh(points: FloatArray) -> Weight:
+def weigh(points: FloatArray, mass: float | None = None) -> Weight:
     """Guess weight and centre of mass of a body from its surface.
 
     Args:
         points: (N, 3) evenly spread surface points [m].
+        mass: In [kg] where it is known; its density is taken as even.
 
     Returns:
-        A weight in litres of material: the hull's volume for solid things, the surface times a wall
-        for hollow ones, whichever is less.
+        The weight. A mass not given is `DENSITY` times a volume: the hull's for solid things, the surface
+        times a wall for hollow ones, whichever is less.
     """
-    lower, upper = bounds(points)
-    try:
-        volume = float(ConvexHull(points).volume)
-    except (QhullError, ValueError):
-        volume = float(np.prod(np.maximum(upper - lower, SPACING)))
+    centre = points.mean(axis=0)
+    if mass is not None:
+        return Weight(1e3 * mass / DENSITY, centre, LEVER)
+    volume = hull_volume(points)
     shell = len(points) * SPACING**2 * WALL
-    return Weight(1e3 * max(min(volume, shell), 1e-7), points.mean(axis=0), LEVER)
+    return Weight(1e3 * max(min(volume, shell), 1e-7), centre, LEVER)
+
+
+def hull_volume(points: FloatArray) -> float:
+    """Volume [m³] of the convex hull of points (N, 3); of flat ones that of their box, a voxel thick."""
+    try:
+        return float(ConvexHull(points).volume)
+    except (QhullError, ValueError):
+        lower, upper = bounds(points)
+        return float(np.prod(np.maximum(upper - lower, SPACING)))
 
 
 def within_reach(contacts: Collection[Contact], movable: Collection[str]) -> list[Contact]:

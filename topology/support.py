@@ -1,4 +1,4 @@
-"""Who carries whom: contacts read with gravity."""
+"""What carries what: contacts read with gravity."""
 
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
@@ -22,8 +22,8 @@ class Support:
     """One object carries another.
 
     Attributes:
-        supporter: Who carries.
-        supported: Who is carried.
+        supporter: What carries.
+        supported: What is carried.
         kind: "rests", "leans" or "contained".
         confidence: 0..1.
         inferred: True where no camera saw the contact.
@@ -49,7 +49,7 @@ class Support:
 def supports(
     scene: "Scene", relations: "Relations | None" = None, statics: Statics | None = None
 ) -> tuple[Support, ...]:
-    """Find who carries whom.
+    """Find what carries what.
 
     Args:
         scene: A scene that knows where up is.
@@ -57,20 +57,22 @@ def supports(
         statics: The scene at rest where it has been worked out before.
 
     Returns:
-        Supports, ordered by supported object; one that leans has two supporters or more.
+        Supports, ordered by supported object, one for each pair: of a contact seen and one inferred, the more
+        certain. What leans has two supporters or more.
 
     Raises:
         InvalidInput: The scene has no `up`.
     """
     statics = Statics.of(scene) if statics is None else statics
-    found: list[Support] = []
+    best: dict[tuple[str, str], Support] = {}
     order = {name: i for i, name in enumerate(statics.upright.clouds)}
     for contact in within_reach(statics.contacts, statics.weights):
         support = _read(contact, statics)
         if support is not None:
-            found.append(support)
-    found.sort(key=lambda s: (order[s.supported], order[s.supporter]))
-    return tuple(found)
+            known = best.setdefault((support.supporter, support.supported), support)
+            if support.confidence > known.confidence:
+                best[support.supporter, support.supported] = support
+    return tuple(sorted(best.values(), key=lambda s: (order[s.supported], order[s.supporter])))
 
 
 def _read(contact: Contact, statics: Statics) -> Support | None:

@@ -1,7 +1,7 @@
 """The scene as gravity sees it: turned so that up is +z, cut to the objects, thinned to one spacing."""
 
 from collections.abc import Collection, Mapping
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from types import MappingProxyType
 from typing import TYPE_CHECKING
 
@@ -9,6 +9,7 @@ import numpy as np
 
 from topple.topology.arrays import FloatArray, bounds, frozen
 from topple.topology.errors import InvalidInput
+from topple.topology.tops import SUNK, Tops, tops_of
 
 if TYPE_CHECKING:
     from topple.topology.scene import Scene
@@ -30,7 +31,10 @@ class Upright:
         clouds: name -> (N, 3) points [m], one per voxel of `SPACING`, the mean of what lay in it.
         fixed: Names that never move.
         viewpoints: (k, 3) camera centres, or None where the clouds are not said to be partial.
-        floor: Height [m] of the surface everything stands on.
+        floor: Height [m] of the surface everything stands on: of several tops the lowest one in use.
+        tops: Fixed name -> (N, 3) points of each of its tops [m], thinned as the cloud is.
+        rest: Fixed name -> (M, 3) points of it that lie on no top [m].
+        friction: name -> coefficient of its surface, where it has been tried.
     """
 
     rotation: FloatArray
@@ -38,6 +42,9 @@ class Upright:
     fixed: frozenset[str]
     viewpoints: FloatArray | None
     floor: float
+    tops: Mapping[str, tuple[FloatArray, ...]]
+    rest: Mapping[str, FloatArray]
+    friction: Mapping[str, float] = field(default_factory=lambda: MappingProxyType({}))
 
     @property
     def movable(self) -> tuple[str, ...]:
@@ -48,6 +55,17 @@ class Upright:
         """The fixed objects, and of the movable ones only those named."""
         kept = {name: cloud for name, cloud in self.clouds.items() if name in self.fixed or name in names}
         return replace(self, clouds=MappingProxyType(kept))
+
+    def floor_under(self, points: FloatArray) -> float:
+        """Height [m] of the highest top below the middle of an object, (N, 3) points; else the floor."""
+        (lower, upper), middle = bounds(points), float(points[:, 2].mean())
+        found: list[float] = []
+        for surface in (surface for tops in self.tops.values() for surface in tops):
+            least, most = bounds(surface)
+            height = float(np.median(surface[:, 2]))
+            if height < middle and (lower < most)[:2].all() and (upper > least)[:2].all():
+                found.append(height)
+        return max(found, default=self.floor)
 
     @staticmethod
     def of(scene: "Scene") -> "Upright":
@@ -63,25 +81,34 @@ class Upright:
             InvalidInput: The scene has no `up`.
         """
         if scene.up is None:
+            cure = "give it with --up 0 0 1 (or the array 'up' in the file)"
+            if scene.images:  # there 0 0 1 would be the camera's viewing axis
+                cure = "name the table by its label, --fixed LABEL: its plane then tells"
             raise InvalidInput(
-                "the scene does not say where up is, so nothing can be said about gravity: "
-                "give it with --up 0 0 1 (or the array 'up' in the file)"
+                f"the scene does not say where up is, so nothing can be said about gravity: {cure}"
             )
         rotation = upright_axes(scene.up)
         turned = {name: np.asarray(cloud) @ rotation.T for name, cloud in scene.clouds.items()}
         movable = [name for name in turned if name not in scene.fixed]
         clouds = {name: thin(turned[name], SPACING) for name in movable}
         near = _box(list(clouds.values()))
+        tops: dict[str, tuple[FloatArray, ...]] = {}
+        rest: dict[str, FloatArray] = {}
         for name in turned:
             if name in scene.fixed:
                 clouds[name] = thin(_within(turned[name], *near), 2 * SPACING)
+                tops[name], rest[name] = _taken_apart(turned[name], clouds[name], *near)
+        lowest = min((float(clouds[name][:, 2].min()) for name in movable), default=np.inf)
         views = None if len(scene.viewpoints) == 0 else scene.viewpoints @ rotation.T
         return Upright(
             rotation=frozen(rotation),
             clouds=MappingProxyType({name: frozen(clouds[name]) for name in scene.clouds}),
             fixed=frozenset(scene.fixed),
             viewpoints=None if views is None else frozen(views),
-            floor=_floor(clouds, frozenset(scene.fixed)),
+            floor=_floor(clouds, tops, lowest),
+            tops=MappingProxyType(tops),
+            rest=MappingProxyType(rest),
+            friction=scene.friction,
         )
 
 
@@ -140,9 +167,32 @@ def _within(points: FloatArray, lower: FloatArray, upper: FloatArray) -> FloatAr
     return points[inside] if inside.any() else points
 
 
-def _floor(clouds: Mapping[str, FloatArray], fixed: frozenset[str]) -> float:
-    """Median height of the largest fixed cloud, else the lowest point of all."""
-    grounds = [clouds[name] for name in clouds if name in fixed]
-    if grounds:
-        return float(np.median(max(grounds, key=len)[:, 2]))
-    return float(min((c[:, 2].min() for c in clouds.values()), default=0.0))
+def _taken_apart(
+    points: FloatArray, near: FloatArray, lower: FloatArray, upper: FloatArray
+) -> tuple[tuple[FloatArray, ...], FloatArray]:
+    """The tops of a fixed cloud and its other points, both cut to a box and thinned as `near` is."""
+    found = tops_of(points, np.array([0.0, 0.0, 1.0]))
+    if found.flat:
+        return (near,), np.empty((0, 3))
+    pieces = [piece[((piece >= lower) & (piece <= upper)).all(axis=1)] for piece in _pieces(found)]
+    *tops, rest = (thin(piece, 2 * SPACING) for piece in pieces)
+    kept = tuple(frozen(top) for top in tops if len(top))
+    return kept, frozen(rest) if kept else near
+
+
+def _pieces(found: Tops) -> list[FloatArray]:
+    return [*(top.points for top in found.tops), found.rest]
+
+
+def _floor(
+    clouds: Mapping[str, FloatArray], tops: Mapping[str, tuple[FloatArray, ...]], lowest: float
+) -> float:
+    """Height of the largest fixed cloud's highest top that no object reaches below.
+
+    The median of a fixed cloud without tops; the lowest point of all where nothing is fixed.
+    """
+    if not tops:
+        return float(min((c[:, 2].min() for c in clouds.values()), default=0.0))
+    name = max(tops, key=lambda name: len(clouds[name]))
+    heights = [float(np.median(surface[:, 2])) for surface in tops[name] or (clouds[name],)]
+    return max((height for height in heights if height < lowest + SUNK), default=min(heights))

@@ -10,12 +10,12 @@ from pathlib import Path
 from typing import Any
 
 from topple.planner.bench.row import Progress
-from topple.topology.errors import InvalidInput
+from topple.topology.errors import DISTRIBUTION, InvalidInput
 
-BENCHES = ("relate", "order", "motion", "paper", "run")
+BENCHES = ("relate", "order", "motion", "paper", "run", "demo")
 """Names; each is a module of this package with a function `rows(quick, seed, progress)`."""
 
-_LIBRARIES = ("topple", "numpy", "scipy", "pybullet", "python-fcl", "ompl")
+_LIBRARIES = (DISTRIBUTION, "numpy", "scipy", "pybullet", "python-fcl", "ompl")
 
 
 def bench(

@@ -64,6 +64,8 @@ class Ending:
         robot_seconds: Simulated time the arm moved [s].
         memory: What the process holds afterwards [bytes].
         process: Which process played it: those of one number came one after the other.
+        used: Largest share of a limit that something which was not handled came to: of what it may move, turn
+            or be pressed with; above 1 it was disturbed.
         sagged: How far the body that moved most got while a rebuilt world came to rest [m]; None where the
             world is not rebuilt.
     """
@@ -80,6 +82,7 @@ class Ending:
     robot_seconds: float = 0.0
     memory: int = 0
     process: int = 0
+    used: float = 0.0
     sagged: float | None = None
 
     @property
@@ -193,6 +196,7 @@ def _ended(
         robot_seconds=sum(step.robot_seconds or 0.0 for step in record.steps),
         memory=_memory(),
         process=os.getpid(),
+        used=max((_used(step) for step in record.steps), default=0.0),
         sagged=sagged,
     )
 
@@ -221,6 +225,14 @@ def _violated(step: StepRecord) -> int:
     }
     hit = {name for name, force in step.forces.items() if force > LIMITS.hit}
     return len(moved | hit)
+
+
+def _used(step: StepRecord) -> float:
+    """The largest share of a limit that an action came to at what it was not about."""
+    moved = [d / LIMITS.distance for d, _ in step.disturbed.values()]
+    turned = [a / LIMITS.angle for _, a in step.disturbed.values()]
+    pressed = [force / LIMITS.hit for force in step.forces.values()]
+    return max([0.0, *moved, *turned, *pressed])
 
 
 def ignore_interrupts() -> None:

@@ -5,8 +5,8 @@ at a time, OMPL's RRTConnect and simplification on top of that, and, where insta
 `topple.planner.bench.peers`), pybullet-planning and mplib with their own collision checks. All look at an
 edge every 0.05 rad or, mplib, wider. Times are CPU times of planning and shortening, loading of arm and scene
 left out on every side; each of our plans has a checker of its own. Measured too: paths that touch something
-when looked at every 0.002 rad, and how many reachable top-down poses the inverse kinematics solves. Whole
-plans follow: see `topple.planner.bench.plans`.
+when looked at every 0.002 rad, and how many reachable top-down poses the inverse kinematics solves. Grasps
+ranked and whole plans follow: see `topple.planner.bench.grasps` and `plans`.
 """
 
 import time
@@ -16,7 +16,7 @@ from typing import Any
 
 import numpy as np
 
-from topple.planner.bench import plans
+from topple.planner.bench import grasps, plans
 from topple.planner.bench.motion_problems import Problem, checker_of, clutter, pick, top_down, transfer
 from topple.planner.bench.one_by_one import OneByOne, ompl_one_by_one
 from topple.planner.bench.peers import PEERS, Answer, answers, python_of
@@ -60,7 +60,8 @@ def rows(quick: bool, seed: int, progress: Progress) -> list[dict[str, Any]]:
         found += planning(kind, problems, seed, progress)
     progress("inverse kinematics")
     found.append(_reaching(arm, 50 if quick else 300, seed))
-    return [*(row.to_json() for row in found), *plans.rows(quick, seed, progress)]
+    ranked = grasps.rows(quick, seed, progress)
+    return [*(row.to_json() for row in found), *ranked, *plans.rows(quick, seed, progress)]
 
 
 def _timed(call: Callable[[], Any]) -> tuple[Any, float]:

@@ -114,10 +114,33 @@ def rows(
         frames = frames_in(data)
         kept = frames[:1] if quick else frames
         series = (*series, Series("real frames", len(kept), bar=70, folder=data, frames=kept))
+    wanted = list(in_turn([one.episodes(seed) for one in series]))
+    known = collected(wanted, progress, journal, minutes)
+    found = {one: [known[e] for e in one.episodes(seed) if e in known] for one in series}
+    missing = sum(episode not in known for episode in wanted)
+    rows = [Row("episodes left to play", missing, f"of {len(wanted)}"), *figures(found)]
+    asked = set(wanted)
+    rows += endurance([ending for episode, ending in known.items() if episode in asked])
+    return [row.to_json() for row in rows]
+
+
+def collected(
+    wanted: Sequence[Episode], progress: Progress, journal: Path, minutes: float | None = None
+) -> Mapping[Episode, Ending]:
+    """Play what is not in a journal yet, and keep it there.
+
+    Args:
+        wanted: What is to be played, in this order.
+        progress: Called as episodes end.
+        journal: Where endings are kept, line by line.
+        minutes: After this time no further episode is begun.
+
+    Returns:
+        Everything that the journal has of today's code, wanted or not, in the order in which it was played.
+    """
     book = Journal(journal)
     if book.stale:
         progress(f"{book.stale} results of other code are left out")
-    wanted = list(_in_turn([one.episodes(seed) for one in series]))
     known = {ending.episode: ending for ending in map(Ending.from_json, book.entries)}
     left = [episode for episode in wanted if episode not in known]
     until = None if minutes is None else time.monotonic() + 60 * minutes
@@ -125,16 +148,12 @@ def rows(
         known[ending.episode] = ending
         book.add(ending.to_json())
         progress(f"{sum(e in known for e in wanted)} of {len(wanted)} episodes: {ending}")
-    found = {one: [known[e] for e in one.episodes(seed) if e in known] for one in series}
     if missing := sum(episode not in known for episode in wanted):
         progress(f"{missing} of {len(wanted)} episodes are left: the same command goes on with them")
-    rows = [Row("episodes left to play", missing, f"of {len(wanted)}"), *figures(found)]
-    asked = set(wanted)
-    rows += endurance([ending for episode, ending in known.items() if episode in asked])
-    return [row.to_json() for row in rows]
+    return known
 
 
-def _in_turn(lists: Sequence[Sequence[Episode]]) -> Iterator[Episode]:
+def in_turn(lists: Sequence[Sequence[Episode]]) -> Iterator[Episode]:
     """One of each list, then the next of each: what was played so far is of all kinds."""
     for number in range(max(map(len, lists))):
         yield from (one[number] for one in lists if number < len(one))

@@ -6,7 +6,7 @@ from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
-from topple.planner.cli.console import complain, import_quietly, print_json, print_table, print_text
+from topple.planner.cli.console import complain, print_json, print_table, print_text
 from topple.planner.cli.main import DONE
 from topple.planner.cli.options import add_common, positive
 from topple.planner.cli.progress import Progress
@@ -27,7 +27,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         parser: The sub-command's parser.
     """
     parser.add_argument(
-        "name", nargs="?", metavar="NAME", help="relate, order, motion, paper or run (all, one by one)"
+        "name", nargs="?", metavar="NAME", help="relate, order, motion, paper, run or demo (all, one by one)"
     )
     parser.add_argument("--quick", action="store_true", help="smaller and fewer cases: below two minutes")
     parser.add_argument("--data", metavar="DIR", help="relate, order, run: the labelled frames of a folder")
@@ -36,9 +36,14 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--models", metavar="DIR", help="paper: YCB models, as 011_banana (procedural)")
     parser.add_argument("--scenes", metavar="DIR", help="paper: write its scenes there, for other commands")
     parser.add_argument(
-        "--journal", metavar="FILE", help="run: keep what ended there, and go on (topple-bench-run.jsonl)"
+        "--journal",
+        metavar="FILE",
+        help="run, demo: keep what ended there, and go on (topple-bench-run.jsonl)",
     )
-    parser.add_argument("--minutes", type=positive, metavar="M", help="run: begin no episode after that time")
+    parser.add_argument(
+        "--minutes", type=positive, metavar="M", help="run, demo: begin no episode after that time"
+    )
+    parser.add_argument("--counts", metavar="FILE", help="demo: write what `topple demo` tells of its seeds")
     add_common(parser, scenes=None)
 
 
@@ -58,7 +63,6 @@ def execute(args: argparse.Namespace) -> int:
         complain("--fixed and --up are ignored: a bench makes its own scenes")
     for variable in _THREADS:  # one thread on both sides: CPU times of idle ones would count as work
         os.environ.setdefault(variable, "1")
-    import_quietly("pybullet")
     from topple.planner.bench.document import BENCHES, bench
 
     code = DONE
@@ -85,8 +89,8 @@ def _options(args: argparse.Namespace, name: str) -> dict[str, Any]:
         found[key] = _folder(found[key])
     if "scenes" in found:
         found["scenes"] = make_folder(found["scenes"])
-    if "journal" in found:
-        found["journal"] = Path(found["journal"])
+    for key in found.keys() & {"journal", "counts"}:
+        found[key] = Path(found[key])
     return found
 
 

@@ -1,8 +1,6 @@
 """What goes to stdout: JSON lines, or tables for people."""
 
-import importlib
 import json
-import os
 import sys
 from collections.abc import Iterable, Mapping, Sequence
 from typing import Any
@@ -32,24 +30,6 @@ def complain(*lines: str) -> None:
     """
     for line in lines:
         sys.stderr.write(f"topple: {' '.join(line.split())}\n")
-
-
-def import_quietly(module: str) -> None:
-    """Import a module that greets on stderr from C, as PyBullet does, without its greeting.
-
-    Args:
-        module: Its name.
-    """
-    sys.stderr.flush()
-    kept = os.dup(2)
-    nowhere = os.open(os.devnull, os.O_WRONLY)
-    try:
-        os.dup2(nowhere, 2)
-        importlib.import_module(module)
-    finally:
-        os.dup2(kept, 2)
-        os.close(kept)
-        os.close(nowhere)
 
 
 def print_text(*lines: str) -> None:

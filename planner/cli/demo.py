@@ -5,7 +5,7 @@ import json
 from pathlib import Path
 from typing import Any
 
-from topple.planner.cli.console import complain, import_quietly, print_json, print_text
+from topple.planner.cli.console import complain, print_json, print_text
 from topple.planner.cli.main import DONE, INTERRUPTED, NO_SAFE_PLAN
 from topple.planner.cli.options import add_common
 from topple.planner.cli.progress import Progress
@@ -24,6 +24,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     """
     parser.add_argument("name", nargs="?", default="dishes", metavar="NAME", help="the scene (dishes)")
     add_common(parser, scenes=None)
+    parser.set_defaults(seed=None)  # one of the scene's own that is known to succeed
     parser.add_argument(
         "--robot",
         metavar="NAME",
@@ -54,7 +55,6 @@ def execute(args: argparse.Namespace) -> int:
     folder = Path(args.output)
     with Progress("demo") as progress:
         progress(f"setting up {args.name}")
-        import_quietly("pybullet")
         from topple.planner.demo import demo
 
         video, rerun = video_of(args), rerun_of(args)
@@ -66,16 +66,30 @@ def execute(args: argparse.Namespace) -> int:
     if args.json:
         print_json(run)
     else:
-        _print_demo(args.name, folder, run)
+        _print_demo(args.name, folder, run, as_counted=_as_counted(args))
     complain(*(f"{args.name}: {violation}" for violation in run["violations"]))
     return INTERRUPTED if record.interrupted else DONE if record.success else NO_SAFE_PLAN
 
 
-def _print_demo(name: str, folder: Path, run: dict[str, Any]) -> None:
+def _as_counted(args: argparse.Namespace) -> bool:
+    """Whether the scene is played with what its seeds were counted with."""
+    from topple.planner.demo_seeds import CAMERAS
+
+    return args.robot is None and args.cameras == CAMERAS and not args.mask_noise
+
+
+def _print_demo(name: str, folder: Path, run: dict[str, Any], *, as_counted: bool) -> None:
+    from topple.planner.demo_seeds import counted
+
+    count = counted(name) if as_counted else None
+    print_text(f"{name}, seed {run['seed']}" + ("" if count is None else f"; {count}"), "")
     relations = json.loads((folder / "relations.json").read_text(encoding="utf-8"))
     order = json.loads((folder / "order.json").read_text(encoding="utf-8"))
     print_relations(name, relations)
     print_text("")
+    steps = run["steps"]
+    decides = f"{steps[0]['action']} {steps[0]['object']}" if steps else "nothing that can be done"
+    print_text(f"{name}: {run['goal']}; decided from the first look: {decides}")
     print_order(name, order)
     print_text("")
     print_run(name, run)

@@ -20,6 +20,7 @@ COMMANDS = {
     "order": "say in which order to take things, and why",
     "plan": "plan grasps, placements and motions of the whole sequence",
     "run": "rebuild a scene in simulation and do it with an arm, looking again after every action",
+    "rank": "rank the grasps of another pipeline by what may be taken first, and say what bars the others",
     "demo": "play a built-in scene: look, order, plan and clear it with an arm in simulation",
     "bench": "measure relations, orders and motions on this machine, each with a baseline beside it",
     "export": "hand a plan on: PDDL, behaviour tree, DOT, GraphML, MoveIt scene",
@@ -46,7 +47,9 @@ class ShowVersion(argparse.Action):
         """Print the version and leave."""
         from importlib.metadata import version
 
-        sys.stdout.write(f"topple {version('topple')}\n")
+        from topple.topology.errors import DISTRIBUTION
+
+        sys.stdout.write(f"topple {version(DISTRIBUTION)}\n")
         parser.exit(DONE)
 
 
@@ -102,6 +105,12 @@ def _run(arguments: list[str]) -> int:
         complain(str(error))
         return WRONG_USE
     except ToppleError as error:  # no safe plan, or no place for the arm: the input was fine
+        if args.command in ("plan", "run") and args.json:
+            from topple.planner.cli.console import print_json
+            from topple.planner.errors import refusal_json
+
+            goal = args.goal if args.goal is not None else f"free {' '.join(args.target)}"
+            print_json(refusal_json(args.command, error, goal))
         message = str(error)
         certificate: tuple[str, ...] = getattr(error, "certificate", ())
         complain(message, *(line for line in certificate if line not in message))

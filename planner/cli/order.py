@@ -5,10 +5,11 @@ from dataclasses import dataclass
 from functools import partial
 from typing import Any
 
-from topple.planner.cli.console import complain, import_quietly, print_json
+from topple.planner.cli.console import complain, print_json
 from topple.planner.cli.main import DONE, NO_SAFE_PLAN
 from topple.planner.cli.options import add_common, add_target, for_each_scene, positive
 from topple.planner.cli.progress import Progress
+from topple.planner.cli.robot_options import add_gripper, arm_of
 from topple.planner.cli.tables import print_assumptions, print_order
 
 
@@ -34,6 +35,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         metavar="NAME",
         help="say what bars the gripper's way: panda, panda-suction, iiwa, xarm6 or FILE.urdf",
     )
+    add_gripper(parser)
 
 
 def execute(args: argparse.Namespace) -> int:
@@ -47,9 +49,10 @@ def execute(args: argparse.Namespace) -> int:
     """
     if args.budget is not None and not args.verify:
         args.parser.error("--budget bounds --verify: give both or neither")
-    if args.verify or args.robot:
-        import_quietly("pybullet")
-    options = {"seed": args.seed, "verify": args.verify, "budget": args.budget, "robot": args.robot}
+    if args.gripper is not None and not args.robot:
+        args.parser.error("--gripper is what the robot holds with: give both or neither")
+    arm = arm_of(args) if args.robot else None
+    options = {"seed": args.seed, "verify": args.verify, "budget": args.budget, "robot": arm}
     work = partial(_answer, args.fixed, args.up, args.target, options)
     by_scenes = not (args.verify or args.robot)  # those take all cores, and import what prints when imported
     with Progress("order") as progress:

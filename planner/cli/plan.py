@@ -8,7 +8,7 @@ from topple.planner.cli.console import print_table, print_text
 from topple.planner.cli.main import DONE, NO_SAFE_PLAN
 from topple.planner.cli.options import add_common, read_scene, scene_paths
 from topple.planner.cli.progress import Progress
-from topple.planner.cli.robot_options import add_goal, add_robot, base_of, goal_of
+from topple.planner.cli.robot_options import add_goal, add_robot, arm_of, base_of, goal_of
 from topple.planner.cli.tables import print_assumptions
 from topple.planner.files import check_writable, write_whole
 
@@ -32,6 +32,11 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         default=[],
         metavar="NAME",
         help="what is kept upright while it is carried, with what is in it",
+    )
+    parser.add_argument(
+        "--allow-drop",
+        action="store_true",
+        help="let go what stays nowhere the arm can put it, to fall as it will; its step says so",
     )
     parser.add_argument(
         "--verify",
@@ -63,18 +68,21 @@ def execute(args: argparse.Namespace) -> int:
         scene = read_scene(args, path)
         from topple.planner.plan import plan
         from topple.planner.plan_format import plan_to_json
-        from topple.robots.catalog import robot
 
-        arm = robot(args.robot)
+        arm = arm_of(args)
         progress(f"{path}: planning")
         base = base_of(args, scene)
-        found = plan(scene, goal, arm, base=base, upright=args.upright, seed=args.seed, progress=progress)
+        found = plan(
+            scene, goal, arm, base=base, upright=args.upright, allow_drop=args.allow_drop,
+            check=not args.verify, seed=args.seed, progress=progress,
+        )  # fmt: skip
         checked = None
         if args.verify:
             progress(f"{path}: verifying {len(found.steps)} steps")
             checked = found.verify(scene, arm)
     document = plan_to_json(found).decode("utf-8")
-    if place is not None:
+    holds = checked is None or checked.ok
+    if place is not None and holds:
         write_whole(place, document + "\n")
     if args.json:
         print_text(document)
@@ -82,12 +90,15 @@ def execute(args: argparse.Namespace) -> int:
         _print_plan(path, found)
         if checked is not None:
             _print_verification(checked)
-        print_text(f"Written: {place}" if place is not None else "Not written: give -o plan.json to keep it.")
-    return DONE if checked is None or checked.ok else NO_SAFE_PLAN
+        unwritten = "give -o plan.json to keep it" if holds else "its own check refutes it"
+        print_text(f"Written: {place}" if place is not None and holds else f"Not written: {unwritten}.")
+    return DONE if holds else NO_SAFE_PLAN
 
 
 def _print_verification(checked: "Verification") -> None:
     count = len(checked.residuals)
+    for words in checked.allowed:
+        print_text(f"Allowed: {words}")
     if checked.ok:
         print_text(f"Verified: {count} checks at {checked.states} states, every residual at most 0.")
         return

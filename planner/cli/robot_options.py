@@ -11,6 +11,7 @@ from topple.topology.errors import InvalidInput
 if TYPE_CHECKING:
     from pathlib import Path
 
+    from topple.robots.arm import Arm
     from topple.topology.arrays import FloatArray
     from topple.topology.scene import Scene
 
@@ -55,6 +56,7 @@ def add_robot(parser: argparse.ArgumentParser) -> None:
         metavar="NAME",
         help="panda, panda-suction, iiwa, xarm6 or FILE.urdf (panda)",
     )
+    add_gripper(parser)
     parser.add_argument(
         "--base",
         nargs=4,
@@ -62,6 +64,39 @@ def add_robot(parser: argparse.ArgumentParser) -> None:
         metavar=("X", "Y", "Z", "YAW"),
         help="where the arm stands, in metres and radians about up (the scene's robot_base, else searched)",
     )
+
+
+def add_gripper(parser: argparse.ArgumentParser) -> None:
+    """Add what an arm of one's own holds with.
+
+    Args:
+        parser: The sub-command's parser.
+    """
+    parser.add_argument(
+        "--gripper",
+        metavar="FILE",
+        help="with --robot FILE.urdf: its [jaw] or [cup], in TOML (a parallel jaw of the URDF is recognised)",
+    )
+
+
+def arm_of(args: argparse.Namespace) -> "Arm":
+    """Find the arm.
+
+    Args:
+        args: The parsed arguments, with `robot` and `gripper`.
+
+    Returns:
+        The arm, which has a tool.
+
+    Raises:
+        InvalidInput: The name is unknown, the URDF or the gripper file cannot be used, or there is no tool.
+    """
+    from topple.robots.catalog import robot
+    from topple.robots.own_arm import check_tool
+
+    arm = robot(args.robot, gripper=args.gripper)
+    check_tool(arm)
+    return arm
 
 
 def add_cameras(parser: argparse.ArgumentParser) -> None:

@@ -2,7 +2,7 @@
 
 import argparse
 
-from topple.planner.cli.console import complain, import_quietly, print_json, print_text
+from topple.planner.cli.console import complain, print_json, print_text
 from topple.planner.cli.main import DONE, INTERRUPTED, NO_SAFE_PLAN
 from topple.planner.cli.options import add_common, read_scene, scene_paths
 from topple.planner.cli.progress import Progress
@@ -11,6 +11,7 @@ from topple.planner.cli.robot_options import (
     add_goal,
     add_recordings,
     add_robot,
+    arm_of,
     base_of,
     goal_of,
     rerun_of,
@@ -50,7 +51,6 @@ def execute(args: argparse.Namespace) -> int:
     (path,) = scene_paths(args, many=False)
     goal = goal_of(args)
     place = None if args.report is None else check_writable(args.report)
-    import_quietly("pybullet")
     video, rerun = video_of(args), rerun_of(args)
     with Progress("run") as progress:
         progress(f"reading {path}")
@@ -59,7 +59,7 @@ def execute(args: argparse.Namespace) -> int:
 
         progress(f"{path}: rebuilding the scene")
         record = run(
-            scene, goal, args.robot, base=base_of(args, scene), cameras=args.cameras,
+            scene, goal, arm_of(args), base=base_of(args, scene), cameras=args.cameras,
             mask_noise=args.mask_noise, video=video, rerun=rerun, seed=args.seed, progress=progress,
         )  # fmt: skip
         if place is not None:

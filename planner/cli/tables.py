@@ -5,6 +5,7 @@ from math import degrees, radians
 from typing import Any
 
 from topple.planner.cli.console import print_table, print_text
+from topple.topology.rounded import rounded
 
 Document = Mapping[str, Any]
 
@@ -40,14 +41,14 @@ def _pair(pair: Document) -> tuple[str, ...]:
         "inferred" if pair.get("inferred") else "",
         "" if pair["observed"] else "not observed",
     )
-    gap = f"{'' if pair['gap_exact'] else '> '}{pair['gap'] * 1000:.1f}"
+    gap = f"{'' if pair['gap_exact'] else '> '}{rounded(pair['gap'] * 1000, 1)}"
     matrix = "; ".join(" ".join(str(count) for count in row) for row in pair["matrix"])
     note = ", ".join(note for note in notes if note)
     return (pair["a"], pair["relation"], pair["b"], gap, f"{pair['confidence']:.2f}", matrix, note)
 
 
 def print_order(title: str, document: Document, movable: int | None = None) -> None:
-    """Print what `order` found: the steps with their reasons, who carries whom, groups.
+    """Print what `order` found: the steps with their reasons, what carries what, groups.
 
     Args:
         title: What it was found in.
@@ -64,13 +65,19 @@ def print_order(title: str, document: Document, movable: int | None = None) -> N
     rows = [(str(i), name, why, f"{risk.get(name, 0):.2f}") for i, (name, why) in enumerate(steps, start=1)]
     print_table(("", "take", "because", "risk"), rows, right=(0, 3))
     if document["supports"]:
-        carried = [(s["supporter"], s["supported"], f"{s['confidence']:.2f}") for s in document["supports"]]
-        print_text("", "Who carries whom:")
-        print_table(("supporter", "supported", "confidence"), carried, right=(2,))
+        print_text("", "What carries what:")
+        rows = [_support(support) for support in document["supports"]]
+        print_table(("supporter", "supported", "kind", "confidence", ""), rows, right=(3,))
     for group in document["groups"]:
         print_text(f"{listed(group)} hold each other: take them together, or hold the others.")
     for bar in document.get("access", ()):
         print_text(f"{bar['reason']}: it has to go before a hand gets there.")
+
+
+def _support(support: Document) -> tuple[str, ...]:
+    inferred = "inferred" if support.get("inferred") else ""
+    sure = f"{support['confidence']:.2f}"
+    return (support["supporter"], support["supported"], support.get("kind", ""), sure, inferred)
 
 
 def print_run(title: str, document: Document) -> None:

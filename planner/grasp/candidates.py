@@ -1,6 +1,7 @@
 """Grasp candidates of one object of a scene, best first."""
 
 from collections.abc import Mapping, Sequence
+from dataclasses import replace
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -8,7 +9,7 @@ import numpy as np
 from topple.planner.grasp.frames import frames
 from topple.planner.grasp.grasp import Grasp
 from topple.planner.grasp.hand import HandShape, hand_shape
-from topple.planner.grasp.load import chance_to_hold, cup_load, likely_weight
+from topple.planner.grasp.load import chance_to_hold, cup_load, too_heavy, weight_of
 from topple.planner.grasp.pinch import Pinch, pinches
 from topple.planner.grasp.rims import rim_frames
 from topple.planner.grasp.suction import CupShape, cup_shape, patches, seal_score
@@ -20,6 +21,7 @@ from topple.planner.solids import parts_of
 from topple.topology.arrays import BoolArray, FloatArray
 from topple.topology.errors import InvalidInput, UnknownObject
 from topple.topology.hull import Hull
+from topple.topology.rounded import rounded
 from topple.topology.scene import Scene
 
 if TYPE_CHECKING:
@@ -54,7 +56,8 @@ def grasp_candidates(
     Pinches are looked for at points spread over the object, across its narrow sides, straight down and
     tilted; suction on smooth patches that face up, and where that is sure to hold, no pinch is looked for.
     Hands that would meet the object, its neighbours or the table on the way in are left out; grasps that its
-    likely weight would turn in the hand come last. What the arm can reach is not asked here.
+    weight, given or likely, would turn in the hand come last; there are none of what is given to be heavier
+    than the hand can hold. What the arm can reach is not asked here.
 
     Args:
         name: The object.
@@ -92,7 +95,17 @@ def grasp_candidates(
     surface = surface_of(
         scene.clouds[name], up, scene.viewpoints, whole or solid, around.points, scene.images, tolerances
     )
+    mass, friction = scene.masses.get(name), scene.friction.get(name)
+    surface = replace(surface, mass=mass)
+    if friction is not None:  # pads of rubber have a coefficient of 1, and the product is the object's own
+        tolerances = replace(tolerances, friction=friction)
     dropped = Dropped() if dropped is None else dropped
+    if cup is not None and too_heavy(mass, 1.0, cup.max_force / 2.0):
+        dropped.note(f"{mass:g} kg are more than the cup holds")
+        cup = None
+    if hand is not None and too_heavy(mass, friction, hand.force):
+        dropped.note(f"{mass:g} kg are more than the pads hold")
+        hand = None
     found: list[Grasp] = []
     if cup is not None:
         found += _suction_grasps(name, scene.clouds[name], surface, around, up, cup, tolerances, dropped)
@@ -104,7 +117,7 @@ def grasp_candidates(
         clear = [grasp for grasp, bad in zip(pinched, pierced, strict=True) if not bad]
         dropped.note("fingers would stand in what it fills", len(pinched) - len(clear))
         found += clear
-    best = _varied(found, limit)
+    best = varied(found, limit)
     return widened(best, surface, around, up, hand, tolerances) if wide and hand is not None else best
 
 
@@ -174,10 +187,11 @@ def _in_words(load: float) -> str:
 
 def _as_grasp(name: str, pinch: Pinch) -> Grasp:
     score = float(
-        np.prod([value ** WEIGHTS[term] for term, value in pinch.terms.items()]) * chance_to_hold(pinch.load)
+        np.prod([value ** WEIGHTS[term] for term, value in pinch.terms.items()])
+        * chance_to_hold(pinch.load, pinch.weighed)
     )
     reason = (
-        f"{1e3 * pinch.width:.0f} mm between the pads, tips {1e3 * pinch.depth:.0f} mm deep; "
+        f"{1e3 * pinch.width:.0f} mm between the pads, tips {rounded(1e3 * pinch.depth)} mm deep; "
         + ", ".join(f"{term} {value:.2f}" for term, value in pinch.terms.items())
         + _in_words(pinch.load)
     )
@@ -199,7 +213,7 @@ def _suction_grasps(
     for patch in patches(surface, cloud, around, up, cup, tolerances=tolerances, dropped=dropped):
         arm = surface.centre - patch.pose_tool_to_world[:3, 3]
         lever = float(np.linalg.norm(arm - up * float(arm @ up)))
-        load = cup_load(lever, likely_weight(surface.volume), cup)
+        load = cup_load(lever, weight_of(surface.volume, surface.mass), cup)
         reason = f"seal within {1e3 * patch.residual:.1f} mm; " + ", ".join(
             f"{term} {value:.2f}" for term, value in patch.terms.items()
         )
@@ -207,15 +221,24 @@ def _suction_grasps(
         if score < tolerances.least_seal:
             dropped.note("the seal would leak or peel off")
             continue
-        score, reason = float(score * chance_to_hold(load)), reason + _in_words(load)
+        score = float(score * chance_to_hold(load, surface.mass is not None))
+        reason += _in_words(load)
         for turn in CUP_TURNS:  # a cup is round: how the hand is turned about it matters to the arm alone
             pose = patch.pose_tool_to_world @ turn
             found.append(Grasp(name, "suction", pose, 0.0, cup.opening, score, reason, patch.terms))
     return found
 
 
-def _varied(grasps: list[Grasp], limit: int) -> list[Grasp]:
-    """Best first, without near copies (within 6 mm and 10 degrees of a better one of the same tool)."""
+def varied(grasps: Sequence[Grasp], limit: int) -> list[Grasp]:
+    """Pick the best of some grasps.
+
+    Args:
+        grasps: Of one object.
+        limit: At most so many.
+
+    Returns:
+        Best first, without near copies (within 6 mm and 10 degrees of a better one of the same tool).
+    """
     kept: list[Grasp] = []
     for grasp in sorted(grasps, key=lambda grasp: -grasp.score):
         pose = grasp.pose_tool_to_world

@@ -12,6 +12,7 @@ CENTRAL = 0.03  # around the centre of mass, where a grasp hardly turns in the h
 LEANING = (0.1, 0.65)  # sine of how far a side leans: less is upright to a hand, more is no side
 ALIKE = 0.2  # normals closer than this are of one side: three times their noise [rad]
 FLAT = 0.2  # share of the steep surface that a flat side makes up: of a can's it is an eighth
+ENOUGH = 2000  # normals tell the sides of a body: a share of a fifth is then off by two percent at most
 
 
 @dataclass(frozen=True, eq=False)
@@ -67,6 +68,7 @@ def _along(closing: FloatArray, normal: FloatArray, up: FloatArray) -> FloatArra
 def _leaning_sides(normals: FloatArray, up: FloatArray) -> list[FloatArray]:
     """Normals of flat sides that lean: pads square to them close on them without turning the object."""
     steep = normals[np.abs(normals @ up) < LEANING[1]]
+    steep = steep[:: max(1, -(-len(steep) // ENOUGH))]  # each is compared with each
     found: list[FloatArray] = []
     left = np.ones(len(steep), dtype=bool)
     alike = np.abs(steep @ steep.T) > np.cos(ALIKE)

@@ -10,6 +10,9 @@ from topple.topology.errors import InvalidInput
 KINDS = ("pinch", "rim", "suction")
 """pinch: both pads on the object's outside; rim: one finger inside it; suction: the cup on a smooth patch."""
 
+HALF_TURN = frozen(np.diag([-1.0, -1.0, 1.0, 1.0]))
+"""(4, 4) half a turn of the hand about its approach."""
+
 
 @dataclass(frozen=True, eq=False)
 class Grasp:
@@ -76,5 +79,4 @@ class Grasp:
 
     def turned(self) -> "Grasp":
         """The same grasp with the hand turned half around z: equal for the object, not for the arm."""
-        half = np.diag([-1.0, -1.0, 1.0, 1.0])
-        return replace(self, pose_tool_to_world=self.pose_tool_to_world @ half)
+        return replace(self, pose_tool_to_world=self.pose_tool_to_world @ HALF_TURN)

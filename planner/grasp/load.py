@@ -5,16 +5,37 @@ from scipy.special import ndtr
 
 from topple.planner.grasp.hand import HandShape
 from topple.planner.grasp.suction import CupShape
-from topple.robots.bodies import DENSITY
 from topple.topology.arrays import FloatArray
+from topple.topology.matter import DENSITY
 
 GRAVITY = 9.81  # [m/s2]
 WEIGHT_SPREAD = 0.42  # standard deviation of a guessed weight's logarithm: a factor of two in 90 of 100
+HOLD_SPREAD = (
+    0.2  # the same of what holds a weight that is known: pads grip glaze, card and steel differently
+)
+STRONGEST = 0.8  # friction of rubber pads on what nobody tried, at most
 
 
-def likely_weight(volume: float) -> float:
-    """Weight [N] of a thing of a volume [m3] that nobody weighed, at the density bodies are made with."""
-    return GRAVITY * DENSITY * volume
+def weight_of(volume: float, mass: float | None = None) -> float:
+    """Weight [N] of a thing.
+
+    Args:
+        volume: What it fills [m3].
+        mass: In [kg]; where nobody weighed it, its volume at the density bodies are made with.
+    """
+    return GRAVITY * (DENSITY * volume if mass is None else mass)
+
+
+def too_heavy(mass: float | None, friction: float | None, force: float) -> bool:
+    """Whether a hand is known not to lift a thing, wherever it takes hold; of a guessed weight it never is.
+
+    Args:
+        mass: In [kg]; None where nobody weighed it.
+        friction: Coefficient between pads and object; None where nobody tried, and 1 for a cup.
+        force: Of each of two pads, or half of what a cup pulls [N].
+    """
+    slide = 2.0 * (STRONGEST if friction is None else friction) * force
+    return mass is not None and GRAVITY * mass > slide
 
 
 def jaw_load(
@@ -65,7 +86,7 @@ def cup_load(lever: float, weight: float, cup: CupShape) -> float:
     return weight / cup.max_force * (1.0 + lever / cup.radius)
 
 
-def chance_to_hold(load: FloatArray | float) -> FloatArray:
+def chance_to_hold(load: FloatArray | float, weighed: bool = False) -> FloatArray:
     """Chance that a grasp under a load holds: the share of its score that it keeps.
 
     Weights are guessed within a factor of two nine times in ten, up or down. Pads on flat faces resist
@@ -73,8 +94,11 @@ def chance_to_hold(load: FloatArray | float) -> FloatArray:
 
     Args:
         load: Shares, of any shape.
+        weighed: Whether the weight is known.
 
     Returns:
-        1 for none, 0.95 at a half, 0.5 where the likely weight takes all of what holds it, of the same shape.
+        1 for none, 0.95 at a half of a guessed weight, 0.5 where the likely weight takes all of what holds
+        it, of the same shape.
     """
-    return np.asarray(ndtr(-np.log(np.maximum(load, 1e-6)) / WEIGHT_SPREAD), dtype=np.float64)
+    spread = HOLD_SPREAD if weighed else WEIGHT_SPREAD
+    return np.asarray(ndtr(-np.log(np.maximum(load, 1e-6)) / spread), dtype=np.float64)

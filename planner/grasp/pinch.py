@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from topple.planner.grasp.frames import Frames
 from topple.planner.grasp.hand import HandShape, Prism
-from topple.planner.grasp.load import chance_to_hold, jaw_load, likely_weight
+from topple.planner.grasp.load import chance_to_hold, jaw_load, weight_of
 from topple.planner.grasp.pads import Between, antipodality, between, extents, packed
 from topple.planner.grasp.surface import Surface
 from topple.planner.grasp.surroundings import ITSELF, Dropped, Surroundings
@@ -39,6 +39,7 @@ class Pinch:
         depth: Finger tips below the object's top between the pads [m].
         rim: Whether the object goes on beyond one of the fingers.
         load: How much of what the pads hold its likely weight takes; above 1 it turns between them.
+        weighed: Whether that weight is known.
         terms: Parts of the score, each in 0..1.
     """
 
@@ -48,6 +49,7 @@ class Pinch:
     depth: float
     rim: bool
     load: float
+    weighed: bool
     terms: dict[str, float]
 
 
@@ -361,7 +363,8 @@ def _best_and_deepest(
     """The best-scored and the deepest pinch of each direction."""
     com = ((surface.centre - look.origin) @ look.rotations)[hold.row]
     arm = com - np.column_stack([np.zeros(len(com)), hold.middle, hold.tip - hand.tip])
-    width, weight = hold.high - hold.low, likely_weight(surface.volume)
+    width, weight = hold.high - hold.low, weight_of(surface.volume, surface.mass)
+    weighed = surface.mass is not None
     down = -(up @ look.rotations)[hold.row]
     load = jaw_load(arm, down, weight, width, hold.depth, hand, tolerances.friction)
     rim = np.abs(arm[:, 1]) > width / 2.0 + 0.01
@@ -372,7 +375,7 @@ def _best_and_deepest(
         "depth": np.minimum(1.0, hold.depth / (0.5 * hand.pad_length)),
         "upright": 1.0 - 0.5 * look.tilts[hold.row],
     }
-    total = np.sum(list(terms.values()), axis=0) * chance_to_hold(load)
+    total = np.sum(list(terms.values()), axis=0) * chance_to_hold(load, weighed)
     found: list[Pinch] = []
     for row in np.unique(hold.row):
         here = np.flatnonzero(hold.row == row)
@@ -384,5 +387,5 @@ def _best_and_deepest(
             pose[:3, 3] = look.origin + look.rotations[row] @ shift
             parts = {name: float(values[k]) for name, values in terms.items()}
             size = float(width[k]), float(hold.opening[k]), float(hold.depth[k])
-            found.append(Pinch(pose, *size, bool(rim[k]), float(load[k]), parts))
+            found.append(Pinch(pose, *size, bool(rim[k]), float(load[k]), weighed, parts))
     return found

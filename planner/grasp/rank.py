@@ -1,6 +1,6 @@
 """Grasps of any pipeline ranked for clutter: safe order first, then what can be done, then their score."""
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -8,10 +8,9 @@ from scipy.spatial import KDTree
 
 from topple.planner.grasp.foreign import ForeignGrasps, grasps_from_array
 from topple.planner.grasp.grasp import Grasp
-from topple.planner.grasp.hand import HAND_REACH, HandShape, hand_shape
+from topple.planner.grasp.hand import HAND_REACH
 from topple.planner.grasp.reach import reachable
-from topple.planner.grasp.suction import CupShape, cup_shape
-from topple.planner.grasp.surroundings import surroundings
+from topple.planner.grasp.room import Room
 from topple.planner.grasp.tolerances import GRASP_TOLERANCES
 from topple.planner.order import order
 from topple.planner.solids import up_of
@@ -22,6 +21,10 @@ from topple.topology.checks import as_pose
 from topple.topology.errors import InvalidInput, UnknownObject
 from topple.topology.scene import Scene
 
+GivenGrasps = ForeignGrasps | Sequence[Grasp] | FloatArray
+"""Grasps of `read_grasps`, of this project, or an (N, 4, 4) or (N, 17) array."""
+
+SOME = 256  # grasps asked at a time whether they are near anything
 _NOTHING = {"fingers": "nothing is between its pads", "suction": "nothing is under its cup"}
 
 
@@ -44,22 +47,28 @@ class RankedGrasp:
 
 def rank_grasps(
     scene: Scene,
-    grasps: ForeignGrasps | Sequence[Grasp] | FloatArray,
+    grasps: GivenGrasps,
     robot: Arm | str | None = None,
     *,
+    names: Mapping[int, str] | Mapping[str, str] | None = None,
     pose_source_to_world: FloatArray | None = None,
     pose_base_to_world: FloatArray | None = None,
 ) -> list[RankedGrasp]:
     """Rank grasps by what may be taken first.
 
-    Each grasp is given to the object between its pads; then come: how many others have to go before that
-    object, whether the hand has room and the arm reaches it, and the score it came with.
+    Each grasp is given to the object that its file names, or else to the one between its pads; then come: how
+    many others have to go before that object, whether the hand has room and the arm reaches it, and the score
+    it came with.
 
     Args:
         scene: What is seen, with `up`.
-        grasps: Grasps of this project, of `read_grasps`, or an (N, 4, 4) or (N, 17) array.
+        grasps: Grasps of this project, of `read_grasps`, or an (N, 4, 4) or (N, 17) array. Bare poses are
+            those of the lip where the arm has a cup and no fingers.
         robot: The arm, or its name; without one the hand of a Panda is taken, or its cup, and reach is not
             asked.
+        names: What the scene calls the segments or objects of a file of grasps: {0: "cup"}. Without it
+            their numbers are names, "3", where the scene has any of those, and mean nothing otherwise.
+            GraspNet counts objects from 0, and from 1 in its label images.
         pose_source_to_world: (4, 4) for grasps given in a camera's or object's frame.
         pose_base_to_world: (4, 4) where the arm stands; the scene's `robot_base`; without both, reach is not
             asked.
@@ -72,27 +81,26 @@ def rank_grasps(
             in the scene, or the arm has no tool for them.
         UnknownObject: A grasp names an object that is not in the scene.
     """
-    given = _as_grasps(grasps, pose_source_to_world)
+    source = grasps_from_array(grasps) if isinstance(grasps, np.ndarray) else grasps
+    told = _told(source, scene, names) if isinstance(source, ForeignGrasps) else {}
+    arm = robot_named(robot) if isinstance(robot, str) else robot
+    given = _as_grasps(source, pose_source_to_world, arm)
     if not given:
         return []
-    arm = robot_named(robot) if isinstance(robot, str) else robot
     _check(given, scene, arm)
-    hand = hand_shape(arm if arm is not None and "fingers" in arm.tools else robot_named("panda"))
-    cup = cup_shape(arm if arm is not None and "suction" in arm.tools else robot_named("panda-suction"))
     graph = order(scene).graph
+    room = Room.of(scene, up_of(scene), arm)
+    found = _held(given, told, room)
+    against = in_the_way([entry.grasp for entry in found], room)
+    before = {
+        name: tuple(sorted(graph.before(name))) for name in {entry.grasp.object for entry in found} - {""}
+    }
+    for row, entry in enumerate(found):
+        if name := entry.grasp.object:
+            first = before[name]
+            waits = [f"{', '.join(first)} would move: has to go before {name}"] if first else []
+            found[row] = replace(entry, before=first, dropped="; ".join(against[row] + waits) or None)
     base = scene.robot_base if pose_base_to_world is None else pose_base_to_world
-    found: list[RankedGrasp] = []
-    for index, grasp in enumerate(given):
-        name = grasp.object or _held(grasp, scene, hand)
-        if not name:
-            found.append(RankedGrasp(index, grasp, (), _NOTHING[grasp.tool]))
-            continue
-        grasp = replace(grasp, object=name)
-        before = tuple(sorted(graph.before(name)))
-        against = _in_the_way(grasp, scene, hand, cup)
-        if before:
-            against.append(f"{', '.join(before)} would move: has to go before {name}")
-        found.append(RankedGrasp(index, grasp, before, "; ".join(against) or None))
     if arm is not None and base is not None:
         found = _reachable(found, arm, as_pose(base, "pose_base_to_world"))
     return sorted(found, key=_key)
@@ -104,20 +112,34 @@ def _key(ranked: RankedGrasp) -> tuple[float, bool, float, int]:
 
 
 def _as_grasps(
-    grasps: ForeignGrasps | Sequence[Grasp] | FloatArray, pose_source_to_world: FloatArray | None
+    grasps: ForeignGrasps | Sequence[Grasp], pose_source_to_world: FloatArray | None, arm: Arm | None
 ) -> list[Grasp]:
-    if isinstance(grasps, np.ndarray):
-        grasps = grasps_from_array(grasps)
+    """Grasps in the world; bare poses are those of the lip where the arm has a cup and no fingers."""
     to_world = (
         np.eye(4) if pose_source_to_world is None else as_pose(pose_source_to_world, "pose_source_to_world")
     )
     if not isinstance(grasps, ForeignGrasps):
         return [replace(grasp, pose_tool_to_world=to_world @ grasp.pose_tool_to_world) for grasp in grasps]
-    poses = to_world @ grasps.poses_tool_to_source
+    poses, openings = to_world @ grasps.poses_tool_to_source, np.nan_to_num(grasps.widths)
+    cup = arm is not None and "fingers" not in arm.tools and bool(np.isnan(grasps.widths).all())
     return [
-        Grasp("", "pinch", pose, 0.0, float(np.nan_to_num(width)), float(score), grasps.source)
-        for pose, width, score in zip(poses, grasps.widths, grasps.scores, strict=True)
+        Grasp("", "suction" if cup else "pinch", pose, 0.0, opening, score, grasps.source)
+        for pose, opening, score in zip(poses, openings.tolist(), grasps.scores.tolist(), strict=True)
     ]
+
+
+def _told(
+    grasps: ForeignGrasps, scene: Scene, names: Mapping[int, str] | Mapping[str, str] | None
+) -> dict[int, str]:
+    """What grasps hold as their file has it, by their places."""
+    for name in () if names is None else names.values():
+        if name not in scene.movable:
+            raise UnknownObject(name, scene.movable, role="object to grasp")
+    told = {index: label for index, label in enumerate(grasps.labels) if label}
+    if names is not None:
+        called = {str(number): name for number, name in names.items()}
+        return {index: called[label] for index, label in told.items() if label in called}
+    return told if scene.clouds.keys() & set(told.values()) else {}
 
 
 def _check(grasps: Sequence[Grasp], scene: Scene, arm: Arm | None) -> None:
@@ -127,69 +149,75 @@ def _check(grasps: Sequence[Grasp], scene: Scene, arm: Arm | None) -> None:
             raise UnknownObject(grasp.object, scene.movable, role="object to grasp")
         if arm is not None and grasp.tool not in arm.tools:
             raise InvalidInput(f"{arm.name} has no {grasp.tool}: it has {', '.join(arm.tools)}")
-    places = np.array([grasp.pose_tool_to_world[:3, 3] for grasp in grasps])
-    away = {name: float(KDTree(scene.clouds[name]).query(places)[0].min()) for name in scene.movable}
-    nearest = min(away, key=lambda name: away[name], default="")
-    if nearest and away[nearest] > HAND_REACH:
-        raise InvalidInput(
-            f"no grasp is near anything: the nearest is {away[nearest]:.2f} m from {nearest}: give the frame "
-            "they are in (pose_source_to_world), in metres"
-        )
-
-
-def _held(grasp: Grasp, scene: Scene, hand: HandShape) -> str:
-    """The movable object with most points between the pads."""
-    counts: dict[str, int] = {}
-    for name in scene.movable:
-        local = _local(scene.clouds[name], grasp)
-        between = (
-            (np.abs(local[:, 0]) < hand.pad_width / 2.0)
-            & (np.abs(local[:, 1]) < hand.max_opening / 2.0)
-            & (np.abs(local[:, 2]) < hand.pad_length / 2.0 + 0.005)
-        )
-        counts[name] = int(np.count_nonzero(between))
-    best = max(counts, key=lambda name: counts[name], default="")
-    return best if best and counts[best] > GRASP_TOLERANCES.stray_points else ""
-
-
-def _in_the_way(grasp: Grasp, scene: Scene, hand: HandShape, cup: CupShape) -> list[str]:
-    """What the open hand meets on its straight way in, in words."""
-    met: list[str] = []
-    for name, cloud in scene.clouds.items():
-        local = _local(cloud, grasp)
-        local = local[(local[:, 2] > -GRASP_TOLERANCES.reach) & (np.abs(local[:, :2]).max(axis=1) < 0.12)]
-        within = [
-            (local[:, 0] > x0) & (local[:, 0] < x1) & (local[:, 1] > y0) & (local[:, 1] < y1)
-            & (local[:, 2] < front - GRASP_TOLERANCES.under_clearance)
-            for x0, x1, y0, y1, front in _footprints(grasp, hand, cup)
-        ]  # fmt: skip
-        if grasp.tool == "suction" and name != grasp.object:
-            within.append(cup.beside(local, GRASP_TOLERANCES.under_clearance))
-        if any(np.count_nonzero(inside) > GRASP_TOLERANCES.stray_points for inside in within):
-            met.append(name)
-    against = [f"the hand meets {', '.join(met)}"] if met else []
-    if grasp.tool == "suction":
-        return against
-    floor = surroundings(grasp.object, scene, up_of(scene)).floor
-    tip = grasp.pose_tool_to_world[:3, 3] + hand.tip * grasp.approach
-    return (
-        [*against, "the fingers would go below the ground"] if float(tip @ up_of(scene)) < floor else against
+    places = _poses(grasps, range(len(grasps)))[:, :3, 3]
+    trees = {name: KDTree(scene.clouds[name]) for name in scene.movable}
+    away = dict.fromkeys(trees, np.inf)
+    for first in range(0, len(places), SOME):  # the first few are near enough, or none is
+        for name, tree in trees.items():
+            away[name] = min(away[name], float(tree.query(places[first : first + SOME])[0].min()))
+        if min(away.values(), default=0.0) <= HAND_REACH:
+            return
+    nearest = min(away, key=lambda name: away[name])
+    raise InvalidInput(
+        f"no grasp is near anything: the nearest is {away[nearest]:.2f} m from {nearest}: give the frame "
+        "they are in (pose_source_to_world), in metres"
     )
 
 
-def _footprints(
-    grasp: Grasp, hand: HandShape, cup: CupShape
-) -> list[tuple[float, float, float, float, float]]:
-    """Rectangles (x low, x high, y low, y high, z of its front) that the hand sweeps [m]."""
-    if grasp.tool == "suction":
-        return [(*prism.x, *prism.y, prism.front) for prism in cup.body]
-    opening = min(hand.max_opening, grasp.opening) if grasp.opening > 0.0 else hand.max_opening
-    return [(x0, x1, float(y0), float(y1), front) for x0, x1, y0, y1, front in hand.footprints(opening)]
+def _held(given: Sequence[Grasp], told: Mapping[int, str], room: Room) -> list[RankedGrasp]:
+    """Each grasp with the object it holds, those that hold none dropped."""
+    found = [RankedGrasp(index, grasp, (), None) for index, grasp in enumerate(given)]
+    movable = room.scene.movable
+    rows = [index for index, grasp in enumerate(given) if not grasp.object]
+    for index, counts in zip(rows, room.between_pads(_poses(given, rows)).tolist(), strict=True):
+        largest = max(counts, default=0)
+        most = movable[counts.index(largest)] if largest > GRASP_TOLERANCES.stray_points else ""
+        name, grasp = told.get(index, most), given[index]
+        if not most:
+            found[index] = RankedGrasp(index, grasp, (), _NOTHING[grasp.tool])
+        elif name not in movable:
+            why = "never moves" if name in room.scene.fixed else "is not in the scene"
+            found[index] = RankedGrasp(index, grasp, (), f"its file has it hold {name}, which {why}")
+        elif counts[movable.index(name)] <= GRASP_TOLERANCES.stray_points:
+            why = f"its file has it hold {name}, but between its pads is {most}"
+            found[index] = RankedGrasp(index, grasp, (), why)
+        else:
+            found[index] = RankedGrasp(index, replace(grasp, object=name), (), None)
+    return found
 
 
-def _local(cloud: FloatArray, grasp: Grasp) -> FloatArray:
-    pose = grasp.pose_tool_to_world
-    return (cloud - pose[:3, 3]) @ pose[:3, :3]
+def in_the_way(grasps: Sequence[Grasp], room: Room) -> list[list[str]]:
+    """Say what the open hand meets on its straight way in.
+
+    Args:
+        grasps: In the world.
+        room: The scene.
+
+    Returns:
+        For each grasp what speaks against it, in words; nothing where it has room, or holds no object.
+    """
+    found: list[list[str]] = [[] for _ in grasps]
+    names = list(room.scene.clouds)
+    for tool in ("fingers", "suction"):
+        rows = [row for row, grasp in enumerate(grasps) if grasp.object and grasp.tool == tool]
+        poses, own = _poses(grasps, rows), [grasps[row].object for row in rows]
+        if tool == "fingers":
+            met = room.met_by_fingers(poses, np.array([grasps[row].opening for row in rows]))
+            low = room.below_ground(poses, own)
+        else:
+            met, low = room.met_by_cup(poses, own), np.zeros(len(rows), dtype=np.bool_)
+        for row, hits, under in zip(rows, met, low, strict=True):
+            if hits.any():
+                found[row].append(
+                    f"the hand meets {', '.join(names[place] for place in np.flatnonzero(hits))}"
+                )
+            if under:
+                found[row].append("the fingers would go below the ground")
+    return found
+
+
+def _poses(grasps: Sequence[Grasp], rows: Sequence[int]) -> FloatArray:
+    return np.array([grasps[row].pose_tool_to_world for row in rows]).reshape(-1, 4, 4)
 
 
 def _reachable(found: list[RankedGrasp], arm: Arm, base: FloatArray) -> list[RankedGrasp]:

@@ -4,7 +4,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from topple.planner.grasp.grasp import Grasp
+from topple.planner.grasp.grasp import HALF_TURN, Grasp
 from topple.robots.arm import Arm
 from topple.robots.poses import inverse
 from topple.topology.arrays import FloatArray
@@ -26,8 +26,8 @@ def reachable(grasps: Sequence[Grasp], arm: Arm, pose_base_to_world: FloatArray)
     found = [False] * len(grasps)
     for tool in {grasp.tool for grasp in grasps}:
         places = [place for place, grasp in enumerate(grasps) if grasp.tool == tool]
-        both = [pose for place in places for pose in (grasps[place], grasps[place].turned())]
-        solved = arm.inverse(world_to_base @ np.array([grasp.pose_tool_to_world for grasp in both]), tool)
-        for k, place in enumerate(places):
-            found[place] = len(solved[2 * k]) > 0 or len(solved[2 * k + 1]) > 0
+        poses = world_to_base @ np.array([grasps[place].pose_tool_to_world for place in places])
+        both = np.stack([poses, poses @ HALF_TURN], axis=1)
+        for place, yes in zip(places, arm.reaches(both, tool).tolist(), strict=True):
+            found[place] = yes
     return found

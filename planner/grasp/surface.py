@@ -23,6 +23,7 @@ class Surface:
         centre: (3,) estimate of the centre of mass [m].
         seen: The first so many points were seen.
         volume: What its convex parts fill [m3]; 0 where there are none.
+        mass: In [kg] where it was weighed.
     """
 
     points: FloatArray
@@ -31,6 +32,7 @@ class Surface:
     centre: FloatArray
     seen: int
     volume: float = 0.0
+    mass: float | None = None
 
 
 def fitted_normals(

@@ -1,14 +1,16 @@
 """What a hand can meet around an object, and whose points those are."""
 
 from collections import Counter
+from collections.abc import Iterable, Iterator
 from dataclasses import dataclass, field
 
 import numpy as np
 
 from topple.planner.grasp.tolerances import GRASP_TOLERANCES, GraspTolerances
 from topple.planner.samples import voxel_means
-from topple.topology.arrays import BoolArray, FloatArray, IntArray, frozen
+from topple.topology.arrays import BoolArray, FloatArray, IntArray, bounds, frozen
 from topple.topology.scene import Scene
+from topple.topology.tops import tops_of
 
 ITSELF = "its own sides"
 
@@ -21,7 +23,7 @@ class Surroundings:
         points: (M, 3) points in the world [m].
         owners: (M,) whose each is: a place in `names`.
         names: The objects.
-        floor: Height of the fixed ground along up [m], -inf where nothing is fixed.
+        floor: Height of the fixed ground under the object along up [m], -inf where nothing is fixed.
     """
 
     points: FloatArray
@@ -81,17 +83,49 @@ def surroundings(
     Returns:
         The points of the others within reach, and the ground.
     """
-    own = scene.clouds[name]
-    lower, upper = own.min(axis=0) - tolerances.reach, own.max(axis=0) + tolerances.reach
     near: dict[str, FloatArray] = {}
     floor = -np.inf
-    for other, cloud in scene.clouds.items():
-        if other == name:
-            continue
-        within = cloud[np.all((cloud > lower) & (cloud < upper), axis=1)]
-        if len(within) > 0:
-            near[other] = voxel_means(within, tolerances.spacing)
-            if other in scene.fixed:
-                floor = max(floor, float(np.quantile(within @ up, 0.1)))
+    for other, within in _within_reach(name, scene, scene.clouds, tolerances):
+        near[other] = voxel_means(within, tolerances.spacing)
+        if other in scene.fixed:
+            floor = max(floor, _level(name, other, within, scene, up))
     owners = np.repeat(np.arange(len(near)), [len(points) for points in near.values()])
     return Surroundings(np.vstack([np.empty((0, 3)), *near.values()]), owners, tuple(near), floor)
+
+
+def floor_near(
+    name: str, scene: Scene, up: FloatArray, tolerances: GraspTolerances = GRASP_TOLERANCES
+) -> float:
+    """Height of the fixed ground around an object along up [m], -inf where nothing is fixed.
+
+    Args:
+        name: The object.
+        scene: The scene.
+        up: (3,) unit vector against gravity.
+        tolerances: Reach.
+    """
+    near = _within_reach(name, scene, scene.fixed, tolerances)
+    return max((_level(name, other, within, scene, up) for other, within in near), default=-np.inf)
+
+
+def _within_reach(
+    name: str, scene: Scene, others: Iterable[str], tolerances: GraspTolerances
+) -> Iterator[tuple[str, FloatArray]]:
+    """Those of some others that have points where a hand at an object could meet them, with these."""
+    lower, upper = bounds(scene.clouds[name])
+    lower, upper = lower - tolerances.reach, upper + tolerances.reach
+    for other in others:
+        cloud = scene.clouds[other]
+        within = np.all((cloud > lower) & (cloud < upper), axis=1)
+        if other != name and within.any():
+            yield other, cloud[within]
+
+
+def _level(name: str, other: str, within: FloatArray, scene: Scene, up: FloatArray) -> float:
+    """Height of a fixed object around another: of its top below that, where it has one [m]."""
+    top = tops_of(scene.clouds[other], up).under(scene.clouds[name])
+    if top is None:
+        return float(np.quantile(within @ up, 0.1))
+    lower, upper = bounds(within)
+    beside = top.points[np.all((top.points >= lower) & (top.points <= upper), axis=1)]
+    return float(np.quantile((beside if len(beside) else top.points) @ up, 0.1))

@@ -27,7 +27,8 @@ class Certificate:
 
     Attributes:
         proven: Whether it is free everywhere, with at least the clearance asked for.
-        clearance: A lower bound in [m] of the distance of all checked pairs all along; 0 where not proven.
+        clearance: A lower bound in [m] of the distance, all along, of what moves to the obstacles (of the
+            arm's own links to each other where there are none); 0 where not proven.
         contact: What comes too close, where something does.
         state: (n,) where that is.
     """
@@ -66,6 +67,8 @@ class Certifier:
         self._b = np.concatenate([checker.model.standing[s], pairs[:, 1]])
         wanted = checker.model.margin
         self._margin = (wanted[self._a] + wanted[self._b]).astype(np.float32)
+        against = checker.model.obstacle[self._a] | checker.model.obstacle[self._b]
+        self._stated = against if against.any() else np.ones(len(against), dtype=np.bool_)
 
     def certify(
         self, starts: FloatArray, ends: FloatArray, clearance: float = 0.0
@@ -125,12 +128,13 @@ class Certifier:
         need = motion + self._margin[pair] + np.float32(clearance + 2 * ROUNDING)
         direction, apart = self._spheres(centres, item, a, b)
         far = apart > need
-        work.note(intervals.edge[item[far]], (apart - motion)[far])
+        self._note(work, intervals.edge[item[far]], pair[far], (apart - motion)[far])
         near = np.flatnonzero(~far)
         candidates = Candidates(item[near], a[near], b[near], direction[near], need[near])
         gap = gaps(self._model.sets, frames, candidates, iterations=DIRECTIONS)
         proven = gap > need[near]
-        work.note(intervals.edge[item[near[proven]]], (gap - motion[near])[proven])
+        sure = near[proven]
+        self._note(work, intervals.edge[item[sure]], pair[sure], (gap - motion[near])[proven])
         open_ = near[~proven]
         touching = gap[~proven] <= self._margin[pair[open_]] + clearance
         fine = (motion[open_] < FINEST) | last
@@ -172,11 +176,18 @@ class Certifier:
             wanted = float(self._margin[p]) + clearance
             if distance > wanted + float(motion[open_[k]]):
                 settled[k] = True
-                work.note(np.array([edge]), np.array([distance - float(motion[open_[k]])]))
+                left = np.array([distance - float(motion[open_[k]])])
+                self._note(work, np.array([edge]), np.array([p]), left)
             elif distance <= wanted or last:
                 names = self._model.names
                 work.failed[edge] = (Contact(names[a], names[b], distance), middle[i])
         return settled
+
+    def _note(
+        self, work: "_Work", edges: IntArray, pairs: IntArray, distances: FloatArray | Float32Array
+    ) -> None:
+        stated = self._stated[pairs]
+        work.note(edges[stated], distances[stated])
 
     def _spheres(
         self, centres: Float32Array, item: IntArray, a: IntArray, b: IntArray

@@ -1,7 +1,8 @@
 """Batched exact collision checks: bounding volumes, then separating directions, python-fcl for the rest."""
 
 from collections.abc import Collection, Mapping
-from dataclasses import dataclass
+from copy import copy
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -18,6 +19,7 @@ BATCH = 1024  # states per batch: the arrays of one batch stay within the proces
 SMALL = 96  # states that cost little more than a few: such a batch is not divided
 FEW = 64  # open pairs that python-fcl settles sooner than another round of separating directions
 FAR = 1e3  # [m] where nothing is
+ROUNDED = 5e-5  # [m] less than a state has is wanted near it: what is equal is not proven
 EDGE_STEP = 0.05  # [rad] largest joint change between two checked states of an edge, the usual resolution
 
 
@@ -87,6 +89,39 @@ class Checker:
         self.exact_checks = 0
         self._broad = BroadPhase(self.model)
         self.exact = ExactPhase(self.model)
+
+    def keeping(self, clearance: float, states: FloatArray | None = None) -> "Checker":
+        """The same checks with a larger distance from obstacles, where the states have it.
+
+        Args:
+            clearance: Wanted distance from obstacles in [m].
+            states: (m, n) states that have to stay free: of a part nearer to one of them than the clearance,
+                only the distance it has there is wanted.
+
+        Returns:
+            A checker that wants the clearance, or less from some parts, but never less than this one.
+        """
+        least = self.model.margin
+        wanted = np.maximum(least, np.where(self.model.obstacle, clearance, 0.0))
+        stricter = self._wanting(wanted)
+        if states is None:
+            return stricter
+        state, a, b = stricter._hits(states, np.arange(len(states)), every=True)
+        if not len(state):
+            return stricter
+        self.exact.load(self.arm.chain.poses(states))
+        for s, i, j in zip(state.tolist(), a.tolist(), b.tolist(), strict=True):
+            part = j if self.model.obstacle[j] else i
+            self.exact.place(s, i, j)
+            wanted[part] = min(wanted[part], self.exact.distance(i, j) - ROUNDED)
+        return self._wanting(np.maximum(least, wanted))
+
+    def _wanting(self, margin: FloatArray) -> "Checker":
+        """A checker of the same parts and pairs with other margins."""
+        other = copy(self)
+        other.model = replace(self.model, margin=margin)
+        other._broad = BroadPhase(other.model)
+        return other
 
     def free(self, q: FloatArray) -> BoolArray:
         """Which states are free.

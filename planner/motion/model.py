@@ -46,6 +46,7 @@ class CollisionModel:
             base first.
         margin: (P,) wanted distance in [m] of each part from others; 0 for links and what is held, and
             between them.
+        obstacle: (P,) which parts belong to obstacles.
     """
 
     names: tuple[str, ...]
@@ -56,6 +57,7 @@ class CollisionModel:
     standing_pairs: BoolArray
     moving_pairs: IntArray
     margin: FloatArray
+    obstacle: BoolArray
 
     @staticmethod
     def of(
@@ -96,6 +98,7 @@ class CollisionModel:
             table[np.ix_(moving, standing)],
             np.array(both, dtype=np.int64).reshape(-1, 2),
             np.where(np.arange(len(parts.names)) >= robot, margin, 0.0),
+            np.arange(len(parts.names)) >= robot,
         )
 
 

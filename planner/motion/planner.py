@@ -1,6 +1,7 @@
 """Planning a motion: the direct edge, then batched RRT-Connect, then OMPL; the path shortened at the end."""
 
 import time
+from collections.abc import Iterator
 from dataclasses import dataclass, field
 
 import numpy as np
@@ -11,9 +12,13 @@ from topple.planner.motion.rrt import rrt_connect
 from topple.planner.motion.shortcut import densely, length, shortcut
 from topple.topology.arrays import BoolArray, FloatArray, frozen
 from topple.topology.errors import InvalidInput
+from topple.topology.rounded import rounded
 
 DIRECT = 16  # goals tried by a straight edge: the nearest with the first check, then the others at once
 ATTEMPTS = 4  # searches with different seeds before a path that could not be certified is returned
+CLEARANCE = 0.005  # [m] kept to obstacles on the way: depth noise and tracking error, each some 2 mm
+RELAXED = (1.0, 0.2, 0.0)  # shares of the clearance that are tried in turn: none is better than no motion
+PATIENCE = (0.35, 0.55, 1.0)  # share of the budget that is used up to each
 OWN_SHARE = 0.7  # of the time left, for our own search; the rest is OMPL's
 
 
@@ -77,8 +82,13 @@ def plan_motion(
     seed: int = 0,
     budget: float = 5.0,
     certified: bool = True,
+    clearance: float = CLEARANCE,
 ) -> Motion | MotionFailure:
     """Find a short path free of collisions to any of several goals.
+
+    A clearance is kept to every obstacle, or as much of it as the start has, or as the best goal has where
+    none has it. Where there is no way with it, a fifth of it and then the checker's own margin have to do;
+    the certificate says what was kept.
 
     The direct edges are tried first, the nearest goal first; then the search. States on an edge are checked
     every 0.05 rad, and the edges of the result are certified, that is, proven free in between as well. Where
@@ -92,6 +102,7 @@ def plan_motion(
         seed: Seed of the search. As long as the budget is not used up, the same seed gives the same path.
         budget: Seconds to search.
         certified: Whether to certify; without, a path may touch something between the checked states.
+        clearance: Distance wanted from obstacles in [m], where the checker's margin is smaller.
 
     Returns:
         The motion, or why there is none.
@@ -101,6 +112,64 @@ def plan_motion(
     """
     begun = time.monotonic()
     start, goals = _validated(checker, start, goals)
+    found: Motion | MotionFailure | None = None
+    for trial, share in keeping(checker, start, goals, clearance):
+        found = _planned(trial, start, goals, seed, begun, begun + share * budget, certified)
+        if isinstance(found, Motion) and (found.certificate is None or found.certificate.proven):
+            return found
+    assert found is not None, "the checker itself is the last to be tried"
+    return found
+
+
+def keeping(
+    checker: Checker, start: FloatArray, goals: FloatArray, clearance: float
+) -> Iterator[tuple[Checker, float]]:
+    """Checkers that keep less and less of a clearance, the given one last.
+
+    Args:
+        checker: The arm, what it holds and what it must not hit.
+        start: (n,) joint values; what it comes nearer to is asked to keep that.
+        goals: (g, n) joint values; the same for the best of them, where none has the clearance.
+        clearance: Distance wanted from obstacles [m].
+
+    Yields:
+        Each with the share of the time after which the next one is to be tried.
+    """
+    wanted: FloatArray | None = None
+    if clearance > checker.margin:
+        trial = checker.keeping(clearance)
+        wanted = trial.model.margin
+        yield trial, PATIENCE[0]  # mostly start and goal have it, and nothing need be looked at first
+    for part, share in zip(RELAXED, PATIENCE, strict=True):
+        if part * clearance <= checker.margin:
+            break
+        trial = checker.keeping(part * clearance, start[None])
+        if len(goals) and not trial.free(goals).any():
+            clear = goals[checker.free(goals)]
+            if not len(clear):
+                break
+            trial = _nearest_kept(checker, start, clear, part * clearance)
+        if wanted is None or not np.array_equal(trial.model.margin, wanted):
+            yield trial, share
+    yield checker, 1.0
+
+
+def _nearest_kept(checker: Checker, start: FloatArray, goals: FloatArray, clearance: float) -> Checker:
+    """A checker that the start and the goal with the most room both satisfy."""
+    trials = [checker.keeping(clearance, np.stack([start, goal])) for goal in goals[:DIRECT]]
+    return max(trials, key=lambda trial: float(trial.model.margin.sum()))
+
+
+def _planned(
+    checker: Checker,
+    start: FloatArray,
+    goals: FloatArray,
+    seed: int,
+    begun: float,
+    deadline: float,
+    certified: bool,
+) -> Motion | MotionFailure:
+    """A motion that keeps the checker's margins, or why there is none."""
     nearest = np.argsort(np.linalg.norm(goals - start, axis=1), kind="stable")
     order = nearest[_within(checker, goals[nearest])]
     clear = _opened(checker, start, goals[order])
@@ -114,7 +183,7 @@ def plan_motion(
         goals[order],
         open_first,
         seed,
-        begun + budget,
+        deadline,
         Certifier(checker) if certified else None,
     )
     found = query.direct() or query.searched()
@@ -258,4 +327,4 @@ def _barred(checker: Checker, start: FloatArray, goal: FloatArray, seconds: floa
 
 def _says(contacts: tuple[Contact, ...]) -> str:
     worst = contacts[0]
-    return f"{worst.a} touches {worst.b} ({1000 * -min(worst.distance, 0.0):.0f} mm deep)"
+    return f"{worst.a} touches {worst.b} ({rounded(1e3 * max(-worst.distance, 0.0))} mm deep)"

@@ -7,7 +7,7 @@ import numpy as np
 
 from topple.planner.motion.certificate import Certifier
 from topple.planner.motion.collision import Checker
-from topple.planner.motion.planner import Motion, MotionFailure
+from topple.planner.motion.planner import CLEARANCE, Motion, MotionFailure, keeping
 from topple.planner.motion.rrt import RRTSettings, rrt_connect
 from topple.planner.motion.shortcut import shortcut
 from topple.robots.arm import Arm
@@ -94,6 +94,7 @@ def plan_upright(
     *,
     seed: int = 0,
     budget: float = 5.0,
+    clearance: float = CLEARANCE,
 ) -> Motion | MotionFailure:
     """Find a path that keeps what a tool carries as it stands at the start.
 
@@ -106,11 +107,33 @@ def plan_upright(
         tilt: Largest tilt all along [rad].
         seed: Of the search.
         budget: Seconds to search.
+        clearance: Distance wanted from obstacles in [m]; as for `plan_motion`.
 
     Returns:
         The motion with its certificate, its tilt proven too; or why there is none.
     """
     begun = time.monotonic()
+    found: Motion | MotionFailure | None = None
+    for trial, share in keeping(checker, start, goals, clearance):
+        found = _planned(trial, start, goals, tool, up, tilt, seed, begun, begun + share * budget)
+        if isinstance(found, Motion):
+            return found
+    assert found is not None, "the checker itself is the last to be tried"
+    return found
+
+
+def _planned(
+    checker: Checker,
+    start: FloatArray,
+    goals: FloatArray,
+    tool: str,
+    up: FloatArray,
+    tilt: float,
+    seed: int,
+    begun: float,
+    deadline: float,
+) -> Motion | MotionFailure:
+    """An upright motion that keeps the checker's margins, or why there is none."""
     axis = checker.arm.tool_pose(start, tool)[0, :3, :3].T @ up
     level = Upright(checker, axis, up, tool, tilt)
     kept = np.flatnonzero(checker.free(goals) & (level.tilts(goals) <= tilt))
@@ -129,7 +152,7 @@ def plan_upright(
         else:
             path, stage = (
                 rrt_connect(
-                    level, start, goals[kept], seed=seed + 7919 * attempt, deadline=begun + budget,
+                    level, start, goals[kept], seed=seed + 7919 * attempt, deadline=deadline,
                     settings=REACH, project=level.turned_back,
                 ),
                 "rrt",

@@ -15,8 +15,7 @@ from topple.robots.gripper import ToolState
 from topple.topology.arrays import FloatArray
 from topple.topology.scene import Scene
 
-MARGIN = 0.004  # kept to everything on free motions: depth noise and tracking error [m]
-MARGINS = (MARGIN, 0.001, 0.0)  # the hand may start nearer to what it just left: then the first that holds
+MARGIN = 0.004  # what is carried keeps this to everything, if any way does: depth noise and tracking [m]
 RELEASE_GAP = 0.01  # pads this much wider than what they held let go of it [m]
 OPENING_STEP = 0.005  # openings are rounded up to it, so that grasps share their checks [m]
 CONTACT = 0.006  # bodies this close touch: noise of two clouds [m]
@@ -135,12 +134,9 @@ class Checks:
         allow = _pairs(self._links(grasp), (self.name, *self.riding))
         return self._checker(bodies, self.released(grasp, place.into), allow=allow)
 
-    def empty(self, opening: float, q_start: FloatArray) -> Checker:
-        """The empty hand among everything, at the largest of `MARGINS` that it keeps at the start."""
-        state = ToolState(_rounded(opening, self.arm))
-        checkers = (self._checker(self.bodies, state, margin=margin) for margin in MARGINS)
-        free = (checker for checker in checkers if checker.free(q_start)[0])
-        return next(free, None) or self._checker(self.bodies, state)
+    def empty(self, opening: float) -> Checker:
+        """The empty hand among everything; it may start near what it just left, so no margin is asked for."""
+        return self._checker(self.bodies, self.arm.on_the_way(_rounded(opening, self.arm)))
 
     @cached_property
     def others(self) -> dict[str, Sequence[FloatArray]]:

@@ -20,8 +20,8 @@ class Setback:
 
     Attributes:
         step: One of `STEPS`.
-        check: "room" (no grasp or place at all), "reach", "collision", "search" (no way found in time) or
-            "proof" (it touches something between the samples).
+        check: "room" (no grasp or place at all), "reach", "collision", "search" (no way found in time),
+            "stand" (it would not stay there) or "proof" (it touches something between the samples).
         text: In words.
         q: (n,) joint values at which it happened [rad], where the arm got that far.
         pair: Who met whom.

@@ -12,7 +12,6 @@ from topple.planner.motion.trajectory import retime
 from topple.planner.pick_place.handling import Handling
 from topple.planner.pick_place.segments import Segment, no_faster_than
 from topple.planner.place.placement import Placement
-from topple.robots.gripper import ToolState
 from topple.topology.arrays import FloatArray
 
 
@@ -58,7 +57,7 @@ def segments_of(
     """
     ready, closed = handling.ready(grasp), handling.closed(grasp)
     released = handling.released(grasp, place.into)
-    hands = {"move": ToolState(ready.opening), "approach": ready, "retreat": released}
+    hands = {"move": handling.arm.on_the_way(ready.opening), "approach": ready, "retreat": released}
     segments: list[Segment] = []
     for leg in legs:
         pairs = tuple((min(pair), max(pair)) for pair in sorted(leg.checker.allow, key=sorted))

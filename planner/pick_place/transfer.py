@@ -1,7 +1,7 @@
 """One pick and place: grasps, inverse kinematics and placements screened together, then the motions."""
 
 from collections import Counter
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from functools import partial
 
@@ -64,9 +64,11 @@ class TransferLimits:
 
 TRANSFER_LIMITS = TransferLimits()
 TIRED = 2  # failures of one tool after which another has its turn: a surface that leaks leaks elsewhere too
+NARROW = 3  # ways barred at the usual distance that are tried again at any distance, before giving up
 LEVEL = 0.02  # [rad] a placement that tilts a thing less keeps it upright: noise of the up direction
 ROUNDING = 2e-5  # [m] proven clearance that writing a plan with six digits cannot use up
 NO_GRASP, NO_PLACE = "no grasp that holds and has room", "no free place within reach"
+FALLS = "place: it would not stay as it is let go there, and no drop is allowed"
 
 
 @dataclass(frozen=True, eq=False)
@@ -116,6 +118,7 @@ def plan_transfer(
     avoid: Sequence[Grasp] = (),
     riding: Sequence[str] = (),
     upright: bool | None = None,
+    holds: Callable[[Placement], bool] | None = None,
     seed: int = 0,
     limits: TransferLimits = TRANSFER_LIMITS,
 ) -> Transfer | TransferFailure:
@@ -134,6 +137,7 @@ def plan_transfer(
         avoid: Grasps that failed: none near them is tried while there are others.
         riding: What lies in the object and goes with it.
         upright: Whether it is kept upright on the way; where something rides in it, if None.
+        holds: Whether the object stays where a place has it; where None, all do.
         seed: For inverse kinematics and sampling planners.
         limits: How hard to look and how fast to move.
 
@@ -152,6 +156,8 @@ def plan_transfer(
         grasps = _others(find(arm, dropped=dropped), avoid)
         if grasps and "fingers" in arm.tools and all(grasp.tool in _tired(avoid) for grasp in grasps):
             grasps = _others(find(hand=hand_shape(arm)), avoid) or grasps
+    else:
+        grasps = _others(list(grasps), avoid)
     if places is None:
         places = placements(name, scene, bodies, pose_base_to_world=pose_base_to_world)
     level = bool(riding) if upright is None else upright
@@ -162,7 +168,7 @@ def plan_transfer(
     if not places:
         return TransferFailure(name, {NO_PLACE: 1}, None, Setback("place", "room", NO_PLACE))
     handling = Handling(name, scene, bodies, arm, np.asarray(pose_base_to_world), tuple(riding), seed)
-    search = _Search(handling, tuple(places), np.asarray(q_start), level, seed, limits)
+    search = _Search(handling, tuple(places), np.asarray(q_start), level, seed, limits, holds)
     found = search.run(grasps)
     by_cup_alone = searched and all(grasp.tool == "suction" for grasp in grasps) and "fingers" in arm.tools
     if isinstance(found, TransferFailure) and by_cup_alone:
@@ -202,12 +208,15 @@ class _Search:
         level: bool,
         seed: int,
         limits: TransferLimits,
+        holds: Callable[[Placement], bool] | None = None,
     ) -> None:
         self.handling, self.places, self.q_start, self.level = handling, places, q_start, level
-        self.seed, self.limits = seed, limits
+        self.seed, self.limits, self._holds = seed, limits, holds
         self.tally = Tally(frozenset(handling.bodies) - {handling.name})
         self._known: dict[Reached, tuple[FloatArray, FloatArray] | None] = {}
         self._roomy: dict[tuple[Grasp, tuple[Placement, ...]], list[Placement]] = {}
+        self._margin = MARGIN  # least distance kept while carrying
+        self._barred: list[tuple[Reached, tuple[Placement, ...]]] = []
 
     def run(self, grasps: Sequence[Grasp]) -> Transfer | TransferFailure:
         hands = self.handling.hands(grasps[: self.limits.grasps], self.q_start, self.tally)
@@ -220,6 +229,11 @@ class _Search:
                     transfer = self._with(state, places)
                     if transfer is not None:
                         return transfer
+        self._margin = 0.0
+        for state, places in self._barred[:NARROW]:
+            transfer = self._with(state, places)
+            if transfer is not None:
+                return transfer
         return self.tally.failure(self.handling.name)
 
     def _choices(self) -> list[tuple[Placement, ...]]:
@@ -251,16 +265,17 @@ class _Search:
         ahead.append(Leg("lift", lift, handling.lifting(grasp, state.lenient), straight=True))
         if not self._proven(ahead):
             return None
-        carrying = handling.carrying(grasp, MARGIN)
+        carrying = handling.carrying(grasp, self._margin)
         tops = np.array([end.lower[0] for end in ends])
         carry = self._way("transfer", carrying, lift[-1], tops, grasp.tool if self.level else None)
         if carry is None:
+            self._barred += [(state, places)] if self._margin > 0.0 else []
             return None
         end = ends[carry.goal]
         lowering = handling.carrying(grasp, 0.0, end.placement.into)
         behind = [Leg("place", end.lower, lowering, straight=True)]
         behind.append(Leg("retreat", end.retreat, handling.parting(grasp, end.placement), straight=True))
-        emptied = handling.empty(grasp.opening, self.q_start)
+        emptied = handling.empty(grasp.opening)
         move = self._way("move", emptied, self.q_start, approach[:1]) if self._proven(behind) else None
         if move is None:
             return None
@@ -273,12 +288,20 @@ class _Search:
         )
 
     def _room(self, grasp: Grasp, places: tuple[Placement, ...]) -> list[Placement]:
-        """The places where the hand has room, looked for once for all states of a grasp."""
+        """Places where the hand has room and the object stays, looked for once for all states of a grasp."""
         key = (grasp, places)
         if key not in self._roomy:
             way = self.limits.drop, self.limits.retreat
-            self._roomy[key] = self.handling.open_ends(grasp, places, *way, self.tally)
+            room = self.handling.open_ends(grasp, places, *way, self.tally)
+            self._roomy[key] = [place for place in room if self._stays(place)]
         return self._roomy[key]
+
+    def _stays(self, place: Placement) -> bool:
+        """Whether the object holds at a place; where it does not, that is noted."""
+        if self._holds is None or self._holds(place):
+            return True
+        self.tally.note("place", "stand", FALLS)
+        return False
 
     def _ways(self, state: Reached) -> tuple[FloatArray, FloatArray] | None:
         """Straight ways in and up at a state, looked for once for all places; None where there is none."""

@@ -2,6 +2,7 @@
 
 from collections.abc import Collection, Sequence
 from dataclasses import replace
+from importlib.util import find_spec
 from types import TracebackType
 
 import numpy as np
@@ -31,21 +32,35 @@ class Drops:
         bodies: Convex parts of all objects, in the world; the others stay where they are.
         up: (3,) unit vector.
         loose: Others that can be pushed; they come to rest before anything is dropped.
+        scene: Where masses and friction of the objects are given, if anywhere.
     """
 
-    def __init__(self, name: str, bodies: Solids, up: FloatArray, loose: Collection[str] = ()) -> None:
-        from topple.robots.bodies import Body  # pybullet only where something is dropped
+    def __init__(
+        self,
+        name: str,
+        bodies: Solids,
+        up: FloatArray,
+        loose: Collection[str] = (),
+        scene: Scene | None = None,
+    ) -> None:
+        from topple.robots.bodies import FRICTION, Body  # pybullet only where something is dropped
         from topple.robots.world import World
+
+        def body(which: str) -> Body:
+            mass, friction = (None, FRICTION) if scene is None else (
+                scene.masses.get(which), scene.friction.get(which, FRICTION)
+            )  # fmt: skip
+            return Body.of(which, bodies[which], mass=mass, friction=friction)
 
         self.name, self._level = name, _levelling(up)
         self._world = World()
-        for other, parts in bodies.items():
+        for other in bodies:
             if other != name:
-                self._world.add(Body.of(other, parts), self._level, fixed=other not in loose)
+                self._world.add(body(other), self._level, fixed=other not in loose)
         if loose:
             self._world.settle(SECONDS)
         self._settled = {other: self._world.pose(other) for other in sorted(loose)}
-        self._world.add(Body.of(name, bodies[name]), self._level)
+        self._world.add(body(name), self._level)
 
     def __enter__(self) -> "Drops":
         return self
@@ -115,6 +130,11 @@ class Drops:
         return replace(place, pose_before_to_after=pose, rest="as it comes to lie by itself")
 
 
+def simulated() -> bool:
+    """Whether drops can be simulated: without PyBullet placements are chosen by geometry alone."""
+    return find_spec("pybullet") is not None
+
+
 def staying(
     places: Sequence[Placement],
     name: str,
@@ -148,10 +168,12 @@ def staying(
         return pair.relation in (Relation.WITHIN, Relation.PARTIAL_WITHIN)
 
     found = [place for place in places if inside(place.pose_at_rest(up))]
+    if not simulated():
+        return found, found
     gentle: list[tuple[tuple[float, ...], Placement]] = []
     kept: list[tuple[tuple[float, ...], Placement]] = []
     if found:
-        with Drops(name, bodies, up, contents) as drops:
+        with Drops(name, bodies, up, contents, scene) as drops:
             for place in found:
                 rest = drops.rest(place.pose_before_to_after)
                 if inside(rest):
@@ -184,13 +206,13 @@ def standing(places: Sequence[Placement], name: str, scene: Scene, whole: Solids
     Returns:
         The placements in their order, with `rolls` where it does not stay, and those that it falls from.
     """
-    if not places:
-        return []
+    if not places or not simulated():
+        return list(places)
     up, ground = up_of(scene), {other: whole[other] for other in scene.fixed}
     known: dict[tuple[float, ...], tuple[FloatArray, float] | None] = {}
     found: list[Placement] = []
     falls: list[Placement] = []
-    with Drops(name, {**ground, name: whole[name]}, up) as drops:
+    with Drops(name, {**ground, name: whole[name]}, up, scene=scene) as drops:
         for place in places:
             attitude = tuple(np.round(place.pose_before_to_after[:3, :3].T @ up, 3).tolist())
             if attitude not in known:
@@ -198,7 +220,7 @@ def standing(places: Sequence[Placement], name: str, scene: Scene, whole: Solids
             turn = known[attitude]
             found.append(place if turn is None else replace(drops.laid(place, *turn, up), rolls=True))
             if turn is not None and place.tilt(up) < TURNED:
-                falls.append(replace(place, rolls=True, rest="as it was, to fall as it will"))
+                falls.append(replace(place, rolls=True, falls=True, rest="as it was, to fall as it will"))
     return [*found, *falls]
 
 

@@ -1,4 +1,4 @@
-"""What of a table is free, seen from straight above."""
+"""What of the tops of tables and shelves is free, seen from straight above."""
 
 from collections.abc import Collection, Sequence
 from dataclasses import dataclass
@@ -8,25 +8,30 @@ from scipy.ndimage import distance_transform_edt
 from scipy.spatial import ConvexHull, QhullError
 
 from topple.planner.place.resting import PLACEMENT_TOLERANCES, PlacementTolerances
-from topple.planner.solids import Solids, level_axes, table_top, up_of
+from topple.planner.solids import Solids, level_axes, up_of
 from topple.topology.arrays import BoolArray, FloatArray, IntArray
 from topple.topology.scene import Scene
+from topple.topology.tops import Top, tops_of
+
+SKIN = 0.01  # what reaches no further above a top is the top itself, or below it: depth noise [m]
 
 
 @dataclass(frozen=True, eq=False)
 class FreeSpace:
-    """What of a table is free.
+    """What of one top is free.
 
     Attributes:
+        owner: The fixed body whose top it is.
         origin: (2,) level coordinates of the grid's corner [m].
         distance: (I, J) distance of each cell to the nearest thing, edge or unseen table [m].
         ways: (I, J) whether what stands there would be in the way of lifting what is still to be taken, or
             of the hand around it.
-        normal: (3,) unit normal of the table.
-        height: Of the table along the normal [m].
+        normal: (3,) unit normal of the top.
+        height: Of the top along the normal [m].
         cell: Edge of a cell [m].
     """
 
+    owner: str
     origin: FloatArray
     distance: FloatArray
     ways: BoolArray
@@ -56,18 +61,20 @@ class FreeSpace:
         return distance.ravel()[index].min(axis=1), np.asarray(ways.ravel()[index].any(axis=1))
 
 
-def free_space(
+def free_spaces(
     scene: Scene,
     solids: Solids,
     *,
     leave_out: Collection[str] = (),
     avoid: Sequence[FloatArray] = (),
     remaining: Collection[str] = (),
+    tall: float = 0.0,
     tolerances: PlacementTolerances = PLACEMENT_TOLERANCES,
-) -> FreeSpace | None:
-    """Map what of the table is free, everything seen from straight above.
+) -> tuple[FreeSpace, ...]:
+    """Map what of every top is free, everything on it seen from straight above.
 
-    The way out of an object is its column, straight up, and half an open hand's width around it.
+    The way out of an object is its column, straight up, and half an open hand's width around it. A place
+    under a fixed board is free where there is room below it for what is put down and for the hand.
 
     Args:
         scene: The scene.
@@ -75,22 +82,36 @@ def free_space(
         leave_out: Objects that do not count, for they are to be moved.
         avoid: (N, 3) points each, of places to keep free besides.
         remaining: Objects that are still to be taken, or put something on or into.
-        tolerances: Grid and distance from the edge.
+        tall: Height of what is put down [m].
+        tolerances: Grid, distance from the edge and room for the hand.
 
     Returns:
-        The map, or None where the scene has no fixed level surface.
+        One map a top; none where the scene has no fixed level surface. The floor of a bin is only among them
+        where there is no other.
     """
     up = up_of(scene)
-    axes = np.stack(level_axes(up))
-    tables = [
-        (name, top)
-        for name in scene.names
-        if name in scene.fixed and (top := table_top(scene.clouds[name], up))
-    ]
-    if not tables:
-        return None
-    table, (normal, height) = max(tables, key=lambda item: len(scene.clouds[item[0]]))
-    ground = scene.clouds[table] @ axes.T
+    tops = [(name, top) for name in sorted(scene.fixed) for top in tops_of(scene.clouds[name], up).tops]
+    tops = [(name, top) for name, top in tops if not top.walled] or tops
+    return tuple(
+        _free_space(name, top, scene, solids, leave_out, avoid, remaining, tall, tolerances)
+        for name, top in tops
+    )
+
+
+def _free_space(
+    owner: str,
+    top: Top,
+    scene: Scene,
+    solids: Solids,
+    leave_out: Collection[str],
+    avoid: Sequence[FloatArray],
+    remaining: Collection[str],
+    tall: float,
+    tolerances: PlacementTolerances,
+) -> FreeSpace:
+    """The map of one top."""
+    axes = np.stack(level_axes(up_of(scene)))
+    ground = top.points @ axes.T
     origin = ground.min(axis=0)
     shape = np.ceil((ground.max(axis=0) - origin) / tolerances.cell).astype(int) + 1
     middles = origin + (np.argwhere(np.ones(tuple(shape))).reshape(*shape, 2) + 0.5) * tolerances.cell
@@ -99,19 +120,27 @@ def free_space(
     free &= edge > tolerances.edge
     clear = np.ones_like(free)
     for name in scene.names:
-        if name != table and name not in leave_out:
-            taken = np.zeros_like(free)
-            for part in solids[name]:
+        if name in leave_out or (name == owner and len(top.points) == len(scene.clouds[name])):
+            continue  # strays above a table that is nothing but its top are noise
+        fixed = name in scene.fixed
+        ceiling = tall + tolerances.headroom if fixed else np.inf
+        taken = np.zeros_like(free)
+        for part in solids[name]:
+            heights = top.above(part)
+            if heights.max() > (SKIN if fixed else -SKIN) and heights.min() < ceiling:
                 taken |= _within(middles, part @ axes.T)
-            _mark(taken, scene.clouds[name] @ axes.T, origin, tolerances.cell)
-            free &= ~taken
-            if name in remaining:
-                clear &= ~taken
+        heights = top.above(scene.clouds[name])
+        met = (heights > (SKIN if fixed else -SKIN)) & (heights < ceiling)
+        _mark(taken, scene.clouds[name][met] @ axes.T, origin, tolerances.cell)
+        free &= ~taken
+        if name in remaining:
+            clear &= ~taken
     for points in avoid:
         free &= ~_within(middles, points @ axes.T)
     away: FloatArray = np.asarray(distance_transform_edt(clear)) * tolerances.cell
     ways = (away < tolerances.good_gap) & (not clear.all())
-    return FreeSpace(origin, _to_nearest(free) * tolerances.cell, ways, normal, height, tolerances.cell)
+    distance = _to_nearest(free) * tolerances.cell
+    return FreeSpace(owner, origin, distance, ways, top.normal, top.height, tolerances.cell)
 
 
 def _to_nearest(free: BoolArray) -> FloatArray:

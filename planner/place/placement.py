@@ -1,15 +1,15 @@
-"""Where to put things down: free, reachable places on the table, the object resting as it would by itself."""
+"""Where to put things down: free, reachable places on tables, the object resting as it would by itself."""
 
 from collections.abc import Collection, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
 
-from topple.planner.place.free_space import FreeSpace, free_space
+from topple.planner.place.free_space import FreeSpace, free_spaces
 from topple.planner.place.resting import PLACEMENT_TOLERANCES, PlacementTolerances, Rest, about, resting_poses
 from topple.planner.samples import voxel_means
 from topple.planner.solids import Solids, level_axes, solids_of, up_of
-from topple.topology.arrays import FloatArray, frozen
+from topple.topology.arrays import BoolArray, FloatArray, frozen
 from topple.topology.errors import UnknownObject
 from topple.topology.scene import Scene
 
@@ -30,6 +30,7 @@ class Placement:
         into: What it is put on or into, whose inferred body it may enter: its seen surface was kept clear of.
         rolls: Whether it could roll away from there.
         bars: Whether it would be in the way of taking what is still to be taken.
+        falls: Whether it is known not to stay there, and is to be let go all the same.
     """
 
     pose_before_to_after: FloatArray
@@ -39,6 +40,7 @@ class Placement:
     into: str | None = None
     rolls: bool = False
     bars: bool = False
+    falls: bool = False
 
     def __post_init__(self) -> None:
         object.__setattr__(self, "pose_before_to_after", frozen(self.pose_before_to_after))
@@ -74,16 +76,16 @@ def placements(
     limit: int = 24,
     tolerances: PlacementTolerances = PLACEMENT_TOLERANCES,
 ) -> list[Placement]:
-    """Find free places on the table for an object, off the ways out of what remains while there are any.
+    """Find free places on tops for an object, off the ways out of what remains while there are any.
 
     Args:
         name: The object.
-        scene: The scene, with `up` and a fixed flat surface.
+        scene: The scene, with `up` and a fixed body that has a top.
         solids: Convex parts of the objects; made from the scene where not given.
         pose_base_to_world: (4, 4) the arm's base: places within its reach and off its foot.
         avoid: (N, 3) points each: places to keep free besides.
         remaining: Objects that are still to be taken, or put something on or into.
-        limit: At most so many, spread over the table; the last of them in other attitudes.
+        limit: At most so many, spread over the tops; the last of them in other attitudes.
         tolerances: Distances.
 
     Returns:
@@ -96,17 +98,20 @@ def placements(
         raise UnknownObject(name, scene.names)
     up = up_of(scene)
     solids = solids_of(scene) if solids is None else solids
-    space = free_space(
-        scene, solids, leave_out={name}, avoid=avoid, remaining=remaining, tolerances=tolerances
-    )
-    if space is None:
-        return []
-    base = None if pose_base_to_world is None else np.stack(level_axes(up)) @ pose_base_to_world[:3, 3]
     cloud, parts = scene.clouds[name], solids[name]
+    rests = resting_poses(cloud, parts, up, tolerances)
+    tall = max(float(np.ptp(cloud @ (rest.rotation.T @ up))) for rest in rests)
+    spaces = free_spaces(
+        scene, solids, leave_out={name}, avoid=avoid, remaining=remaining, tall=tall, tolerances=tolerances
+    )
     middle = cloud.mean(axis=0)
     found = [
-        _at_rest(cloud, parts, rest, space, up, base, tolerances)
-        for rest in resting_poses(cloud, parts, up, tolerances)
+        [
+            place
+            for space in spaces
+            for place in _at_rest(cloud, parts, rest, space, up, pose_base_to_world, tolerances)
+        ]
+        for rest in rests
     ]
     best = _spread_out([place for places in found for place in places], middle, limit)
     worse = [places for places in found if not any(place in best for place in places)]
@@ -120,19 +125,21 @@ def _at_rest(
     rest: Rest,
     space: FreeSpace,
     up: FloatArray,
-    base: FloatArray | None,
+    pose_base_to_world: FloatArray | None,
     tolerances: PlacementTolerances,
     yaws: int = 8,
 ) -> list[Placement]:
-    """Every free place and heading for an object in one resting pose."""
+    """Every free place and heading on one top for an object in one resting pose."""
     axes = np.stack(level_axes(up))
+    base = None if pose_base_to_world is None else axes @ pose_base_to_world[:3, 3]
     middle = cloud.mean(axis=0)
     body = np.vstack([voxel_means(cloud, 0.008), *parts])
     cells = 2 * np.argwhere(space.distance[::2, ::2] > tolerances.gap)
-    if base is not None and len(cells) > 0:
-        far = np.linalg.norm(space.middles(cells) - base, axis=1)
-        cells = cells[(far > tolerances.reach[0]) & (far < tolerances.reach[1])]
     places = space.middles(cells)
+    if pose_base_to_world is not None:
+        rise = space.height - float(pose_base_to_world[:3, 3] @ space.normal)
+        within = reachable(places, rise, axes @ pose_base_to_world[:3, 3], tolerances)
+        cells, places = cells[within], places[within]
     found: list[Placement] = []
     for k in range(yaws):
         rotation = about(up, 2.0 * np.pi * k / yaws) @ rest.rotation
@@ -158,6 +165,21 @@ def _at_rest(
                 )
             )  # fmt: skip
     return found
+
+
+def reachable(
+    places: FloatArray, rise: float, base: FloatArray, tolerances: PlacementTolerances
+) -> BoolArray:
+    """Which places an arm works at freely.
+
+    Args:
+        places: (P, 2) level coordinates [m].
+        rise: Height of their top over the arm's base [m].
+        base: (2,) level coordinates of the base [m].
+        tolerances: Its reach.
+    """
+    level = np.linalg.norm(places - base, axis=1)
+    return (level > tolerances.reach[0]) & (np.hypot(level, rise) < tolerances.reach[1])
 
 
 def _scores(

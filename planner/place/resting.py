@@ -26,6 +26,8 @@ class PlacementTolerances:
         good_gap: Distance beyond which more does not help: the open hand's half width.
         edge: Distance kept from the table's edge, against tipping over it.
         drop: Height above the table at which it is let go: depth noise (2 mm) and tracking error (2 mm).
+        headroom: Kept free between what is put down and a board above it: a hand from its fingertips to the
+            wrist (15 cm) and the way straight down (6 cm).
         reach: Distances from the arm's base between which it works freely top-down.
         stray: Points this far below the others of a face still belong to it: noise of the cloud.
         least_steady: Below this it is taken to fall over: noise of the cloud's middle.
@@ -40,6 +42,7 @@ class PlacementTolerances:
     good_gap: float = 0.10
     edge: float = 0.03
     drop: float = 0.004
+    headroom: float = 0.21
     reach: tuple[float, float] = (0.30, 0.70)
     stray: float = 0.003
     least_steady: float = 0.002

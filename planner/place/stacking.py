@@ -9,10 +9,11 @@ from scipy.spatial import ConvexHull, QhullError
 from topple.planner.place.placement import Placement
 from topple.planner.place.resting import PLACEMENT_TOLERANCES, PlacementTolerances, Rest, about, resting_poses
 from topple.planner.samples import centre_of_mass, sampled, voxel_means
-from topple.planner.solids import Solids, hull_vertices, level_axes, solids_of, table_top, up_of
+from topple.planner.solids import Solids, hull_vertices, level_axes, solids_of, up_of
 from topple.topology.arrays import FloatArray, IntArray
 from topple.topology.errors import UnknownObject
 from topple.topology.scene import Scene
+from topple.topology.tops import tops_of
 
 CELL = 0.005  # grid of heights: half a finger's thickness [m]
 CONTACT = 0.005  # cells this close to touching carry: depth noise of both surfaces [m]
@@ -86,7 +87,8 @@ def placements_on(
     up = up_of(scene)
     solids = solids_of(scene) if solids is None else solids
     axes = np.stack(level_axes(up))
-    heights = heights_of(scene, up, leave_out=name)
+    ceiling = float((scene.clouds[where] @ up).max() + np.ptp(scene.clouds[name], axis=0).max())
+    heights = heights_of(scene, up, leave_out=name, ceiling=ceiling + tolerances.headroom)
     outline = hull_vertices(scene.clouds[where] @ axes.T)
     low, high = outline.min(axis=0), outline.max(axis=0)
     middle, steps = (low + high) / 2.0, np.linspace(-0.3, 0.3, 7)
@@ -130,16 +132,17 @@ def _varied(found: list[Placement], centre: FloatArray, limit: int) -> list[Plac
     return kept
 
 
-def heights_of(scene: Scene, up: FloatArray, leave_out: str) -> Heights:
+def heights_of(scene: Scene, up: FloatArray, leave_out: str, ceiling: float = np.inf) -> Heights:
     """Map the upper surface of everything but one object.
 
     Args:
         scene: The scene.
         up: (3,) unit vector.
         leave_out: The object that does not count.
+        ceiling: Height above which nothing that is fixed counts: boards of a shelf with room below [m].
 
     Returns:
-        The map; tables count as planes over their whole outline, gaps narrower than 3 cells are closed.
+        The map; tops count as planes, gaps narrower than 3 cells are closed.
     """
     axes = np.stack(level_axes(up))
     everything = np.vstack([cloud for name, cloud in scene.clouds.items() if name != leave_out]) @ axes.T
@@ -149,8 +152,14 @@ def heights_of(scene: Scene, up: FloatArray, leave_out: str) -> Heights:
     for number, (name, cloud) in enumerate(scene.clouds.items()):
         if name == leave_out:
             continue
-        flat = table_top(cloud, up) if name in scene.fixed else None
-        level = cloud @ up if flat is None else np.full(len(cloud), flat[1])
+        level = cloud @ up
+        if name in scene.fixed:
+            found = tops_of(cloud, up)
+            cloud = np.vstack([*(each.points for each in found.tops), found.rest])
+            level = np.concatenate(
+                [*(np.full(len(each.points), each.height) for each in found.tops), found.rest @ up]
+            )
+            cloud, level = cloud[level < ceiling], level[level < ceiling]
         index = np.floor((cloud @ axes.T - origin) / CELL).astype(np.int64)
         own = np.full(tuple(shape), -np.inf)
         np.maximum.at(own, (index[:, 0], index[:, 1]), level)

@@ -8,17 +8,18 @@ import numpy as np
 from topple.planner.base import choose_base
 from topple.planner.rebuilt.rebuild import Rebuilt, rebuild
 from topple.planner.report.palette import object_colours
-from topple.planner.solids import table_top, up_of
+from topple.planner.solids import fixed_parts, up_of
 from topple.robots.arm import Arm
 from topple.robots.camera import Camera
 from topple.robots.poses import inverse
 from topple.robots.scenarios.scenario import around
-from topple.robots.world import World
+from topple.robots.world import TABLE_FRICTION, World
 from topple.topology.arrays import FloatArray
 from topple.topology.cloud import clean
 from topple.topology.errors import InvalidInput
 from topple.topology.scene import Scene
 from topple.topology.statics import Statics
+from topple.topology.tops import lowest_in_use, tops_of
 
 RELAX = 40  # rounds of relaxing: what overlaps by millimetres is apart after a quarter of a second
 STEPS = 2  # simulation steps a round, after which everything is brought to a halt: nothing flies
@@ -85,7 +86,8 @@ class Rehearsal:
         world = World()
         try:
             rebuilt = _coloured(rebuild(Statics.of(level)), level)
-            ground = level.clouds[table]
+            rebuilt = replace(rebuilt, grounds=tuple(b for b in rebuilt.grounds if b.name != table))
+            ground, more = _taken_apart(level, table)
             low, high = ground[:, :2].min(axis=0) - EDGE, ground[:, :2].max(axis=0) + EDGE
             size, centre = high - low, (high + low) / 2.0
             world.add_table(
@@ -93,6 +95,8 @@ class Rehearsal:
                 height=rebuilt.floor,
                 size=(float(size[0]), float(size[1])),
                 centre=(float(centre[0]), float(centre[1])),
+                more=more,
+                friction=scene.friction.get(table, TABLE_FRICTION),
             )
             rebuilt.add_to(world)
             relax(world)
@@ -127,14 +131,26 @@ def relax(world: World) -> None:
     world.settle(3.0)
 
 
+def _taken_apart(level: Scene, table: str) -> tuple[FloatArray, list[FloatArray]]:
+    """Points (N, 3) of the top at height 0, and the parts (V, 3) of the table that rise above it [m]."""
+    cloud, up = level.clouds[table], up_of(level)
+    found = tops_of(cloud, up)
+    if found.flat or not found.tops:
+        return cloud, []
+    ground = min(found.tops, key=lambda top: abs(top.height)).points
+    return ground, [part for part in fixed_parts(cloud, up) if part[:, 2].max() > EDGE]
+
+
 def _levelled(scene: Scene) -> tuple[str, FloatArray]:
     """The table's name and the (4, 4) pose_scene_to_world that lays it at height 0 under the objects."""
     up = up_of(scene)
-    tables = {name: top for name in scene.fixed if (top := table_top(scene.clouds[name], up)) is not None}
+    tables = {name: tops_of(scene.clouds[name], up).tops for name in sorted(scene.fixed)}
+    tables = {name: tops for name, tops in tables.items() if tops}
     if not tables:
-        raise InvalidInput("no fixed object is flat and level: name the table with --fixed NAME")
+        raise InvalidInput(_no_table(scene))
     table = max(tables, key=lambda name: len(scene.clouds[name]))
-    normal, height = tables[table]
+    top = lowest_in_use(tables[table], [scene.clouds[name] for name in scene.movable])
+    normal, height = top.normal, top.height
     x = np.cross([0.0, 1.0, 0.0] if abs(normal[1]) < 0.9 else [0.0, 0.0, 1.0], normal)
     x /= np.linalg.norm(x)
     pose = np.eye(4)
@@ -144,6 +160,13 @@ def _levelled(scene: Scene) -> tuple[str, FloatArray]:
     pose[:2, 3] = -(pose[:2, :3] @ middle)
     pose[2, 3] = -height
     return table, pose
+
+
+def _no_table(scene: Scene) -> str:
+    if not scene.fixed:
+        return "nothing in the scene is fixed: name the table with --fixed NAME"
+    names = ", ".join(repr(name) for name in sorted(scene.fixed))
+    return f"fixed {names}: no level surface is seen: expected a table or the boards of a shelf"
 
 
 def _in_world(scene: Scene, to_world: FloatArray) -> Scene:
@@ -156,4 +179,6 @@ def _in_world(scene: Scene, to_world: FloatArray) -> Scene:
         np.array([0.0, 0.0, 1.0]),
         turned(scene.viewpoints) if len(scene.viewpoints) else None,
         assumptions=scene.assumptions,
+        masses=scene.masses,
+        friction=scene.friction,
     )

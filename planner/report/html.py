@@ -38,7 +38,7 @@ def page(title: str, body: str, data: Any, scripts: Sequence[str]) -> str:
 
 def asset(name: str) -> str:
     """Text of a file of the package's `assets` folder."""
-    return files("topple.planner.report").joinpath("assets", name).read_text(encoding="utf-8")
+    return files("topple.planner.report").joinpath("assets").joinpath(name).read_text(encoding="utf-8")
 
 
 def embedded(data: Any) -> str:

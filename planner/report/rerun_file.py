@@ -17,7 +17,7 @@ from topple.planner.report.words import order_in_words
 from topple.robots.convex import hull_of
 from topple.robots.recording import Recording
 from topple.topology.arrays import FloatArray
-from topple.topology.errors import InvalidInput
+from topple.topology.errors import NotInstalled
 from topple.topology.image import DepthImage
 from topple.topology.relation import Relation
 from topple.topology.scene import Scene
@@ -52,7 +52,7 @@ def rerun_file(record: RunRecord, recording: Recording) -> bytes:
         The bytes of the file.
 
     Raises:
-        InvalidInput: The library that writes it is not installed.
+        NotInstalled: The library that writes it.
     """
     rr = library()
     stream = rr.RecordingStream("topple")
@@ -77,12 +77,12 @@ def library() -> Any:
     """The library that writes recordings.
 
     Raises:
-        InvalidInput: It is not installed.
+        NotInstalled: It is not installed.
     """
     try:
         import rerun  # an extra: only recordings need it
     except ImportError as error:
-        raise InvalidInput("a recording needs the Rerun SDK: pip install 'topple[rerun]'") from error
+        raise NotInstalled("a recording needs the Rerun SDK", "rerun") from error
     return rerun
 
 

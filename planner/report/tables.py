@@ -107,7 +107,7 @@ def _risk(risk: float | None) -> str:
 
 
 def _certificates(order: Document, index: Mapping[str, int]) -> str:
-    """Groups, unresolved cycles, who carries whom, and what only bars the gripper's way."""
+    """Groups, unresolved cycles, what carries what, and what only bars the gripper's way."""
     html = ""
     for group in order.get("groups", ()):
         names = [object_name(str(name), index) for name in group]
@@ -119,7 +119,7 @@ def _certificates(order: Document, index: Mapping[str, int]) -> str:
     supports = list(order.get("supports") or ())
     if supports:
         rows = "".join(f"<li>{_support(support, index)}</li>" for support in supports)
-        html += f"<details><summary>Who carries whom ({len(supports)})</summary><ul>{rows}</ul></details>"
+        html += f"<details><summary>What carries what ({len(supports)})</summary><ul>{rows}</ul></details>"
     access = list(order.get("access") or ())
     if access:
         rows = "".join(f"<li>{_bar(bar, index)}</li>" for bar in access)

@@ -3,6 +3,8 @@
 from collections.abc import Mapping, Sequence
 from typing import Any
 
+from topple.topology.rounded import rounded
+
 Document = Mapping[str, Any]
 
 _BECAUSE = {
@@ -50,15 +52,15 @@ def order_in_words(order: Document) -> list[tuple[str, str]]:
     targets = {str(name) for name in order.get("targets", ())}
     told: list[tuple[str, str]] = []
     done: set[str] = set()
-    for name in map(str, order.get("order", ())):
-        told.append(
-            (
-                name,
-                _sentence(
-                    name, before.get(name, ()), holds.get(name, ()), together.get(name, ()), targets, done
-                ),
-            )
+    names = [str(name) for name in order.get("order", ())]
+    explained = [line.partition(": ")[2] for line in order.get("explanation", ())]
+    otherwise = dict(zip(names, explained, strict=True)) if len(explained) == len(names) else {}
+    for name in names:
+        why = _sentence(
+            name, before.get(name, ()), holds.get(name, ()), together.get(name, ()), targets, done
         )
+        why = why or otherwise.get(name) or "nothing depends on it, and it depends on nothing"
+        told.append((name, f"{why}."))
         done.add(name)
     return told
 
@@ -83,7 +85,7 @@ def _sentence(
         parts.append("taken or held together with " + listed(others))
     if name in targets:
         parts.append("this is a target")
-    return "; ".join(parts or ["nothing depends on it, and it depends on nothing"]) + "."
+    return "; ".join(parts)
 
 
 def _by_reason(
@@ -114,4 +116,4 @@ def sentences(text: Any) -> list[str]:
 def millimetres(metres: float) -> str:
     """A length in millimetres, to a tenth below 10 mm."""
     value = metres * 1000
-    return f"{value:.1f} mm" if abs(value) < 10 else f"{value:.0f} mm"
+    return f"{rounded(value, 1 if abs(value) < 10 else 0)} mm"

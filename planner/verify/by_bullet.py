@@ -6,12 +6,12 @@ from types import TracebackType
 from typing import Any
 
 import numpy as np
-import pybullet
 
 from topple.planner.plan_format import Plan
 from topple.planner.verify.record import Residual, Worst
 from topple.planner.verify.replay import Beat, parts_of
 from topple.robots.arm import Arm
+from topple.robots.engine import pybullet
 from topple.robots.poses import position_and_quaternion
 from topple.topology.arrays import FloatArray
 

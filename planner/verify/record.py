@@ -4,6 +4,9 @@ import math
 from dataclasses import dataclass
 from typing import Any
 
+BROKEN = "dependencies of the scene broken"
+"""The check that holds a plan's order against the dependencies found in the scene."""
+
 
 @dataclass(frozen=True)
 class Residual:
@@ -41,10 +44,12 @@ class Verification:
     Attributes:
         residuals: One for each check.
         states: How many arm states were looked at.
+        allowed: What a step says that it allows and no residual counts: drops, in sentences.
     """
 
     residuals: tuple[Residual, ...]
     states: int = 0
+    allowed: tuple[str, ...] = ()
 
     @property
     def ok(self) -> bool:
@@ -74,6 +79,7 @@ class Verification:
         return {
             "ok": self.ok,
             "states": self.states,
+            "allowed": list(self.allowed),
             "residuals": [
                 {
                     "name": residual.name,

@@ -3,14 +3,16 @@
 import numpy as np
 
 from topple.planner.plan_format import Plan
+from topple.planner.plan_robot import arm_from
 from topple.planner.verify.by_bullet import BulletCheck
 from topple.planner.verify.by_fcl import FclCheck
 from topple.planner.verify.clouds import CloudCheck
 from topple.planner.verify.handled import HandCheck
 from topple.planner.verify.motions import check_motions
-from topple.planner.verify.outcome import check_goal, check_precedence, check_rest
-from topple.planner.verify.record import Residual, Verification, not_evaluated
+from topple.planner.verify.outcome import check_goal, check_precedence
+from topple.planner.verify.record import BROKEN, Residual, Verification, not_evaluated
 from topple.planner.verify.replay import Beat, replay
+from topple.planner.verify.rest import RestCheck
 from topple.robots.arm import Arm
 from topple.robots.catalog import robot as robot_named
 from topple.topology.errors import InvalidInput
@@ -34,15 +36,15 @@ def verify(
     Args:
         plan: The plan, fresh or read back from JSON.
         scene: What it was made for; None: what needs clouds is not evaluated.
-        robot: The arm or its name; the one the plan names where None.
+        robot: The arm or its name; the one the plan names where None, from the URDF it was made with.
         step: Spacing of the states [rad].
 
     Returns:
         The residuals, at most 0 where all is well, `inf` where not evaluated.
 
     Raises:
-        InvalidInput: The plan's arm is not in the catalog and none was given, or the arm's joints or the
-            scene's objects are not those of the plan.
+        InvalidInput: The plan's arm or its URDF is not found here and none was given, the URDF is another
+            than the plan was made with, or the arm's joints or the scene's objects are not those of the plan.
     """
     arm = _arm(plan, robot)
     if scene is not None:
@@ -59,24 +61,27 @@ def verify(
                 clouds.look(beat)
             if beat.segment.kind == "release":
                 put.append(beat)
+    rest = RestCheck(plan)
+    for beat in put:
+        rest.look(beat)
     residuals = [
         *fcl_check.residuals(),
         *bullet.residuals(),
         *check_motions(plan, arm),
         *hands.residuals(),
         *check_precedence(plan, scene),
-        *check_rest(plan, put),
+        *rest.residuals(),
     ]
     if scene is None or clouds is None:
         residuals += _left_out()
     else:
         residuals += [*clouds.residuals(), check_goal(plan, scene)]
-    return Verification(tuple(residuals), fcl_check.states)
+    return Verification(tuple(residuals), fcl_check.states, tuple(rest.allowed))
 
 
 def _left_out() -> list[Residual]:
     return [
-        not_evaluated("dependencies of the scene broken", "1", NO_SCENE),
+        not_evaluated(BROKEN, "1", NO_SCENE),
         not_evaluated("seen points entered", "m", NO_SCENE),
         not_evaluated("points outside of the plan's bodies", "m", NO_SCENE),
         not_evaluated("goal clauses unmet", "1", NO_SCENE),
@@ -92,6 +97,8 @@ def _thinned(beat: Beat) -> Beat:
 def _arm(plan: Plan, robot: Arm | str | None) -> Arm:
     if isinstance(robot, Arm):
         arm = robot
+    elif robot is None and plan.arm is not None:
+        arm = arm_from(plan.arm, plan.robot)
     else:
         try:
             arm = robot_named(plan.robot if robot is None else robot)

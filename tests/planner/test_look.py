@@ -72,3 +72,20 @@ def test_a_blind_camera_does_no_harm_and_blind_cameras_are_refused(world: World)
     assert set(observer(world, AWAY, seeing).look().scene.names) == {"table", "can", "block"}
     with pytest.raises(InvalidInput, match="none of 1 cameras sees anything"):
         observer(world, AWAY).look()
+
+
+def test_what_was_weighed_stays_so_when_it_is_seen_anew(world: World) -> None:
+    front = Camera.looking_at((0.7, 0.0, 0.3), (0.0, 0.0, 0.05))
+    masses, friction = {"can": 0.4, "late": 1.5}, {"table": 0.6, "can": 0.3}
+    rng = np.random.default_rng(0)
+    eyes = Observer(world, (front,), rng, ("table",), masses=masses, friction=friction)
+    before = eyes.look().scene
+    assert before.masses == {"can": 0.4}
+    assert before.friction == friction
+    world.add(shapes.block("late"), pose_at(0.0, -0.2, 0.0))
+    world.place("can", pose_at(0.05, 0.0, 0.0))
+    after = eyes.look(before).scene
+    assert after.masses == masses
+    assert after.friction == friction
+    others = observer(world).look(before).scene
+    assert others.masses == {"can": 0.4}, "what the expected scene says is kept as well"

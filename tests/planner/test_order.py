@@ -210,3 +210,20 @@ def test_on_a_real_frame_nothing_goes_before_what_stands_on_it() -> None:
     found = order(load_scene(SHARED / "data/rgbd/osd_test47.npz", fixed=["1"]))
     place = {name: i for i, name in enumerate(found.order)}
     assert all(place[a] < place[b] for a, b in (("7", "3"), ("5", "4"), ("6", "4"), ("6", "3")))
+
+
+def test_an_object_sunk_into_the_table_is_said() -> None:
+    rng = np.random.default_rng(3)
+    box = rng.uniform(0.0, 0.1, (2000, 3))
+    box[np.arange(2000), rng.integers(3, size=2000)] = rng.choice([0.0, 0.1], 2000)
+    table = np.column_stack([rng.uniform(-0.5, 0.5, (6000, 2)), np.zeros(6000)])
+    clouds = {
+        "table": table,
+        "sunk": box - np.array([0, 0, 0.05]),
+        "fine": box + np.array([0.2, 0, 0]),
+        "aside": box + np.array([0.45, 0, -0.05]),
+    }
+    said = order(Scene(clouds, fixed=["table"], up=(0, 0, 1))).assumptions
+    assert [line for line in said if "into table" in line] == [
+        "sunk reaches 5 cm into table, which no body can: where one of them was seen is wrong by as much"
+    ]

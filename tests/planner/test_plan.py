@@ -1,3 +1,4 @@
+import hashlib
 import json
 import xml.etree.ElementTree as ElementTree
 from pathlib import Path
@@ -174,3 +175,77 @@ def test_plans_are_frozen(found: Plan) -> None:
     with pytest.raises(AttributeError):
         found.seed = 1  # type: ignore[misc]
     assert isinstance(found, msgspec.Struct)
+
+
+def test_the_plan_says_with_which_arm_and_tool_and_where_its_urdf_is(found: Plan) -> None:
+    arm = found.arm
+    assert arm is not None
+    assert (arm.urdf, arm.catalog) == ("pybullet_data:franka_panda/panda.urdf", True)
+    known = robot(found.robot)
+    assert arm.sha256 == hashlib.sha256(known.source.read_bytes()).hexdigest()
+    assert arm.joints == found.joints and arm.upper == known.upper.tolist()
+    tools = {tool.name: tool for tool in arm.tools}
+    jaw, cup = tools["fingers"].jaw, tools["suction"].cup
+    assert jaw is not None and cup is not None
+    assert (jaw.openings, jaw.joint_values) == ([0.0, 0.08], [[0.0, 0.0], [0.04, 0.04]])
+    assert (cup.link, cup.radius) == ("suction_cup", 0.015)
+    for step in found.steps:  # a controller finds the grasp with what is written
+        approach = next(segment for segment in step.segments if segment.kind == "approach")
+        assert approach.motion is not None
+        tool = tools[approach.tool]
+        link = known.forward(np.array(approach.motion.positions[-1]))[0, known.links.index(tool.link)]
+        at = np.array(found.pose_base_to_world) @ link @ np.array(tool.pose_tool_to_link)
+        assert np.abs(at - np.array(step.grasp.pose_tool_to_world)).max() < 1e-3
+
+
+def test_a_plan_without_the_arms_data_is_still_read_and_checked(found: Plan) -> None:
+    document = json.loads(plan_to_json(found))
+    del document["arm"]
+    old = plan_from_json(json.dumps(document))
+    assert old.arm is None
+    assert old.verify()["tool at the grasp"] <= 0.0
+
+
+@pytest.mark.parametrize(
+    ("changed", "words"),
+    [
+        ({"sha256": "0" * 64}, "is not the file the plan was made with"),
+        ({"urdf": "/no/arm.urdf"}, "described by /no/arm.urdf, which is not here"),
+        ({"urdf": "no_such_package:arm.urdf"}, "described by no_such_package:arm.urdf, which is not here"),
+    ],
+)
+def test_another_urdf_than_the_plans_is_refused_in_one_line(
+    found: Plan, changed: dict[str, str], words: str
+) -> None:
+    document = json.loads(plan_to_json(found))
+    document["arm"].update(changed)
+    with pytest.raises(InvalidInput, match=words) as refusal:
+        plan_from_json(json.dumps(document)).verify()
+    assert "\n" not in str(refusal.value)
+
+
+def test_a_motion_is_given_as_arrays_by_number_and_by_name(found: Plan) -> None:
+    times, positions, velocities = found.trajectory(0, "approach")
+    assert times.shape == (len(times),) and times[0] == 0.0 and (np.diff(times) > 0).all()
+    assert positions.shape == velocities.shape == (len(times), len(found.joints))
+    motion = found.steps[0].segments[1].motion
+    assert motion is not None and np.array_equal(positions, motion.positions)
+    assert np.array_equal(found.trajectory(0, 1).velocities, motion.velocities)
+
+
+@pytest.mark.parametrize(
+    ("step", "segment", "words"),
+    [
+        (9, 0, "the plan has no step 9: expected 0 to"),
+        (-1, 0, "the plan has no step -1"),
+        (0, 8, "step 0 has no segment 8: it has 0 move, 1 approach, 2 grasp"),
+        (0, -1, "has no segment -1"),
+        (0, "fly", "has no segment 'fly'"),
+        (0, "grasp", "the arm stands still in segment 2, grasp"),
+    ],
+)
+def test_a_motion_that_is_not_there_is_refused(
+    found: Plan, step: int, segment: int | str, words: str
+) -> None:
+    with pytest.raises(InvalidInput, match=words):
+        found.trajectory(step, segment)

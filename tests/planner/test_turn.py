@@ -1,5 +1,6 @@
 from topple.planner.dependency import Dependency, DependencyGraph
-from topple.planner.turn import out_of_turn, says
+from topple.planner.order import Order
+from topple.planner.turn import Ahead, out_of_turn, says
 from topple.topology.support import Support
 
 
@@ -34,3 +35,30 @@ def test_what_carries_another_one_never_goes_before_it() -> None:
 
 def test_the_reason_says_what_is_gone_against_and_how_far_it_is_believed() -> None:
     assert "plum leans on orange (0.47)" in says([Dependency("plum", "orange", "leaning", 0.47)])
+
+
+def ordered(targets: tuple[str, ...], *names: str) -> Order:
+    return Order(targets, names, graph(), (), (), (), {})
+
+
+def test_an_order_that_goes_on_as_it_was_to_is_no_change() -> None:
+    ahead = Ahead.of(ordered(("plate",), "spoon", "plate"), "spoon")
+    assert ahead.changed(ordered(("plate",), "plate")) is None
+
+
+def test_a_look_that_adds_or_drops_an_object_changes_the_order_and_says_what_it_was() -> None:
+    ahead = Ahead.of(ordered(("ball",), "can", "box", "ball"), "can")
+    assert ahead.changed(ordered(("ball",), "ball")) == "ball instead of box, ball"
+    assert ahead.changed(ordered(("ball",), "mug", "box", "ball")) == "mug, box, ball instead of box, ball"
+
+
+def test_a_step_that_failed_is_still_ahead() -> None:
+    ahead = Ahead.of(ordered(("ball",), "can", "ball"), None)
+    assert ahead.changed(ordered(("ball",), "can", "ball")) is None
+
+
+def test_the_next_part_of_a_goal_is_no_change_and_the_same_part_again_is() -> None:
+    ahead = Ahead.of(ordered(("red",), "red"), "red")
+    assert ahead.changed(ordered(("green",), "green")) is None
+    emptied = Ahead.of(ordered(("bowl",), "plum"), "plum")
+    assert emptied.changed(ordered(("bowl",), "plum")) == "plum though nothing was left to take"

@@ -81,6 +81,7 @@ def test_what_lies_in_a_marked_container_goes_with_it() -> None:
     assert checked["tilt of what is kept upright"] <= 0.0
     assert checked["collisions (python-fcl)"] <= 0.0
     assert checked["attachment against grasp"] <= 0.0
+    assert checked.ok
 
 
 def test_marks_of_what_is_not_there_are_refused() -> None:

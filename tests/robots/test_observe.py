@@ -80,3 +80,39 @@ def test_names_are_unique_and_some_can_be_left_out(client: int) -> None:
 def test_an_empty_world_is_refused(client: int) -> None:
     with pytest.raises(InvalidInput, match="no bodies"):
         scene_from_world(client)
+
+
+def test_masses_and_friction_are_those_of_the_world(client: int) -> None:
+    primitive(client, pybullet.GEOM_PLANE, (0, 0, 0), 0.0)
+    box = primitive(client, pybullet.GEOM_BOX, (0.2, 0, 0.03), 1.5, halfExtents=[0.04, 0.02, 0.03])
+    rough = primitive(client, pybullet.GEOM_BOX, (0.4, 0, 0.03), 0.2, halfExtents=[0.04, 0.02, 0.03])
+    pybullet.changeDynamics(box, -1, lateralFriction=0.3, physicsClientId=client)
+    pybullet.changeDynamics(rough, -1, lateralFriction=50.0, physicsClientId=client)
+    scene = scene_from_world(client, names={box: "box", rough: "rough"})
+    assert scene.masses == {"box": 1.5, "rough": 0.2}, "what has no mass never moves"
+    assert scene.friction == {"body_0": 0.5, "box": 0.3, "rough": 10.0}
+    assert any("friction of 'rough', 50, is taken as 10" in line for line in scene.assumptions)
+
+
+def test_a_body_weighs_what_its_links_weigh(client: int) -> None:
+    shape = pybullet.createCollisionShape(pybullet.GEOM_BOX, halfExtents=[0.03] * 3, physicsClientId=client)
+    body = pybullet.createMultiBody(
+        1.0, shape, linkMasses=[0.5], linkCollisionShapeIndices=[shape], linkVisualShapeIndices=[-1],
+        linkPositions=[[0.2, 0, 0]], linkOrientations=[[0, 0, 0, 1]], linkInertialFramePositions=[[0, 0, 0]],
+        linkInertialFrameOrientations=[[0, 0, 0, 1]], linkParentIndices=[0],
+        linkJointTypes=[pybullet.JOINT_FIXED], linkJointAxis=[[0, 0, 1]], physicsClientId=client,
+    )  # fmt: skip
+    assert list(scene_from_world(client).masses.values()) == [1.5]
+    pybullet.changeDynamics(body, 0, lateralFriction=0.9, physicsClientId=client)
+    scene = scene_from_world(client)
+    assert scene.friction == {}
+    assert any("differ in friction" in line for line in scene.assumptions)
+
+
+def test_the_masses_of_a_world_of_topples_own_are_read_too() -> None:
+    with World() as world:
+        world.add_table()
+        world.add(shapes.box("box", (0.06, 0.06, 0.06), mass=0.9), pose_at(0, 0, 0))
+        scene = scene_from_world(world.client, names={number: name for name, number in world.ids.items()})
+    assert scene.masses["box"] == pytest.approx(0.9)
+    assert scene.friction["box"] == pytest.approx(0.7)

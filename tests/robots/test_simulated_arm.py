@@ -257,3 +257,18 @@ def test_a_fork_held_by_its_neck_does_not_creep(world: World) -> None:
     assert np.linalg.norm(after[:3, 3] - closed[:3, 3]) < 1e-3
     assert np.degrees(angle_between(closed, after)) < 3.0
     assert np.linalg.norm(after[:3, 3] - lifted[:3, 3]) < 1e-4, "held for two seconds"
+
+
+def test_hinged_fingers_open_and_close_as_fast_as_slides(world: World) -> None:
+    """Speed and force of a jaw are those of its pads: hinges turn as fast as that takes."""
+    arm = SimulatedArm(world, robot("xarm6"), np.eye(4))
+    jaw = arm.jaw
+    assert jaw is not None
+    for opening in (0.05, 0.02, 0.08):
+        way, begun = abs(arm.opening - opening), world.time
+        arm.open(opening)
+        assert arm.opening == pytest.approx(opening, abs=1e-3)
+        assert world.time - begun < way / jaw.speed + 0.5
+    assert jaw.lever("drive_joint") == pytest.approx(0.0873 / 2 / 0.85, rel=0.02)
+    panda = robot("panda").jaw
+    assert panda is not None and panda.lever("panda_finger_joint1") == 1.0

@@ -42,6 +42,14 @@ def test_stray_points_are_dropped_and_the_surface_stays():
     assert len(kept) > 0.99 * len(surface)
 
 
+def test_a_board_with_dense_sides_keeps_its_faces():
+    rng = np.random.default_rng(4)
+    board = rng.uniform(-0.5, 0.5, (9000, 3))
+    face = np.repeat(np.arange(3), 3000)  # as many points on the narrow sides as on the faces
+    board[np.arange(9000), face] = rng.choice([-0.5, 0.5], 9000)
+    assert len(clean(board * [1.2, 1.2, 0.04])) == 9000
+
+
 @pytest.mark.parametrize("count", [1, 2, 5])
 def test_tiny_clouds_come_back_whole(count):
     points = np.zeros((count, 3))

@@ -47,7 +47,7 @@ def test_a_pool_of_two_relates_like_one_after_the_other(pool: str) -> None:
 @pytest.mark.filterwarnings("default")  # those of the cluster's start and end are not topple's
 def test_a_dask_cluster_of_two_workers_relates_like_one_after_the_other() -> None:
     distributed = pytest.importorskip(
-        "distributed", reason="dask is not installed: pip install 'topple[dask]'"
+        "distributed", reason="dask is not installed: pip install 'topple-planner[dask]'"
     )
     with (
         distributed.LocalCluster(n_workers=2, threads_per_worker=1, dashboard_address=None) as cluster,

@@ -71,7 +71,7 @@ def test_a_slope_holds_by_friction_up_to_its_angle() -> None:
         along, across, normal = np.array([c, 0, s]), np.array([0, 1.0, 0]), np.array([-s, 0, c])
         corners = [0.05 * (i * along + j * across) for i in (-1, 1) for j in (-1, 1)]
         contact = _patch([list(p) for p in corners], list(normal))
-        return balance({"body": Weight(1.0, 0.01 * normal, 0.03)}, [contact], friction=0.5).deficit["body"]
+        return balance({"body": Weight(1.0, 0.01 * normal, 0.03)}, [contact]).deficit["body"]
 
     assert missing(20) == pytest.approx(0, abs=1e-6)
     assert missing(35) > 0.05

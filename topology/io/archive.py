@@ -15,6 +15,7 @@ from topple.topology.errors import InvalidInput
 Array = NDArray[Any]
 
 MASK_KEYS = ("label", "segmap", "seg")
+STACK_KEY = "masks"
 
 _MEMBER = ".npy"
 _ZIP = b"PK"
@@ -22,7 +23,6 @@ _NPY = b"\x93NUMPY"
 _KNOWN = {
     b"ply": "a PLY file: put it into a folder, one file per object",
     b"glTF": "a GLB file: put it into a folder, one file per object",
-    b"# .PCD": "a PCD file: put it into a folder, one file per object",
     b"\x89PNG": "a PNG picture",
     b"\xff\xd8\xff": "a JPEG picture",
     b"%PDF": "a PDF",
@@ -80,9 +80,24 @@ def is_rgbd(arrays: Mapping[str, Array]) -> bool:
     Returns:
         True for an RGB-D frame, complete or not.
     """
+    if is_labelled(arrays):
+        return False
     if "depth" in arrays and not (arrays["depth"].ndim == 2 and arrays["depth"].shape[1] == 3):
         return True
-    return sum(("depth" in arrays, "K" in arrays, any(key in arrays for key in MASK_KEYS))) >= 2
+    masked = any(key in arrays for key in (*MASK_KEYS, STACK_KEY))
+    return sum(("depth" in arrays, "K" in arrays, masked)) >= 2
+
+
+def is_labelled(arrays: Mapping[str, Array]) -> bool:
+    """Tell one cloud with a label per point from a cloud per object: `points` (N, 3) and `labels` (N,).
+
+    Args:
+        arrays: The file's arrays.
+
+    Returns:
+        True where both are there and `labels` is no cloud of an object so named.
+    """
+    return "points" in arrays and "labels" in arrays and arrays["labels"].ndim != 2
 
 
 def _read_npz(path: Path) -> dict[str, Array]:

@@ -1,20 +1,22 @@
 """From what a file says to a Scene: fixed objects, the table, and which way is up."""
 
 from dataclasses import dataclass, field
+from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike
 
 from topple.topology.arrays import FloatArray
-from topple.topology.checks import as_plane, as_points
+from topple.topology.checks import as_plane, as_points, as_viewpoints
 from topple.topology.errors import InvalidInput
 from topple.topology.image import DepthImage
-from topple.topology.plane import table_by_name
-from topple.topology.scene import Mesh, Scene
+from topple.topology.plane import TABLE as _TABLE
+from topple.topology.scene import Mesh, Scene, table_among
 
-_TABLE = "table"
-_TABLE_MARGIN = 0.1  # [m] the table reaches this far beyond the objects on it: none hangs over its edge
+_TABLE_MARGIN = 0.1  # [m] the table is seen this far beyond the objects on it: none hangs over its edge
 _TABLE_SPACING = 0.005  # [m] finer than the distance of two contact points of anything that stands
+_TABLE_REACH = 1.0  # [m] the plane goes on this far beyond the objects: an arm reaches 0.85
+_FAR_SPACING = 0.03  # [m] of the points out there, where nothing stands yet
 _MOST_TABLE_POINTS = 40_000  # a table of 1 m by 1 m at 5 mm
 _ON_PLANE = 0.02  # [m] a seen table strays this far from its plane: depth noise and a board that bends
 _ON_PLANE_SHARE = 0.8  # of a table's points; the rest is what the mask's edges add
@@ -34,8 +36,11 @@ class Parts:
         table_plane: (n, d), n.x + d is the height above the table in [m], or None.
         robot_base: Pose (4, 4) base to world, or None.
         images: Depth images the clouds came from.
+        background: Points (N, 3) in [m] that belong to no object, the table's perhaps among them.
         meshes: Meshes in world coordinates.
         notes: Sentences on what was assumed.
+        masses: Mass in [kg] by name, or None; checked as a whole with the scene.
+        friction: Coefficient of friction by name, or None.
     """
 
     clouds: dict[str, ArrayLike]
@@ -45,8 +50,11 @@ class Parts:
     table_plane: ArrayLike | None = None
     robot_base: ArrayLike | None = None
     images: tuple[DepthImage, ...] = ()
+    background: FloatArray = field(default_factory=lambda: np.empty((0, 3)))
     meshes: dict[str, Mesh] = field(default_factory=dict[str, Mesh])
     notes: list[str] = field(default_factory=list[str])
+    masses: Any = None
+    friction: Any = None
 
 
 def assemble(parts: Parts, fixed: list[str], up: ArrayLike | None) -> Scene:
@@ -77,14 +85,12 @@ def assemble(parts: Parts, fixed: list[str], up: ArrayLike | None) -> Scene:
             up = plane[:3]
             notes.append("up is the normal of table_plane")
     elif not all_fixed:
-        table = table_by_name(clouds)
-        if table is not None:
-            all_fixed.append(table)
-            notes.append(f"{table!r} is taken as fixed because of its name")
+        viewpoints = as_viewpoints([] if parts.viewpoints is None else parts.viewpoints)
+        all_fixed = table_among(clouds, parts.background, viewpoints, notes)
     scene = Scene(
         clouds, all_fixed, up, parts.viewpoints, parts.images, parts.meshes, parts.robot_base, notes
     )
-    return scene.upright()
+    return scene.weighed(parts.masses, parts.friction).upright()
 
 
 def _as_cloud(name: str, points: ArrayLike) -> FloatArray:
@@ -111,7 +117,10 @@ def _place_table(
         notes.append(f"{seen!r} is taken as the fixed table: it lies in table_plane, under the other objects")
         return [*fixed, seen]
     clouds[_TABLE] = _flat_cloud(np.concatenate(list(clouds.values())), plane)
-    notes.append(f"{_TABLE!r} is a flat cloud laid into table_plane under all objects, not a measured one")
+    notes.append(
+        f"{_TABLE!r} is a flat cloud laid into table_plane under all objects and {_TABLE_REACH:g} m beyond, "
+        "since a plane has no edge: not a measured one"
+    )
     return list(dict.fromkeys([*fixed, _TABLE]))
 
 
@@ -140,15 +149,22 @@ def _axes(normal: FloatArray) -> tuple[FloatArray, FloatArray]:
 
 
 def _flat_cloud(points: FloatArray, plane: FloatArray) -> FloatArray:
-    """Lay a grid (N, 3) into the plane, below all points and somewhat beyond."""
+    """Lay points (N, 3) into the plane: fine below all points, coarse as far beyond as an arm reaches."""
     normal, offset = plane[:3], plane[3]
-    first, second = _axes(normal)
-    spans = [(points @ axis).min() - _TABLE_MARGIN for axis in (first, second)]
-    spans += [(points @ axis).max() + _TABLE_MARGIN for axis in (first, second)]
-    area = (spans[2] - spans[0]) * (spans[3] - spans[1])
-    spacing = max(_TABLE_SPACING, float(np.sqrt(area / _MOST_TABLE_POINTS)))
-    steps = [int(np.ceil((spans[axis + 2] - spans[axis]) / spacing)) + 1 for axis in (0, 1)]
-    along, across = np.meshgrid(
-        np.linspace(spans[0], spans[2], steps[0]), np.linspace(spans[1], spans[3], steps[1])
+    axes = np.stack(_axes(normal))
+    flat = points @ axes.T
+    lower, upper = flat.min(axis=0) - _TABLE_MARGIN, flat.max(axis=0) + _TABLE_MARGIN
+    fine = _grid(
+        lower, upper, max(_TABLE_SPACING, float(np.sqrt(np.prod(upper - lower) / _MOST_TABLE_POINTS)))
     )
-    return along.reshape(-1, 1) * first + across.reshape(-1, 1) * second - offset * normal
+    beyond = _TABLE_REACH - _TABLE_MARGIN
+    coarse = _grid(lower - beyond, upper + beyond, _FAR_SPACING)
+    coarse = coarse[~((coarse > lower) & (coarse < upper)).all(axis=1)]
+    return np.concatenate([fine, coarse]) @ axes - offset * normal
+
+
+def _grid(lower: FloatArray, upper: FloatArray, spacing: float) -> FloatArray:
+    """Points (N, 2) over a rectangle, its corners among them, at most a spacing apart [m]."""
+    steps = np.ceil((upper - lower) / spacing).astype(np.int64) + 1
+    along, across = np.meshgrid(*(np.linspace(lower[k], upper[k], steps[k]) for k in (0, 1)))
+    return np.stack([along.ravel(), across.ravel()], axis=1)

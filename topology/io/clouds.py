@@ -1,14 +1,16 @@
 """An `.npz` of clouds: one array (N, 3) per object under the object's name."""
 
-from collections.abc import Mapping
+from collections.abc import Collection, Mapping
 
 import numpy as np
 
 from topple.topology.errors import InvalidInput
 from topple.topology.io.archive import Array
 from topple.topology.io.assemble import Parts
+from topple.topology.io.strict_json import read_json
 
-_SPECIAL = ("up", "fixed", "viewpoints", "table_plane", "robot_base")
+SPECIAL = ("up", "fixed", "viewpoints", "table_plane", "robot_base")
+_BY_NAME = {"masses": '{"mug": 0.35}', "friction": '{"mug": 0.6}'}
 
 
 def parts_from_clouds(arrays: Mapping[str, Array]) -> Parts:
@@ -16,17 +18,19 @@ def parts_from_clouds(arrays: Mapping[str, Array]) -> Parts:
 
     Args:
         arrays: The file's arrays: points (N, 3) in [m] per object; optional `up` (3,), `fixed`
-            (names), `viewpoints` (k, 3), `table_plane` (4,), `robot_base` (4, 4).
+            (names), `viewpoints` (k, 3), `table_plane` (4,), `robot_base` (4, 4), and as JSON text, which
+            no cloud is, `masses` {name: kg} and `friction` {name: coefficient}.
 
     Returns:
-        What the file says. Text that is no `fixed` is a note, not an object, and is left out.
+        What the file says. Other text is a note, not an object, and is left out.
 
     Raises:
-        InvalidInput: If `fixed` does not hold names.
+        InvalidInput: If `fixed` does not hold names, or `masses` or `friction` are neither text nor a cloud.
     """
     clouds = {
-        name: array for name, array in arrays.items() if name not in _SPECIAL and array.dtype.kind not in "US"
+        name: array for name, array in arrays.items() if name not in SPECIAL and array.dtype.kind not in "US"
     }
+    masses, friction = (amounts_in(arrays, key) for key in ("masses", "friction"))
     if not clouds:
         raise InvalidInput(
             f"no clouds found among the arrays {sorted(arrays)}: expected points (N, 3) under each object's "
@@ -39,7 +43,42 @@ def parts_from_clouds(arrays: Mapping[str, Array]) -> Parts:
         viewpoints=arrays.get("viewpoints"),
         table_plane=arrays.get("table_plane"),
         robot_base=arrays.get("robot_base"),
+        masses=masses,
+        friction=friction,
+        notes=ignored(arrays, {*clouds, *SPECIAL, *_BY_NAME}),
     )
+
+
+def amounts_in(arrays: Mapping[str, Array], key: str) -> object:
+    """Read amounts by name: numpy.savez(file, masses=json.dumps({"mug": 0.35}), ...).
+
+    Args:
+        arrays: The file's arrays.
+        key: `masses` or `friction`.
+
+    Returns:
+        What the text says, not yet checked; None where there is none. An array (N, 3) of numbers is the cloud
+        of an object of that name.
+
+    Raises:
+        InvalidInput: If the array is anything else, or its text is not JSON.
+    """
+    array = arrays.get(key)
+    if array is None or (array.ndim == 2 and array.dtype.kind not in "US"):
+        return None
+    if array.size != 1 or array.dtype.kind not in "US":
+        raise InvalidInput(
+            f"{key} is an array {array.shape} of {array.dtype}, which names no object: expected JSON text, "
+            f"{key}=json.dumps({_BY_NAME[key]})"
+        )
+    (text,) = names_in(array)
+    return read_json(text, key)
+
+
+def ignored(arrays: Mapping[str, Array], used: Collection[str]) -> list[str]:
+    """The note on the arrays of a file that were not used, if there are any."""
+    left = sorted(set(arrays).difference(used))
+    return [f"not used, being unknown: the array{'s' * (len(left) > 1)} {', '.join(left)}"] if left else []
 
 
 def names_in(array: Array) -> list[str]:

@@ -1,6 +1,5 @@
 """A folder with one cloud or mesh file per object, and perhaps a scene.json."""
 
-import json
 from collections.abc import Iterable
 from pathlib import Path
 from typing import Any, cast
@@ -11,20 +10,24 @@ from topple.topology.arrays import FloatArray
 from topple.topology.checks import as_name, as_points, as_pose
 from topple.topology.errors import InvalidInput
 from topple.topology.io.assemble import Parts
-from topple.topology.io.geometry import SUFFIXES, read_geometry
+from topple.topology.io.geometry import SUFFIXES, is_cloud_text, read_geometry
+from topple.topology.io.strict_json import read_json
 from topple.topology.scene import Mesh
 
 _DESCRIPTION = "scene.json"
-_KEYS = ("up", "fixed", "viewpoints", "table_plane", "robot_base", "poses", "files")
+_KEYS = ("up", "fixed", "viewpoints", "table_plane", "robot_base", "poses", "files", "masses", "friction")
+_MOST_LISTED = 5  # names in a sentence that people read
 _SILENT_KEYS = ("format", "format_version", "name", "comment")
 
 
 def parts_from_folder(folder: Path) -> Parts:
     """Read every object of a folder.
 
-    Each cloud (`.ply`, `.pcd`, `.xyz`) or mesh (`.obj`, `.stl`, `.ply`, `.glb`) is an object named as
+    Each cloud (`.ply`, `.pcd`, `.xyz`, `.txt`) or mesh (`.obj`, `.stl`, `.ply`, `.glb`) is an object named as
     the file. `scene.json` may give `files` {name: file} to name files otherwise or use one twice, `poses`
-    {name: 4x4 object to world}, and `up`, `fixed`, `viewpoints`, `table_plane`, `robot_base`.
+    {name: 4x4 object to world}, `masses` {name: kg}, `friction` {name: coefficient}, and `up`, `fixed`,
+    `viewpoints`, `table_plane`, `robot_base`. What is in the folder and no cloud or mesh is
+    named in a note.
 
     Args:
         folder: The folder.
@@ -57,7 +60,10 @@ def parts_from_folder(folder: Path) -> Parts:
             for key in described
             if key not in _KEYS + _SILENT_KEYS
         ],
+        masses=described.get("masses"),
+        friction=described.get("friction"),
     )
+    parts.notes += _unused(folder, files.values())
     for name, file in files.items():
         _add_object(parts, name, file, poses.get(name))
     return parts
@@ -94,9 +100,7 @@ def _files_by_object(folder: Path, described: dict[str, Any]) -> dict[str, Path]
         named[as_name(name)] = place
     taken = {place.resolve() for place in named.values()}
     for place in sorted(folder.iterdir()):
-        if place.suffix.lower() not in SUFFIXES or place.name.startswith(".") or not place.is_file():
-            continue
-        if place.resolve() in taken:
+        if place.resolve() in taken or not _is_object(place):
             continue
         if place.stem in named:
             raise InvalidInput(
@@ -111,26 +115,35 @@ def _files_by_object(folder: Path, described: dict[str, Any]) -> dict[str, Path]
     return named
 
 
+def _is_object(place: Path) -> bool:
+    """Whether something in the folder is an object's file by its name, and a `.txt` by what is in it."""
+    suffix = place.suffix.lower()
+    if suffix not in SUFFIXES or place.name.startswith(".") or not place.is_file():
+        return False
+    return suffix != ".txt" or is_cloud_text(place)
+
+
+def _unused(folder: Path, used: Iterable[Path]) -> list[str]:
+    """The note on what is in the folder and was not read; hidden files are nobody's objects."""
+    known = {place.resolve() for place in (*used, folder / _DESCRIPTION)}
+    left = [place for place in sorted(folder.iterdir()) if place.resolve() not in known]
+    names = [place.name + "/" * place.is_dir() for place in left if not place.name.startswith(".")]
+    if not names:
+        return []
+    more = f" and {len(names) - _MOST_LISTED} more" if len(names) > _MOST_LISTED else ""
+    return [f"not used, being no cloud or mesh: {', '.join(names[:_MOST_LISTED])}{more}"]
+
+
 def _read_description(path: Path) -> dict[str, Any]:
     if not path.exists():
         return {}
     try:
-        described = json.loads(path.read_text(encoding="utf-8"), object_pairs_hook=_without_doubles)
-    except (json.JSONDecodeError, UnicodeDecodeError) as error:
+        described = read_json(path.read_text(encoding="utf-8"), _DESCRIPTION)
+    except UnicodeDecodeError as error:
         raise InvalidInput(f"{_DESCRIPTION} is not JSON: {error}") from error
     if not isinstance(described, dict):
         raise InvalidInput(f"{_DESCRIPTION} holds {type(described).__name__}: expected an object {{...}}")
     return cast(dict[str, Any], described)
-
-
-def _without_doubles(pairs: list[tuple[str, Any]]) -> dict[str, Any]:
-    """Refuse a key given twice, where json would silently keep the last."""
-    known: dict[str, Any] = {}
-    for key, value in pairs:
-        if key in known:
-            raise InvalidInput(f"{_DESCRIPTION} has the key {key!r} twice: expected each name once")
-        known[key] = value
-    return known
 
 
 def _mapping(described: dict[str, Any], key: str) -> dict[str, Any]:

@@ -10,7 +10,7 @@ from topple.topology.checks import as_points
 from topple.topology.errors import InvalidInput
 from topple.topology.io.pcd import read_pcd
 
-SUFFIXES = (".ply", ".pcd", ".xyz", ".obj", ".stl", ".glb")
+SUFFIXES = (".ply", ".pcd", ".xyz", ".txt", ".obj", ".stl", ".glb")
 
 _SAMPLE_SPACING = 0.002  # [m] mean distance of a mesh's samples, about what a depth camera sees at 1 m
 _FEWEST_SAMPLES, _MOST_SAMPLES = 2_000, 20_000
@@ -25,7 +25,7 @@ def read_geometry(path: Path, what: str) -> Geometry:
     so that its extent is exact.
 
     Args:
-        path: A `.ply`, `.pcd`, `.xyz`, `.obj`, `.stl` or `.glb` file.
+        path: A `.ply`, `.pcd`, `.xyz`, `.txt` (read as `.xyz`), `.obj`, `.stl` or `.glb` file.
         what: What it is, for the message.
 
     Returns:
@@ -39,7 +39,7 @@ def read_geometry(path: Path, what: str) -> Geometry:
     if path.stat().st_size == 0:
         raise InvalidInput(f"{what} is an empty file: expected points or a mesh")
     suffix = path.suffix.lower()
-    if suffix in (".pcd", ".xyz"):
+    if suffix in (".pcd", ".xyz", ".txt"):
         points = read_pcd(path, what) if suffix == ".pcd" else _read_xyz(path, what)
         points = as_points(points, what)
         return points, None, points
@@ -50,6 +50,23 @@ def read_geometry(path: Path, what: str) -> Geometry:
     return _sampled(vertices, faces), faces, vertices
 
 
+def is_cloud_text(path: Path) -> bool:
+    """Tell a `.txt` that holds a cloud from notes: its first line with anything in it begins with x y z."""
+    with path.open(encoding="utf-8", errors="replace") as file:
+        for line in file:
+            if values := _columns(line):
+                try:
+                    return len([float(value) for value in values[:3]]) == 3
+                except ValueError:
+                    return False
+    return False
+
+
+def _columns(line: str) -> list[str]:
+    """The words of a line, apart by blanks, commas or semicolons, without its comment."""
+    return line.split("#", 1)[0].replace(",", " ").replace(";", " ").split()
+
+
 def _read_xyz(path: Path, what: str) -> FloatArray:
     """Read x y z from the first three columns, apart by blanks, commas or semicolons; # starts a comment."""
     try:
@@ -58,7 +75,7 @@ def _read_xyz(path: Path, what: str) -> FloatArray:
         raise InvalidInput(f"{what} is no text: expected one point x y z per line") from error
     rows: list[list[float]] = []
     for number, line in enumerate(text.splitlines(), start=1):
-        values = line.split("#", 1)[0].replace(",", " ").replace(";", " ").split()
+        values = _columns(line)
         if not values:
             continue
         try:

@@ -8,10 +8,12 @@ from numpy.typing import ArrayLike
 
 from topple.topology.checks import as_direction
 from topple.topology.errors import InvalidInput
-from topple.topology.io.archive import is_rgbd, read_arrays
+from topple.topology.io.archive import is_labelled, is_rgbd, read_arrays
 from topple.topology.io.assemble import Parts, assemble
 from topple.topology.io.clouds import parts_from_clouds
 from topple.topology.io.folder import parts_from_folder
+from topple.topology.io.labelled import parts_from_labelled
+from topple.topology.io.pcd import is_pcd, read_labelled_pcd
 from topple.topology.io.rgbd import parts_from_rgbd
 from topple.topology.scene import Scene
 
@@ -21,9 +23,11 @@ def load_scene(
 ) -> Scene:
     """Read a scene from a file or a folder, told apart by content.
 
-    Three kinds are read: an `.npz` of clouds, one array (N, 3) per object; a folder with one cloud or
-    mesh file per object and perhaps a `scene.json`; an RGB-D frame (`.npz` or `.npy`) with `depth`,
-    `K` and a mask.
+    Four kinds are read: an `.npz` of clouds, one array (N, 3) per object; one cloud with a label per point,
+    an `.npz` with `points` (N, 3) and `labels` (N,) or a `.pcd` with a field `label`; a folder with one cloud
+    or mesh file per object and perhaps a `scene.json`; an RGB-D frame (`.npz` or `.npy`) with `depth`, `K`
+    and a mask (H, W) or a stack `masks` (N, H, W). Where nothing is fixed, the table is the object named so,
+    else the plane that carries the objects among the pixels or points of the background (label 0).
 
     The upward direction is `up`, else the one in the file, else the normal of its `table_plane`, else
     that of the plane of a fixed object, else unknown.
@@ -60,9 +64,11 @@ def _read(path: Path) -> Parts:
             raise InvalidInput(
                 "no such file or folder: expected an .npz, an .npy or a folder of clouds or meshes"
             )
-        arrays = read_arrays(path)
+        arrays = read_labelled_pcd(path) if is_pcd(path) else read_arrays(path)
     except OSError as error:
         raise InvalidInput(f"cannot be read: {error.strerror or error}") from error
+    if is_labelled(arrays):
+        return parts_from_labelled(arrays)
     return parts_from_rgbd(arrays) if is_rgbd(arrays) else parts_from_clouds(arrays)
 
 

@@ -16,12 +16,16 @@ _TYPES = {kind + size: f"<{kind.lower()}{size}" for kind in "IU" for size in "12
     "F8": "<f8",
 }
 
+_LABELS = ("label", "object_id", "object", "instance")
+
 
 @dataclass(frozen=True)
 class _Header:
     record: np.dtype[np.void]
     points: int
     storage: str
+    organised: bool
+    viewpoint: FloatArray
 
 
 def read_pcd(path: Path, what: str) -> FloatArray:
@@ -38,13 +42,58 @@ def read_pcd(path: Path, what: str) -> FloatArray:
         InvalidInput: If the file is broken or has no x, y, z.
         OSError: If the file cannot be read.
     """
+    return _points_of(_read(path, what)[1])
+
+
+def is_pcd(path: Path) -> bool:
+    """Tell a PCD file by how it begins: its version, which comments may precede."""
+    with path.open("rb") as file:
+        start = file.read(16)
+    return start.startswith((b"# .PCD", b"VERSION"))
+
+
+def read_labelled_pcd(path: Path) -> dict[str, np.ndarray]:
+    """Read a PCD file that is a scene: a cloud with a label per point.
+
+    Args:
+        path: The file, with a field `label`, `object_id`, `object` or `instance` beside x, y, z.
+
+    Returns:
+        The arrays `points` (N, 3), `labels` (N,), and `viewpoints` (1, 3), the place in the header's
+        VIEWPOINT; absent where the cloud is not organised and that is the origin, as it is by default.
+
+    Raises:
+        InvalidInput: If the file is broken, or its points have no label or several.
+        OSError: If the file cannot be read.
+    """
+    header, records = _read(path, "the file")
+    labels = [name for name in header.record.names or () if name in _LABELS]
+    if len(labels) != 1:
+        found = " and ".join(labels) or "no label"
+        raise InvalidInput(
+            f"the PCD file has {found} with its points: expected one field {', '.join(_LABELS)} for a whole "
+            "scene; or put one file per object into a folder"
+        )
+    values = records[labels[0]].reshape(len(records))
+    if values.dtype.kind == "f" and np.isfinite(values).all() and (values == np.round(values)).all():
+        values = values.astype(np.int64)
+    arrays = {"points": _points_of(records), "labels": values}
+    if header.organised or header.viewpoint.any():
+        arrays["viewpoints"] = header.viewpoint[None]
+    return arrays
+
+
+def _read(path: Path, what: str) -> tuple[_Header, np.ndarray]:
     content = path.read_bytes()
     try:
         header, start = _read_header(content)
-        records = _read_records(content[start:], header)
+        return header, _read_records(content[start:], header)
     except (ValueError, KeyError, IndexError, TypeError) as error:
         reason = " ".join(str(error).split())[:120]
         raise InvalidInput(f"{what} is no readable PCD file: {reason}") from error
+
+
+def _points_of(records: np.ndarray) -> FloatArray:
     with np.errstate(invalid="ignore"):  # a signalling NaN is a NaN like any other
         return np.stack([records[axis].astype(np.float64).reshape(len(records)) for axis in "xyz"], axis=1)
 
@@ -68,15 +117,18 @@ def _read_header(content: bytes) -> tuple[_Header, int]:
     kinds = [kind.upper() + size for kind, size in zip(entries["TYPE"], entries["SIZE"], strict=True)]
     if not {"x", "y", "z"} <= set(fields):
         raise ValueError(f"its fields are {' '.join(fields)}, expected x y z among them")
-    # Padding fields may all be called "_": only x, y, z need their own names.
-    names = [field if field in "xyz" else f"{field}#{place}" for place, field in enumerate(fields)]
+    # Padding fields may all be called "_": only what is read needs its own name.
+    kept = ("x", "y", "z", *_LABELS)
+    names = [field if field in kept else f"{field}#{place}" for place, field in enumerate(fields)]
     layout = [(name, _TYPES[kind], (count,)) for name, kind, count in zip(names, kinds, counts, strict=True)]
     points = (
         int(entries["POINTS"][0])
         if "POINTS" in entries
         else int(entries["WIDTH"][0]) * int(entries["HEIGHT"][0])
     )
-    return _Header(np.dtype(layout), points, entries["DATA"][0].lower()), position
+    organised = int(entries.get("HEIGHT", ["1"])[0]) > 1
+    viewpoint = np.array([float(value) for value in entries.get("VIEWPOINT", ["0"] * 3)[:3]])
+    return _Header(np.dtype(layout), points, entries["DATA"][0].lower(), organised, viewpoint), position
 
 
 def _read_records(body: bytes, header: _Header) -> np.ndarray:
@@ -109,8 +161,8 @@ def _read_ascii(body: bytes, header: _Header) -> np.ndarray:
     column = 0
     for name in names:
         size = int(np.prod(header.record[name].shape))
-        if name in "xyz":
-            records[name] = table[:, column : column + size]
+        if name in "xyz" or name in _LABELS:
+            records[name] = table[:, column : column + size].reshape(records[name].shape)
         column += size
     return records
 

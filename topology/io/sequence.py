@@ -11,6 +11,7 @@ from topple.topology.arrays import FloatArray
 from topple.topology.errors import InvalidInput
 from topple.topology.io.archive import Array, read_arrays
 from topple.topology.io.assemble import Parts, assemble
+from topple.topology.io.clouds import amounts_in
 from topple.topology.io.load import load_scene
 from topple.topology.scene import Scene
 
@@ -27,8 +28,9 @@ def load_sequence(
 
     Two kinds are read: a folder of scenes that `load_scene` reads, taken in the order of their names, and an
     `.npz` with all frames of an object in one array, `NAME_xyz_01mm` (N, 3) in tenths of a millimetre, whose
-    rows `NAME_offsets[i]` to `NAME_offsets[i + 1]` are frame i; optional `table_plane`, `up`, `fixed` and
-    `viewpoints` (the camera's frame, with its centre in the origin, where not given).
+    rows `NAME_offsets[i]` to `NAME_offsets[i + 1]` are frame i; optional `table_plane`, `up`, `fixed`,
+    `masses`, `friction` and `viewpoints` (the camera's frame, with its centre in the origin, where not
+    given).
 
     Args:
         path: File or folder.
@@ -98,6 +100,8 @@ def _with_table(
         up=arrays.get("up"),
         viewpoints=arrays.get("viewpoints", np.zeros((1, 3))),
         table_plane=arrays.get("table_plane"),
+        masses=amounts_in(arrays, "masses"),
+        friction=amounts_in(arrays, "friction"),
     )
     return assemble(parts, fixed, up)
 

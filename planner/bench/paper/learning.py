@@ -18,6 +18,7 @@ from topple.planner.bench.paper.stage import CONTACT, STICKS_OUT, gap
 from topple.planner.piles import Pile, make_pile, observe
 from topple.robots.world import World
 from topple.topology.arrays import FloatArray, IntArray
+from topple.topology.errors import NotInstalled
 from topple.topology.relation import Relation
 from topple.topology.scene import Scene
 
@@ -33,7 +34,7 @@ STEPS = 5000
 """Of the solver: surfaces that lie in each other cannot be told apart, however long it goes on."""
 CLUSTERS = 16
 """Centres of k-means: several per relation, as there are several ways to touch."""
-INSTALL = "scikit-learn is not installed: pip install 'topple[bench]'"
+INSTALL = str(NotInstalled("the learning column needs scikit-learn", "bench"))
 
 Example = tuple[FloatArray, str]
 """Features of an ordered pair and its relation."""

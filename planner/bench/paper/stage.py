@@ -9,10 +9,10 @@ from contextlib import contextmanager
 from typing import Any
 
 import numpy as np
-import pybullet
 
 from topple.planner.bench.paper.things import Things
 from topple.planner.bench.paper.truth import SCENES, PaperScene
+from topple.robots.engine import pybullet
 from topple.robots.scenarios.scenario import Unlucky
 from topple.robots.world import World
 from topple.topology.errors import ToppleError

@@ -53,7 +53,7 @@ def _top(world: World, name: str) -> float:
 
 def _floor(world: World, name: str, at: FloatArray, radius: float = 0.02) -> float:
     """Height of what lies under a place inside an upright container [m], by a ray from above."""
-    import pybullet
+    from topple.robots.engine import pybullet
 
     heights: list[float] = []
     for angle in np.linspace(0, 2 * np.pi, 8, endpoint=False):

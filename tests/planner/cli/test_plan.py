@@ -1,5 +1,6 @@
 """`topple plan`: the plan file, the refusals, and exit code 1 with the reason where there is no plan."""
 
+import json
 from pathlib import Path
 
 import numpy as np
@@ -8,6 +9,7 @@ import pytest
 from topple.planner.cli.main import main
 from topple.planner.cli.robot_options import base_of
 from topple.planner.plan_format import plan_from_json
+from topple.robots.bodies import Body
 from topple.topology.scene import Scene
 
 
@@ -73,6 +75,24 @@ def test_out_of_reach_is_code_1_with_the_reason(scene: Path, capsys: pytest.Capt
     assert not place.exists()
 
 
+@pytest.mark.parametrize("command", ["plan", "run"])
+def test_without_a_safe_plan_the_certificate_is_json(
+    scene: Path, capsys: pytest.CaptureFixture[str], command: str
+) -> None:
+    base = ["3", "0", "0", "0"] if command == "plan" else ["-1.5", "0", "0", "0"]  # both out of reach
+    assert main([command, str(scene), "--target", "box", "--json", "--base", *base]) == 1
+    out, err = capsys.readouterr()
+    document = json.loads(out)
+    assert document["format"] == f"topple.{command}" and document["format_version"] == 1
+    assert document["steps"] == []
+    assert document["safe" if command == "plan" else "success"] is False
+    reasons = document["certificate" if command == "plan" else "violations"]
+    assert reasons and "box" in reasons[0] and "box" in err
+    if command == "plan":
+        assert document["kind"] == "NoSafePlan" and document["goal"] == "free box"
+        assert document["failures"][0]["object"] == "box" and document["failures"][0]["reasons"]
+
+
 @pytest.mark.parametrize(
     ("argv", "words"),
     [
@@ -117,3 +137,37 @@ def test_yaw_turns_about_up() -> None:
     pose = base_of(Namespace(base=[0.0, 0.0, 0.0, np.pi / 2]), Scene({"box": np.zeros((2, 3))}, up=(0, 0, 1)))
     assert pose is not None
     assert np.allclose(pose[:3, 0], [0, 1, 0], atol=1e-12)
+
+
+def test_a_drop_has_to_be_allowed_and_is_then_told(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    x, y = np.meshgrid(np.arange(-0.45, 0.45, 0.008), np.arange(-0.45, 0.45, 0.008))
+    table = np.column_stack([x.ravel(), y.ravel(), np.zeros(x.size)])
+    angles = np.arange(6) * np.pi / 3
+    ring = 0.02 * np.column_stack([np.cos(angles), np.sin(angles)])
+    rings = [np.column_stack([ring, np.full(6, height)]) for height in (0.03, 0.16)]
+    peg = Body.of("peg", [np.vstack([[[0.016, 0.004, 0.0]], *rings])]).surface(4000, np.random.default_rng(0))
+    path = tmp_path / "scene.npz"
+    np.savez(path, table=table, peg=peg - [0, 0, peg[:, 2].min()])
+    argv = [
+        "plan",
+        str(path),
+        "--target",
+        "peg",
+        "--robot",
+        "panda",
+        "--base",
+        "-0.5",
+        "0",
+        "0",
+        "0",
+        "--verify",
+    ]
+    assert main(argv) == 1
+    assert "no drop is allowed" in capsys.readouterr().err
+    assert main([*argv, "--allow-drop"]) == 0
+    out = capsys.readouterr().out
+    assert "it is let go to fall as it will" in out
+    assert "Allowed: step 1 (peg) is let go to fall" in out
+    assert "every residual at most 0" in out

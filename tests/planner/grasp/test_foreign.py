@@ -36,10 +36,85 @@ def test_contact_graspnet_poses_are_of_the_hand_with_its_x_closing(tmp_path: Pat
     assert np.linalg.det(pose[:3, :3]) == pytest.approx(1.0)
 
 
-def test_pickles_are_refused_and_not_loaded(tmp_path: Path) -> None:
-    np.savez(tmp_path / "g.npz", pred_grasps_cam=np.array({1: np.eye(4)[None]}, dtype=object))
-    with pytest.raises(InvalidInput, match="never loaded"):
-        read_grasps(tmp_path / "g.npz")
+def stored(path: Path, **members: object) -> Path:
+    """What `np.savez` makes of dicts, as Contact-GraspNet does."""
+    np.savez(path, **members)  # type: ignore[arg-type]
+    return path
+
+
+def test_contact_graspnet_files_are_dicts_by_segment(tmp_path: Path) -> None:
+    hands = {
+        1.0: np.array([down(0.1), down(0.2)], dtype=np.float32),
+        np.uint8(3): np.array([down(0.3)]),
+        4: np.array([]),
+    }
+    path = stored(
+        tmp_path / "predictions.npz",
+        pc_full=np.zeros((9, 3)),
+        pred_grasps_cam=hands,
+        scores={1.0: np.array([0.5, 0.25], dtype=np.float32), 3: np.array([0.75]), 4: np.array([])},
+        contact_pts={1.0: np.zeros((2, 3)), 3: np.zeros((1, 3)), 4: np.array([])},
+        gripper_openings={1.0: np.array([0.04, 0.05]), 3: np.array([[0.08]]), 4: np.array([])},
+    )
+    grasps = read_grasps(path)
+    assert grasps.source == "contact_graspnet"
+    assert grasps.labels == ("1", "1", "3")
+    assert np.allclose(grasps.scores, [0.5, 0.25, 0.75])
+    assert np.allclose(grasps.widths, [0.04, 0.05, 0.08])
+    assert np.allclose(grasps.poses_tool_to_source[:, 0, 3], [0.1, 0.2, 0.3])
+    assert np.allclose(grasps.poses_tool_to_source[:, 2, 3], -0.1034)
+
+
+def test_contact_graspnet_without_segments_names_nothing(tmp_path: Path) -> None:
+    path = stored(tmp_path / "g.npz", pred_grasps_cam={-1: np.eye(4)[None]}, scores={-1: np.ones(1)})
+    assert read_grasps(path).labels == ("",)
+
+
+@pytest.mark.parametrize(
+    ("members", "words"),
+    [
+        ({"pred_grasps_cam": {1: np.zeros((2, 3, 4))}}, r"segment 1: pred_grasps_cam has shape \(2, 3, 4\)"),
+        (
+            {"pred_grasps_cam": {1: np.eye(4)[None]}, "scores": {2: np.ones(1)}},
+            "segment 1: has grasps but no scores",
+        ),
+        (
+            {"pred_grasps_cam": {1: np.eye(4)[None]}, "scores": {1: np.ones(2)}},
+            r"1 grasps but scores of shape \(2,\)",
+        ),
+        (
+            {"pred_grasps_cam": {1: np.eye(4)[None]}, "gripper_openings": {1: np.ones((1, 2))}},
+            "1 grasps but gripper_openings",
+        ),
+        ({"pred_grasps_cam": {1.5: np.eye(4)[None]}}, "a segment is 1.5: expected a whole number"),
+        ({"pred_grasps_cam": {(1, 2): np.eye(4)[None]}}, "a key is neither number nor text"),
+        ({"pred_grasps_cam": {1: [1.0, 2.0]}}, "its entry '1' is no array of numbers"),
+        ({"pred_grasps_cam": {1: {2: np.eye(4)[None]}}}, "its entry '1' is no array of numbers"),
+        ({"pred_grasps_cam": {1: np.array(["a"])}}, "its arrays are of <U1"),
+        ({"pred_grasps_cam": np.eye(4)[None], "scores": np.ones(2)}, r"scores of shape \(2,\)"),
+        ({"pred_grasps_cam": np.eye(4)[None], "scores": np.array([np.nan])}, "grasp 0 has no finite score"),
+        (
+            {"pred_grasps_cam": {1: np.eye(4)[None]}, "gripper_openings": {1: -np.ones(1)}},
+            "negative or infinite width",
+        ),
+        ({"poses": {1: np.eye(4)[None]}}, "poses and scores are dicts"),
+        ({"other": np.eye(4)}, "has other: expected pred_grasps_cam or poses"),
+    ],
+)
+def test_wrong_contact_graspnet_files_are_refused_in_a_line(
+    tmp_path: Path, members: dict[str, object], words: str
+) -> None:
+    with pytest.raises(InvalidInput, match=words) as refused:
+        read_grasps(stored(tmp_path / "g.npz", **members))
+    assert "\n" not in str(refused.value)
+
+
+def test_graspnet_rows_name_their_objects(tmp_path: Path) -> None:
+    row = [0.8, 0.06, 0.02, 0.03, *np.eye(3).ravel(), 0.1, 0.2, 0.5]
+    grasps = grasps_from_array(np.array([[*row, 5.0], [*row, -1.0]]))
+    assert grasps.labels == ("5", "")
+    with pytest.raises(InvalidInput, match=r"object of grasp 0 is 0\.5"):
+        grasps_from_array(np.array([[*row, 0.5]]))
 
 
 def test_isaac_grasp_reads_quaternions_and_confidence(tmp_path: Path) -> None:

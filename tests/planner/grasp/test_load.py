@@ -6,14 +6,15 @@ import pytest
 
 from topple.planner.grasp import grasp_candidates
 from topple.planner.grasp.hand import hand_shape
-from topple.planner.grasp.load import chance_to_hold, cup_load, jaw_load, likely_weight
+from topple.planner.grasp.load import chance_to_hold, cup_load, jaw_load, weight_of
 from topple.planner.grasp.suction import cup_shape
-from topple.robots.bodies import DENSITY
+from topple.planner.grasp.surroundings import Dropped
 from topple.robots.catalog import robot
 from topple.robots.poses import angle_between
 from topple.robots.shapes.boxes import box
 from topple.robots.simulated_arm import SimulatedArm
 from topple.robots.world import World
+from topple.topology.matter import DENSITY
 from topple.topology.scene import Scene
 
 sys.path.insert(0, str(Path(__file__).parent))
@@ -61,7 +62,7 @@ def bar() -> Scene:
 
 
 def test_grasps_that_a_heavy_bar_would_turn_in_come_last_and_say_so() -> None:
-    weight = likely_weight(float(np.prod(SIZE)))
+    weight = weight_of(float(np.prod(SIZE)))
     assert weight == pytest.approx(9.81 * DENSITY * 0.24 * 0.05 * 0.06)
     grasps = grasp_candidates("bar", bar(), robot("panda"), limit=300)
     aside = np.array([abs(float(grasp.pose_tool_to_world[0, 3])) for grasp in grasps])
@@ -98,3 +99,28 @@ def test_a_bar_turns_between_the_pads_where_the_load_says_so() -> None:
     assert turned(0.9) < 1.0
     # flat faces hold several times as much as the round ones that are reckoned with
     assert turned(6.0) > 10.0
+
+
+def test_a_given_mass_decides_what_holds() -> None:
+    light, heavy = (bar().weighed({"bar": mass}) for mass in (0.05, 1.0))
+    best = [grasp_candidates("bar", scene, robot("panda"), limit=300) for scene in (light, heavy)]
+    assert not any("its weight takes" in grasp.reason for grasp in best[0])
+    turning = [grasp for grasp in best[1] if "its weight takes" in grasp.reason]
+    assert turning
+    assert abs(float(best[1][0].pose_tool_to_world[0, 3])) < 0.01
+    assert max(grasp.score for grasp in turning) < best[1][0].score
+
+
+@pytest.mark.parametrize("arm", ["panda", "panda-suction"])
+def test_what_is_heavier_than_the_hand_holds_has_no_grasp_and_the_search_says_why(arm: str) -> None:
+    dropped = Dropped()
+    assert grasp_candidates("bar", bar().weighed({"bar": 60.0}), robot(arm), dropped=dropped) == []
+    assert any(reason.startswith("60 kg are more than the") for reason in dropped.reasons)
+    assert grasp_candidates("bar", bar(), robot(arm))
+
+
+def test_a_slippery_thing_is_held_less_than_a_rough_one() -> None:
+    mass = 0.9 * 2.0 * 0.3 * HAND.force / 9.81
+    rough, slippery = (bar().weighed({"bar": mass}, {"bar": mu}) for mu in (0.8, 0.2))
+    assert grasp_candidates("bar", rough, robot("panda"))
+    assert grasp_candidates("bar", slippery, robot("panda")) == []

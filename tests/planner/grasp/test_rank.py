@@ -1,14 +1,21 @@
 from dataclasses import replace
+from pathlib import Path
 
 import numpy as np
 import pytest
 
+from topple.planner.bench.grasps import random_grasps
+from topple.planner.bench.plain_hands import against, held
+from topple.planner.grasp.foreign import ForeignGrasps
 from topple.planner.grasp.grasp import Grasp
+from topple.planner.grasp.hand import hand_shape
 from topple.planner.grasp.rank import rank_grasps
 from topple.planner.grasp.suction import cup_shape
+from topple.planner.order import order
 from topple.robots.catalog import robot
 from topple.robots.shapes.boxes import box
 from topple.topology.errors import InvalidInput, UnknownObject
+from topple.topology.io import load_scene
 from topple.topology.scene import Scene
 
 
@@ -112,3 +119,96 @@ def test_a_neighbour_beside_the_cup_alone_is_met_too() -> None:
     grasp = Grasp("upper", "suction", down(0.0, 0.0, 0.1005), 0.0, 0.08, 0.9)
     (ranked,) = rank_grasps(scene().with_cloud("rod", rod), [grasp], "panda-suction")
     assert "the hand meets rod" in (ranked.dropped or "")
+
+
+FRAMES = Path(__file__).resolve().parents[3].parent / "shared" / "data" / "rgbd"
+
+
+def frame(name: str) -> Scene:
+    path = FRAMES / f"{name}.npz"
+    if not path.exists():
+        pytest.skip(f"the real frame {path.name} is not there")
+    return load_scene(path)
+
+
+def one_by_one(
+    given: Scene, poses: np.ndarray, arm: str | None, base: np.ndarray | None
+) -> list[tuple[object, ...]]:
+    """The ranking in plain numpy, every grasp for itself; inverse kinematics asked for all states."""
+    hand, cup = hand_shape(robot(arm or "panda")), cup_shape(robot("panda-suction"))
+    graph, found = order(given).graph, []
+    for index, pose in enumerate(poses):
+        grasp = Grasp("", "pinch", pose, 0.0, 0.0, 1.0)
+        grasp = replace(grasp, object=held(grasp, given, hand))
+        name = grasp.object
+        before = tuple(sorted(graph.before(name))) if name else ()
+        why = against(grasp, given, hand, cup) if name else "nothing is between its pads"
+        wait = f"{', '.join(before)} would move: has to go before {name}" if before else ""
+        found.append((index, name, before, "; ".join(filter(None, (why, wait)))))
+    free = [entry[0] for entry in found if not entry[3]]
+    if arm is not None and base is not None and free:
+        both = np.stack([poses[free], poses[free] @ np.diag([-1.0, -1.0, 1.0, 1.0])], axis=1)
+        states = robot(arm).inverse(np.linalg.inv(base) @ both.reshape(-1, 4, 4))
+        far = {index for k, index in enumerate(free) if not (len(states[2 * k]) or len(states[2 * k + 1]))}
+        found = [(*entry[:3], "out of reach") if entry[0] in far else entry for entry in found]
+    return sorted(found, key=lambda entry: (len(entry[2]) if entry[1] else np.inf, bool(entry[3]), entry[0]))
+
+
+@pytest.mark.parametrize(
+    ("name", "arm"),
+    [("osd_test42", "panda"), ("osd_test60", "iiwa"), ("osd_learn33", None)],
+)
+def test_many_grasps_of_a_real_frame_are_ranked_as_each_by_itself(name: str, arm: str | None) -> None:
+    given = frame(name)
+    poses = random_grasps(given, 40, np.random.default_rng(2))
+    up = np.asarray(given.up)
+    ahead = np.cross(up, [0.0, 0.3, 1.0])
+    ahead /= np.linalg.norm(ahead)
+    base = np.eye(4)
+    base[:3, :3] = np.column_stack([ahead, np.cross(up, ahead), up])
+    base[:3, 3] = poses[:, :3, 3].mean(axis=0) - 0.8 * base[:3, 0]  # some are out of reach
+    ranked = rank_grasps(given, poses, arm, pose_base_to_world=base)
+    told = [(entry.index, entry.grasp.object, entry.before, entry.dropped or "") for entry in ranked]
+    assert told == one_by_one(given, poses, arm, base)
+    assert all(np.array_equal(entry.grasp.pose_tool_to_world, poses[entry.index]) for entry in ranked)
+
+
+def test_many_cups_among_neighbours_are_told_what_each_by_itself_is_told() -> None:
+    given, rng = scene(), np.random.default_rng(3)
+    poses = random_grasps(given, 60, rng)
+    names = [given.movable[int(rng.integers(len(given.movable)))] for _ in poses]
+    cups = [Grasp(name, "suction", pose, 0.0, 0.08, 0.5) for name, pose in zip(names, poses, strict=True)]
+    hand, cup = hand_shape(robot("panda")), cup_shape(robot("panda-suction"))
+    ranked = {entry.index: entry for entry in rank_grasps(given, cups)}
+    met = [against(grasp, given, hand, cup) for grasp in cups]
+    assert len(set(met)) > 3
+    for index, words in enumerate(met):
+        told = (ranked[index].dropped or "").split("; ")
+        assert "; ".join(text for text in told if "would move" not in text) == words
+
+
+def test_what_a_file_calls_things_is_what_they_hold_and_what_it_names_wrongly_says_so() -> None:
+    given = Scene(
+        {"7" if n == "upper" else "3" if n == "lower" else n: c for n, c in scene().clouds.items()},
+        fixed=["table"],
+        up=[0, 0, 1],
+    )
+    poses = np.array([down(0.0, 0.0, 0.088)] * 4)
+
+    def labelled(*labels: str) -> ForeignGrasps:
+        return ForeignGrasps(poses, np.ones(4), np.full(4, np.nan), "contact_graspnet", labels)
+
+    told = {entry.index: entry for entry in rank_grasps(given, labelled("7", "3", "12", ""))}
+    assert [told[index].grasp.object for index in range(4)] == ["7", "", "", "7"]
+    assert told[0].dropped is None
+    assert told[1].dropped == "its file has it hold 3, but between its pads is 7"
+    assert told[2].dropped == "its file has it hold 12, which is not in the scene"
+    unlabelled = rank_grasps(given, labelled("40", "41", "42", "43"))
+    assert {entry.grasp.object for entry in unlabelled} == {"7"}, "numbers of other things mean nothing here"
+    named = {
+        entry.index: entry
+        for entry in rank_grasps(given, labelled("6", "6", "2", "2"), names={6: "7", 2: "3"})
+    }
+    assert [named[index].grasp.object for index in range(4)] == ["7", "7", "", ""]
+    with pytest.raises(UnknownObject, match="cup"):
+        rank_grasps(given, labelled("6", "6", "2", "2"), names={6: "cup"})

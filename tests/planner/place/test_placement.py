@@ -4,7 +4,7 @@ import pytest
 from topple.planner.place.placement import placements
 from topple.planner.place.resting import resting_poses
 from topple.planner.place.stacking import placements_on
-from topple.planner.solids import fixed_parts, hidden_depth, solids_of, table_top
+from topple.planner.solids import fixed_parts, hidden_depth, solids_of
 from topple.robots.bodies import Body
 from topple.robots.shapes.boxes import box, can
 from topple.robots.shapes.cutlery import spoon
@@ -12,6 +12,7 @@ from topple.robots.shapes.fruit import lemon
 from topple.robots.shapes.tableware import bowl
 from topple.topology.errors import UnknownObject
 from topple.topology.scene import Scene
+from topple.topology.tops import tops_of
 
 UP = np.array([0.0, 0.0, 1.0])
 
@@ -125,9 +126,9 @@ def test_a_spoon_that_touches_the_table_at_one_end_hides_nothing() -> None:
 def test_a_noisy_table_is_a_slab_whose_top_is_its_plane() -> None:
     scene = on_table(can=tilted(can(), 0.0))
     noisy = scene.clouds["table"] + np.random.default_rng(0).normal(0.0, 0.002, scene.clouds["table"].shape)
-    top = table_top(noisy, UP)
-    assert top is not None
-    assert abs(top[1]) < 5e-4
+    found = tops_of(noisy, UP)
+    assert found.flat
+    assert abs(found.tops[0].height) < 5e-4
     (slab,) = fixed_parts(noisy, UP)
     assert abs(slab[:, 2].max()) < 2e-3
 
@@ -172,3 +173,11 @@ def test_where_all_room_is_on_a_way_out_it_is_used_and_marked() -> None:
     found = placements("can", beside(0.15, 0.06), remaining=("box",))
     assert found
     assert all(place.bars for place in found)
+
+
+def test_a_wall_has_no_top_and_is_filled_all_the_same() -> None:
+    across, up = np.meshgrid(np.arange(-0.3, 0.3, 0.005), np.arange(0.0, 0.3, 0.005))
+    wall = np.stack([np.full(across.size, 0.4), across.ravel(), up.ravel()], axis=1)
+    assert tops_of(wall, UP).tops == ()
+    corners = np.vstack(fixed_parts(wall, UP))
+    assert np.allclose(np.ptp(corners, axis=0), [0.0, 0.6, 0.3], atol=0.02)

@@ -1,0 +1,121 @@
+"""`topple rank`: which grasps of another pipeline may be done now, which later, and what bars the others."""
+
+import argparse
+from collections import Counter
+from collections.abc import Sequence
+from typing import TYPE_CHECKING, Any
+
+from topple.planner.cli.console import print_json, print_table, print_text
+from topple.planner.cli.main import DONE
+from topple.planner.cli.options import add_common, read_scene, scene_paths
+from topple.planner.cli.progress import Progress
+from topple.planner.cli.robot_options import add_robot, arm_of, base_of
+from topple.planner.cli.tables import print_assumptions
+from topple.topology.errors import UnknownObject
+
+if TYPE_CHECKING:
+    from topple.planner.grasp.rank import RankedGrasp
+
+
+def add_arguments(parser: argparse.ArgumentParser) -> None:
+    """Add the options of `topple rank`.
+
+    Args:
+        parser: The sub-command's parser.
+    """
+    parser.add_argument(
+        "scenes",
+        nargs="*",
+        metavar="SCENE GRASPS",
+        help="a scene, and grasps in its frame: GraspNet .npy, Contact-GraspNet .npz, isaac .yaml, 4x4 poses",
+    )
+    parser.add_argument("--object", metavar="NAME", help="only the grasps that hold this object (all)")
+    add_robot(parser)
+    add_common(parser, scenes=None)
+
+
+def execute(args: argparse.Namespace) -> int:
+    """Rank the grasps of a file and print them, best first.
+
+    Args:
+        args: The parsed arguments.
+
+    Returns:
+        Exit code 0.
+
+    Raises:
+        InvalidInput: The scene or the grasps cannot be read, they are nowhere near each other, the robot is
+            none, or there is no such object.
+    """
+    paths = scene_paths(args)
+    if len(paths) != 2:
+        args.parser.error(f"a scene and a file of grasps expected, given {' '.join(paths)}")
+    with Progress("rank") as progress:
+        progress(f"reading {paths[0]}")
+        scene = read_scene(args, paths[0])
+        if args.object is not None and args.object not in scene.movable:
+            raise UnknownObject(args.object, scene.movable, role="object to grasp")
+        from topple.planner.grasp.foreign import read_grasps
+        from topple.planner.grasp.rank import rank_grasps
+
+        grasps, arm = read_grasps(paths[1]), arm_of(args)
+        progress(f"ranking {len(grasps)} grasps")
+        base = base_of(args, scene)
+        ranked = rank_grasps(scene, grasps, arm, pose_base_to_world=base)
+    if args.object is not None:
+        ranked = [entry for entry in ranked if entry.grasp.object == args.object]
+    reach = base is not None or scene.robot_base is not None
+    if args.json:
+        print_json(_document(paths, arm.name, reach, ranked))
+        return DONE
+    _print(paths, grasps.source, ranked)
+    if not reach:
+        print_text("Reach was not asked: give --base, or a scene with robot_base.")
+    print_assumptions(list(scene.assumptions))
+    return DONE
+
+
+def _document(
+    paths: Sequence[str], robot: str, reach: bool, ranked: "Sequence[RankedGrasp]"
+) -> dict[str, Any]:
+    """The `topple.rank` document; what is not known is null."""
+    return {
+        "format": "topple.rank",
+        "format_version": 1,
+        "scene": paths[0],
+        "file": paths[1],
+        "robot": robot,
+        "reach_asked": reach,
+        "grasps": [
+            {
+                "rank": rank,
+                "index": entry.index,
+                "object": entry.grasp.object or None,
+                "pose_tool_to_world": entry.grasp.pose_tool_to_world.tolist(),
+                "width": entry.grasp.opening or None,
+                "score": entry.grasp.score,
+                "feasible": entry.dropped is None,
+                "why": entry.dropped,
+                "before": list(entry.before),
+            }
+            for rank, entry in enumerate(ranked, start=1)
+        ],
+    }
+
+
+def _print(paths: Sequence[str], source: str, ranked: "Sequence[RankedGrasp]") -> None:
+    free = [entry for entry in ranked if entry.dropped is None]
+    objects = Counter(entry.grasp.object for entry in free)
+    which = ", ".join(f"{count} of {name}" for name, count in objects.items())
+    print_text(f"{paths[1]} ({source}) in {paths[0]}: {len(free)} of {len(ranked)} grasps can be done now")
+    if which:
+        print_text(f"They hold: {which}.")
+    if ranked:
+        rows = [_row(rank, entry) for rank, entry in enumerate(ranked, start=1)]
+        print_table(("", "grasp", "object", "score", "width mm", ""), rows, right=(0, 1, 3, 4))
+
+
+def _row(rank: int, entry: "RankedGrasp") -> tuple[str, ...]:
+    width = f"{1e3 * entry.grasp.opening:.0f}" if entry.grasp.opening else ""
+    name = entry.grasp.object
+    return (str(rank), str(entry.index), name, f"{entry.grasp.score:.3g}", width, entry.dropped or "now")

@@ -1,0 +1,53 @@
+"""The front door: this file is installed as `topple/__init__.py`, above the three packages.
+
+`import topple` then gives the calls that most programs need: `topple.order(topple.load_scene("scene.npz"))`.
+Each is imported when it is first used, so that neither `import topple` nor `topple --help` waits for numpy.
+"""
+
+from importlib import import_module
+from importlib.metadata import version
+from typing import TYPE_CHECKING, Any
+
+if TYPE_CHECKING:
+    from topple.planner import NoSafePlan, Order, order, plan, rank_grasps, run
+    from topple.robots import robot, scene_from_world
+    from topple.topology import InvalidInput, Scene, ToppleError, load_scene, relate
+
+    __version__: str
+
+__all__ = [
+    "InvalidInput",
+    "NoSafePlan",
+    "Order",
+    "Scene",
+    "ToppleError",
+    "__version__",
+    "load_scene",
+    "order",
+    "plan",
+    "rank_grasps",
+    "relate",
+    "robot",
+    "run",
+    "scene_from_world",
+]
+
+_PACKAGE_OF = {
+    "topology": ("InvalidInput", "Scene", "ToppleError", "load_scene", "relate"),
+    "robots": ("robot", "scene_from_world"),
+    "planner": ("NoSafePlan", "Order", "order", "plan", "rank_grasps", "run"),
+}
+
+
+def __getattr__(name: str) -> Any:
+    """Import a public name when it is first used."""
+    if name == "__version__":
+        from topple.topology.errors import DISTRIBUTION
+
+        return version(DISTRIBUTION)
+    package = next((package for package, names in _PACKAGE_OF.items() if name in names), None)
+    if package is None:
+        raise AttributeError(f"module 'topple' has no attribute {name!r}")
+    value = getattr(import_module(f"topple.{package}"), name)
+    globals()[name] = value
+    return value

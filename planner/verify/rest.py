@@ -1,0 +1,78 @@
+"""Whether things stay where a plan puts them: each is let go in PyBullet, among the others held in place."""
+
+from dataclasses import dataclass, field
+
+import numpy as np
+from scipy.spatial import ConvexHull
+
+from topple.planner.place.drops import Drops
+from topple.planner.place.proof import SHIFT, TURN, settled
+from topple.planner.plan_format import Plan
+from topple.planner.solids import moved
+from topple.planner.verify.record import Residual, Worst
+from topple.planner.verify.replay import Beat, parts_of, whole_of
+
+ROUNDED = 1e-4  # [m] what six digits and joggled hulls are off
+
+
+@dataclass(eq=False)
+class RestCheck:
+    """Collects how far things get that are let go in the beats it is shown.
+
+    What is put on a table is asked with the sides that nobody saw, which it may have to stand on; what is put
+    on or into another thing was lowered by what was seen of both. What is put into a container may roll but
+    has to stay in it. A step that says that it lets its object fall is not counted, and told of.
+
+    Attributes:
+        plan: The plan.
+        allowed: What falls as its step says, in sentences.
+    """
+
+    plan: Plan
+    shift: Worst = field(default_factory=lambda: Worst("shift after letting go", "m", SHIFT))
+    turn: Worst = field(default_factory=lambda: Worst("turn after letting go", "rad", TURN))
+    out: Worst = field(default_factory=lambda: Worst("outside of its container after letting go", "m"))
+    allowed: list[str] = field(default_factory=list[str])
+
+    def __post_init__(self) -> None:
+        self._up = np.array(self.plan.up)
+        self._parts, self._whole = parts_of(self.plan), whole_of(self.plan)
+
+    def look(self, beat: Beat) -> None:
+        """Let go what a step puts down; the beat is the one in which it does."""
+        step = beat.step
+        into, name = step.placement.into, step.object
+        riding = {held.object for held in step.attachments} - {name}
+        bodies = {n: moved(self._parts[n], pose) for n, pose in beat.poses.items() if n not in riding}
+        if into is None:
+            bodies[name] = moved(self._whole[name], beat.poses[name])
+        release = np.eye(4)
+        release[:3, 3] += step.placement.drop * self._up
+        contained = into is not None and step.placement.rest.startswith("within")
+        container = np.vstack(bodies[into]) if contained and into is not None else None
+        with Drops(name, bodies, self._up) as drops:
+            found = settled(drops, release, np.eye(4), container, self._up)
+        where = f"step {beat.index + 1} ({name})"
+        if step.placement.falls:
+            self.allowed.append(f"{where} is let go to fall: {found}")
+        elif found.outside is not None:
+            self.out.note(found.outside, where)
+        else:
+            self.shift.note(found.shift, where)
+            self.turn.note(found.turn, where)
+
+    def residuals(self) -> tuple[Residual, ...]:
+        """How far things shift, turn and leave containers, and what of bodies is outside of their wholes."""
+        return self.shift.residual(), self.turn.residual(), self.out.residual(), _around(self.plan)
+
+
+def _around(plan: Plan) -> Residual:
+    """How far what was seen of the objects sticks out of the bodies that are taken for whole."""
+    worst = Worst("bodies outside of their wholes", "m", ROUNDED)
+    for thing in plan.objects:
+        hulls = [ConvexHull(np.array(part), qhull_options="QJ").equations for part in thing.whole]
+        if hulls:
+            seen = np.vstack(thing.parts)
+            beyond = [(seen @ faces[:, :3].T + faces[:, 3]).max(axis=1) for faces in hulls]
+            worst.note(float(np.min(beyond, axis=0).max()), thing.name)
+    return worst.residual()

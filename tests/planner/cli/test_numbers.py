@@ -1,0 +1,42 @@
+import pytest
+
+from topple.planner.cli.tables import print_order, print_relations
+from topple.planner.motion.collision import Contact
+from topple.planner.motion.planner import _says  # pyright: ignore[reportPrivateUsage]
+from topple.planner.report.words import millimetres
+from topple.topology.rounded import rounded
+
+
+@pytest.mark.parametrize(("value", "digits", "text"), [(-0.0, 0, "0"), (-0.4, 0, "0"), (-0.04, 1, "0.0"),
+                                                       (-0.6, 0, "-1"), (12.34, 1, "12.3")])  # fmt: skip
+def test_what_rounds_to_nothing_has_no_sign(value: float, digits: int, text: str) -> None:
+    assert rounded(value, digits) == text
+
+
+@pytest.mark.parametrize("distance", [0.0, -0.0, 0.003, -1e-5])
+def test_what_just_touches_is_0_mm_deep(distance: float) -> None:
+    assert _says((Contact("link", "cup", distance),)) == "link touches cup (0 mm deep)"
+
+
+def test_gaps_of_nothing_have_no_sign(capsys: pytest.CaptureFixture[str]) -> None:
+    assert millimetres(-1e-6) == "0.0 mm"
+    pair = {"a": "a", "b": "b", "relation": "touch", "matrix": [[1, 1, 0], [1, 1, 0]], "gap": -1e-6}
+    pair |= {"gap_exact": True, "confidence": 1.0, "observed": True}
+    print_relations("scene", {"objects": ["a", "b"], "deviation": 0.001, "relations": [pair]})
+    assert "-0" not in capsys.readouterr().out
+
+
+def test_the_table_of_supports_shows_the_kind_of_each_pair(capsys: pytest.CaptureFixture[str]) -> None:
+    carried = {
+        "supporter": "bowl",
+        "supported": "lemon",
+        "kind": "contained",
+        "confidence": 0.7,
+        "inferred": True,
+    }
+    document = {"order": ["lemon"], "targets": [], "risk": {}, "dependencies": [], "explanation": []}
+    print_order("scene", {**document, "groups": [], "supports": [carried]})
+    lines = capsys.readouterr().out.splitlines()
+    assert "What carries what:" in lines
+    row = next(line for line in lines if "bowl" in line)
+    assert row.split() == ["bowl", "lemon", "contained", "0.70", "inferred"]

@@ -1,0 +1,178 @@
+"""Plans and runs with the caller's own grasps, order and relations."""
+
+from collections.abc import Sequence
+from dataclasses import replace
+from typing import Any
+
+import numpy as np
+import pytest
+
+from topple.planner.dependency import Dependency, DependencyGraph
+from topple.planner.errors import NoSafePlan
+from topple.planner.grasp.foreign import grasps_from_array
+from topple.planner.grasp.grasp import Grasp
+from topple.planner.grasp.rank import rank_grasps
+from topple.planner.order import Order, arrange, order
+from topple.planner.plan import plan
+from topple.planner.run import run
+from topple.robots.shapes.boxes import box
+from topple.topology.errors import InvalidInput, UnknownObject
+from topple.topology.relate import Relations, relate
+from topple.topology.scene import Scene
+
+BASE = np.eye(4)
+BASE[0, 3] = -0.5
+
+
+def down(x: float, y: float, z: float, turn: float = 0.0) -> np.ndarray:
+    """A hand from above whose pads close along y, turned about the vertical."""
+    pose = np.diag([1.0, -1.0, -1.0, 1.0])
+    cos, sin = np.cos(turn), np.sin(turn)
+    pose[:3, :3] = np.array([[cos, -sin, 0.0], [sin, cos, 0.0], [0.0, 0.0, 1.0]]) @ pose[:3, :3]
+    pose[:3, 3] = [x, y, z]
+    return pose
+
+
+def stacked() -> Scene:
+    """A block on a block, and one aside."""
+    rng = np.random.default_rng(0)
+    axis = np.arange(-0.35, 0.35, 0.008)
+    x, y = np.meshgrid(axis, axis)
+    clouds = {
+        "table": np.column_stack([x.ravel(), y.ravel(), np.zeros(x.size)]),
+        "lower": box("lower", (0.05, 0.05, 0.05)).surface(3000, rng),
+        "upper": box("upper", (0.05, 0.05, 0.05)).surface(3000, rng) + np.array([0.0, 0.0, 0.0505]),
+        "aside": box("aside", (0.05, 0.05, 0.05)).surface(3000, rng) + np.array([0.0, 0.2, 0.0]),
+    }
+    return Scene(clouds, fixed=["table"], up=[0, 0, 1])
+
+
+def test_an_object_is_taken_by_a_grasp_of_the_callers_own_and_the_others_as_ever() -> None:
+    scene = stacked()
+    # many that stand in the block, one beside it, and one that nobody's search would find: turned by 0.1 rad
+    poses = [*(down(0.0, 0.0, 0.06) for _ in range(40)), down(0.2, -0.2, 0.1), down(0.004, 0.0, 0.086, 0.1)]
+    ranked = rank_grasps(scene, grasps_from_array(np.array(poses)), "panda", pose_base_to_world=BASE)
+    found = plan(scene, ["lower"], "panda", base=BASE, grasps=ranked)
+    first, second = found.steps
+    assert (first.object, second.object) == ("upper", "lower")
+    assert np.allclose(first.grasp.pose_tool_to_world, poses[-1], atol=1e-5) or np.allclose(
+        first.grasp.pose_tool_to_world, poses[-1] @ np.diag([-1.0, -1.0, 1.0, 1.0]), atol=1e-5
+    )
+    assert first.grasp.width == pytest.approx(0.05, abs=0.006)
+    assert found.verify(scene).ok
+
+
+def test_where_no_grasp_of_the_callers_own_will_do_there_is_no_plan() -> None:
+    scene = stacked()
+    high = Grasp("aside", "pinch", down(0.0, 0.2, 0.02), 0.05, 0.06, 1.0)  # the palm meets the top
+    sunk = replace(high, pose_tool_to_world=down(0.0, 0.2, -0.02))
+    for given in ({"aside": [sunk]}, {"aside": []}):
+        with pytest.raises(NoSafePlan, match="aside"):
+            plan(scene, ["aside"], "panda", base=BASE, grasps=given)
+    assert plan(scene, ["aside"], "panda", base=BASE).steps
+
+
+@pytest.mark.parametrize(
+    ("given", "error", "words"),
+    [
+        (
+            [Grasp("", "pinch", down(0.0, 0.2, 0.04), 0.05, 0.06, 1.0)],
+            InvalidInput,
+            "grasp 0 names no object",
+        ),
+        ({"cup": []}, UnknownObject, "cup"),
+        (
+            {"aside": [Grasp("lower", "pinch", down(0.0, 0.2, 0.04), 0.05, 0.06, 1.0)]},
+            InvalidInput,
+            "is given for",
+        ),
+        (
+            [Grasp("aside", "suction", down(0.0, 0.2, 0.05), 0.0, 0.0, 1.0)],
+            InvalidInput,
+            "panda has no suction",
+        ),
+    ],
+)
+def test_grasps_that_do_not_fit_are_refused(given: Any, error: type[Exception], words: str) -> None:
+    for act in (plan, run):
+        with pytest.raises(error, match=words):
+            act(stacked(), ["aside"], "panda", base=BASE, grasps=given)
+
+
+def aside_first(scene: Scene, targets: Sequence[str], **_: object) -> Order:
+    """Takes what stands aside before anything else."""
+    names = [name for name in ("aside", "upper") if name not in targets]
+    edges = [Dependency(first, then, "blocking", 1.0) for first in names for then in targets]
+    if "upper" in scene.movable and "aside" in names:
+        edges.append(Dependency("aside", "upper", "blocking", 1.0))
+    return arrange(
+        DependencyGraph(scene.movable, tuple(edges)), targets, {n: np.zeros(3) for n in scene.movable}
+    )
+
+
+def test_an_orderer_of_the_callers_own_is_asked_for_the_order() -> None:
+    assert [step.object for step in plan(stacked(), ["lower"], "panda", base=BASE).steps] == [
+        "upper",
+        "lower",
+    ]
+    asked: list[tuple[str, ...]] = []
+
+    def orderer(scene: Scene, targets: Sequence[str], **known: Any) -> Order:
+        asked.append(tuple(targets))
+        if len(asked) == 1:
+            return aside_first(scene, targets)
+        return order(scene, targets, relations=known["relations"])
+
+    found = plan(stacked(), ["lower"], "panda", base=BASE, orderer=orderer)
+    assert [step.object for step in found.steps] == ["aside", "upper", "lower"]
+    assert asked[0] == ("lower",)
+
+
+def test_an_orderer_that_gives_no_order_is_refused() -> None:
+    def names(scene: Scene, targets: Sequence[str], **_: object) -> Any:
+        return ["upper", "lower"]
+
+    with pytest.raises(InvalidInput, match="the orderer gave list, expected an Order"):
+        plan(stacked(), ["lower"], "panda", base=BASE, orderer=names)
+
+
+def test_relations_of_the_callers_own_are_what_the_order_is_asked_with() -> None:
+    scene, seen = stacked(), list[Relations]()
+    mine = relate(scene)
+
+    def orderer(given: Scene, targets: Sequence[str], *, relations: Relations, **_: Any) -> Order:
+        seen.append(relations)
+        return order(given, targets, relations=relations)
+
+    plan(scene, ["lower"], "panda", base=BASE, orderer=orderer, relations=mine)
+    assert seen[0] is mine
+    assert seen[-1] is not mine
+    asked: list[Scene] = []
+
+    def related(given: Scene) -> Relations:
+        asked.append(given)
+        return relate(given)
+
+    found = plan(scene, ["lower"], "panda", base=BASE, relations=related)
+    assert len(asked) == len(found.steps) + 1
+    with pytest.raises(InvalidInput, match="the relations are of"):
+        plan(scene, ["lower"], "panda", base=BASE, relations=relate(scene.without("aside")))
+
+
+def test_a_run_takes_the_callers_grasps_and_order() -> None:
+    scene, asked = stacked(), list[tuple[str, ...]]()
+
+    def orderer(given: Scene, targets: Sequence[str], **known: Any) -> Order:
+        asked.append(tuple(targets))
+        return order(given, targets, relations=known["relations"])
+
+    pose = down(0.012, 0.2, 0.036, 0.1)  # off its middle, where no search of our own begins
+    record = run(
+        scene, ["aside"], "panda", base=BASE, orderer=orderer,
+        grasps=[Grasp("aside", "pinch", pose, 0.0, 0.0, 1.0)],
+    )  # fmt: skip
+    assert record.success, record.violations
+    assert asked
+    middle = np.mean([scene.clouds[name].mean(axis=0) for name in scene.movable], axis=0)
+    in_world = pose[:3, 3] - [middle[0], middle[1], 0.0]  # a run lays the things about its middle
+    assert np.linalg.norm(np.array(record.steps[0].tool_path)[:, :3] - in_world, axis=1).min() < 0.006

@@ -1,0 +1,88 @@
+import re
+import subprocess
+import sys
+from importlib.metadata import requires, version
+from pathlib import Path
+
+import pytest
+from packaging.requirements import Requirement
+
+import topple
+from topple.topology.errors import DISTRIBUTION, InvalidInput, NotInstalled
+
+ROOT = Path(__file__).resolve().parents[1]
+PAGES = [ROOT / "README.md", ROOT / "CONTRIBUTING.md", *sorted((ROOT / "docs").glob("*.md"))]
+CODE = [
+    path
+    for folder in ("topology", "robots", "planner", "examples")
+    for path in sorted((ROOT / folder).rglob("*.py"))
+]
+TEXTS = {path: path.read_text(encoding="utf-8") for path in (*PAGES, *CODE)}
+
+
+def _printed(code: str) -> tuple[str, str]:
+    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
+    return done.stdout, done.stderr
+
+
+def test_the_distribution_is_not_the_other_topple_of_pypi() -> None:
+    assert DISTRIBUTION == "topple-planner"
+    assert topple.__version__ == version("topple-planner")
+
+
+def test_no_text_installs_the_other_topple() -> None:
+    for path, text in TEXTS.items():
+        assert not re.findall(r"pip install [^`\n]*\btopple(?!-planner)\b[\['\" `]", text), path
+
+
+def test_every_public_name_of_the_front_door_is_there() -> None:
+    for name in topple.__all__:
+        assert getattr(topple, name) is not None
+    with pytest.raises(AttributeError, match="'topple' has no attribute 'pile'"):
+        _ = topple.pile
+
+
+def test_the_front_door_is_light() -> None:
+    heavy = "{'numpy', 'scipy', 'pybullet'}"
+    assert _printed(f"import sys, topple; print(sorted({heavy} & set(sys.modules)))") == ("[]\n", "")
+
+
+def test_the_engine_comes_without_its_greeting() -> None:
+    pytest.importorskip("pybullet")
+    assert _printed("import topple.robots.world") == ("", "")
+
+
+def test_a_missing_part_is_wrong_use_that_names_its_extra() -> None:
+    required = " ".join(requires("topple-planner") or ())
+    extras = set(re.findall(r"extra == ['\"](\w+)", required))
+    named = {
+        extra
+        for text in TEXTS.values()
+        for groups in re.findall(r"NotInstalled\(\s*\"[^\"]+\",\s*\"(\w+)\"|topple-planner\[(\w+)\]", text)
+        for extra in groups
+        if extra
+    }
+    assert {"sim", "video", "rerun"} <= named <= extras
+    error = NotInstalled("films need PyAV", "video")
+    assert isinstance(error, InvalidInput)
+    assert str(error) == "films need PyAV: pip install 'topple-planner[video]' (in a checkout '.[video]')"
+
+
+@pytest.mark.parametrize(
+    ("python", "machine", "expected"),
+    [
+        ("3.10", "x86_64", True),
+        ("3.11", "x86_64", True),
+        ("3.12", "x86_64", False),
+        ("3.13", "x86_64", False),
+        ("3.11", "aarch64", False),
+    ],
+)
+def test_pybullet_is_required_where_it_has_a_wheel_and_nowhere_else(
+    python: str, machine: str, expected: bool
+) -> None:
+    needed = map(Requirement, requires("topple-planner") or ())
+    (marker,) = (r.marker for r in needed if r.name == "pybullet" and "extra" not in str(r.marker))
+    assert marker is not None
+    platform = {"platform_system": "Linux", "platform_machine": machine, "implementation_name": "cpython"}
+    assert marker.evaluate({**platform, "python_version": python}) == expected

@@ -1,0 +1,78 @@
+"""Masses and coefficients of friction by name, refused where they enter if they cannot be true."""
+
+from collections.abc import Iterable, Mapping
+from sys import float_info
+from types import MappingProxyType
+from typing import cast
+
+import numpy as np
+
+from topple.topology.errors import InvalidInput, UnknownObject
+from topple.topology.matter import ROUGHEST, SLIPPERIEST
+
+
+def as_masses(given: object, names: Iterable[str]) -> Mapping[str, float]:
+    """Check the masses of objects.
+
+    Args:
+        given: Mass in [kg] by name, above 0; None for none.
+        names: The objects there are.
+
+    Returns:
+        The masses, read-only.
+
+    Raises:
+        InvalidInput: If they are no mapping, or a mass is no finite number above 0; names the object.
+        UnknownObject: If a name is none of the objects.
+    """
+    masses = _numbers(given, names, "mass", "masses", "kilograms, such as 0.35")
+    for name, mass in masses.items():
+        if mass <= 0:
+            raise InvalidInput(
+                f"mass of {name!r} is {mass:g} kg: expected more than 0; leave out what nobody weighed, "
+                "and name what never moves in fixed"
+            )
+    return masses
+
+
+def as_friction(given: object, names: Iterable[str]) -> Mapping[str, float]:
+    """Check the coefficients of friction of objects' surfaces.
+
+    Args:
+        given: Coulomb coefficient by name, 0 to 10; None for none.
+        names: The objects there are.
+
+    Returns:
+        The coefficients, read-only.
+
+    Raises:
+        InvalidInput: If they are no mapping, or one is no number from 0 to 10; names the object.
+        UnknownObject: If a name is none of the objects.
+    """
+    friction = _numbers(given, names, "friction", "friction", "a Coulomb coefficient, such as 0.5")
+    for name, coefficient in friction.items():
+        if not SLIPPERIEST <= coefficient <= ROUGHEST:
+            raise InvalidInput(
+                f"friction of {name!r} is {coefficient:g}: expected a Coulomb coefficient from "
+                f"{SLIPPERIEST:g} to {ROUGHEST:g}, mostly 0.2 to 1; neither an angle nor a percentage"
+            )
+    return friction
+
+
+def _numbers(given: object, names: Iterable[str], one: str, all_: str, expected: str) -> Mapping[str, float]:
+    """Finite numbers by name."""
+    if given is None:
+        return MappingProxyType({})
+    if not isinstance(given, Mapping):
+        raise InvalidInput(f"{all_}: found {type(given).__name__}, expected {{name: number}}, in {expected}")
+    known = frozenset(names)
+    checked: dict[str, float] = {}
+    for name, value in cast(Mapping[object, object], given).items():
+        if not isinstance(name, str) or name not in known:
+            raise UnknownObject(str(name), known, role=f"object with a {one}")
+        if isinstance(value, bool) or not isinstance(value, (int, float, np.integer, np.floating)):
+            raise InvalidInput(f"{one} of {name!r} is {value!r}: expected a number, {expected}")
+        if not abs(value) < float_info.max:  # NaN, infinity, and whole numbers beyond all floats
+            raise InvalidInput(f"{one} of {name!r} is not finite: expected a number, {expected}")
+        checked[name] = float(value)
+    return MappingProxyType(checked)

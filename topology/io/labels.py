@@ -1,0 +1,61 @@
+"""What the numbers of a mask, or of labelled points, are called."""
+
+from collections.abc import Mapping
+
+import numpy as np
+
+from topple.topology.errors import InvalidInput
+from topple.topology.io.archive import Array
+from topple.topology.io.clouds import names_in
+
+NAMING = ("names", "ids")
+"""Arrays that name the labels."""
+
+
+def fixed_labels(arrays: Mapping[str, Array], names: Mapping[int, str]) -> list[str]:
+    """The names in `fixed`; a label there stands for its name."""
+    if "fixed" not in arrays:
+        return []
+    known = {str(number): name for number, name in names.items()}
+    return [known.get(name, name) for name in names_in(arrays["fixed"])]
+
+
+def label_names(arrays: Mapping[str, Array], label: Array) -> dict[int, str]:
+    """Read what the labels are called.
+
+    Args:
+        arrays: The file's arrays; `names` and `ids` may be among them.
+        label: The mask, or the labels of points.
+
+    Returns:
+        The name of each label that has one and occurs; none where there are no `names`.
+
+    Raises:
+        InvalidInput: If `names` is no text, does not say which label a name belongs to, or names one twice.
+    """
+    if "names" not in arrays:
+        return {}
+    names = arrays["names"]
+    if names.ndim != 1 or names.dtype.kind not in "US":
+        raise InvalidInput(
+            f"names holds {names.dtype} of shape {names.shape}: expected one text per label (M,)"
+        )
+    present = [int(number) for number in np.unique(label) if number > 0]
+    if "ids" in arrays:
+        ids = arrays["ids"]
+        if ids.dtype.kind not in "iu" or ids.shape != names.shape:
+            raise InvalidInput(
+                f"ids is {ids.shape} of {ids.dtype}: expected one whole number per name, {names.shape}"
+            )
+        numbers = [int(number) for number in ids]
+        if len(set(numbers)) < len(numbers):
+            raise InvalidInput("ids names a label twice: expected each label once")
+    else:
+        numbers = list(range(len(names)))
+        if present and len(names) <= present[-1]:
+            raise InvalidInput(
+                f"names has {len(names)} entries and the labels reach {present[-1]}: expected names[i] for "
+                "label i, the background's at 0; or whole numbers ids, one per name, that say whose it is"
+            )
+    named = zip(numbers, names_in(names), strict=True)
+    return {number: name for number, name in named if number in set(present) and name.strip()}
