@@ -25,7 +25,7 @@ GivenGrasps = ForeignGrasps | Sequence[Grasp] | FloatArray
 """Grasps of `read_grasps`, of this project, or an (N, 4, 4) or (N, 17) array."""
 
 SOME = 256  # grasps asked at a time whether they are near anything
-_NOTHING = {"fingers": "nothing is between its pads", "suction": "nothing is under its cup"}
+_WHERE = {"fingers": "between its pads", "suction": "under its cup"}
 
 
 @dataclass(frozen=True, eq=False)
@@ -168,22 +168,31 @@ def _held(given: Sequence[Grasp], told: Mapping[int, str], room: Room) -> list[R
     """Each grasp with the object it holds, those that hold none dropped."""
     found = [RankedGrasp(index, grasp, (), None) for index, grasp in enumerate(given)]
     movable = room.scene.movable
-    rows = [index for index, grasp in enumerate(given) if not grasp.object]
-    for index, counts in zip(rows, room.between_pads(_poses(given, rows)).tolist(), strict=True):
+    for index, counts in _within_tools(given, room).items():
         largest = max(counts, default=0)
         most = movable[counts.index(largest)] if largest > GRASP_TOLERANCES.stray_points else ""
         name, grasp = told.get(index, most), given[index]
         if not most:
-            found[index] = RankedGrasp(index, grasp, (), _NOTHING[grasp.tool])
+            found[index] = RankedGrasp(index, grasp, (), f"nothing is {_WHERE[grasp.tool]}")
         elif name not in movable:
             why = "never moves" if name in room.scene.fixed else "is not in the scene"
             found[index] = RankedGrasp(index, grasp, (), f"its file has it hold {name}, which {why}")
         elif counts[movable.index(name)] <= GRASP_TOLERANCES.stray_points:
-            why = f"its file has it hold {name}, but between its pads is {most}"
+            why = f"its file has it hold {name}, but {_WHERE[grasp.tool]} is {most}"
             found[index] = RankedGrasp(index, grasp, (), why)
         else:
             found[index] = RankedGrasp(index, replace(grasp, object=name), (), None)
     return found
+
+
+def _within_tools(given: Sequence[Grasp], room: Room) -> dict[int, list[int]]:
+    """Points of each movable object between the pads, or under the cup, of grasps that name none."""
+    within: dict[int, list[int]] = {}
+    for tool, counted in (("fingers", room.between_pads), ("suction", room.under_cup)):
+        rows = [index for index, grasp in enumerate(given) if not grasp.object and grasp.tool == tool]
+        if rows:
+            within.update(zip(rows, counted(_poses(given, rows)).tolist(), strict=True))
+    return within
 
 
 def in_the_way(grasps: Sequence[Grasp], room: Room) -> list[list[str]]:
@@ -200,6 +209,8 @@ def in_the_way(grasps: Sequence[Grasp], room: Room) -> list[list[str]]:
     names = list(room.scene.clouds)
     for tool in ("fingers", "suction"):
         rows = [row for row, grasp in enumerate(grasps) if grasp.object and grasp.tool == tool]
+        if not rows:
+            continue
         poses, own = _poses(grasps, rows), [grasps[row].object for row in rows]
         if tool == "fingers":
             met = room.met_by_fingers(poses, np.array([grasps[row].opening for row in rows]))

@@ -21,6 +21,7 @@ FINE = 0.006  # [m] cells of what pads may hold: a third of a pad's width, so th
 PAST_PADS = (
     0.005  # [m] beyond the pads' ends, where what they hold may begin: depth noise and a finger's play
 )
+AT_LIP = 0.01  # [m] before and behind a cup's lip, where what it takes may lie: depth noise and its bellows
 
 
 @dataclass(frozen=True, eq=False)
@@ -72,6 +73,18 @@ class Room:
         half = [self.hand.pad_width, self.hand.max_opening, self.hand.pad_length + 2.0 * PAST_PADS]
         bound = np.tile(np.array(half) / 2.0, (len(poses), 1))
         return self.movable.counts(poses, Region(-bound, bound))
+
+    def under_cup(self, poses: FloatArray) -> IntArray:
+        """Count what is under the cup's lip.
+
+        Args:
+            poses: (P, 4, 4) pose_tool_to_world.
+
+        Returns:
+            (P, M) points of each movable object, in the scene's order.
+        """
+        bound = np.tile([self.cup.radius, self.cup.radius, AT_LIP], (len(poses), 1))
+        return self.movable.counts(poses, Region(-bound, bound, self.cup.radius))
 
     def met_by_fingers(self, poses: FloatArray, openings: FloatArray) -> BoolArray:
         """Ask what open hands meet on their straight way in.

@@ -4,7 +4,6 @@ import numpy as np
 
 from topple.planner.plan_format import Plan
 from topple.planner.plan_robot import arm_from
-from topple.planner.verify.by_bullet import BulletCheck
 from topple.planner.verify.by_fcl import FclCheck
 from topple.planner.verify.clouds import CloudCheck
 from topple.planner.verify.handled import HandCheck
@@ -45,7 +44,11 @@ def verify(
     Raises:
         InvalidInput: The plan's arm or its URDF is not found here and none was given, the URDF is another
             than the plan was made with, or the arm's joints or the scene's objects are not those of the plan.
+        NotInstalled: PyBullet is not installed.
     """
+    # here: a plan is made where PyBullet is not installed, too, and with it this module is imported
+    from topple.planner.verify.by_bullet import BulletCheck
+
     arm = _arm(plan, robot)
     if scene is not None:
         _check_names(plan, scene)
