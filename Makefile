@@ -25,9 +25,9 @@ peers: | python
 film: .venv/dev.stamp
 	$(BIN)/python docs/figures/film.py docs/dishes.webp
 
-# docs/plan.schema.json is what the structs of planner/plan_format.py say; a test holds it to that.
+# docs/plan.schema.json is what the structs of planner/formats/plan_format.py say; a test holds it to that.
 schema: .venv/dev.stamp
-	$(BIN)/python -c 'import json; from topple.planner.plan_format import plan_schema; print(json.dumps(plan_schema(), indent=1))' > docs/plan.schema.json
+	$(BIN)/python -c 'import json; from topple.planner.formats.plan_format import plan_schema; print(json.dumps(plan_schema(), indent=1))' > docs/plan.schema.json
 
 # Both simulate, and PyBullet has wheels for CPython 3.10 and 3.11 on Linux x86-64 alone.
 python:

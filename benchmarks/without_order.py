@@ -11,13 +11,13 @@ from textwrap import fill
 import numpy as np
 from PIL import Image, ImageDraw
 
-from topple.planner.bench.rules import order_by
-from topple.planner.demo import loop_in
-from topple.planner.judge import LIMITS
-from topple.planner.order import cautious
+from topple.benchmarks.rules import order_by
+from topple.planner.execution.demo import loop_in
+from topple.planner.execution.judge import LIMITS
+from topple.planner.planning.order import cautious
 from topple.planner.report.record import RunRecord, StepRecord
-from topple.robots.camera import Camera
 from topple.robots.scenarios import scenario_called
+from topple.robots.world.camera import Camera
 
 RULE = "plain 6IM + height"
 EYE = Camera.looking_at((0.47, -0.43, 0.42), (0.0, 0.0, 0.03), width=440, height=330)

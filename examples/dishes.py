@@ -8,7 +8,7 @@ FOLDER then holds relations.json, order.json, plan.json, run.json and report.htm
 import math
 import sys
 
-from topple.planner.demo import demo
+from topple.planner import demo
 
 
 def main(folder: str = "topple-dishes", seed: str = "0") -> int:

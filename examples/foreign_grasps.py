@@ -12,9 +12,7 @@ from collections import Counter
 
 import numpy as np
 
-from topple.planner import rank_grasps
-from topple.planner.grasp.foreign import ForeignGrasps, grasps_from_array, read_grasps
-from topple.planner.look import Observer
+from topple.planner import ForeignGrasps, Observer, grasps_from_array, rank_grasps, read_grasps
 from topple.robots.scenarios import scenario_called
 from topple.topology import Scene
 

@@ -7,10 +7,9 @@ What has to leave the bowl first, and how much, nobody says: it follows from wha
 
 import sys
 
-from topple.planner.run import ClosedLoop, RunLimits
-from topple.robots.catalog import robot
+from topple.planner import ClosedLoop, RunLimits
+from topple.robots import SimulatedArm, robot
 from topple.robots.scenarios import scenario_called
-from topple.robots.simulated_arm import SimulatedArm
 
 
 def main(seed: int = 3) -> int:

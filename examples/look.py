@@ -12,8 +12,7 @@ import sys
 import numpy as np
 
 from topple.robots.scenarios import scenario_called
-from topple.topology import Scene
-from topple.topology.cloud import thinned
+from topple.topology import Scene, thinned
 
 SPACING = 0.002  # [m] between the points that are kept of an object: what three cameras at a metre see apart
 TABLE_SPACING = 0.008  # [m] the same for the table, which is flat and large

@@ -9,12 +9,9 @@ import sys
 
 import numpy as np
 
-from topple.planner import order
-from topple.planner.look import Observer
-from topple.planner.run import ClosedLoop
-from topple.robots.catalog import robot
+from topple.planner import ClosedLoop, Observer, order
+from topple.robots import SimulatedArm, robot
 from topple.robots.scenarios import scenario_called
-from topple.robots.simulated_arm import SimulatedArm
 
 MASKS = 1.0  # [pixels] standard deviation of the edges of the masks
 

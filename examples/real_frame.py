@@ -12,8 +12,7 @@ from collections import Counter
 
 import numpy as np
 
-from topple.planner import order, run
-from topple.planner.report.run_page import run_page
+from topple.planner import order, run, run_page
 from topple.robots.scenarios import scenario_called
 from topple.topology import load_scene
 

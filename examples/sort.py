@@ -8,11 +8,9 @@ import sys
 import numpy as np
 import pybullet
 
-from topple.planner.run import ClosedLoop
-from topple.robots.catalog import robot
-from topple.robots.recording import Recording
+from topple.planner import ClosedLoop
+from topple.robots import Recording, SimulatedArm, robot
 from topple.robots.scenarios import scenario_called
-from topple.robots.simulated_arm import SimulatedArm
 
 
 def main(seed: int = 2) -> int:

@@ -7,9 +7,8 @@ import sys
 
 import numpy as np
 
-from topple.planner import NoSafePlan, plan
+from topple.planner import NoSafePlan, Observer, plan
 from topple.planner.export import export
-from topple.planner.look import Observer
 from topple.robots.scenarios import scenario_called
 
 

@@ -1,40 +1,63 @@
 """What to do: dependency graph, safe order, grasps, motions, plans, runs and the command line."""
 
-import sys
 from importlib import import_module
-from types import ModuleType
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
-    from topple.planner.dependency import Dependency, DependencyGraph, dependencies
+    from topple.planner.decide.dependency import Dependency, DependencyGraph, dependencies
     from topple.planner.errors import NoSafePlan
+    from topple.planner.execution.demo import demo
+    from topple.planner.execution.look import Observer
+    from topple.planner.execution.run import ClosedLoop, RunLimits, run
+    from topple.planner.formats.plan_format import Plan
+    from topple.planner.grasp.foreign import ForeignGrasps, grasps_from_array, read_grasps
     from topple.planner.grasp.rank import rank_grasps
-    from topple.planner.order import Order, order
-    from topple.planner.plan import plan
-    from topple.planner.run import run
+    from topple.planner.planning.order import Order, arrange, order
+    from topple.planner.planning.plan import plan
+    from topple.planner.report.run_page import run_page
 
 __all__ = [
+    "ClosedLoop",
     "Dependency",
     "DependencyGraph",
+    "ForeignGrasps",
     "NoSafePlan",
+    "Observer",
     "Order",
+    "Plan",
+    "RunLimits",
+    "arrange",
+    "demo",
     "dependencies",
+    "grasps_from_array",
     "order",
     "plan",
     "rank_grasps",
+    "read_grasps",
     "run",
+    "run_page",
 ]
 
 _HOME = {
-    "Dependency": "dependency",
-    "DependencyGraph": "dependency",
+    "ClosedLoop": "execution.run",
+    "Dependency": "decide.dependency",
+    "DependencyGraph": "decide.dependency",
+    "ForeignGrasps": "grasp.foreign",
     "NoSafePlan": "errors",
-    "Order": "order",
-    "dependencies": "dependency",
-    "order": "order",
-    "plan": "plan",
+    "Observer": "execution.look",
+    "Order": "planning.order",
+    "Plan": "formats.plan_format",
+    "RunLimits": "execution.run",
+    "arrange": "planning.order",
+    "demo": "execution.demo",
+    "dependencies": "decide.dependency",
+    "grasps_from_array": "grasp.foreign",
+    "order": "planning.order",
+    "plan": "planning.plan",
     "rank_grasps": "grasp.rank",
-    "run": "run",
+    "read_grasps": "grasp.foreign",
+    "run": "execution.run",
+    "run_page": "report.run_page",
 }
 
 
@@ -42,17 +65,6 @@ def __getattr__(name: str) -> Any:
     """Import a public name when it is first used: `topple --help` must not wait for pybullet."""
     if name not in _HOME:
         raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
-    value = getattr(import_module(f"topple.planner.{_HOME[name]}"), name)
+    value = getattr(import_module(f"{__name__}.{_HOME[name]}"), name)
     globals()[name] = value
     return value
-
-
-class _Package(ModuleType):
-    """A package in which `order`, `plan` and `run` stay functions after their modules were imported."""
-
-    def __setattr__(self, name: str, value: object) -> None:
-        if not (name in _HOME and isinstance(value, ModuleType)):
-            super().__setattr__(name, value)
-
-
-sys.modules[__name__].__class__ = _Package

@@ -1,27 +1,42 @@
 """What can act: arms, grippers, cameras, bodies and the PyBullet world they share."""
 
-import importlib
+from importlib import import_module
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
-    from topple.robots.bodies import Body as Body
-    from topple.robots.camera import Camera as Camera
-    from topple.robots.catalog import robot as robot
-    from topple.robots.observe import scene_from_world as scene_from_world
-    from topple.robots.world import World as World
+    from topple.robots.catalog import robot
+    from topple.robots.world.bodies import Body
+    from topple.robots.world.camera import Camera
+    from topple.robots.world.observe import scene_from_world
+    from topple.robots.world.recording import Recording
+    from topple.robots.world.simulated_arm import SimulatedArm
+    from topple.robots.world.world import World
 
-_HOMES = {
-    "Body": "topple.robots.bodies",
-    "Camera": "topple.robots.camera",
-    "World": "topple.robots.world",
-    "robot": "topple.robots.catalog",
-    "scene_from_world": "topple.robots.observe",
+__all__ = [
+    "Body",
+    "Camera",
+    "Recording",
+    "SimulatedArm",
+    "World",
+    "robot",
+    "scene_from_world",
+]
+
+_HOME = {
+    "Body": "world.bodies",
+    "Camera": "world.camera",
+    "Recording": "world.recording",
+    "SimulatedArm": "world.simulated_arm",
+    "World": "world.world",
+    "robot": "catalog",
+    "scene_from_world": "world.observe",
 }
-__all__ = ["Body", "Camera", "World", "robot", "scene_from_world"]
 
 
 def __getattr__(name: str) -> Any:
-    """Import what is asked for when it is asked for: PyBullet takes a third of a second."""
-    if name not in _HOMES:
-        raise AttributeError(f"module 'topple.robots' has no attribute {name!r}")
-    return getattr(importlib.import_module(_HOMES[name]), name)
+    """Import a public name when it is first used: PyBullet takes a third of a second."""
+    if name not in _HOME:
+        raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
+    value = getattr(import_module(f"{__name__}.{_HOME[name]}"), name)
+    globals()[name] = value
+    return value

@@ -7,13 +7,13 @@ from pathlib import Path
 
 import numpy as np
 
-from topple.robots.arm import Arm
-from topple.robots.compose import composed
-from topple.robots.gripper import ParallelJaw, SuctionCup, Tool, ToolState
-from topple.robots.gripper_file import Cup, Gripper, Jaw
-from topple.robots.own_arm import arm_from_file
-from topple.robots.suction_hand import CUP_JOINT, CUP_LINK, PANDA_CUP, panda_with_cup
-from topple.robots.wsg50 import wsg50_fingers, wsg50_xml
+from topple.robots.arm.arm import Arm
+from topple.robots.arm.compose import composed
+from topple.robots.arm.own_arm import arm_from_file
+from topple.robots.hands.gripper import ParallelJaw, SuctionCup, Tool, ToolState
+from topple.robots.hands.gripper_file import Cup, Gripper, Jaw
+from topple.robots.hands.suction_hand import CUP_JOINT, CUP_LINK, PANDA_CUP, panda_with_cup
+from topple.robots.hands.wsg50 import wsg50_fingers, wsg50_xml
 from topple.topology.arrays import FloatArray
 from topple.topology.errors import InvalidInput, NotInstalled
 
@@ -51,8 +51,9 @@ def robot(name: str | Path, gripper: str | Path | Gripper | Jaw | Cup | None = N
 
     Args:
         name: One of `names()`, or the path of a URDF.
-        gripper: With a URDF: a gripper file (TOML), or what it would hold, see `topple.robots.gripper_file`.
-            A parallel jaw of the URDF is recognised where it is not named here.
+        gripper: With a URDF: a gripper file (TOML), or what it would hold, see
+            `topple.robots.hands.gripper_file`. A parallel jaw of the URDF is recognised where it is
+            not named here.
 
     Returns:
         The arm; the same object for the same name.

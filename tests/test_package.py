@@ -49,7 +49,7 @@ def test_the_front_door_is_light() -> None:
 
 def test_the_engine_comes_without_its_greeting() -> None:
     pytest.importorskip("pybullet")
-    assert _printed("import topple.robots.world") == ("", "")
+    assert _printed("import topple.robots.world.world") == ("", "")
 
 
 def test_a_missing_part_is_wrong_use_that_names_its_extra() -> None:

@@ -1,25 +1,25 @@
 """Where things are and how they lie in each other: clouds, hulls, relations, contacts and support."""
 
-import sys
 from importlib import import_module
-from types import ModuleType
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
-    from topple.topology.errors import InvalidInput, ToppleError, UnknownObject
-    from topple.topology.hull import Hull
+    from topple.topology.cloud import thinned
+    from topple.topology.errors import InvalidInput, NotInstalled, ToppleError, UnknownObject
+    from topple.topology.geometry.hull import Hull
     from topple.topology.image import DepthImage
     from topple.topology.io import load_scene, load_sequence
-    from topple.topology.pairs import PairRelation, Relations
-    from topple.topology.relate import relate, relate_all
-    from topple.topology.relation import Relation, classify
+    from topple.topology.relations import PairRelation, Relations
+    from topple.topology.rule.relate import relate, relate_all
     from topple.topology.scene import Mesh, Scene
+    from topple.topology.sixim.table import Relation, classify
 
 __all__ = [
     "DepthImage",
     "Hull",
     "InvalidInput",
     "Mesh",
+    "NotInstalled",
     "PairRelation",
     "Relation",
     "Relations",
@@ -31,42 +31,34 @@ __all__ = [
     "load_sequence",
     "relate",
     "relate_all",
+    "thinned",
 ]
 
-_MODULE_OF = {
+_HOME = {
     "DepthImage": "image",
-    "Hull": "hull",
+    "Hull": "geometry.hull",
     "InvalidInput": "errors",
     "Mesh": "scene",
-    "PairRelation": "pairs",
-    "Relation": "relation",
-    "Relations": "pairs",
+    "NotInstalled": "errors",
+    "PairRelation": "relations",
+    "Relation": "sixim.table",
+    "Relations": "relations",
     "Scene": "scene",
     "ToppleError": "errors",
     "UnknownObject": "errors",
-    "classify": "relation",
+    "classify": "sixim.table",
     "load_scene": "io",
     "load_sequence": "io",
-    "relate": "relate",
-    "relate_all": "relate",
+    "relate": "rule.relate",
+    "relate_all": "rule.relate",
+    "thinned": "cloud",
 }
 
 
 def __getattr__(name: str) -> Any:
     """Import a public name when it is first used: `topple --help` must not wait for scipy."""
-    if name not in _MODULE_OF:
+    if name not in _HOME:
         raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
-    value = getattr(import_module(f"{__name__}.{_MODULE_OF[name]}"), name)
+    value = getattr(import_module(f"{__name__}.{_HOME[name]}"), name)
     globals()[name] = value
     return value
-
-
-class _Package(ModuleType):
-    """A package in which `relate` stays the function after its module `relate` was imported."""
-
-    def __setattr__(self, name: str, value: object) -> None:
-        if not (name in _MODULE_OF and isinstance(value, ModuleType)):
-            super().__setattr__(name, value)
-
-
-sys.modules[__name__].__class__ = _Package

@@ -8,7 +8,7 @@ from typing import cast
 import numpy as np
 
 from topple.topology.errors import InvalidInput, UnknownObject
-from topple.topology.matter import ROUGHEST, SLIPPERIEST
+from topple.topology.statics.matter import ROUGHEST, SLIPPERIEST
 
 
 def as_masses(given: object, names: Iterable[str]) -> Mapping[str, float]:

@@ -10,11 +10,11 @@ from numpy.typing import ArrayLike
 
 from topple.topology.amounts import as_friction, as_masses
 from topple.topology.arrays import FloatArray, IntArray, frozen_int
-from topple.topology.background import find_table, note_of
+from topple.topology.bodies.background import find_table, note_of
 from topple.topology.checks import as_direction, as_name, as_points, as_pose, as_viewpoints, numeric
 from topple.topology.errors import InvalidInput, UnknownObject
+from topple.topology.geometry.plane import TABLE, table_by_name, up_from_fixed
 from topple.topology.image import DepthImage
-from topple.topology.plane import TABLE, table_by_name, up_from_fixed
 
 _Value = TypeVar("_Value")
 
@@ -68,7 +68,7 @@ class Scene:
         assumptions: Plain sentences on what was assumed and not given.
         masses: Masses in [kg] of the objects that were weighed; any others are guessed from their volume.
         friction: Coulomb coefficients of the surfaces of the objects that were tried: two that touch have
-            the product (`topple.topology.matter`).
+            the product (`topple.topology.statics.matter`).
     """
 
     clouds: Mapping[str, FloatArray]

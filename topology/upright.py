@@ -8,8 +8,8 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from topple.topology.arrays import FloatArray, bounds, frozen
+from topple.topology.bodies.tops import SUNK, Tops, tops_of
 from topple.topology.errors import InvalidInput
-from topple.topology.tops import SUNK, Tops, tops_of
 
 if TYPE_CHECKING:
     from topple.topology.scene import Scene

@@ -10,9 +10,9 @@ from pathlib import Path
 
 from PIL import Image
 
-from topple.planner.demo import loop_in
-from topple.robots.camera import Camera
+from topple.planner.execution.demo import loop_in
 from topple.robots.scenarios import scenario_called
+from topple.robots.world.camera import Camera
 
 SPEED = 8  # times as fast as simulated time
 RATE = 10  # pictures a second

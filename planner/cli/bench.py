@@ -63,7 +63,7 @@ def execute(args: argparse.Namespace) -> int:
         complain("--fixed and --up are ignored: a bench makes its own scenes")
     for variable in _THREADS:  # one thread on both sides: CPU times of idle ones would count as work
         os.environ.setdefault(variable, "1")
-    from topple.planner.bench.document import BENCHES, bench
+    from topple.benchmarks.document import BENCHES, bench
 
     code = DONE
     for name in BENCHES if args.name is None else (args.name,):
@@ -81,7 +81,7 @@ def execute(args: argparse.Namespace) -> int:
 
 def _options(args: argparse.Namespace, name: str) -> dict[str, Any]:
     """Of the options, those that were given and that a bench takes."""
-    from topple.planner.bench.document import options_of
+    from topple.benchmarks.document import options_of
 
     given = {key: getattr(args, key) for key in options_of(name)}
     found = {key: value for key, value in given.items() if value is not None}

@@ -55,7 +55,7 @@ def execute(args: argparse.Namespace) -> int:
     folder = Path(args.output)
     with Progress("demo") as progress:
         progress(f"setting up {args.name}")
-        from topple.planner.demo import demo
+        from topple.planner.execution.demo import demo
 
         video, rerun = video_of(args), rerun_of(args)
         record = demo(
@@ -73,13 +73,13 @@ def execute(args: argparse.Namespace) -> int:
 
 def _as_counted(args: argparse.Namespace) -> bool:
     """Whether the scene is played with what its seeds were counted with."""
-    from topple.planner.demo_seeds import CAMERAS
+    from topple.planner.execution.demo_seeds import CAMERAS
 
     return args.robot is None and args.cameras == CAMERAS and not args.mask_noise
 
 
 def _print_demo(name: str, folder: Path, run: dict[str, Any], *, as_counted: bool) -> None:
-    from topple.planner.demo_seeds import counted
+    from topple.planner.execution.demo_seeds import counted
 
     count = counted(name) if as_counted else None
     print_text(f"{name}, seed {run['seed']}" + ("" if count is None else f"; {count}"), "")

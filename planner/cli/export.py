@@ -11,7 +11,7 @@ from topple.planner.cli.options import add_common
 from topple.planner.files import check_writable, write_whole
 
 if TYPE_CHECKING:
-    from topple.planner.plan_format import Plan
+    from topple.planner.formats.plan_format import Plan
 
 _PDDL_FILES = ("domain.pddl", "problem.pddl")
 
@@ -81,7 +81,7 @@ def execute(args: argparse.Namespace) -> int:
 
 
 def _read(path: str) -> "Plan":
-    from topple.planner.plan_format import plan_from_json
+    from topple.planner.formats.plan_format import plan_from_json
 
     if path == "-":
         return plan_from_json(sys.stdin.buffer.read(), "stdin")

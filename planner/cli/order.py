@@ -76,7 +76,7 @@ def _answer(
     path: str,
 ) -> _Answer:
     """The order of a scene file."""
-    from topple.planner.order import order
+    from topple.planner.planning.order import order
     from topple.topology.io import load_scene
 
     scene = load_scene(path, fixed=fixed or (), up=up)

@@ -13,7 +13,7 @@ from topple.planner.cli.tables import print_assumptions
 from topple.planner.files import check_writable, write_whole
 
 if TYPE_CHECKING:
-    from topple.planner.plan_format import Plan, Step
+    from topple.planner.formats.plan_format import Plan, Step
     from topple.planner.verify.record import Verification
 
 
@@ -66,8 +66,8 @@ def execute(args: argparse.Namespace) -> int:
     with Progress("plan") as progress:
         progress(f"reading {path}")
         scene = read_scene(args, path)
-        from topple.planner.plan import plan
-        from topple.planner.plan_format import plan_to_json
+        from topple.planner.formats.plan_format import plan_to_json
+        from topple.planner.planning.plan import plan
 
         arm = arm_of(args)
         progress(f"{path}: planning")

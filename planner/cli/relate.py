@@ -48,7 +48,7 @@ def _document(
 ) -> dict[str, Any]:
     """The relations of a scene file, and what was assumed."""
     from topple.topology.io import load_scene
-    from topple.topology.relate import relate
+    from topple.topology.rule.relate import relate
 
     scene = load_scene(path, fixed=fixed or (), up=up)
     relations = relate(scene, deviation=deviation, plain=plain)

@@ -11,7 +11,7 @@ from topple.topology.errors import InvalidInput
 if TYPE_CHECKING:
     from pathlib import Path
 
-    from topple.robots.arm import Arm
+    from topple.robots.arm.arm import Arm
     from topple.topology.arrays import FloatArray
     from topple.topology.scene import Scene
 
@@ -91,8 +91,8 @@ def arm_of(args: argparse.Namespace) -> "Arm":
     Raises:
         InvalidInput: The name is unknown, the URDF or the gripper file cannot be used, or there is no tool.
     """
+    from topple.robots.arm.own_arm import check_tool
     from topple.robots.catalog import robot
-    from topple.robots.own_arm import check_tool
 
     arm = robot(args.robot, gripper=args.gripper)
     check_tool(arm)
@@ -143,7 +143,7 @@ def video_of(args: argparse.Namespace) -> "Path | None":
     """
     if args.video is None:
         return None
-    from topple.robots.film import encoder
+    from topple.robots.world.film import encoder
 
     encoder()
     return check_writable(args.video)

@@ -55,7 +55,7 @@ def execute(args: argparse.Namespace) -> int:
     with Progress("run") as progress:
         progress(f"reading {path}")
         scene = read_scene(args, path)
-        from topple.planner.run import run
+        from topple.planner.execution.run import run
 
         progress(f"{path}: rebuilding the scene")
         record = run(

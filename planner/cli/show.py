@@ -12,8 +12,8 @@ from topple.planner.files import check_writable, write_whole
 from topple.topology.errors import InvalidInput
 
 if TYPE_CHECKING:
-    from topple.planner.order import Order
-    from topple.topology.pairs import Relations
+    from topple.planner.planning.order import Order
+    from topple.topology.relations import Relations
     from topple.topology.scene import Scene
 
 _KINDS = (".html", ".png")
@@ -44,7 +44,7 @@ def execute(args: argparse.Namespace) -> int:
     Raises:
         InvalidInput: If the scene cannot be read or the output cannot be written.
     """
-    from topple.topology.relate import relate
+    from topple.topology.rule.relate import relate
 
     (path,) = scene_paths(args, many=False)
     place = _output(args.output, path)
@@ -77,7 +77,7 @@ def _output(given: str | None, scene: str) -> Path:
 
 def _order(args: argparse.Namespace, scene: "Scene", relations: "Relations") -> "Order | None":
     """The order, or None where it was not asked for by name and gravity is unknown."""
-    from topple.planner.order import order
+    from topple.planner.planning.order import order
 
     if not args.target and (scene.up is None or not scene.movable):
         return None

@@ -7,7 +7,7 @@ from topple.planner.export.behavior_tree import behavior_tree
 from topple.planner.export.graph import dot, graphml
 from topple.planner.export.moveit import moveit_scene
 from topple.planner.export.pddl import pddl
-from topple.planner.plan_format import Plan, plan_to_json
+from topple.planner.formats.plan_format import Plan, plan_to_json
 from topple.topology.errors import InvalidInput
 
 EXPORTERS: Mapping[str, Callable[[Plan], str]] = MappingProxyType(

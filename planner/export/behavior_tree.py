@@ -2,7 +2,7 @@
 
 import xml.etree.ElementTree as ElementTree
 
-from topple.planner.plan_format import Plan, SegmentData, Step
+from topple.planner.formats.plan_format import Plan, SegmentData, Step
 
 ACTIONS = {
     "move": ("FollowTrajectory", ("step", "segment", "holding")),

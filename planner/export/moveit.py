@@ -2,8 +2,8 @@
 
 import numpy as np
 
-from topple.planner.plan_format import Plan
-from topple.robots.convex import hull_of
+from topple.planner.formats.plan_format import Plan
+from topple.robots.collision.convex import hull_of
 
 NO_TURN = "0 0 0 1"
 

@@ -6,6 +6,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from topple.planner.bodies.solids import parts_of
 from topple.planner.grasp.frames import frames
 from topple.planner.grasp.grasp import Grasp
 from topple.planner.grasp.hand import HandShape, hand_shape
@@ -17,15 +18,14 @@ from topple.planner.grasp.surface import Surface, surface_of
 from topple.planner.grasp.surroundings import Dropped, Surroundings, surroundings
 from topple.planner.grasp.tolerances import GRASP_TOLERANCES, GraspTolerances
 from topple.planner.grasp.widen import widened
-from topple.planner.solids import parts_of
 from topple.topology.arrays import BoolArray, FloatArray
 from topple.topology.errors import InvalidInput, UnknownObject
-from topple.topology.hull import Hull
+from topple.topology.geometry.hull import Hull
 from topple.topology.rounded import rounded
 from topple.topology.scene import Scene
 
 if TYPE_CHECKING:
-    from topple.robots.arm import Arm
+    from topple.robots.arm.arm import Arm
 
 WEIGHTS = {"antipodality": 0.3, "balance": 0.3, "clearance": 0.15, "depth": 0.15, "upright": 0.1}
 """Exponents of a pinch's terms: one that is nil spoils the grasp alone."""

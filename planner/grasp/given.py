@@ -5,6 +5,7 @@ from dataclasses import replace
 
 import numpy as np
 
+from topple.planner.bodies.solids import up_of
 from topple.planner.grasp.candidates import varied
 from topple.planner.grasp.grasp import Grasp
 from topple.planner.grasp.hand import HandShape
@@ -12,8 +13,7 @@ from topple.planner.grasp.rank import RankedGrasp, in_the_way
 from topple.planner.grasp.reach import reachable
 from topple.planner.grasp.room import PAST_PADS, Room
 from topple.planner.grasp.tolerances import GRASP_TOLERANCES
-from topple.planner.solids import up_of
-from topple.robots.arm import Arm
+from topple.robots.arm.arm import Arm
 from topple.topology.arrays import FloatArray
 from topple.topology.errors import InvalidInput, UnknownObject
 from topple.topology.scene import Scene

@@ -6,12 +6,12 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from topple.robots.gripper import ParallelJaw, ToolState
+from topple.robots.hands.gripper import ParallelJaw, ToolState
 from topple.topology.arrays import FloatArray
 from topple.topology.errors import InvalidInput
 
 if TYPE_CHECKING:
-    from topple.robots.arm import Arm
+    from topple.robots.arm.arm import Arm
 
 FINGER_SLABS = (0.008, 0.015)  # fingers taper over their last two centimetres [m]
 Opening = float | FloatArray

@@ -6,7 +6,7 @@ from scipy.special import ndtr
 from topple.planner.grasp.hand import HandShape
 from topple.planner.grasp.suction import CupShape
 from topple.topology.arrays import FloatArray
-from topple.topology.matter import DENSITY
+from topple.topology.statics.matter import DENSITY
 
 GRAVITY = 9.81  # [m/s2]
 WEIGHT_SPREAD = 0.42  # standard deviation of a guessed weight's logarithm: a factor of two in 90 of 100

@@ -6,15 +6,15 @@ from dataclasses import dataclass, replace
 import numpy as np
 from scipy.spatial import KDTree
 
+from topple.planner.bodies.solids import up_of
 from topple.planner.grasp.foreign import ForeignGrasps, grasps_from_array
 from topple.planner.grasp.grasp import Grasp
 from topple.planner.grasp.hand import HAND_REACH
 from topple.planner.grasp.reach import reachable
 from topple.planner.grasp.room import Room
 from topple.planner.grasp.tolerances import GRASP_TOLERANCES
-from topple.planner.order import order
-from topple.planner.solids import up_of
-from topple.robots.arm import Arm
+from topple.planner.planning.order import order
+from topple.robots.arm.arm import Arm
 from topple.robots.catalog import robot as robot_named
 from topple.topology.arrays import FloatArray
 from topple.topology.checks import as_pose

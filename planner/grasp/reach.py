@@ -5,7 +5,7 @@ from collections.abc import Sequence
 import numpy as np
 
 from topple.planner.grasp.grasp import HALF_TURN, Grasp
-from topple.robots.arm import Arm
+from topple.robots.arm.arm import Arm
 from topple.robots.poses import inverse
 from topple.topology.arrays import FloatArray
 

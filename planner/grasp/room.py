@@ -11,7 +11,7 @@ from topple.planner.grasp.hand import HandShape, hand_shape
 from topple.planner.grasp.suction import CupShape, cup_shape
 from topple.planner.grasp.surroundings import floor_near
 from topple.planner.grasp.tolerances import GRASP_TOLERANCES
-from topple.robots.arm import Arm
+from topple.robots.arm.arm import Arm
 from topple.robots.catalog import robot
 from topple.topology.arrays import BoolArray, FloatArray, IntArray
 from topple.topology.scene import Scene

@@ -10,12 +10,12 @@ from topple.planner.grasp.hand import FINGER_SLABS, Prism, hand_bodies, prisms
 from topple.planner.grasp.surface import Surface
 from topple.planner.grasp.surroundings import ITSELF, Dropped, Surroundings
 from topple.planner.grasp.tolerances import GRASP_TOLERANCES, GraspTolerances
-from topple.robots.gripper import SuctionCup
+from topple.robots.hands.gripper import SuctionCup
 from topple.topology.arrays import BoolArray, FloatArray
 from topple.topology.errors import InvalidInput
 
 if TYPE_CHECKING:
-    from topple.robots.arm import Arm
+    from topple.robots.arm.arm import Arm
 
 SECTORS = 8  # the lip is judged in eight parts: a gap in any of them leaks
 BRUSH = 0.006  # beside and below the hand: less room than this makes the clearance term `TIGHT` [m]

@@ -6,11 +6,11 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
+from topple.planner.bodies.samples import voxel_means
 from topple.planner.grasp.tolerances import GRASP_TOLERANCES, GraspTolerances
-from topple.planner.samples import voxel_means
 from topple.topology.arrays import BoolArray, FloatArray, IntArray, bounds, frozen
+from topple.topology.bodies.tops import tops_of
 from topple.topology.scene import Scene
-from topple.topology.tops import tops_of
 
 ITSELF = "its own sides"
 

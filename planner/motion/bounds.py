@@ -3,8 +3,8 @@
 import numpy as np
 
 from topple.planner.motion.model import CollisionModel
-from topple.robots.kinematics import Chain
-from topple.robots.separation import Float32Array, Frames
+from topple.robots.arm.kinematics import Chain
+from topple.robots.collision.separation import Float32Array, Frames
 from topple.topology.arrays import IntArray
 
 

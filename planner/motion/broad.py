@@ -3,7 +3,7 @@
 import numpy as np
 
 from topple.planner.motion.model import CollisionModel
-from topple.robots.separation import Candidates, Float32Array, Frames
+from topple.robots.collision.separation import Candidates, Float32Array, Frames
 from topple.topology.arrays import IntArray
 
 

@@ -3,9 +3,9 @@
 import numpy as np
 
 from topple.planner.motion.collision import Checker
-from topple.robots.arm import Arm
-from topple.robots.inverse import InverseTolerances, solve
-from topple.robots.kinematics import rotation_vectors
+from topple.robots.arm.arm import Arm
+from topple.robots.arm.inverse import InverseTolerances, solve
+from topple.robots.arm.kinematics import rotation_vectors
 from topple.topology.arrays import FloatArray
 
 SPACING = 0.01  # [m] between waypoints: the tool strays less than 0.1 mm from the line in between

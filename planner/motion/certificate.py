@@ -11,7 +11,7 @@ import numpy as np
 
 from topple.planner.motion.bounds import MotionBounds
 from topple.planner.motion.collision import Checker, Contact
-from topple.robots.separation import ROUNDING, Candidates, Float32Array, Frames, gaps
+from topple.robots.collision.separation import ROUNDING, Candidates, Float32Array, Frames, gaps
 from topple.topology.arrays import BoolArray, FloatArray, IntArray
 
 FIRST = 0.05  # [rad] length of the first intervals, in the largest joint change

@@ -6,7 +6,7 @@ from typing import Any
 import numpy as np
 
 from topple.planner.motion.model import CollisionModel
-from topple.robots.convex import hull_of
+from topple.robots.collision.convex import hull_of
 from topple.topology.arrays import FloatArray
 
 

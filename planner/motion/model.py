@@ -7,11 +7,11 @@ from functools import lru_cache
 import numpy as np
 
 from topple.planner.motion.obstacles import Obstacle, parts_of
-from topple.robots.arm import Arm
-from topple.robots.convex import hull_of
-from topple.robots.gripper import ToolState
+from topple.robots.arm.arm import Arm
+from topple.robots.collision.convex import hull_of
+from topple.robots.collision.separation import ConvexSets
+from topple.robots.hands.gripper import ToolState
 from topple.robots.poses import inverse
-from topple.robots.separation import ConvexSets
 from topple.topology.arrays import BoolArray, FloatArray, IntArray, frozen
 from topple.topology.errors import InvalidInput
 

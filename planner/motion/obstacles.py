@@ -7,8 +7,8 @@ from typing import Any
 import numpy as np
 
 from topple.topology.arrays import FloatArray
+from topple.topology.bodies.parts import convex_parts
 from topple.topology.errors import InvalidInput
-from topple.topology.parts import convex_parts
 from topple.topology.scene import Mesh
 
 SIDES = 24  # a prism of 24 sides around a cylinder is 0.9 % wider than it

@@ -8,7 +8,7 @@ from typing import Protocol
 import numpy as np
 
 from topple.planner.motion.tree import Tree
-from topple.robots.arm import Arm
+from topple.robots.arm.arm import Arm
 from topple.topology.arrays import BoolArray, FloatArray
 
 

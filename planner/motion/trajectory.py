@@ -4,7 +4,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from topple.robots.arm import Arm
+from topple.robots.arm.arm import Arm
 from topple.topology.arrays import FloatArray, frozen
 
 PERIOD = 1 / 240  # [s] sampling of a trajectory: one PyBullet step

@@ -10,7 +10,7 @@ from topple.planner.motion.collision import Checker
 from topple.planner.motion.planner import CLEARANCE, Motion, MotionFailure, keeping
 from topple.planner.motion.rrt import RRTSettings, rrt_connect
 from topple.planner.motion.shortcut import shortcut
-from topple.robots.arm import Arm
+from topple.robots.arm.arm import Arm
 from topple.topology.arrays import BoolArray, FloatArray
 
 STEP = 0.01  # [rad] between states of an edge whose tilt is looked at

@@ -10,7 +10,7 @@ import numpy as np
 from topple.planner.report.limits import LIMITS
 from topple.planner.report.palette import Colour, css, object_colours
 from topple.topology.arrays import FloatArray, IntArray
-from topple.topology.hull import Hull
+from topple.topology.geometry.hull import Hull
 from topple.topology.scene import Scene
 
 

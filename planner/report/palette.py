@@ -3,7 +3,7 @@
 import math
 from collections.abc import Collection, Iterable
 
-from topple.topology.relation import Relation
+from topple.topology.sixim.table import Relation
 
 Colour = tuple[int, int, int]
 """Red, green, blue, 0..255."""

@@ -14,13 +14,13 @@ from topple.planner.report.drawing import Drawing, DrawnObject
 from topple.planner.report.raster import picture, png
 from topple.planner.report.record import RunRecord, StepRecord
 from topple.planner.report.words import order_in_words
-from topple.robots.convex import hull_of
-from topple.robots.recording import Recording
+from topple.robots.collision.convex import hull_of
+from topple.robots.world.recording import Recording
 from topple.topology.arrays import FloatArray
 from topple.topology.errors import NotInstalled
 from topple.topology.image import DepthImage
-from topple.topology.relation import Relation
 from topple.topology.scene import Scene
+from topple.topology.sixim.table import Relation
 
 RATE = 20.0  # samples of every pose a second of simulated time: motion is smooth, and a run stays small
 POINTS = 30_000  # of a look: a page's worth is not needed where one may zoom into twenty looks

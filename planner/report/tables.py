@@ -8,7 +8,7 @@ from topple.planner.report.limits import LIMITS
 from topple.planner.report.palette import css, relation_colour
 from topple.planner.report.view import is_inferred
 from topple.planner.report.words import listed, millimetres, order_in_words, sentences
-from topple.topology.relation import Relation
+from topple.topology.sixim.table import Relation
 
 Document = Mapping[str, Any]
 

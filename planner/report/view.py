@@ -7,7 +7,7 @@ from topple.planner.report.drawing import Drawing, thin_path
 from topple.planner.report.palette import css, relation_colour
 from topple.planner.report.words import because
 from topple.topology.arrays import FloatArray
-from topple.topology.relation import ONE_SIDED_CONTACT, Relation
+from topple.topology.sixim.table import ONE_SIDED_CONTACT, Relation
 
 Document = Mapping[str, Any]
 

@@ -7,10 +7,10 @@ from typing import Any
 
 import numpy as np
 
-from topple.planner.plan_format import Plan
+from topple.planner.formats.plan_format import Plan
 from topple.planner.verify.record import Residual, Worst
 from topple.planner.verify.replay import Beat, parts_of
-from topple.robots.arm import Arm
+from topple.robots.arm.arm import Arm
 from topple.robots.engine import pybullet
 from topple.robots.poses import position_and_quaternion
 from topple.topology.arrays import FloatArray

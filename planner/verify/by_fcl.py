@@ -5,11 +5,11 @@ from typing import Any
 
 import numpy as np
 
-from topple.planner.plan_format import Plan
+from topple.planner.formats.plan_format import Plan
 from topple.planner.verify.record import Residual, Worst
 from topple.planner.verify.replay import Beat, parts_of, tool_poses
-from topple.robots.arm import Arm
-from topple.robots.convex import hull_of
+from topple.robots.arm.arm import Arm
+from topple.robots.collision.convex import hull_of
 from topple.topology.arrays import FloatArray
 
 SLACK = 2e-5  # [m] what writing joint values and vertices with six digits moves an arm's hand

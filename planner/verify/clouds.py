@@ -5,10 +5,10 @@ from dataclasses import dataclass, field
 import numpy as np
 from scipy.spatial import ConvexHull
 
-from topple.planner.plan_format import Plan
+from topple.planner.formats.plan_format import Plan
 from topple.planner.verify.record import Residual, Worst
 from topple.planner.verify.replay import Beat, parts_of, tool_poses
-from topple.robots.arm import Arm
+from topple.robots.arm.arm import Arm
 from topple.topology.arrays import FloatArray
 from topple.topology.scene import Scene
 

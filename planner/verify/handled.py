@@ -4,10 +4,10 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
-from topple.planner.plan_format import Plan
+from topple.planner.formats.plan_format import Plan
 from topple.planner.verify.record import Residual, Worst
 from topple.planner.verify.replay import Beat, parts_of, tool_poses
-from topple.robots.arm import Arm
+from topple.robots.arm.arm import Arm
 from topple.topology.arrays import FloatArray
 
 OFF = 0.001  # [m] and [rad] / 10 that a tool may be off a grasp or a place: inverse kinematics and rounding
@@ -125,7 +125,7 @@ class HandCheck:
 def _placed(part: FloatArray, pose: FloatArray) -> object:
     import fcl
 
-    from topple.robots.convex import hull_of
+    from topple.robots.collision.convex import hull_of
 
     corners, faces = hull_of(part @ pose[:3, :3].T + pose[:3, 3])
     packed = np.column_stack([np.full(len(faces), 3), faces]).ravel()
@@ -142,7 +142,7 @@ def _box_to_hull(half: FloatArray, points: FloatArray) -> float:
     """Distance of a box about the origin, or of the origin where it is none, to the hull of points [m]."""
     import fcl
 
-    from topple.robots.convex import hull_of
+    from topple.robots.collision.convex import hull_of
 
     corners, faces = hull_of(points)
     packed = np.column_stack([np.full(len(faces), 3), faces]).ravel()

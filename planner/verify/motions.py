@@ -2,9 +2,9 @@
 
 import numpy as np
 
-from topple.planner.plan_format import Plan, SegmentData
+from topple.planner.formats.plan_format import Plan, SegmentData
 from topple.planner.verify.record import Residual, Worst
-from topple.robots.arm import Arm
+from topple.robots.arm.arm import Arm
 from topple.topology.arrays import FloatArray
 
 JUMP = 1e-5  # [rad] between one segment's end and the next one's start: numbers are written with six digits

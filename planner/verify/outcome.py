@@ -3,8 +3,8 @@
 import networkx as nx
 import numpy as np
 
-from topple.planner.goal import parse_goal
-from topple.planner.plan_format import Plan, Step
+from topple.planner.decide.goal import parse_goal
+from topple.planner.formats.plan_format import Plan, Step
 from topple.planner.verify.record import BROKEN, Residual, Worst
 from topple.topology.arrays import FloatArray
 from topple.topology.scene import Scene
@@ -35,8 +35,8 @@ def check_precedence(plan: Plan, scene: Scene | None) -> tuple[Residual, ...]:
     waits.note(float(len(lazy)), "; ".join(lazy))
     if scene is None:
         return own.residual(), waits.residual()
-    from topple.planner.dependency import dependencies
-    from topple.planner.turn import LIKELY
+    from topple.planner.decide.dependency import dependencies
+    from topple.planner.decide.turn import LIKELY
 
     again = Worst(BROKEN, "1")
     against = {(edge.first, edge.then) for step in plan.steps for edge in step.against}
@@ -72,8 +72,8 @@ def check_goal(plan: Plan, scene: Scene) -> Residual:
     Returns:
         The number of clauses that do not hold.
     """
-    from topple.topology.relate import relate
-    from topple.topology.support import supports
+    from topple.topology.rule.relate import relate
+    from topple.topology.statics.support import supports
 
     up = np.array(plan.up)
     after = scene

@@ -5,9 +5,9 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from topple.planner.plan_format import Plan, SegmentData, Step
-from topple.robots.arm import Arm
-from topple.robots.gripper import ToolState
+from topple.planner.formats.plan_format import Plan, SegmentData, Step
+from topple.robots.arm.arm import Arm
+from topple.robots.hands.gripper import ToolState
 from topple.topology.arrays import FloatArray
 
 

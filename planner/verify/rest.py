@@ -5,10 +5,10 @@ from dataclasses import dataclass, field
 import numpy as np
 from scipy.spatial import ConvexHull
 
-from topple.planner.place.drops import Drops
-from topple.planner.place.proof import SHIFT, TURN, settled
-from topple.planner.plan_format import Plan
-from topple.planner.solids import moved
+from topple.planner.bodies.solids import moved
+from topple.planner.formats.plan_format import Plan
+from topple.planner.placement.proof import SHIFT, TURN, settled
+from topple.planner.simulate.drops import Drops
 from topple.planner.verify.record import Residual, Worst
 from topple.planner.verify.replay import Beat, parts_of, whole_of
 

@@ -2,8 +2,8 @@
 
 import numpy as np
 
-from topple.planner.plan_format import Plan
-from topple.planner.plan_robot import arm_from
+from topple.planner.formats.plan_format import Plan
+from topple.planner.formats.plan_robot import arm_from
 from topple.planner.verify.by_fcl import FclCheck
 from topple.planner.verify.clouds import CloudCheck
 from topple.planner.verify.handled import HandCheck
@@ -12,7 +12,7 @@ from topple.planner.verify.outcome import check_goal, check_precedence
 from topple.planner.verify.record import BROKEN, Residual, Verification, not_evaluated
 from topple.planner.verify.replay import Beat, replay
 from topple.planner.verify.rest import RestCheck
-from topple.robots.arm import Arm
+from topple.robots.arm.arm import Arm
 from topple.robots.catalog import robot as robot_named
 from topple.topology.errors import InvalidInput
 from topple.topology.scene import Scene

@@ -3,10 +3,10 @@
 import numpy as np
 from scipy.spatial.transform import Rotation
 
-from topple.robots.camera import Noise
 from topple.robots.scenarios.scenario import Scenario, Unlucky, overlap, pose_at, settle, settled, touching
 from topple.robots.shapes import can, fork, plate, spoon
-from topple.robots.world import World
+from topple.robots.world.camera import Noise
+from topple.robots.world.world import World
 from topple.topology.arrays import FloatArray
 
 CUTLERY = ("spoon_1", "spoon_2", "fork")

@@ -5,11 +5,11 @@ from collections.abc import Callable
 import numpy as np
 from scipy.spatial.transform import Rotation
 
-from topple.robots.bodies import Body
-from topple.robots.camera import Noise
 from topple.robots.scenarios.scenario import Scenario, Unlucky, drop, pose_at, settle, settled
 from topple.robots.shapes import apple, bowl, can, lemon, orange, pear, plum, strawberry
-from topple.robots.world import World
+from topple.robots.world.bodies import Body
+from topple.robots.world.camera import Noise
+from topple.robots.world.world import World
 
 CONTENTS: dict[str, Callable[[str], Body]] = {
     "apple": lambda name: apple(name, diameter=0.068),

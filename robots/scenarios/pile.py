@@ -5,11 +5,11 @@ from collections.abc import Callable
 import numpy as np
 from scipy.spatial.transform import Rotation
 
-from topple.robots.bodies import Body, Color
-from topple.robots.camera import Noise
 from topple.robots.scenarios.scenario import Scenario, Unlucky, drop, settle, settled, touching
 from topple.robots.shapes import ball, bar, bowl, box, can, mug, plate, spoon, tray
-from topple.robots.world import World
+from topple.robots.world.bodies import Body, Color
+from topple.robots.world.camera import Noise
+from topple.robots.world.world import World
 
 Maker = Callable[[str, np.random.Generator], Body]
 

@@ -7,10 +7,10 @@ from types import TracebackType
 import numpy as np
 from scipy.spatial.transform import Rotation
 
-from topple.robots.bodies import Body
-from topple.robots.camera import Camera, Noise
 from topple.robots.poses import angle_between
-from topple.robots.world import World
+from topple.robots.world.bodies import Body
+from topple.robots.world.camera import Camera, Noise
+from topple.robots.world.world import World
 from topple.topology.arrays import FloatArray
 from topple.topology.errors import ToppleError
 

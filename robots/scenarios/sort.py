@@ -5,11 +5,11 @@ from collections.abc import Callable
 import numpy as np
 from scipy.spatial.transform import Rotation
 
-from topple.robots.bodies import Body
-from topple.robots.camera import Noise
 from topple.robots.scenarios.scenario import Scenario, Unlucky, drop, pose_at, settle, settled
 from topple.robots.shapes import apple, can, lemon, orange, plum, tray
-from topple.robots.world import World
+from topple.robots.world.bodies import Body
+from topple.robots.world.camera import Noise
+from topple.robots.world.world import World
 
 BIN = (0.26, 0.18, 0.05)  # [m]
 ASIDE = 0.30  # [m] of the bins from the middle

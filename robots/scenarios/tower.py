@@ -3,11 +3,11 @@
 import numpy as np
 from scipy.spatial.transform import Rotation
 
-from topple.robots.bodies import Color
-from topple.robots.camera import Noise
 from topple.robots.scenarios.scenario import Scenario, Unlucky, pose_at, settle, settled
 from topple.robots.shapes import block
-from topple.robots.world import World
+from topple.robots.world.bodies import Color
+from topple.robots.world.camera import Noise
+from topple.robots.world.world import World
 
 SIDE = 0.05  # [m] a toy block; a Panda's hand opens 8 cm
 APART = 0.12  # [m] between stacks: a hand goes between them

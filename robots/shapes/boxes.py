@@ -4,9 +4,9 @@ import itertools
 
 import numpy as np
 
-from topple.robots.bodies import Body, Color
 from topple.robots.shapes.materials import CARD, FOOD, STEEL, WOOD
 from topple.robots.shapes.vessel import circle, closed_surface, disc, rings, sectors
+from topple.robots.world.bodies import Body, Color
 from topple.topology.arrays import FloatArray
 
 CARDBOARD: Color = (0.75, 0.6, 0.4, 1.0)

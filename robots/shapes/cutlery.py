@@ -2,9 +2,9 @@
 
 import numpy as np
 
-from topple.robots.bodies import Body, Color
 from topple.robots.shapes.materials import STEEL
 from topple.robots.shapes.sheet import sheet
+from topple.robots.world.bodies import Body, Color
 from topple.topology.arrays import BoolArray, FloatArray
 
 SILVER: Color = (0.72, 0.72, 0.76, 1.0)

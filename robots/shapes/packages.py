@@ -4,9 +4,9 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from topple.robots.bodies import Body, Color
 from topple.robots.shapes.materials import FOOD, STEEL
 from topple.robots.shapes.vessel import circle, closed_surface, rings
+from topple.robots.world.bodies import Body, Color
 from topple.topology.arrays import FloatArray
 
 MUSTARD: Color = (0.95, 0.78, 0.1, 1.0)

@@ -2,9 +2,9 @@
 
 import numpy as np
 
-from topple.robots.bodies import Body, Color
 from topple.robots.shapes.materials import STONEWARE, Material
 from topple.robots.shapes.vessel import circle, closed_surface, disc, merged, rings, sectors
+from topple.robots.world.bodies import Body, Color
 from topple.topology.arrays import FloatArray
 from topple.topology.scene import Mesh
 

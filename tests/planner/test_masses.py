@@ -7,11 +7,11 @@ import pybullet
 import pytest
 
 from topple.planner import order
-from topple.planner.rebuilt.rebuild import rebuild
-from topple.planner.whatif import Stage, Trial
+from topple.planner.simulate.lifts import Stage, Trial
+from topple.planner.simulate.rebuild import rebuild
 from topple.robots import scene_from_world
 from topple.topology.scene import Scene
-from topple.topology.statics import Statics
+from topple.topology.statics.rest import Statics
 
 Size = tuple[float, float, float]
 KEPT = 0.01  # [m] what counts as a move

@@ -7,9 +7,9 @@ import numpy as np
 import pytest
 
 from topple.planner.cli.main import main
-from topple.planner.plan import plan
-from topple.planner.plan_format import plan_from_json, plan_to_json
-from topple.planner.run import run
+from topple.planner.execution.run import run
+from topple.planner.formats.plan_format import plan_from_json, plan_to_json
+from topple.planner.planning.plan import plan
 from topple.robots.catalog import data_path, robot
 from topple.topology.errors import InvalidInput
 from topple.topology.scene import Scene

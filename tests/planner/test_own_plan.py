@@ -7,17 +7,17 @@ from typing import Any
 import numpy as np
 import pytest
 
-from topple.planner.dependency import Dependency, DependencyGraph
+from topple.planner.decide.dependency import Dependency, DependencyGraph
 from topple.planner.errors import NoSafePlan
+from topple.planner.execution.run import run
 from topple.planner.grasp.foreign import grasps_from_array
 from topple.planner.grasp.grasp import Grasp
 from topple.planner.grasp.rank import rank_grasps
-from topple.planner.order import Order, arrange, order
-from topple.planner.plan import plan
-from topple.planner.run import run
+from topple.planner.planning.order import Order, arrange, order
+from topple.planner.planning.plan import plan
 from topple.robots.shapes.boxes import box
 from topple.topology.errors import InvalidInput, UnknownObject
-from topple.topology.relate import Relations, relate
+from topple.topology.rule.relate import Relations, relate
 from topple.topology.scene import Scene
 
 BASE = np.eye(4)

@@ -7,14 +7,14 @@ import numpy as np
 import pybullet
 import pytest
 
+from topple.planner.execution.run import ClosedLoop
 from topple.planner.report.record import RunRecord
-from topple.planner.run import ClosedLoop
 from topple.robots import shapes
 from topple.robots.catalog import robot
-from topple.robots.recording import Recording
 from topple.robots.scenarios.scenario import around, pose_at
-from topple.robots.simulated_arm import SimulatedArm
-from topple.robots.world import World
+from topple.robots.world.recording import Recording
+from topple.robots.world.simulated_arm import SimulatedArm
+from topple.robots.world.world import World
 
 FASTEST = 2.0  # [m/s] a fall of 20 cm; the tool moves at less than 1 m/s
 GEAR, FIXED = pybullet.JOINT_GEAR, pybullet.JOINT_FIXED

@@ -12,13 +12,13 @@ from pathlib import Path
 
 import pytest
 
-from topple.planner.run import ClosedLoop
+from topple.planner.execution.run import ClosedLoop
 from topple.robots import shapes
-from topple.robots.camera import Camera
 from topple.robots.catalog import robot
 from topple.robots.scenarios.scenario import around, pose_at
-from topple.robots.simulated_arm import SimulatedArm
-from topple.robots.world import World
+from topple.robots.world.camera import Camera
+from topple.robots.world.simulated_arm import SimulatedArm
+from topple.robots.world.world import World
 
 
 @pytest.fixture

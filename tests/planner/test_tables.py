@@ -10,7 +10,7 @@ import pytest
 import trimesh
 
 from topple.planner import NoSafePlan, order, plan, run
-from topple.planner.solids import hidden_depth, solids_of
+from topple.planner.bodies.solids import hidden_depth, solids_of
 from topple.robots import scene_from_world
 from topple.robots.catalog import robot
 from topple.topology.errors import InvalidInput

@@ -2,7 +2,7 @@ import numpy as np
 import pytest
 
 from topple.robots.catalog import names, robot
-from topple.robots.gripper import ToolState
+from topple.robots.hands.gripper import ToolState
 from topple.topology.errors import InvalidInput
 
 

@@ -6,7 +6,7 @@ import pytest
 from topple.robots.catalog import robot
 from topple.robots.scenarios import SCENARIOS, scenario_called
 from topple.robots.scenarios.scenario import BASE, touching
-from topple.robots.simulated_arm import SimulatedArm
+from topple.robots.world.simulated_arm import SimulatedArm
 from topple.topology.errors import InvalidInput
 from topple.topology.scene import Scene
 

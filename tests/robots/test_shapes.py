@@ -5,7 +5,7 @@ import pytest
 import trimesh
 
 from topple.robots import shapes
-from topple.robots.bodies import Body
+from topple.robots.world.bodies import Body
 
 MASSES = {  # [kg] what kitchen scales say, from small to large
     "apple": (0.13, 0.25), "ball": (0.05, 0.06), "banana": (0.09, 0.18), "bar": (0.04, 0.15),

@@ -4,13 +4,13 @@ import numpy as np
 import pytest
 
 from topple.robots import shapes
-from topple.robots.bodies import Body
-from topple.robots.camera import Camera
-from topple.robots.world import World
+from topple.robots.world.bodies import Body
+from topple.robots.world.camera import Camera
+from topple.robots.world.world import World
 from topple.topology.arrays import FloatArray
-from topple.topology.relate import relate
-from topple.topology.relation import Relation
+from topple.topology.rule.relate import relate
 from topple.topology.scene import Scene
+from topple.topology.sixim.table import Relation
 
 UP = (0.0, 0.0, 1.0)
 EYES = ((0.25, -0.15, 0.7), (-0.4, 0.4, 0.55), (-0.4, -0.4, 0.55))  # [m] the first alone is the single view

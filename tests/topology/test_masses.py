@@ -9,12 +9,12 @@ import numpy as np
 import pytest
 
 from topple.topology import Scene
-from topple.topology.equilibrium import Weight, balance
 from topple.topology.errors import InvalidInput, UnknownObject
 from topple.topology.io import load_scene
-from topple.topology.matter import FRICTION, friction_between
-from topple.topology.statics import Statics, weigh
-from topple.topology.support import supports
+from topple.topology.statics.equilibrium import Weight, balance
+from topple.topology.statics.matter import FRICTION, friction_between
+from topple.topology.statics.rest import Statics, weigh
+from topple.topology.statics.support import supports
 
 CUBE = np.random.default_rng(0).random((200, 3)) * 0.1
 TABLE = np.random.default_rng(1).random((200, 3)) * [1, 1, 0]
@@ -204,8 +204,8 @@ def test_heavier_things_load_their_feet_more() -> None:
 
 
 def test_a_pair_is_carried_once_with_its_strongest_confidence() -> None:
-    import topple.topology.support as support
-    from topple.topology.contact import Contact
+    import topple.topology.statics.support as support
+    from topple.topology.statics.contact import Contact
 
     rng = np.random.default_rng(2)
     low, top = rng.random((900, 3)) * [0.1, 0.1, 0.05], rng.random((900, 3)) * 0.05 + [0.02, 0.02, 0.05]

@@ -5,12 +5,12 @@ from itertools import combinations
 import numpy as np
 from scipy.spatial.transform import Rotation
 
-from topple.topology.cavity import roofed, surrounded
-from topple.topology.hull import Hull
-from topple.topology.relate import relate
-from topple.topology.relation import Relation, classify
+from topple.topology.geometry.hull import Hull
+from topple.topology.rule.cavity import roofed, surrounded
+from topple.topology.rule.relate import relate
+from topple.topology.rule.surface import SurfaceCloud
 from topple.topology.scene import Scene
-from topple.topology.surface import SurfaceCloud
+from topple.topology.sixim.table import Relation, classify
 from topple.topology.tolerances import TOLERANCES
 
 DEVIATION = 0.002

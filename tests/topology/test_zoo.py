@@ -6,10 +6,10 @@ from itertools import combinations
 import numpy as np
 import pytest
 
-from topple.topology.pairs import PairRelation
-from topple.topology.relate import relate
-from topple.topology.relation import ONE_SIDED_CONTACT, Relation, classify, converse_matrix
+from topple.topology.relations import PairRelation
+from topple.topology.rule.relate import relate
 from topple.topology.scene import Scene
+from topple.topology.sixim.table import ONE_SIDED_CONTACT, Relation, classify, converse_matrix
 
 UP = (0.0, 0.0, 1.0)
 FAR = 1e3  # [m] where coordinates have lost seven of their sixteen digits

@@ -9,8 +9,8 @@ from numpy.typing import ArrayLike
 from topple.topology.arrays import FloatArray
 from topple.topology.checks import as_plane, as_points, as_viewpoints
 from topple.topology.errors import InvalidInput
+from topple.topology.geometry.plane import TABLE as _TABLE
 from topple.topology.image import DepthImage
-from topple.topology.plane import TABLE as _TABLE
 from topple.topology.scene import Mesh, Scene, table_among
 
 _TABLE_MARGIN = 0.1  # [m] the table is seen this far beyond the objects on it: none hangs over its edge

@@ -8,14 +8,14 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from topple.planner.bench import motion, order, relate
-from topple.planner.bench.clock import cpu_medians
-from topple.planner.bench.clouds import household
-from topple.planner.bench.document import bench, machine
-from topple.planner.bench.guesses import Guess, box_above, guesses, naive, top_height
-from topple.planner.bench.plain_numpy import plain_numpy
-from topple.planner.bench.row import Row, faster, longer
-from topple.planner.bench.scores import Score, f1_interval, is_safe, score, share_interval
+from topple.benchmarks import motion, order, relate
+from topple.benchmarks.clock import cpu_medians
+from topple.benchmarks.clouds import household
+from topple.benchmarks.document import bench, machine
+from topple.benchmarks.guesses import Guess, box_above, guesses, naive, top_height
+from topple.benchmarks.plain_numpy import plain_numpy
+from topple.benchmarks.row import Row, faster, longer
+from topple.benchmarks.scores import Score, f1_interval, is_safe, score, share_interval
 from topple.planner.cli.main import main
 from topple.topology.scene import Scene
 

@@ -3,7 +3,7 @@
 import pytest
 
 from topple.planner.export.pddl import domain_and_problem
-from topple.planner.plan_format import GraspData, PlacementData, Plan, Step
+from topple.planner.formats.plan_format import GraspData, PlacementData, Plan, Step
 
 pytest.importorskip("unified_planning", reason="needs unified-planning (dev extra)")
 pytest.importorskip("up_pyperplan", reason="needs up-pyperplan (dev extra)")

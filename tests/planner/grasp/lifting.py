@@ -2,8 +2,8 @@
 
 import numpy as np
 
-from topple.robots.arm import Arm
-from topple.robots.simulated_arm import SimulatedArm
+from topple.robots.arm.arm import Arm
+from topple.robots.world.simulated_arm import SimulatedArm
 from topple.topology.arrays import FloatArray
 
 

@@ -4,11 +4,11 @@ import pytest
 from topple.planner.grasp import Grasp, grasp_candidates
 from topple.planner.grasp.hand import hand_shape
 from topple.planner.grasp.surroundings import Dropped
-from topple.robots.bodies import Body
 from topple.robots.catalog import robot
 from topple.robots.shapes.boxes import box, can
 from topple.robots.shapes.cutlery import spoon
 from topple.robots.shapes.tableware import plate
+from topple.robots.world.bodies import Body
 from topple.topology.errors import InvalidInput, UnknownObject
 from topple.topology.scene import Scene
 

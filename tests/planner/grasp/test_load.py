@@ -12,10 +12,10 @@ from topple.planner.grasp.surroundings import Dropped
 from topple.robots.catalog import robot
 from topple.robots.poses import angle_between
 from topple.robots.shapes.boxes import box
-from topple.robots.simulated_arm import SimulatedArm
-from topple.robots.world import World
-from topple.topology.matter import DENSITY
+from topple.robots.world.simulated_arm import SimulatedArm
+from topple.robots.world.world import World
 from topple.topology.scene import Scene
+from topple.topology.statics.matter import DENSITY
 
 sys.path.insert(0, str(Path(__file__).parent))
 from lifting import at, straight, table

@@ -8,10 +8,10 @@ from topple.planner.grasp.pinch import OWN_MARGIN, Pinch, pinches
 from topple.planner.grasp.surface import Surface, surface_of
 from topple.planner.grasp.surroundings import surroundings
 from topple.planner.grasp.tolerances import GRASP_TOLERANCES
-from topple.robots.bodies import Body
 from topple.robots.catalog import robot
 from topple.robots.shapes.boxes import box, can
 from topple.robots.shapes.tableware import bowl, mug, plate
+from topple.robots.world.bodies import Body
 from topple.topology.scene import Scene
 
 HAND = hand_shape(robot("panda"))

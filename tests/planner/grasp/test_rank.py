@@ -4,14 +4,14 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from topple.planner.bench.grasps import random_grasps
-from topple.planner.bench.plain_hands import against, held
+from topple.benchmarks.grasps import random_grasps
+from topple.benchmarks.plain_hands import against, held
 from topple.planner.grasp.foreign import ForeignGrasps
 from topple.planner.grasp.grasp import Grasp
 from topple.planner.grasp.hand import hand_shape
 from topple.planner.grasp.rank import rank_grasps
 from topple.planner.grasp.suction import cup_shape
-from topple.planner.order import order
+from topple.planner.planning.order import order
 from topple.robots.catalog import robot
 from topple.robots.shapes.boxes import box
 from topple.topology.errors import InvalidInput, UnknownObject

@@ -10,13 +10,13 @@ import pytest
 from topple.planner.grasp import Grasp, grasp_candidates
 from topple.planner.grasp.hand import PRESS, hand_shape
 from topple.planner.grasp.surroundings import Dropped
-from topple.robots.arm import Arm
+from topple.robots.arm.arm import Arm
 from topple.robots.catalog import robot
 from topple.robots.poses import angle_between
 from topple.robots.shapes.boxes import box
 from topple.robots.shapes.tableware import plate
-from topple.robots.simulated_arm import SimulatedArm
-from topple.robots.world import World
+from topple.robots.world.simulated_arm import SimulatedArm
+from topple.robots.world.world import World
 from topple.topology.arrays import FloatArray
 from topple.topology.scene import Scene
 

@@ -5,7 +5,7 @@ from itertools import pairwise
 import numpy as np
 
 from topple.planner.motion.collision import Checker
-from topple.robots.arm import Arm
+from topple.robots.arm.arm import Arm
 
 
 def box(centre: tuple[float, float, float], size: tuple[float, float, float], yaw: float = 0.0) -> np.ndarray:

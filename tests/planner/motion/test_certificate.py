@@ -8,7 +8,7 @@ from topple.planner.motion.bounds import MotionBounds
 from topple.planner.motion.certificate import Certifier
 from topple.planner.motion.collision import Checker
 from topple.robots.catalog import robot
-from topple.robots.separation import Frames
+from topple.robots.collision.separation import Frames
 
 sys.path.insert(0, str(Path(__file__).parent))
 from scenes import box, clutter, densely

@@ -8,10 +8,10 @@ import numpy as np
 import pybullet
 import pytest
 
-from topple.planner.bench.motion_problems import Problem, pick, transfer
+from topple.benchmarks.motion_problems import Problem, pick, transfer
 from topple.planner.motion.collision import Checker
 from topple.planner.motion.planner import CLEARANCE, Motion, MotionFailure, plan_motion
-from topple.robots.arm import Arm
+from topple.robots.arm.arm import Arm
 from topple.robots.catalog import robot
 
 sys.path.insert(0, str(Path(__file__).parent))

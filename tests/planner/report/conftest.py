@@ -3,10 +3,10 @@
 import numpy as np
 import pytest
 
-from topple.planner.order import order
+from topple.planner.planning.order import order
 from topple.planner.report.raster import picture
 from topple.planner.report.record import RunRecord, StepRecord
-from topple.topology.relate import relate
+from topple.topology.rule.relate import relate
 from topple.topology.scene import Scene
 
 NASTY = '</script><b>"it\'s" & <!--'

@@ -11,10 +11,10 @@ from topple.planner.report.record import RunRecord
 from topple.planner.report.rerun_file import RATE, rerun_file
 from topple.robots.catalog import robot
 from topple.robots.poses import inverse
-from topple.robots.recording import Recording
 from topple.robots.shapes import box
-from topple.robots.simulated_arm import SimulatedArm
-from topple.robots.world import World
+from topple.robots.world.recording import Recording
+from topple.robots.world.simulated_arm import SimulatedArm
+from topple.robots.world.world import World
 
 rerun = pytest.importorskip("rerun", reason="recordings need the Rerun SDK (dev extra)")
 chunks = pytest.importorskip("rerun.chunk", reason="an older Rerun SDK reads recordings otherwise")

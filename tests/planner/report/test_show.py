@@ -9,7 +9,7 @@ from PIL import Image
 
 from topple.planner.report.figure import show_picture
 from topple.planner.report.show import show_page
-from topple.topology.relate import relate
+from topple.topology.rule.relate import relate
 from topple.topology.scene import Scene
 
 

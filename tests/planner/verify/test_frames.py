@@ -4,7 +4,7 @@ from pathlib import Path
 
 import pytest
 
-from topple.planner.plan import plan
+from topple.planner.planning.plan import plan
 from topple.topology.io import load_scene
 
 DATA = Path(__file__).resolve().parents[3].parent / "shared" / "data" / "rgbd"

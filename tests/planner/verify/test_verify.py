@@ -4,8 +4,8 @@ import math
 import numpy as np
 import pytest
 
-from topple.planner.plan import plan
-from topple.planner.plan_format import Plan, plan_from_json, plan_to_json
+from topple.planner.formats.plan_format import Plan, plan_from_json, plan_to_json
+from topple.planner.planning.plan import plan
 from topple.planner.verify import Verification, verify
 from topple.robots.catalog import robot
 from topple.robots.shapes.boxes import box

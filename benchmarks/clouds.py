@@ -1,0 +1,94 @@
+"""Scenes to measure times with: ten household things, crowds of any size, and a depth camera's frame."""
+
+import numpy as np
+
+from topple.robots import shapes
+from topple.robots.world.bodies import Body
+from topple.robots.world.camera import Camera
+from topple.robots.world.world import World
+from topple.topology.arrays import FloatArray
+from topple.topology.image import DepthImage
+from topple.topology.scene import Scene
+
+NOISE = 0.0005
+"""Standard deviation along each axis [m]: without it hulls of boxes have twelve facets."""
+
+SPACING = 0.12
+"""Distance of the places in a crowd [m]: about every second object meets a neighbour."""
+
+
+def household(points: int, seed: int) -> Scene:
+    """Ten objects: a table, a lemon in a bowl, four stacked, two that touch, one alone.
+
+    Args:
+        points: Per object.
+        seed: Seed of samples and noise.
+
+    Returns:
+        The scene.
+    """
+    rng = np.random.default_rng(seed)
+    plane = np.column_stack([rng.uniform(-0.5, 0.5, (points, 2)), np.zeros(points)])
+    placed: list[tuple[Body, tuple[float, float, float]]] = [
+        (shapes.bowl("bowl"), (0.0, 0.0, 0.0)),
+        (shapes.lemon("lemon"), (0.0, 0.0, 0.012)),
+        (shapes.box("lowest", (0.1, 0.15, 0.05)), (0.25, 0.0, 0.0)),
+        (shapes.box("second", (0.08, 0.1, 0.05)), (0.25, 0.0, 0.05)),
+        (shapes.box("third", (0.06, 0.06, 0.06)), (0.25, 0.0, 0.1)),
+        (shapes.can("topmost", diameter=0.06, height=0.1), (0.25, 0.0, 0.16)),
+        (shapes.box("box", (0.1, 0.1, 0.1)), (-0.25, 0.0, 0.0)),
+        (shapes.can("can", diameter=0.07, height=0.1), (-0.165, 0.0, 0.0)),
+        (shapes.ball("ball"), (0.0, 0.25, 0.0)),
+    ]
+    clouds: dict[str, FloatArray] = {"table": plane}
+    for body, place in placed:
+        clouds[body.name] = body.surface(points, rng) + np.array(place)
+    noisy = {name: cloud + rng.normal(0, NOISE, cloud.shape) for name, cloud in clouds.items()}
+    return Scene(noisy, fixed=["table"], up=(0, 0, 1))
+
+
+def crowd(count: int, points: int, seed: int) -> Scene:
+    """Boxes and cans side by side on a square that grows with their number, some of them touching.
+
+    Args:
+        count: Objects.
+        points: Per object.
+        seed: Seed of sizes, places, samples and noise.
+
+    Returns:
+        The scene, without a table and without `up`: nothing is concluded from gravity.
+    """
+    rng = np.random.default_rng(seed)
+    across = int(np.ceil(np.sqrt(count)))
+    clouds: dict[str, FloatArray] = {}
+    for number in range(count):
+        name = f"object {number}"
+        if rng.random() < 0.5:
+            body = shapes.box(name, tuple(rng.uniform(0.06, 0.12, 3)))
+        else:
+            body = shapes.can(name, diameter=rng.uniform(0.06, 0.12), height=rng.uniform(0.06, 0.12))
+        place = SPACING * np.array(divmod(number, across)) + rng.uniform(-0.01, 0.01, 2)
+        cloud = body.surface(points, rng) + np.array([*place, 0.0])
+        clouds[name] = cloud + rng.normal(0, NOISE, cloud.shape)
+    return Scene(clouds)
+
+
+def frame(seed: int) -> DepthImage:
+    """A depth camera's view of fifteen things on a table.
+
+    Args:
+        seed: Seed of the camera's noise.
+
+    Returns:
+        640x480 depth and masks; the table is named "table".
+    """
+    makers = (shapes.mug, shapes.can, shapes.orange, shapes.cup, shapes.bowl)
+    with World() as world:
+        world.add_table()
+        for number in range(15):
+            row, column = divmod(number, 5)
+            pose = np.eye(4)
+            pose[:2, 3] = [0.16 * (row - 1), 0.16 * (column - 2)]
+            world.add(makers[(row + column) % 5](f"object {number}"), pose)
+        camera = Camera.looking_at((0.55, 0.1, 0.65), (0.0, 0.0, 0.03))
+        return camera.look(world, np.random.default_rng(seed))

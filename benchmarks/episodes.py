@@ -1,0 +1,246 @@
+"""Seeded runs of the built-in scenes and of real frames, and how they ended."""
+
+import os
+import signal
+import time
+from collections.abc import Mapping
+from dataclasses import asdict, dataclass
+from pathlib import Path
+from typing import Any
+
+from topple.benchmarks.possible import freeing_order
+from topple.benchmarks.rules import order_by
+from topple.planner.decide.goal import parse_goal
+from topple.planner.execution.demo import loop_in
+from topple.planner.execution.judge import LIMITS, truly_unmet
+from topple.planner.planning.order import cautious
+from topple.planner.report.record import RunRecord, StepRecord
+from topple.robots.scenarios import Scenario, scenario_called
+from topple.topology.errors import ToppleError
+
+TOPPLE = "topple"
+"""The rule of an episode whose order topple decides."""
+
+IDEAL = "any order, ideal lifts"
+"""The rule of an episode that no arm plays: whether its target could be freed at all."""
+
+ENDINGS = ("success", "hit", "disturbed", "dropped", "no plan", "budget", "blind", "goal missed", "crash")
+"""How an episode can end; of several that apply to one that failed, the first."""
+
+
+@dataclass(frozen=True)
+class Episode:
+    """What is played.
+
+    Attributes:
+        scenario: One of `topple.robots.scenarios.SCENARIOS`, or the name of a frame.
+        seed: Of the scene, the sensor noise and every search.
+        cameras: How many of the scene's cameras look.
+        rule: Who decides the order: `TOPPLE`, one of `topple.benchmarks.rules.RULES`, or `IDEAL`.
+        folder: Where the frame is; empty for a built-in scene.
+    """
+
+    scenario: str
+    seed: int
+    cameras: int = 3
+    rule: str = TOPPLE
+    folder: str = ""
+
+
+@dataclass(frozen=True)
+class Ending:
+    """How an episode went.
+
+    Attributes:
+        episode: What was played.
+        ending: One of `ENDINGS`.
+        violations: What went wrong, a sentence each.
+        violated: How many objects were hit, moved, tipped or dropped that should not have been.
+        objects: Movable objects of the scene.
+        placed: Objects that are where the goal wants them in the end.
+        places: Objects the goal wants somewhere.
+        steps: Actions done.
+        seconds: Wall-clock time, everything included [s].
+        robot_seconds: Simulated time the arm moved [s].
+        memory: What the process holds afterwards [bytes].
+        process: Which process played it: those of one number came one after the other.
+        used: Largest share of a limit that something which was not handled came to: of what it may move, turn
+            or be pressed with; above 1 it was disturbed.
+        sagged: How far the body that moved most got while a rebuilt world came to rest [m]; None where the
+            world is not rebuilt.
+    """
+
+    episode: Episode
+    ending: str
+    violations: tuple[str, ...] = ()
+    violated: int = 0
+    objects: int = 0
+    placed: int = 0
+    places: int = 0
+    steps: int = 0
+    seconds: float = 0.0
+    robot_seconds: float = 0.0
+    memory: int = 0
+    process: int = 0
+    used: float = 0.0
+    sagged: float | None = None
+
+    @property
+    def success(self) -> bool:
+        """Whether the goal was reached without a violation."""
+        return self.ending == "success"
+
+    @property
+    def clean(self) -> bool:
+        """Whether nothing was hit, disturbed or dropped, reached or not."""
+        return self.ending not in ("hit", "disturbed", "dropped", "crash")
+
+    def to_json(self) -> dict[str, Any]:
+        """The line of a journal."""
+        return {"format": "topple.episode", "format_version": 1, **asdict(self)}
+
+    @staticmethod
+    def from_json(entry: Mapping[str, Any]) -> "Ending":
+        """The ending of a line of a journal."""
+        values = {key: entry[key] for key in Ending.__dataclass_fields__}
+        values |= {"episode": Episode(**entry["episode"]), "violations": tuple(entry["violations"])}
+        return Ending(**values)
+
+    def __str__(self) -> str:
+        """A few words for a line of progress."""
+        played = f"{self.episode.scenario} {self.episode.seed} by {self.episode.rule}"
+        return f"{played}: {self.ending} after {self.seconds:.0f} s"
+
+
+def play(episode: Episode) -> Ending:
+    """Play an episode.
+
+    Args:
+        episode: What is played.
+
+    Returns:
+        How it went. An error of the program is an ending too, so that a bench goes on and counts it.
+    """
+    begun = time.perf_counter()
+    try:
+        return _played(episode, begun)
+    except Exception as error:
+        words = f"{type(error).__name__}: {error}"
+        kind = "no plan" if isinstance(error, ToppleError) else "crash"
+        return Ending(
+            episode,
+            kind,
+            (words,),
+            seconds=time.perf_counter() - begun,
+            memory=_memory(),
+            process=os.getpid(),
+        )
+
+
+def _played(episode: Episode, begun: float) -> Ending:
+    if episode.folder:
+        from topple.benchmarks.frames import act_out  # nothing of it is needed for built-in scenes
+
+        record, sagged, movable = act_out(
+            Path(episode.folder), episode.scenario, episode.seed, episode.cameras
+        )
+        return _ended(episode, record, begun, movable, sagged=sagged)
+    with scenario_called(episode.scenario, episode.seed) as stage:
+        if episode.rule == IDEAL:
+            return _possible(episode, stage, begun)
+        base = stage.pose_base_to_world
+        orderer = cautious if episode.rule == TOPPLE else order_by(episode.rule, base)
+        loop = loop_in(stage, seed=episode.seed, cameras=episode.cameras, orderer=orderer)
+        first = loop.look()
+        goal = parse_goal(stage.goal, first.scene)
+        record = loop.run(first)
+        missing = len(truly_unmet(goal, stage.world, stage.up))
+        movable = len(stage.world.movable)
+    places = len(goal.places)
+    return _ended(episode, record, begun, movable, placed=max(places - missing, 0), places=places)
+
+
+def _possible(episode: Episode, stage: Scenario, begun: float) -> Ending:
+    """Whether the true bodies could be lifted in any order that frees the target."""
+    found = freeing_order(stage.world, stage.targets[0])
+    return Ending(
+        episode,
+        "no plan" if found is None else "success",
+        objects=len(stage.world.movable),
+        steps=len(found or ()),
+        seconds=time.perf_counter() - begun,
+        memory=_memory(),
+        process=os.getpid(),
+    )
+
+
+def _ended(
+    episode: Episode,
+    record: RunRecord,
+    begun: float,
+    movable: int,
+    placed: int = 0,
+    places: int = 0,
+    sagged: float | None = None,
+) -> Ending:
+    return Ending(
+        episode=episode,
+        ending=_ending(record),
+        violations=record.violations,
+        violated=sum(_violated(step) for step in record.steps),
+        objects=movable,
+        placed=placed,
+        places=places,
+        steps=len(record.steps),
+        seconds=time.perf_counter() - begun,
+        robot_seconds=sum(step.robot_seconds or 0.0 for step in record.steps),
+        memory=_memory(),
+        process=os.getpid(),
+        used=max((_used(step) for step in record.steps), default=0.0),
+        sagged=sagged,
+    )
+
+
+def _ending(record: RunRecord) -> str:
+    """The worst that happened, as one of `ENDINGS`."""
+    if record.success:
+        return "success"
+    if any(force > LIMITS.hit for step in record.steps for force in step.forces.values()):
+        return "hit"
+    if any(_violated(step) for step in record.steps):
+        return "disturbed"
+    if any("dropped" in text for text in record.violations):
+        return "dropped"
+    if record.stopped:
+        return record.stopped
+    return "goal missed"
+
+
+def _violated(step: StepRecord) -> int:
+    """Objects an action moved, tipped or hit though it was not about them."""
+    moved = {
+        name
+        for name, (distance, angle) in step.disturbed.items()
+        if distance > LIMITS.distance or angle > LIMITS.angle
+    }
+    hit = {name for name, force in step.forces.items() if force > LIMITS.hit}
+    return len(moved | hit)
+
+
+def _used(step: StepRecord) -> float:
+    """The largest share of a limit that an action came to at what it was not about."""
+    moved = [d / LIMITS.distance for d, _ in step.disturbed.values()]
+    turned = [a / LIMITS.angle for _, a in step.disturbed.values()]
+    pressed = [force / LIMITS.hit for force in step.forces.values()]
+    return max([0.0, *moved, *turned, *pressed])
+
+
+def ignore_interrupts() -> None:
+    """Ctrl-C reaches every process of a terminal; what to do then is for the one that keeps the journal."""
+    signal.signal(signal.SIGINT, signal.SIG_IGN)
+
+
+def _memory() -> int:
+    """Memory this process holds [bytes]."""
+    pages = int(Path("/proc/self/statm").read_text(encoding="ascii").split()[1])
+    return pages * os.sysconf("SC_PAGE_SIZE")

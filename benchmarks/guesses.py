@@ -1,0 +1,99 @@
+"""Rules of thumb for who must go first, to compare with."""
+
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+from itertools import combinations
+
+import networkx as nx
+import numpy as np
+
+from topple.topology.arrays import FloatArray
+from topple.topology.rule.relate import relate
+from topple.topology.scene import Scene
+from topple.topology.sixim.table import Relation
+
+NAIVE_DEVIATION = 0.003
+"""The deviation factor δ [m] of the naive rule: three times the noise."""
+
+REACH = 0.01
+"""Boxes that come this close may touch [m]."""
+
+
+@dataclass(frozen=True)
+class Guess:
+    """An answer to who must go first.
+
+    Attributes:
+        pairs: (first, then), their transitive closure is meant.
+        order: All objects, first to take first.
+        groups: Objects said to be taken together.
+    """
+
+    pairs: frozenset[tuple[str, str]]
+    order: tuple[str, ...]
+    groups: tuple[tuple[str, ...], ...] = ()
+
+
+def guesses() -> Mapping[str, Callable[[Scene, int], Guess]]:
+    """By name: a scene with `up` = z and a seed to a guess."""
+    return {
+        "top height": lambda scene, seed: top_height(scene),
+        "AABB above": lambda scene, seed: box_above(scene),
+        "plain 6IM + height": lambda scene, seed: naive(scene),
+        "random": at_random,
+    }
+
+
+def top_height(scene: Scene) -> Guess:
+    """The highest top first."""
+    return _one_after_the_other(sorted(scene.movable, key=lambda name: -_top(scene.clouds[name])))
+
+
+def at_random(scene: Scene, seed: int) -> Guess:
+    """Any order."""
+    names = list(scene.movable)
+    np.random.default_rng(seed).shuffle(names)
+    return _one_after_the_other(names)
+
+
+def box_above(scene: Scene) -> Guess:
+    """Of two boxes that meet, one over the other: the one with the higher centre first."""
+    pairs: set[tuple[str, str]] = set()
+    for a, b in combinations(scene.movable, 2):
+        low_a, high_a, low_b, high_b = (
+            bound
+            for name in (a, b)
+            for bound in (scene.clouds[name].min(axis=0), scene.clouds[name].max(axis=0))
+        )
+        gap = np.maximum(low_a, low_b) - np.minimum(high_a, high_b)
+        if gap[2] <= REACH and (gap[:2] < 0).all():
+            pairs.add((a, b) if low_a[2] + high_a[2] > low_b[2] + high_b[2] else (b, a))
+    return _in_order(scene, pairs)
+
+
+def naive(scene: Scene) -> Guess:
+    """Of two objects that are not disjoint by the paper's rule, the one with the higher mean first."""
+    relations = relate(scene, deviation=NAIVE_DEVIATION, plain=True)
+    height = {name: float(cloud[:, 2].mean()) for name, cloud in scene.clouds.items()}
+    pairs: set[tuple[str, str]] = set()
+    for a, b in combinations(scene.movable, 2):
+        if relations.between(a, b).relation is not Relation.DISJOINT:
+            pairs.add((a, b) if height[a] > height[b] else (b, a))
+    return _in_order(scene, pairs)
+
+
+def _one_after_the_other(names: list[str]) -> Guess:
+    return Guess(frozenset(combinations(names, 2)), tuple(names))
+
+
+def _in_order(scene: Scene, pairs: set[tuple[str, str]]) -> Guess:
+    """An order that keeps the pairs; of those that could go, the one with the highest top goes."""
+    graph: nx.DiGraph[str] = nx.DiGraph()
+    graph.add_nodes_from(scene.movable)
+    graph.add_edges_from(pairs)
+    names = nx.lexicographical_topological_sort(graph, key=lambda name: -_top(scene.clouds[name]))
+    return Guess(frozenset(pairs), tuple(names))
+
+
+def _top(cloud: FloatArray) -> float:
+    return float(cloud[:, 2].max())

@@ -1,0 +1,142 @@
+"""Whole plans, made and checked: ten objects cleared by a Panda, towers, full bowls and dishes.
+
+The ten are blocks, cans, boxes and fruit dropped into a loose pile, seen by three depth cameras. A plan
+counts where every motion is certified and `Plan.verify` finds every residual at most 0; the scenes are the
+built-in ones, seen once from the start. Times are of one process on this machine, looking not included.
+"""
+
+import time
+from collections.abc import Callable
+from typing import Any
+
+import numpy as np
+from scipy.spatial.transform import Rotation
+
+from topple.benchmarks.row import Progress, Row
+from topple.planner.errors import NoSafePlan
+from topple.planner.execution.look import Observer
+from topple.planner.planning.plan import plan
+from topple.robots import shapes
+from topple.robots.catalog import robot as robot_named
+from topple.robots.scenarios.scenario import Scenario, Unlucky, drop, settle, settled
+from topple.robots.world.bodies import Body
+from topple.robots.world.simulated_arm import SimulatedArm
+from topple.robots.world.world import World
+from topple.topology.scene import Scene
+
+COUNT = 10
+SECONDS = 15.0
+SEEDS = 10
+KINDS: dict[str, str] = {
+    "tower": "three blocks stacked",
+    "lemon": "a lemon into an occupied bowl",
+    "dishes": "a plate freed of dishes",
+}
+Maker = Callable[[str, np.random.Generator], Body]
+MAKERS: tuple[Maker, ...] = (
+    lambda name, rng: shapes.block(name, float(rng.uniform(0.035, 0.055))),
+    lambda name, rng: shapes.can(name, diameter=float(rng.uniform(0.05, 0.068)), height=0.09),
+    lambda name, rng: shapes.box(
+        name, (float(rng.uniform(0.09, 0.13)), 0.06, float(rng.uniform(0.03, 0.05)))
+    ),
+    lambda name, rng: shapes.lemon(name),
+)
+"""Things that a hand of 8 cm takes: what is measured is planning, not what a hand cannot do."""
+
+
+def rows(quick: bool, seed: int, progress: Progress) -> list[dict[str, Any]]:
+    """Measure.
+
+    Args:
+        quick: One tower; piles of ten and the other kinds take minutes.
+        seed: First seed of the scenes.
+        progress: Called before each plan.
+
+    Returns:
+        The bench's rows.
+    """
+    found = [] if quick else _clearing(range(seed, seed + 3), progress)
+    count = 1 if quick else SEEDS
+    for kind, words in list(KINDS.items())[: 1 if quick else len(KINDS)]:
+        held = 0
+        for one in range(seed, seed + count):
+            progress(f"{kind}, seed {one}: planning and verifying")
+            held += _holds(kind, one)
+        what = f"{words}: plans that verify with every residual <= 0, of {count}"
+        found.append(Row(what, float(held), "plans", bar=f">= {count}").to_json())
+    return found
+
+
+def _clearing(seeds: range, progress: Progress) -> list[dict[str, Any]]:
+    """The longest of the times that plans of ten objects take, and how many were found and certified."""
+    longest, proven = 0.0, 0
+    for seed in seeds:
+        progress(f"ten objects, seed {seed}: planning")
+        with ten(seed) as stage:
+            scene = seen(stage)
+        begun = time.perf_counter()
+        try:
+            made = plan(
+                scene, list(scene.movable), stage.robot, base=stage.pose_base_to_world, check=False, seed=seed
+            )
+            proven += made.certified
+        except NoSafePlan:
+            pass  # counted below
+        longest = max(longest, time.perf_counter() - begun)
+    what, of = f"{COUNT}-object clear-all with a Panda", len(seeds)
+    return [
+        Row(f"{what}: plan, slowest of {of}", longest, "s", bar=f"<= {SECONDS:g}").to_json(),
+        Row(f"{what}: found and certified, of {of}", float(proven), "plans", bar=f">= {of}").to_json(),
+    ]
+
+
+def _holds(kind: str, seed: int) -> bool:
+    from topple.robots.scenarios import scenario_called
+
+    with scenario_called(kind, seed) as stage:
+        scene = seen(stage)
+    try:
+        made = plan(scene, stage.goal, stage.robot, base=stage.pose_base_to_world, check=False, seed=seed)
+    except NoSafePlan:
+        return False
+    return made.certified and made.verify(scene).ok
+
+
+def seen(stage: Scenario) -> Scene:
+    """What the cameras of a scene see of it, the arm standing in it.
+
+    Args:
+        stage: The settled scene.
+
+    Returns:
+        The clouds.
+    """
+    SimulatedArm(stage.world, robot_named(stage.robot), stage.pose_base_to_world)
+    rng = np.random.default_rng(stage.seed)
+    return Observer(stage.world, stage.cameras, rng, stage.fixed, stage.up).look().scene
+
+
+def ten(seed: int) -> Scenario:
+    """Ten things in a loose pile, to be cleared by a Panda.
+
+    Args:
+        seed: Any number.
+
+    Returns:
+        The settled scene.
+    """
+    return settled("ten", seed, _pile, robot="panda")
+
+
+def _pile(world: World, rng: np.random.Generator) -> tuple[str, tuple[str, ...]]:
+    names: list[str] = []
+    for index in range(COUNT):
+        body = MAKERS[int(rng.integers(len(MAKERS)))](f"thing {index}", rng)
+        x, y = rng.uniform([-0.13, -0.2], [0.15, 0.2]).tolist()
+        drop(world, body, x, y, Rotation.from_euler("z", rng.uniform(0, 2 * np.pi)))
+        settle(world, 3.0)
+        names.append(body.name)
+    for name in names:
+        if np.linalg.norm(world.pose(name)[:2, 3]) > 0.32:
+            raise Unlucky(f"{name} rolled away")
+    return "clear", tuple(names)

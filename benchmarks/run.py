@@ -1,0 +1,332 @@
+"""Seeded scenes played by the arm in closed loop: how often the goal is reached and nothing is disturbed.
+
+- dishes, lemon and tower with three cameras; random piles of five to eight things of which one is freed, with
+  three cameras and with one; a pile sorted into two bins.
+- With `--data DIR`, annotated camera frames, each rebuilt as bodies in which an arm frees the object that
+  most others have to go before.
+- Of the same piles, how many any order of ideal lifts could free at all, were all known perfectly.
+- The same piles again with the same arm, grasps and motions, but with the order decided by a rule of thumb:
+  what is nearest to the arm first, the highest top first, or the paper's relations and height.
+
+Every episode that ends is kept in a journal: a bench that was stopped goes on, and the figures are of all
+that was played with the same code, in as many sittings as it took. Shares have Wilson's 95 % intervals. A
+sitting of half an hour shows whether anything leaks or breaks: its rows are those of memory and crashes.
+"""
+
+import os
+import time
+from collections import Counter
+from collections.abc import Iterator, Mapping, Sequence
+from concurrent.futures import FIRST_COMPLETED, Future, ProcessPoolExecutor, wait
+from concurrent.futures.process import BrokenProcessPool
+from dataclasses import dataclass
+from multiprocessing import active_children, get_context
+from pathlib import Path
+from statistics import median
+from typing import Any
+
+from topple.benchmarks.episodes import ENDINGS, IDEAL, TOPPLE, Ending, Episode, ignore_interrupts, play
+from topple.benchmarks.frames import frames_in
+from topple.benchmarks.journal import Journal
+from topple.benchmarks.row import Progress, Row
+from topple.benchmarks.rules import RULES
+from topple.benchmarks.scores import share_interval
+
+JOURNAL = Path("topple-bench-run.jsonl")
+LEAST_THIRD = 5  # episodes: with fewer in a third a process's memory says nothing
+LOOP = 30  # [min] that a process has to go on without a break
+STAYED = 0.01  # [m] a rebuilt body may move until it is at rest
+
+
+@dataclass(frozen=True)
+class Series:
+    """Seeds of one scenario, or the frames of a folder.
+
+    Attributes:
+        scenario: Its name.
+        seeds: How many, from the first on.
+        cameras: How many look.
+        rule: Who decides the order.
+        bar: Share of successes that is aimed at [%], None where there is none.
+        folder: Where the frames are; None for a scenario.
+        frames: Their names.
+    """
+
+    scenario: str
+    seeds: int
+    cameras: int = 3
+    rule: str = TOPPLE
+    bar: int | None = None
+    folder: Path | None = None
+    frames: tuple[str, ...] = ()
+
+    def episodes(self, seed: int) -> list[Episode]:
+        """Its episodes, from a first seed on."""
+        if self.folder is not None:
+            folder = str(self.folder.resolve())
+            return [Episode(name, seed, self.cameras, self.rule, folder) for name in self.frames]
+        return [
+            Episode(self.scenario, seed + number, self.cameras, self.rule) for number in range(self.seeds)
+        ]
+
+    def __str__(self) -> str:
+        """As it stands in a table."""
+        eyes = f"{self.cameras} camera{'s' if self.cameras > 1 else ''}"
+        return f"{self.scenario}, {eyes}" + ("" if self.rule == TOPPLE else f", {self.rule}")
+
+
+FULL = (
+    Series("dishes", 40, bar=95),
+    Series("lemon", 40, bar=95),
+    Series("tower", 40, bar=95),
+    Series("pile", 60, bar=90),
+    Series("pile", 60, cameras=1, bar=80),
+    Series("sort", 20, bar=85),
+    *(Series("pile", 60, rule=rule) for rule in RULES),
+    Series("pile", 60, rule=IDEAL),
+)
+QUICK = (Series("dishes", 1), Series("tower", 1), Series("pile", 1), Series("pile", 1, rule=RULES[1]))
+
+
+def rows(
+    quick: bool,
+    seed: int,
+    progress: Progress,
+    journal: Path = JOURNAL,
+    minutes: float | None = None,
+    data: Path | None = None,
+) -> list[dict[str, Any]]:
+    """Play what is not in the journal yet, and count.
+
+    Args:
+        quick: A handful of episodes.
+        seed: The first seed of every series.
+        progress: Called as episodes end.
+        journal: Where endings are kept, line by line.
+        minutes: After this time no further episode is begun; the figures are of what was played.
+        data: A folder with annotated camera frames, to be acted out too.
+
+    Returns:
+        The bench's rows.
+    """
+    series = QUICK if quick else FULL
+    if data is not None:
+        frames = frames_in(data)
+        kept = frames[:1] if quick else frames
+        series = (*series, Series("real frames", len(kept), bar=70, folder=data, frames=kept))
+    wanted = list(in_turn([one.episodes(seed) for one in series]))
+    known = collected(wanted, progress, journal, minutes)
+    found = {one: [known[e] for e in one.episodes(seed) if e in known] for one in series}
+    missing = sum(episode not in known for episode in wanted)
+    rows = [Row("episodes left to play", missing, f"of {len(wanted)}"), *figures(found)]
+    asked = set(wanted)
+    rows += endurance([ending for episode, ending in known.items() if episode in asked])
+    return [row.to_json() for row in rows]
+
+
+def collected(
+    wanted: Sequence[Episode], progress: Progress, journal: Path, minutes: float | None = None
+) -> Mapping[Episode, Ending]:
+    """Play what is not in a journal yet, and keep it there.
+
+    Args:
+        wanted: What is to be played, in this order.
+        progress: Called as episodes end.
+        journal: Where endings are kept, line by line.
+        minutes: After this time no further episode is begun.
+
+    Returns:
+        Everything that the journal has of today's code, wanted or not, in the order in which it was played.
+    """
+    book = Journal(journal)
+    if book.stale:
+        progress(f"{book.stale} results of other code are left out")
+    known = {ending.episode: ending for ending in map(Ending.from_json, book.entries)}
+    left = [episode for episode in wanted if episode not in known]
+    until = None if minutes is None else time.monotonic() + 60 * minutes
+    for ending in _played(left, until):
+        known[ending.episode] = ending
+        book.add(ending.to_json())
+        progress(f"{sum(e in known for e in wanted)} of {len(wanted)} episodes: {ending}")
+    if missing := sum(episode not in known for episode in wanted):
+        progress(f"{missing} of {len(wanted)} episodes are left: the same command goes on with them")
+    return known
+
+
+def in_turn(lists: Sequence[Sequence[Episode]]) -> Iterator[Episode]:
+    """One of each list, then the next of each: what was played so far is of all kinds."""
+    for number in range(max(map(len, lists))):
+        yield from (one[number] for one in lists if number < len(one))
+
+
+def _played(episodes: Sequence[Episode], until: float | None) -> Iterator[Ending]:
+    """Endings as they come, from one process a core; a process that dies is a crash, and is replaced."""
+    waiting = (e for e in episodes if until is None or time.monotonic() < until)
+    lanes = [_Lane() for _ in range(os.cpu_count() or 1)]
+    try:
+        for lane in lanes:
+            lane.begin(next(waiting, None))
+        while busy := [lane for lane in lanes if lane.future is not None]:
+            wait([lane.future for lane in busy if lane.future is not None], return_when=FIRST_COMPLETED)
+            for lane in busy:
+                if lane.future is not None and lane.future.done():
+                    yield lane.end()
+                    lane.begin(next(waiting, None))
+    finally:  # on Ctrl-C what still runs is dropped; what ended is in the journal
+        for lane in lanes:
+            lane.close()
+        for process in active_children():
+            process.terminate()
+
+
+class _Lane:
+    """One process that plays one episode after the other: its memory shows whether anything leaks."""
+
+    def __init__(self) -> None:
+        self._pool = _one_process()
+        self._episode: Episode | None = None
+        self.future: Future[Ending] | None = None
+
+    def begin(self, episode: Episode | None) -> None:
+        """Start an episode, or rest where there is none."""
+        self._episode = episode
+        self.future = None if episode is None else self._pool.submit(play, episode)
+
+    def end(self) -> Ending:
+        """How the episode went that is over."""
+        assert self.future is not None
+        assert self._episode is not None
+        try:
+            return self.future.result()
+        except BrokenProcessPool as error:
+            self._pool = _one_process()
+            return Ending(self._episode, "crash", (str(error),))
+
+    def close(self) -> None:
+        """Take nothing more."""
+        self._pool.shutdown(wait=False, cancel_futures=True)
+
+
+def _one_process() -> ProcessPoolExecutor:
+    return ProcessPoolExecutor(1, get_context("spawn"), initializer=ignore_interrupts)
+
+
+def figures(found: Mapping[Series, Sequence[Ending]]) -> list[Row]:
+    """The figures of what was played.
+
+    Args:
+        found: Series to the endings of those of its episodes that were played.
+
+    Returns:
+        The bench's rows.
+    """
+    rows: list[Row] = []
+    for one, endings in found.items():
+        if endings and one.rule == TOPPLE:
+            rows += _of_series(one, endings)
+        if endings and one.rule == IDEAL:
+            possible = sum(ending.success for ending in endings)
+            what = f"targets that ideal lifts of true bodies free, {len(endings)} of {one.seeds} piles"
+            rows.append(_share(what, possible, len(endings)))
+    return rows + _against_rules(found)
+
+
+def endurance(endings: Sequence[Ending]) -> list[Row]:
+    """Whether it goes on: crashes, failures nobody has a name for, memory, and for how long.
+
+    Args:
+        endings: In the order in which they came.
+
+    Returns:
+        The bench's rows.
+    """
+    crashes = sum(ending.ending == "crash" for ending in endings)
+    nameless = sum(ending.ending not in ENDINGS for ending in endings)
+    rows = [
+        Row(f"episodes in which the program failed, of {len(endings)}", crashes, "", bar="<= 0"),
+        Row(f"failures of no known kind, of {len(endings)}", nameless, "", bar="<= 0"),
+    ]
+    if (growth := _growth(endings)) is not None:
+        worked: Counter[int] = Counter()
+        for ending in endings:
+            worked[ending.process] += round(ending.seconds)
+        longest = max(worked.values()) / 60
+        what = "memory of a process, last third of its episodes against the second"
+        rows.append(Row(what, growth, "x", bar="<= 1.2"))
+        rows.append(Row("longest that a process went on", longest, "min", bar=f">= {LOOP}"))
+    return rows
+
+
+def _of_series(one: Series, endings: Sequence[Ending]) -> list[Row]:
+    what = "seeds" if one.folder is None else "frames"
+    played = f"{one}, {len(endings)} of {one.seeds} {what}"
+    good = sum(ending.success for ending in endings)
+    clean = sum(ending.clean for ending in endings)
+    rows = [
+        _share(f"goal reached, nothing disturbed: {played}", good, len(endings), one.bar),
+        _share(f"nothing disturbed: {played}", clean, len(endings)),
+    ]
+    if one.folder is not None:
+        stayed = sum(ending.sagged is not None and ending.sagged < STAYED for ending in endings)
+        rows.append(_share(f"rebuilt, every body moves below 1 cm: {played}", stayed, len(endings), 80))
+    if places := sum(ending.places for ending in endings):
+        placed = sum(ending.placed for ending in endings)
+        rows.append(_share(f"things where they belong: {played}", placed, places, 90))
+    seconds = median(ending.seconds for ending in endings)
+    rows.append(
+        Row(f"wall time, median: {one}", seconds, "s", bar="<= 60" if one.scenario == "pile" else None)
+    )
+    robot = median(ending.robot_seconds for ending in endings)
+    rows.append(Row(f"time of the simulated arm, median: {one}", robot, "s"))
+    ways = Counter(ending.ending for ending in endings if not ending.success)
+    return rows + [Row(f"{how}: {played}", count, "episodes") for how, count in sorted(ways.items())]
+
+
+def _against_rules(found: Mapping[Series, Sequence[Ending]]) -> list[Row]:
+    """The same piles with other orders; only seeds that were played with both count."""
+    by_rule = {
+        rule: {e.episode.seed: e for one, es in found.items() if _same(one, rule) for e in es}
+        for rule in (TOPPLE, *RULES)
+    }
+    seeds = set.intersection(*(set(endings) for endings in by_rule.values()))
+    if not seeds:
+        return []
+    count = {rule: sum(endings[s].violated for s in seeds) for rule, endings in by_rule.items()}
+    reached = {rule: sum(endings[s].success for s in seeds) for rule, endings in by_rule.items()}
+    best = min(RULES, key=lambda rule: count[rule])
+    rows: list[Row] = []
+    for rule in RULES:
+        what = f"things disturbed, the same {len(seeds)} piles"
+        ratio = count[TOPPLE] / max(count[rule], 1)
+        bar = "<= 1/3" if rule == best else None
+        rows.append(Row(what, count[TOPPLE], "", rule, count[rule], ratio, bar))
+        what = f"target freed, nothing disturbed, the same {len(seeds)} piles"
+        ours, theirs = (100 * reached[r] / len(seeds) for r in (TOPPLE, rule))
+        interval = share_interval(reached[TOPPLE], len(seeds))
+        rows.append(Row(what, ours, "%", rule, theirs, interval=interval))
+    return rows
+
+
+def _same(one: Series, rule: str) -> bool:
+    return one.scenario == "pile" and one.cameras == 3 and one.rule == rule
+
+
+def _growth(endings: Sequence[Ending]) -> float | None:
+    """Memory after the last third of a process's episodes against the second, the worst of all processes.
+
+    In the first it loads what it needs, and comes by the largest scene that it will hold memory for.
+    """
+    by_process: dict[int, list[int]] = {}
+    for ending in endings:
+        by_process.setdefault(ending.process, []).append(ending.memory)
+    grown: list[float] = []
+    for memory in by_process.values():
+        third = len(memory) // 3
+        if third >= LEAST_THIRD:
+            grown.append(median(memory[-third:]) / median(memory[-2 * third : -third]))
+    return max(grown, default=None)
+
+
+def _share(what: str, part: int, whole: int, bar: int | None = None) -> Row:
+    aim = None if bar is None else f">= {bar}"
+    return Row(what, 100 * part / whole, "%", bar=aim, interval=share_interval(part, whole))

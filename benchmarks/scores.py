@@ -1,0 +1,138 @@
+"""How an answer to "who must go first" is scored against what simulation says."""
+
+from collections.abc import Collection, Mapping, Sequence
+from dataclasses import dataclass
+
+import networkx as nx
+import numpy as np
+
+from topple.benchmarks.guesses import Guess
+
+Labels = Mapping[str, Mapping[str, int | None]]
+"""then -> first -> 1 had to go first, 0 not, None too close to call."""
+
+DRAWS = 2000
+"""Times the piles are drawn anew for an interval."""
+
+
+@dataclass(frozen=True)
+class Score:
+    """Counts of one pile, or of several: scores add up.
+
+    Attributes:
+        right: Pairs found that had to be.
+        false: Pairs found that had not.
+        missed: Pairs that had to be and were not found.
+        safe: Piles whose order was safe.
+        piles: Piles.
+        lean: Targets for which nothing is removed beyond what simulation demands.
+        targets: Targets.
+    """
+
+    right: int = 0
+    false: int = 0
+    missed: int = 0
+    safe: int = 0
+    piles: int = 0
+    lean: int = 0
+    targets: int = 0
+
+    def __add__(self, other: "Score") -> "Score":
+        """Counts of both."""
+        return Score(*(getattr(self, key) + getattr(other, key) for key in self.__dataclass_fields__))
+
+    @property
+    def precision(self) -> float:
+        """Share of the pairs found that had to be; 1 where none was found."""
+        return self.right / (self.right + self.false) if self.right + self.false else 1.0
+
+    @property
+    def recall(self) -> float:
+        """Share of the pairs that had to be that were found; 1 where there is none."""
+        return self.right / (self.right + self.missed) if self.right + self.missed else 1.0
+
+    @property
+    def f1(self) -> float:
+        """Harmonic mean of precision and recall."""
+        wrong = self.false + self.missed
+        return 2 * self.right / (2 * self.right + wrong) if self.right + wrong else 1.0
+
+
+def score(guess: Guess, labels: Labels, seen: Collection[str]) -> Score:
+    """Score an answer to one pile.
+
+    Args:
+        guess: The answer.
+        labels: What simulation says.
+        seen: Objects that are in the scene; others are left out.
+
+    Returns:
+        The counts; a pair simulation could not call counts nowhere, and excuses an extra removal.
+    """
+    names = [name for name in labels if name in seen]
+    closure = _closure(names, guess.pairs)
+    verdicts = [
+        (labels[then].get(first), (first, then) in closure)
+        for then in names
+        for first in names
+        if first != then
+    ]
+    removed = {name: {first for first, then in closure if then == name} for name in names}
+    excused = _closure(names, [(x, y) for y in names for x in names if x != y and labels[y].get(x) != 0])
+    return Score(
+        right=verdicts.count((1, True)),
+        false=verdicts.count((0, True)),
+        missed=verdicts.count((1, False)),
+        safe=int(is_safe(guess, labels, names)),
+        piles=1,
+        lean=sum(all((x, name) in excused for x in removed[name]) for name in names),
+        targets=len(names),
+    )
+
+
+def is_safe(guess: Guess, labels: Labels, names: Collection[str]) -> bool:
+    """Whether an order takes nothing while something is there that would move.
+
+    Args:
+        guess: The order and its groups; a group excuses objects simulation has in one cycle.
+        labels: What simulation says.
+        names: Everything there is to take.
+    """
+    truth: nx.DiGraph[str] = nx.DiGraph([(x, y) for y in names for x in names if labels[y].get(x) == 1])
+    cycle = {name: c for c in nx.strongly_connected_components(truth) for name in c}
+    left = set(names)
+    for name in guess.order:
+        together = {other for group in guess.groups if name in group for other in group}
+        staying = left - {name} - (together & cycle.get(name, set()))
+        if any(labels[name].get(other) == 1 for other in staying):
+            return False
+        left.discard(name)
+    return not left
+
+
+def _closure(names: Collection[str], pairs: Collection[tuple[str, str]]) -> set[tuple[str, str]]:
+    """All (first, then) that follow from some."""
+    graph: nx.DiGraph[str] = nx.DiGraph()
+    graph.add_nodes_from(names)
+    graph.add_edges_from(pairs)
+    return {(x, y) for x, y in nx.transitive_closure(graph).edges if x != y}
+
+
+def f1_interval(scores: Sequence[Score]) -> tuple[float, float]:
+    """95 % interval of the pooled F1, by drawing piles anew."""
+    counts = np.array([(s.right, s.false + s.missed) for s in scores])
+    drawn = np.random.default_rng(0).integers(len(scores), size=(DRAWS, len(scores)))
+    right, wrong = counts[drawn].sum(axis=1).T
+    f1 = np.divide(2 * right, 2 * right + wrong, out=np.ones(DRAWS), where=right + wrong > 0)
+    low, high = np.percentile(f1, [2.5, 97.5])
+    return float(low), float(high)
+
+
+def share_interval(part: int, whole: int) -> tuple[float, float]:
+    """Wilson's 95 % interval of a share, in percent."""
+    if whole == 0:
+        return 0.0, 100.0
+    z, share = 1.96, part / whole
+    centre = (share + z**2 / (2 * whole)) / (1 + z**2 / whole)
+    half = z / (1 + z**2 / whole) * np.sqrt(share * (1 - share) / whole + z**2 / (4 * whole**2))
+    return 100 * max(centre - float(half), 0.0), 100 * min(centre + float(half), 1.0)

@@ -1,0 +1,294 @@
+"""What a scene's clouds fill: convex parts of every object, hidden undersides added, tops as slabs."""
+
+import hashlib
+from collections.abc import Callable, Mapping, Sequence
+from typing import Any
+
+import numpy as np
+from scipy.spatial import ConvexHull, QhullError
+
+from topple.planner.bodies.plates import FEWEST, plates_of
+from topple.planner.bodies.samples import voxel_means
+from topple.robots.collision.convex import hull_of
+from topple.topology.arrays import BoolArray, FloatArray
+from topple.topology.bodies.parts import convex_parts
+from topple.topology.bodies.tops import Top, tops_of
+from topple.topology.errors import InvalidInput
+from topple.topology.scene import Scene
+
+Solids = Mapping[str, Sequence[FloatArray]]
+"""Per object the (V, 3) vertices of its convex parts, in the world [m]."""
+
+GRAIN = 0.003  # cubes whose points are averaged before hulls are drawn: halves 1-2 mm of depth noise [m]
+HOLLOW = 0.008  # hulls may stand out from the points by this: less cuts noise into pieces [m]
+SLAB = 0.05  # a table seen from above is taken to be this thick: fingers must not come out below it [m]
+BOARD = 0.02  # a board above another is at least taken to be this thick: depth noise would leave less [m]
+SKIN = 0.01  # points of a slab's faces and edges lie this close to it: depth noise [m]
+HOVER = 0.006  # a gap below an object up to this is depth noise, above it a side nobody saw [m]
+REMEMBERED = (
+    128  # clouds whose parts are kept: a scene is filled again after each step, with most clouds unchanged
+)
+CELL = 0.01  # grid on which what lies below an object is looked up [m]
+
+_PARTS: dict[bytes, tuple[FloatArray, ...]] = {}
+
+
+def up_of(scene: Scene) -> FloatArray:
+    """The scene's up direction.
+
+    Args:
+        scene: The scene.
+
+    Returns:
+        (3,) unit vector.
+
+    Raises:
+        InvalidInput: The scene has none.
+    """
+    if scene.up is None:
+        raise InvalidInput("handling needs to know where up is: give --up X Y Z or name a fixed table")
+    up = np.asarray(scene.up, dtype=np.float64)
+    return up / np.linalg.norm(up)
+
+
+def solids_of(scene: Scene) -> dict[str, tuple[FloatArray, ...]]:
+    """Fill every object of a scene.
+
+    An object does not hover: where nothing it could stand on comes up to its lowest seen points, what is
+    missing in between is its own unseen underside, and its parts are drawn down to it.
+
+    Args:
+        scene: The scene, with `up`.
+
+    Returns:
+        The convex parts of every object, in the world.
+    """
+    up = up_of(scene)
+    found: dict[str, tuple[FloatArray, ...]] = {}
+    for name, cloud in scene.clouds.items():
+        if name in scene.fixed:
+            found[name] = fixed_parts(cloud, up)
+        else:
+            found[name] = standing_parts(name, scene)
+    return found
+
+
+def standing_parts(name: str, scene: Scene) -> tuple[FloatArray, ...]:
+    """Convex parts of a movable object, drawn down to what it stands on.
+
+    Args:
+        name: The object.
+        scene: The scene, with `up`.
+
+    Returns:
+        (V, 3) vertices of each part.
+    """
+    up = up_of(scene)
+    gap = hidden_depth(name, scene, up)
+    return tuple(drawn_down(part, gap, up) for part in parts_of(scene.clouds[name], scene))
+
+
+def parts_of(cloud: FloatArray, scene: Scene) -> tuple[FloatArray, ...]:
+    """Convex parts of what is seen of an object.
+
+    Args:
+        cloud: (N, 3) its points [m].
+        scene: The scene, for the cameras that tell a hollow from a side nobody saw.
+
+    Returns:
+        (V, 3) vertices of each part.
+    """
+    seen_from = scene.viewpoints if len(scene.viewpoints) > 0 else None
+    key = b"" if seen_from is None else seen_from.tobytes()
+    return _remembered(
+        cloud, key, lambda: convex_parts(voxel_means(cloud, GRAIN), HOLLOW, viewpoints=seen_from)
+    )
+
+
+def _remembered(
+    cloud: FloatArray, more: bytes, make: Callable[[], tuple[FloatArray, ...]]
+) -> tuple[FloatArray, ...]:
+    """The parts of a cloud, made once."""
+    key = hashlib.blake2b(cloud.tobytes() + more).digest()
+    if key not in _PARTS:
+        if len(_PARTS) >= REMEMBERED:
+            _PARTS.pop(next(iter(_PARTS)))
+        _PARTS[key] = make()
+    return _PARTS[key]
+
+
+def fixed_parts(cloud: FloatArray, up: FloatArray) -> tuple[FloatArray, ...]:
+    """Parts of something that never moves: a slab under each top, plates and convex parts of the rest.
+
+    Args:
+        cloud: (N, 3) points [m].
+        up: (3,) unit vector.
+
+    Returns:
+        (V, 3) vertices of each part.
+    """
+    found = tops_of(cloud, up)
+    if found.flat:
+        return (_slab(found.tops[0], SLAB, up),)
+    slabs = [_slab(top, thickness, up) for top, thickness in zip(found.tops, _thick(found.tops), strict=True)]
+    rest = found.rest
+    for slab in slabs:
+        rest = rest[~_inside(rest, slab)]
+    if len(rest) < FEWEST:
+        return tuple(slabs)
+    more = up.tobytes() + b"fixed"
+    return (*slabs, *_remembered(rest, more, lambda: plates_of(voxel_means(rest, 2 * GRAIN), HOLLOW)))
+
+
+def _slab(top: Top, thickness: float, up: FloatArray) -> FloatArray:
+    """(V, 3) corners of the board under a top."""
+    rim = hull_vertices(top.points - np.outer(top.above(top.points), top.normal))
+    return np.vstack([rim, rim - thickness * up])
+
+
+def _thick(tops: Sequence[Top]) -> list[float]:
+    """How thick the boards under some tops, the highest first, are taken to be [m]."""
+    unseen = [BOARD] * len(tops)
+    unseen[-1:] = [SLAB] * (len(tops) > 0)
+    return [
+        least if np.isnan(top.thickness) else max(top.thickness, BOARD)
+        for top, least in zip(tops, unseen, strict=True)
+    ]
+
+
+def _inside(points: FloatArray, corners: FloatArray) -> BoolArray:
+    """Which of (N, 3) points lie in or on a convex part."""
+    sides = ConvexHull(corners).equations
+    return np.asarray((points @ sides[:, :3].T + sides[:, 3]).max(axis=1) < SKIN)
+
+
+def hidden_depth(name: str, scene: Scene, up: FloatArray) -> float:
+    """How far an object reaches below its lowest seen points: the drop until something would carry it [m].
+
+    Args:
+        name: The object.
+        scene: The scene.
+        up: (3,) unit vector.
+
+    Returns:
+        The depth, 0 where it is seen to stand on something or nothing lies below.
+    """
+    axes = np.stack(level_axes(up))
+    own = scene.clouds[name]
+    cells = np.floor(own @ axes.T / CELL).astype(np.int64)
+    corner, size = cells.min(axis=0), np.ptp(cells, axis=0) + 1
+    bottom = np.full(tuple(size), np.inf)
+    np.minimum.at(bottom, tuple((cells - corner).T), own @ up)
+    gap = np.inf
+    for other, cloud in scene.clouds.items():
+        if other == name:
+            continue
+        if other in scene.fixed:
+            found = tops_of(cloud, up)
+            top, cloud = found.under(own), found.rest
+            if top is not None:
+                # of the same points that the parts are drawn around: they shall end on the table, not below
+                gap = min(gap, float(top.above(voxel_means(own, GRAIN)).min()))
+        places = np.floor(cloud @ axes.T / CELL).astype(np.int64) - corner
+        shared = np.all((places >= 0) & (places < size), axis=1)
+        room = bottom[tuple(places[shared].T)] - cloud[shared] @ up
+        below = room[np.isfinite(room) & (room > -CELL)]  # points above the object do not count
+        if len(below) > 0:
+            gap = min(gap, max(0.0, float(below.min())))
+    return float(gap) if HOVER < gap < np.inf else 0.0
+
+
+def drawn_down(part: FloatArray, depth: float, up: FloatArray) -> FloatArray:
+    """Extend a convex part straight down.
+
+    Args:
+        part: (V, 3) vertices [m].
+        depth: How far [m].
+        up: (3,) unit vector.
+
+    Returns:
+        (W, 3) vertices of the extended part.
+    """
+    return part if depth <= 0.0 else np.vstack([part, part - depth * up])
+
+
+def hull_vertices(points: FloatArray) -> FloatArray:
+    """Corners of the convex hull of a cloud, flat ones too.
+
+    Args:
+        points: (N, 3) points [m].
+
+    Returns:
+        (V, 3) corners; all points where there are too few for a hull.
+    """
+    if len(points) < 5:
+        return points
+    centred = points - points.mean(axis=0)
+    _, _, axes = np.linalg.svd(centred, full_matrices=False)
+    along = centred @ axes.T
+    rank = int(np.count_nonzero(np.ptp(along, axis=0) > 1e-6))
+    if rank < 2:
+        return points[[int(np.argmin(along[:, 0])), int(np.argmax(along[:, 0]))]]
+    try:
+        return points[ConvexHull(along[:, :rank]).vertices]
+    except QhullError:
+        return points
+
+
+def level_axes(up: FloatArray) -> tuple[FloatArray, FloatArray]:
+    """Two unit vectors that span the level plane.
+
+    Args:
+        up: (3,) unit vector.
+
+    Returns:
+        x and y with x cross y = up; the world's x and y where up is its z.
+    """
+    y = np.array([0.0, 1.0, 0.0]) if abs(up[1]) < 0.9 else np.array([0.0, 0.0, 1.0])
+    x = np.cross(y, up)
+    x /= np.linalg.norm(x)
+    return x, np.cross(up, x)
+
+
+def moved(parts: Sequence[FloatArray], pose: FloatArray) -> tuple[FloatArray, ...]:
+    """Parts under a rigid transform.
+
+    Args:
+        parts: (V, 3) vertices each [m].
+        pose: (4, 4) rigid transform.
+
+    Returns:
+        The transformed parts.
+    """
+    return tuple(part @ pose[:3, :3].T + pose[:3, 3] for part in parts)
+
+
+def apart(a: Sequence[FloatArray], b: Sequence[FloatArray], distance: float) -> bool:
+    """Whether two objects keep a distance.
+
+    Args:
+        a: Convex parts of the one, (V, 3) vertices each [m].
+        b: Of the other.
+        distance: The distance [m].
+
+    Returns:
+        True where no two parts come closer.
+    """
+    import fcl
+
+    bodies = [[(part, _collision_object(part)) for part in parts] for parts in (a, b)]
+    for part, one in bodies[0]:
+        for other_part, other in bodies[1]:
+            low = np.maximum(part.min(axis=0), other_part.min(axis=0))
+            high = np.minimum(part.max(axis=0), other_part.max(axis=0))
+            if np.all(low - high < distance) and fcl.distance(one, other, fcl.DistanceRequest()) < distance:
+                return False
+    return True
+
+
+def _collision_object(part: FloatArray) -> Any:
+    import fcl
+
+    vertices, faces = hull_of(part)
+    packed = np.column_stack([np.full(len(faces), 3), faces]).ravel()
+    return fcl.CollisionObject(fcl.Convex(vertices, len(faces), packed), fcl.Transform())

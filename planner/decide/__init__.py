@@ -1,0 +1,1 @@
+"""What has to go before what, how sure that is, and in which sequence it is safest."""

@@ -1,0 +1,135 @@
+"""What an order takes for granted: said in sentences, since a scene rarely shows everything."""
+
+from itertools import permutations
+from typing import TYPE_CHECKING
+
+import numpy as np
+from scipy.spatial import ConvexHull, QhullError
+
+from topple.topology.arrays import FloatArray, bounds
+from topple.topology.bodies.complete import is_hollow
+from topple.topology.statics.contact import planes_and_rest
+from topple.topology.statics.matter import DENSEST, DENSITY, FRICTION
+from topple.topology.statics.rest import Statics, hull_volume
+
+if TYPE_CHECKING:
+    from topple.topology.scene import Scene
+
+DEEP = 0.01
+"""Depth [m] below another body's hull from which clouds overlap: noise and spacing reach half of it."""
+
+SHARE = 0.1
+"""Share of an object's points that lie so deep: a few strays, or a corner of a mask, are less."""
+
+LEAST = 1e-5
+"""Volume [m³] of what is reckoned with at least: of thin things little more than a face may be seen."""
+
+BELOW = 0.01
+"""How far [m] below the table's surface the top of an object lies that is said to be below it."""
+
+
+SUNK = 0.02
+"""Depth [m] to which an object reaches below the table's surface that is said: noise reaches half of it."""
+
+
+def assumptions(scene: "Scene", statics: Statics) -> tuple[str, ...]:
+    """What had to be assumed about gravity and bodies.
+
+    Args:
+        scene: The scene.
+        statics: The scene at rest.
+
+    Returns:
+        Sentences: no fixed object, objects below the table, in it, or carried by nothing, overlapping clouds;
+        weights and friction that nobody gave, and weights that cannot be true.
+    """
+    said = list(_unfixed(scene))
+    for name in statics.upright.movable:
+        if statics.surfaces[name][:, 2].max() < statics.upright.floor - BELOW:
+            said.append(f"{name} lies below the table's surface")
+        elif statics.unexplained.get(name, 0.0) > 0.5:
+            said.append(f"nothing seen carries {name}: it is taken to be held by something no camera saw")
+    return (*said, *_sunk(statics), *_overlaps(statics), *_heavy(scene, statics), *_unknown(scene))
+
+
+def _heavy(scene: "Scene", statics: Statics) -> tuple[str, ...]:
+    """Masses beyond what any matter of that size has: grams or pounds are likely."""
+    said: list[str] = []
+    for name in (name for name in scene.movable if name in scene.masses):
+        volume = hull_volume(statics.surfaces[name])
+        if scene.masses[name] > DENSEST * max(volume, LEAST):
+            said.append(
+                f"{name} was given {scene.masses[name]:g} kg in {1e3 * volume:.2g} litres, denser than any "
+                "matter: it is taken so; masses are in kilograms"
+            )
+    return tuple(said)
+
+
+def _unknown(scene: "Scene") -> tuple[str, ...]:
+    """Weights and friction that nobody gave."""
+    said: list[str] = []
+    unweighed = [name for name in scene.movable if name not in scene.masses]
+    untried = [name for name in scene.clouds if name not in scene.friction]
+    if unweighed:
+        who = "masses" if not scene.masses else f"the mass of {', '.join(unweighed)}"
+        was = "were" if not scene.masses else "was"
+        said.append(f"{who} {was} not given: {DENSITY:g} kg/m³ of what each fills is taken")
+    if untried:
+        who = "friction" if not scene.friction else f"the friction of {', '.join(untried)}"
+        said.append(f"{who} was not given: two such surfaces are taken to have a coefficient of {FRICTION:g}")
+    return tuple(said)
+
+
+def _sunk(statics: Statics) -> tuple[str, ...]:
+    """Objects part of which is below a flat fixed surface under them, where nothing can be."""
+    clouds, said = statics.upright.clouds, list[str]()
+    planes = [
+        (ground, plane)
+        for ground in sorted(statics.upright.fixed)
+        for plane in planes_and_rest(statics.upright, ground)[0]
+    ]
+    for ground, plane in planes:
+        for name in statics.upright.movable:
+            over = (clouds[name] > [*plane.lower[:2], -np.inf]) & (clouds[name] < [*plane.upper[:2], np.inf])
+            if over.all():  # past the edge things may hang lower
+                low, high = np.quantile(plane.heights(clouds[name]), (0.02, 0.98))
+                if low < -SUNK and high > BELOW:
+                    said.append(
+                        f"{name} reaches {-100 * low:.0f} cm into {ground}, which no body can: where one of "
+                        "them was seen is wrong by as much"
+                    )
+    return tuple(said)
+
+
+def _unfixed(scene: "Scene") -> tuple[str, ...]:
+    if scene.fixed:
+        return ()
+    return ("no object is fixed: the lowest objects are taken to stand on a floor at their lowest point",)
+
+
+def _overlaps(statics: Statics) -> tuple[str, ...]:
+    """Pairs of which one lies within the other, which is not hollow: bodies cannot."""
+    clouds = statics.upright.clouds
+    boxes = {name: bounds(clouds[name]) for name in statics.upright.movable}
+    said: list[str] = []
+    for inner, outer in permutations(statics.upright.movable, 2):
+        lower, upper = boxes[outer][0] + DEEP, boxes[outer][1] - DEEP
+        if (boxes[inner][0] >= upper).any() or (boxes[inner][1] <= lower).any():
+            continue
+        boxed = clouds[inner][((clouds[inner] > lower) & (clouds[inner] < upper)).all(axis=1)]
+        if len(boxed) <= SHARE * len(clouds[inner]):
+            continue
+        if _deep(boxed, clouds[outer]) > SHARE * len(clouds[inner]) and not is_hollow(
+            clouds[outer], statics.sight
+        ):
+            said.append(f"the clouds of {inner} and {outer} overlap: both are taken to be where they seem")
+    return tuple(said)
+
+
+def _deep(points: FloatArray, around: FloatArray) -> int:
+    """How many points lie deep inside the hull of others."""
+    try:
+        faces = ConvexHull(around).equations
+    except (QhullError, ValueError):
+        return 0
+    return int(np.count_nonzero((points @ faces[:, :3].T + faces[:, 3]).max(axis=1) < -DEEP))

@@ -1,0 +1,288 @@
+"""Who must go first: a directed graph whose every edge has a reason."""
+
+from collections.abc import Iterable, Mapping
+from dataclasses import dataclass, replace
+from itertools import combinations, permutations
+from typing import TYPE_CHECKING, Any
+
+import networkx as nx
+import numpy as np
+
+from topple.planner.decide.blocking import Overlap, overlap
+from topple.planner.decide.evidence import rates_for, way_found
+from topple.topology.errors import UnknownObject
+from topple.topology.statics.rest import Statics
+
+if TYPE_CHECKING:
+    from topple.topology.relations import Relations
+    from topple.topology.scene import Scene
+
+MOVED = 0.01
+"""Displacement [m] that counts as a move, the contract's centimetre."""
+
+REASONS = ("contained", "supported", "leaning", "counterweight", "blocking")
+
+PRESSED = -0.3
+"""Upward part of a contact normal below which what is taken away lies on what is left."""
+
+BOARD = 0.01
+"""What lies this far [m] below a top is under its board: thin things on it are not, despite noise."""
+
+CLEARLY = 0.25
+"""Two objects hook into each other over areas of like size; a share below this is what masks get wrong."""
+
+
+@dataclass(frozen=True)
+class Dependency:
+    """Taking `then` away while `first` is there would move `first`.
+
+    Attributes:
+        first: Who goes first.
+        then: Who must wait.
+        reason: "supported", "leaning", "contained", "blocking" or "counterweight".
+        confidence: 0..1.
+    """
+
+    first: str
+    then: str
+    reason: str
+    confidence: float
+
+    def to_json(self) -> dict[str, Any]:
+        """The dependency as the JSON of `topple order` has it."""
+        return {
+            "first": self.first,
+            "then": self.then,
+            "reason": self.reason,
+            "confidence": round(self.confidence, 3),
+        }
+
+    def sentence(self) -> str:
+        """The reason in words."""
+        say = {
+            "supported": f"{self.first} rests on {self.then}",
+            "leaning": f"{self.first} leans on {self.then}",
+            "contained": f"{self.first} lies in {self.then}",
+            "counterweight": f"{self.then} holds {self.first} in place by its weight",
+            "blocking": f"{self.first} is over {self.then}, in the way of lifting it",
+        }
+        return say.get(self.reason, f"taking {self.then} would move {self.first}")
+
+
+@dataclass(frozen=True, eq=False)
+class DependencyGraph:
+    """Dependencies between named objects, edges first -> then.
+
+    Attributes:
+        names: The movable objects, in the scene's order.
+        dependencies: One per ordered pair at most.
+
+    Raises:
+        UnknownObject: A dependency names an object that is not among `names`.
+    """
+
+    names: tuple[str, ...]
+    dependencies: tuple[Dependency, ...]
+
+    def __post_init__(self) -> None:
+        """Check that every edge is between two known names."""
+        for edge in self.dependencies:
+            for name in (edge.first, edge.then):
+                if name not in self.names:
+                    raise UnknownObject(name, self.names)
+
+    @staticmethod
+    def of(names: Iterable[str], dependencies: Iterable[Dependency]) -> "DependencyGraph":
+        """Collect dependencies, the most confident one per ordered pair."""
+        best: dict[tuple[str, str], Dependency] = {}
+        for edge in dependencies:
+            known = best.get((edge.first, edge.then))
+            if known is None or edge.confidence > known.confidence:
+                best[edge.first, edge.then] = edge
+        return DependencyGraph(tuple(names), tuple(best.values()))
+
+    def graph(self) -> "nx.DiGraph[str]":
+        """A fresh networkx graph, edges first -> then with `reason` and `confidence`."""
+        graph: nx.DiGraph[str] = nx.DiGraph()
+        graph.add_nodes_from(self.names)
+        for edge in self.dependencies:
+            graph.add_edge(edge.first, edge.then, reason=edge.reason, confidence=edge.confidence)
+        return graph
+
+    def reduced(self) -> "DependencyGraph":
+        """The same order with direct edges only: none whose ends another path joins, cycles kept whole."""
+        graph = self.graph()
+        condensed = nx.condensation(graph)
+        home = {name: c for c in condensed for name in condensed.nodes[c]["members"]}
+        direct = set(nx.transitive_reduction(condensed).edges)
+        kept = [
+            e
+            for e in self.dependencies
+            if home[e.first] == home[e.then] or (home[e.first], home[e.then]) in direct
+        ]
+        return DependencyGraph(self.names, tuple(kept))
+
+    def before(self, name: str) -> frozenset[str]:
+        """Everything that must go before an object, directly or not; in a cycle, the cycle too."""
+        return frozenset(nx.ancestors(self.graph(), name)) - {name}
+
+    def cycles(self) -> tuple[tuple[str, ...], ...]:
+        """Sets of objects each of which must go before all others of the set, in the scene's order."""
+        rank = {name: i for i, name in enumerate(self.names)}
+        found = [sorted(c, key=rank.__getitem__) for c in nx.strongly_connected_components(self.graph())]
+        return tuple(tuple(c) for c in sorted((c for c in found if len(c) > 1), key=lambda c: rank[c[0]]))
+
+    def between(self, first: str, then: str) -> Dependency | None:
+        """The dependency of an ordered pair, or None."""
+        for edge in self.dependencies:
+            if edge.first == first and edge.then == then:
+                return edge
+        return None
+
+
+def dependencies(
+    scene: "Scene",
+    relations: "Relations | None" = None,
+    statics: Statics | None = None,
+    direct: bool = True,
+) -> DependencyGraph:
+    """Find who must go before whom.
+
+    Two questions are asked of every pair: does the straight lift of `then` run into `first`
+    (`topple.planner.decide.blocking`), and is `first` still in equilibrium once `then` is gone
+    (`topple.topology.statics.rest`)?
+
+    Args:
+        scene: A scene that knows where up is.
+        relations: The scene's relations, if known.
+        statics: The scene at rest where it has been worked out before.
+        direct: Leave out edges that follow from a chain of others.
+
+    Returns:
+        The graph over the movable objects.
+
+    Raises:
+        InvalidInput: The scene has no `up`.
+    """
+    statics = Statics.of(scene) if statics is None else statics
+    names = statics.upright.movable
+    touching = _touching(statics)
+    hanging, lost = _hanging(statics), _lost(statics, touching)
+    found = [_lifted(first, then, over, touching, statics) for (first, then), over in hanging.items()]
+    found += [_falls(first, then, missing, touching) for (first, then), missing in lost.items()]
+    # The reason with the wider margin is given; how far it is believed has been counted.
+    cameras = statics.upright.viewpoints
+    rates = rates_for(None if cameras is None else len(cameras)).found
+    ways = _ways(hanging, lost)
+    edges = DependencyGraph.of(names, found).dependencies
+    believed = [replace(edge, confidence=rates[ways[edge.first, edge.then]]) for edge in edges]
+    graph = DependencyGraph(names, tuple(believed))
+    return graph.reduced() if direct else graph
+
+
+def ways_found(statics: Statics) -> dict[tuple[str, str], int]:
+    """In which way reasoning finds its dependencies.
+
+    Args:
+        statics: The scene at rest.
+
+    Returns:
+        (first, then) -> position in `topple.planner.decide.evidence.Found`, for every pair that it finds.
+    """
+    return _ways(_hanging(statics), _lost(statics, _touching(statics)))
+
+
+def _ways(
+    hanging: Mapping[tuple[str, str], Overlap], lost: Mapping[tuple[str, str], float]
+) -> dict[tuple[str, str], int]:
+    """In which way each pair was found."""
+    pushes = {pair: hanging[pair].evasion if pair in hanging else None for pair in (*hanging, *lost)}
+    return {pair: way_found(push, pair in lost) for pair, push in pushes.items()}
+
+
+def _lost(statics: Statics, touching: Mapping[tuple[str, str], float]) -> dict[tuple[str, str], float]:
+    """(first, then) -> by how much first falls without then, for those that do."""
+    return {
+        (first, then): missing
+        for then in statics.upright.movable
+        for first, missing in _fallen(then, touching, statics).items()
+    }
+
+
+def _fallen(then: str, touching: Mapping[tuple[str, str], float], statics: Statics) -> dict[str, float]:
+    """Who falls without an object, and by how much more than what just counts (or the share of its weight).
+
+    Whole surfaces tell how far something falls; where half of a body is a guess, only that it may. That a
+    body falls once a weight is taken off it is believed where no forces hold it, either: sparse feet tilt.
+    """
+    if statics.sight is not None:
+        return statics.unsteady_without([then])
+    lost = {name: far - 1.0 for name, far in statics.fallen_without([then]).items()}
+    freed = [name for name in lost if touching.get((then, name), 0.0) < PRESSED]
+    unheld = statics.unsteady_without([then]) if freed else {}
+    return {name: far for name, far in lost.items() if name not in freed or name in unheld}
+
+
+def _hanging(statics: Statics) -> dict[tuple[str, str], Overlap]:
+    """(first, then) -> how first hangs over then, for those that a lift of then would push aside.
+
+    Where each of two objects seems to hang over the other, one of them often does so only by the surface that
+    was guessed for it, or by a few pixels on the wrong side of a mask's edge: what was seen then decides.
+    """
+    surfaces, seen = statics.surfaces, statics.upright.clouds
+    stands_at = {name: statics.upright.floor_under(surfaces[name]) for name in statics.upright.movable}
+    hanging: dict[tuple[str, str], Overlap] = {}
+    for first, then in permutations(statics.upright.movable, 2):
+        if float(surfaces[then][:, 2].max()) < stands_at[first] - BOARD:
+            continue  # a board that never moves is between them
+        over = overlap(surfaces[first], surfaces[then])
+        if over is not None and over.evasion > MOVED:
+            hanging[first, then] = over
+    for first, then in combinations(statics.upright.movable, 2):
+        if (first, then) in hanging and (then, first) in hanging:
+            views = (overlap(seen[a], seen[b]) for a, b in ((first, then), (then, first)))
+            forth, back = (0.0 if view is None else view.area for view in views)
+            if back < CLEARLY * forth:
+                del hanging[then, first]
+            elif forth < CLEARLY * back:
+                del hanging[first, then]
+    return hanging
+
+
+def _touching(statics: Statics) -> Mapping[tuple[str, str], float]:
+    """(a, b) -> upward part of the mean contact normal from a into b, for pairs that touch."""
+    normals: dict[tuple[str, str], float] = {}
+    for contact in statics.contacts:
+        if contact.gaps.min() <= 0.005:
+            up = float(contact.normals[:, 2].mean())
+            normals[contact.a, contact.b] = up
+            normals[contact.b, contact.a] = -up
+    return normals
+
+
+def _lifted(
+    first: str, then: str, over: Overlap, touching: Mapping[tuple[str, str], float], statics: Statics
+) -> Dependency:
+    """The edge for an object that hangs over another."""
+    confidence = float(np.clip(0.5 + (over.evasion - MOVED) / 0.04, 0.5, 0.99))
+    inner, outer = statics.surfaces[first], statics.surfaces[then]
+    sunk = np.quantile(inner[:, 2], 0.1) < np.quantile(outer[:, 2], 0.95) - MOVED
+    if over.share > 0.5 and sunk:
+        return Dependency(first, then, "contained", confidence)
+    up = touching.get((then, first))
+    if up is not None and up > 0.7:
+        return Dependency(first, then, "supported", confidence)
+    if up is not None and up > 0.1:
+        return Dependency(first, then, "leaning", confidence)
+    return Dependency(first, then, "blocking", confidence)
+
+
+def _falls(first: str, then: str, missing: float, touching: Mapping[tuple[str, str], float]) -> Dependency:
+    """The edge for an object that loses its equilibrium."""
+    confidence = float(np.clip(0.4 + missing / 2, 0.4, 0.95))
+    up = touching.get((then, first))
+    if up is not None and up < PRESSED:
+        return Dependency(first, then, "counterweight", confidence)
+    if up is not None and up < 0.7:
+        return Dependency(first, then, "leaning", confidence)
+    return Dependency(first, then, "supported", confidence)

@@ -1,0 +1,152 @@
+"""The built-in scenes, played by an arm in PyBullet, and everything written down."""
+
+import json
+import signal
+from collections.abc import Callable
+from dataclasses import replace
+from multiprocessing import get_context
+from pathlib import Path
+
+from topple.planner.decide.goal import parse_goal
+from topple.planner.errors import NoSafePlan
+from topple.planner.execution.demo_seeds import CAMERAS, default_seed
+from topple.planner.execution.look import Look
+from topple.planner.execution.run import ClosedLoop
+from topple.planner.files import make_folder, write_whole
+from topple.planner.formats.plan_format import plan_to_json
+from topple.planner.planning.order import cautious
+from topple.planner.planning.plan import plan, plan_as_done
+from topple.planner.planning.step import Orderer, Station
+from topple.planner.report.record import INTERRUPTED, Document, RunRecord
+from topple.planner.report.rerun_file import RATE as RERUN_RATE
+from topple.planner.report.rerun_file import rerun_file
+from topple.planner.report.run_page import run_page
+from topple.robots.catalog import robot as robot_named
+from topple.robots.scenarios import Scenario, scenario_called
+from topple.robots.world.film import filmed
+from topple.robots.world.recording import Recording
+from topple.robots.world.simulated_arm import SimulatedArm
+
+Progress = Callable[[str], None]
+
+
+def demo(
+    name: str = "dishes",
+    *,
+    seed: int | None = None,
+    robot: str | None = None,
+    cameras: int = CAMERAS,
+    mask_noise: float = 0.0,
+    folder: str | Path = "topple-demo",
+    video: Path | None = None,
+    rerun: Path | None = None,
+    progress: Progress | None = None,
+) -> RunRecord:
+    """Plays a built-in scene.
+
+    Args:
+        name: One of `topple.robots.scenarios.SCENARIOS`.
+        seed: Of the scene, the sensor noise and every search; where None, one that is known to succeed, see
+            `topple.planner.execution.demo_seeds`.
+        robot: The arm; the one the scene is made for where None.
+        cameras: How many depth cameras look on, 1 to 3.
+        mask_noise: By how many pixels the edges of their masks are wrong (standard deviation).
+        folder: Where relations.json, order.json, plan.json, run.json and report.html are written.
+        video: Where a film of it is written, an MP4 file.
+        rerun: Where a recording for the Rerun viewer is written, an .rrd file.
+        progress: Called with a line before and after each action.
+
+    Returns:
+        The run.
+
+    Raises:
+        InvalidInput: There is no such scene or robot, or the folder cannot be written.
+    """
+    seed = default_seed(name) if seed is None else seed
+    with scenario_called(name, seed) as stage:
+        place = make_folder(folder)
+        robot = robot or stage.robot
+        loop = loop_in(
+            stage, robot=robot, cameras=cameras, mask_noise=mask_noise, seed=seed, progress=progress
+        )
+        first = loop.look()
+        write_whole(place / "relations.json", _text(first.relations.to_json()))
+        # the plan of the whole sequence is made on the other core while the arm already works
+        with get_context("spawn").Pool(1, _ignore_interrupts) as other:  # leaving it ends what still plans
+            base = stage.pose_base_to_world
+            task = (first.scene, stage.goal, robot)
+            planned = other.apply_async(plan, task, {"base": base, "orderer": cautious, "seed": seed})
+            recording = Recording(loop.robot, RERUN_RATE) if rerun is not None else None
+            with filmed(video, loop.robot, stage.cameras[0]):
+                record = loop.run(first)
+            try:
+                whole = None if record.interrupted else planned.get()
+            except NoSafePlan as error:  # what the first look hides, later ones may show
+                note = f"the whole sequence could not be planned from the first look: {error}"
+                record, whole = replace(record, notes=(*record.notes, note)), None
+            except KeyboardInterrupt:
+                record, whole = replace(record, stopped=INTERRUPTED), None
+        if whole is None:
+            arm, goal = robot_named(robot), parse_goal(stage.goal, first.scene)
+            whole = plan_as_done(first.scene, goal, Station(arm, base, arm.home), loop.followed, seed)
+        write_whole(place / "plan.json", plan_to_json(whole))
+        write_whole(place / "order.json", _text(_decided_by(record, first, stage, seed)))
+        if rerun is not None and recording is not None:
+            write_whole(rerun, rerun_file(record, recording))
+    write_whole(place / "run.json", _text(record.to_json()))
+    write_whole(place / "report.html", run_page(record))
+    return record
+
+
+def _decided_by(record: RunRecord, first: Look, stage: Scenario, seed: int) -> Document:
+    """The order that the first action was chosen from; where there was none, that of the targets."""
+    chosen = record.steps[0].order if record.steps else None
+    if chosen is not None:
+        return chosen
+    return cautious(first.scene, stage.targets, relations=first.relations, seed=seed).to_json()
+
+
+def loop_in(
+    stage: Scenario,
+    *,
+    robot: str | None = None,
+    cameras: int = 3,
+    mask_noise: float = 0.0,
+    orderer: Orderer = cautious,
+    seed: int = 0,
+    progress: Progress | None = None,
+) -> ClosedLoop:
+    """Puts an arm into a built-in scene, with a loop that reaches the scene's goal.
+
+    Args:
+        stage: The scene.
+        robot: The arm; the one the scene is made for where None.
+        cameras: How many depth cameras look on.
+        mask_noise: By how many pixels the edges of their masks are wrong (standard deviation).
+        orderer: Who decides the order.
+        seed: Of the sensor noise and every search.
+        progress: Called with a line before and after each action.
+
+    Returns:
+        The loop, to be run.
+    """
+    return ClosedLoop(
+        stage.world,
+        SimulatedArm(stage.world, robot_named(robot or stage.robot), stage.pose_base_to_world),
+        [camera.with_mask_noise(mask_noise) for camera in stage.cameras[:cameras]],
+        stage.goal,
+        fixed=stage.fixed,
+        up=stage.up,
+        orderer=orderer,
+        seed=seed,
+        progress=progress,
+    )
+
+
+def _text(document: object) -> str:
+    return json.dumps(document, indent=1) + "\n"
+
+
+def _ignore_interrupts() -> None:
+    """Ctrl-C reaches every process of a terminal; what to do then is for the one that acts to decide."""
+    signal.signal(signal.SIGINT, signal.SIG_IGN)

@@ -1,0 +1,187 @@
+"""One look at the world: depth images, clouds, relations, and what of it was not expected."""
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field
+
+import numpy as np
+
+from topple.planner.bodies.solids import up_of
+from topple.planner.report.raster import picture
+from topple.robots.world.camera import Camera
+from topple.robots.world.world import World
+from topple.topology.arrays import BoolArray, FloatArray
+from topple.topology.bodies.tops import tops_of
+from topple.topology.cloud import clean, thinned
+from topple.topology.errors import InvalidInput
+from topple.topology.image import DepthImage
+from topple.topology.rule.relate import Relations, relate
+from topple.topology.scene import Scene
+from topple.topology.sixim.table import Relation
+
+FINE = 0.002  # [m] between the points kept of an object: what three cameras at a metre see apart
+COARSE = 0.008  # [m] between those of a table: finer than the foot of what stands on it
+MOVED = 0.01  # [m] from where on a thing lies elsewhere than expected: three times the depth noise
+SEEN_THROUGH = 0.02  # [m] beyond a remembered point a camera sees: ten times the depth noise
+GONE = 0.5  # share of its points that must be seen through until a remembered thing is believed to be gone
+
+
+@dataclass(frozen=True, eq=False)
+class Look:
+    """One look at the world and what follows from it.
+
+    Attributes:
+        images: What the cameras took.
+        scene: Clouds of what is seen, and of what was seen before and may be hidden now.
+        relations: Of that scene.
+        picture: PNG bytes of the first camera's view, or None.
+        surprises: What was not as expected, by name, in sentences: newly seen, moved, hidden or gone.
+    """
+
+    images: tuple[DepthImage, ...]
+    scene: Scene
+    relations: Relations
+    picture: bytes | None
+    surprises: Mapping[str, str] = field(default_factory=dict[str, str])
+
+
+@dataclass
+class Observer:
+    """Looks at a world through depth cameras, and remembers what it saw.
+
+    Attributes:
+        world: The world.
+        cameras: At least one.
+        rng: Of their noise.
+        fixed: Names that never move.
+        up: (3,) up direction in the world.
+        masses: Masses [kg] by name of what was weighed, seen or not.
+        friction: Coefficients of surfaces by name of what was tried, seen or not.
+    """
+
+    world: World
+    cameras: Sequence[Camera]
+    rng: np.random.Generator
+    fixed: tuple[str, ...]
+    up: FloatArray = field(default_factory=lambda: np.array([0.0, 0.0, 1.0]))
+    masses: Mapping[str, float] = field(default_factory=dict[str, float])
+    friction: Mapping[str, float] = field(default_factory=dict[str, float])
+
+    def look(self, expected: Scene | None = None) -> Look:
+        """Takes a picture with every camera and relates what is seen.
+
+        Args:
+            expected: The scene as it should be by now. Of what no camera sees any more, its cloud is kept
+                until a camera sees through the place where it should be.
+
+        Returns:
+            The look.
+
+        Raises:
+            InvalidInput: No camera sees anything, or they never saw the table.
+        """
+        images = tuple(camera.look(self.world, self.rng) for camera in self.cameras)
+        if not any(len(image.names) for image in images):
+            raise InvalidInput(
+                f"none of {len(images)} cameras sees anything: expected objects with a mask and a depth"
+            )
+        fixed = [name for name in self.fixed if any(name in image.names.values() for image in images)]
+        scene = _thinned(Scene.from_images(images, fixed=fixed, up=self.up))
+        surprises: dict[str, str] = {}
+        if expected is not None:
+            scene, surprises = _joined(scene, expected)
+        scene = scene.weighed(_among(self.masses, scene), _among(self.friction, scene))
+        return Look(images, scene, relate(scene), _seen(images[0]), surprises)
+
+
+def _joined(seen: Scene, expected: Scene) -> tuple[Scene, dict[str, str]]:
+    """What is seen with what is remembered, and how it differs from what was expected."""
+    new = [name for name in seen.names if name not in expected.names]
+    said = {name: f"{name} is seen for the first time" for name in new}
+    clouds = dict(seen.clouds)
+    fixed = set(seen.fixed)
+    for name, cloud in expected.clouds.items():
+        if name in clouds:
+            way = float(np.linalg.norm(_middle(clouds[name]) - _middle(cloud)))
+            if way > MOVED and name not in fixed and _moved(clouds[name], cloud):
+                said[name] = f"{name} is {1e3 * way:.0f} mm from where it should be"
+        elif name in expected.fixed:
+            clouds[name], fixed = cloud, fixed | {name}
+        elif _seen_through(cloud, seen.images).mean() > GONE:
+            said[name] = f"{name} is not where it should be, and seen nowhere"
+        else:
+            clouds[name] = cloud
+            said[name] = f"{name} is hidden: it is taken to be where it should be"
+    order = [name for name in (*expected.names, *seen.names) if name in clouds]
+    joined = Scene(
+        {name: clouds[name] for name in dict.fromkeys(order)},
+        fixed=[name for name in dict.fromkeys(order) if name in fixed],
+        up=seen.up,
+        viewpoints=seen.viewpoints,
+        images=seen.images,
+        assumptions=seen.assumptions,
+    )
+    return joined.weighed(_among(expected.masses, joined), _among(expected.friction, joined)), said
+
+
+def _among(values: Mapping[str, float], scene: Scene) -> dict[str, float]:
+    """What is known of the objects of a scene."""
+    return {name: value for name, value in values.items() if name in scene.clouds}
+
+
+def _middle(cloud: FloatArray) -> FloatArray:
+    return (cloud.min(axis=0) + cloud.max(axis=0)) / 2.0
+
+
+def _moved(now: FloatArray, before: FloatArray) -> bool:
+    """Whether much of a cloud lies where there was nothing of it before, or the other way round.
+
+    An object of which other sides are seen now has not moved.
+    """
+    from scipy.spatial import KDTree
+
+    away = np.quantile(KDTree(before).query(now)[0], 0.9)
+    back = np.quantile(KDTree(now).query(before)[0], 0.9)
+    return bool(min(away, back) > MOVED)
+
+
+def _seen_through(cloud: FloatArray, images: Sequence[DepthImage]) -> BoolArray:
+    """Which of (N, 3) points some camera sees something clearly behind."""
+    return np.any([image.depth_past(cloud) > SEEN_THROUGH for image in images], axis=0)
+
+
+def unexpected(predicted: Relations, observed: Relations) -> list[str]:
+    """Pairs that were predicted apart and are seen in contact, or the other way round.
+
+    Pairs that either side has not seen well enough to tell are left out.
+
+    Args:
+        predicted: Relations of the scene as it should be.
+        observed: Relations of the scene as it is seen.
+
+    Returns:
+        One line a pair.
+    """
+    found: list[str] = []
+    for pair in predicted.pairs:
+        if pair.a not in observed.objects or pair.b not in observed.objects:
+            found.append(f"{pair.a} and {pair.b}: one of them is not seen any more")
+            continue
+        now = observed.between(pair.a, pair.b)
+        apart = pair.relation is Relation.DISJOINT
+        if apart != (now.relation is Relation.DISJOINT) and pair.observed and now.observed:
+            found.append(f"{pair.a} and {pair.b}: {pair.relation} expected, {now.relation} seen")
+    return found
+
+
+def _seen(image: DepthImage) -> bytes | None:
+    return None if image.rgb is None else picture(image.rgb)
+
+
+def _thinned(scene: Scene) -> Scene:
+    """The scene without strays, and with as many points as decisions need: a table comes with 300 000."""
+    for name, cloud in scene.clouds.items():
+        cloud = thinned(cloud, FINE)
+        tops = tops_of(cloud, up_of(scene)).tops if name in scene.fixed else ()
+        table = any(not top.walled for top in tops)
+        scene = scene.with_cloud(name, clean(thinned(cloud, COARSE) if table else cloud))
+    return scene

@@ -1,0 +1,184 @@
+"""A world rebuilt from a scene: bodies from the observed clouds, a table, and cameras to look again."""
+
+from dataclasses import dataclass, replace
+from types import TracebackType
+
+import numpy as np
+
+from topple.planner.bodies.solids import fixed_parts, up_of
+from topple.planner.planning.base import choose_base
+from topple.planner.report.palette import object_colours
+from topple.planner.simulate.rebuild import Rebuilt, rebuild
+from topple.robots.arm.arm import Arm
+from topple.robots.poses import inverse
+from topple.robots.scenarios.scenario import around
+from topple.robots.world.camera import Camera
+from topple.robots.world.world import TABLE_FRICTION, World
+from topple.topology.arrays import FloatArray
+from topple.topology.bodies.tops import lowest_in_use, tops_of
+from topple.topology.cloud import clean
+from topple.topology.errors import InvalidInput
+from topple.topology.scene import Scene
+from topple.topology.statics.rest import Statics
+
+RELAX = 40  # rounds of relaxing: what overlaps by millimetres is apart after a quarter of a second
+STEPS = 2  # simulation steps a round, after which everything is brought to a halt: nothing flies
+SAGGED = 0.01  # [m] a body that moves this far until it rests was not understood
+EDGE = 0.02  # [m] a table reaches beyond what was seen of it
+
+
+@dataclass(frozen=True, eq=False)
+class Rehearsal:
+    """A world in which a scene can be acted out, to be used with `with`.
+
+    Attributes:
+        world: The bodies at rest, z up, the table at height 0.
+        cameras: Three around the objects.
+        pose_base_to_world: (4, 4) where the arm stands.
+        pose_scene_to_world: (4, 4) from the frame of the scene's clouds.
+        base_searched: Whether the base was searched for.
+        sagged: How far each body moved until it was at rest, name to [m]: what the clouds left open.
+    """
+
+    world: World
+    cameras: tuple[Camera, ...]
+    pose_base_to_world: FloatArray
+    pose_scene_to_world: FloatArray
+    base_searched: bool
+    sagged: dict[str, float]
+
+    def __enter__(self) -> "Rehearsal":
+        return self
+
+    def __exit__(
+        self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
+    ) -> None:
+        self.world.close()
+
+    def notes(self) -> tuple[str, ...]:
+        """What a reader of the run should know: where the base stands and what sagged, in sentences."""
+        x, y, z = (inverse(self.pose_scene_to_world) @ self.pose_base_to_world)[:3, 3]
+        how = "searched" if self.base_searched else "given"
+        said = [f"the arm's base stands at {x:.3f} {y:.3f} {z:.3f} m in the scene ({how})"]
+        moved = {name: way for name, way in self.sagged.items() if way > SAGGED}
+        if moved:
+            words = ", ".join(f"{name} {1e3 * way:.0f} mm" for name, way in sorted(moved.items()))
+            said.append(f"bodies rebuilt from the clouds moved before they were at rest: {words}")
+        return tuple(said)
+
+    @classmethod
+    def of(cls, scene: Scene, arm: Arm, base: FloatArray | None = None) -> "Rehearsal":
+        """Rebuild a scene.
+
+        Args:
+            scene: The scene, with `up` and at least one flat fixed object.
+            arm: The arm that is to act in it.
+            base: (4, 4) pose_base_to_scene; the scene's `robot_base`, or else searched for.
+
+        Raises:
+            InvalidInput: The scene does not know up, or nothing flat and level in it is fixed.
+            NoBase: The arm reaches nothing from anywhere.
+        """
+        table, to_world = _levelled(scene)
+        level = _in_world(scene, to_world)
+        given = base if base is not None else scene.robot_base
+        pose_base = choose_base(level, arm) if given is None else to_world @ given
+        world = World()
+        try:
+            rebuilt = _coloured(rebuild(Statics.of(level)), level)
+            rebuilt = replace(rebuilt, grounds=tuple(b for b in rebuilt.grounds if b.name != table))
+            ground, more = _taken_apart(level, table)
+            low, high = ground[:, :2].min(axis=0) - EDGE, ground[:, :2].max(axis=0) + EDGE
+            size, centre = high - low, (high + low) / 2.0
+            world.add_table(
+                table,
+                height=rebuilt.floor,
+                size=(float(size[0]), float(size[1])),
+                centre=(float(centre[0]), float(centre[1])),
+                more=more,
+                friction=scene.friction.get(table, TABLE_FRICTION),
+            )
+            rebuilt.add_to(world)
+            relax(world)
+        except BaseException:
+            world.close()
+            raise
+        sagged = {
+            name: float(np.linalg.norm(world.pose(name)[:3, 3] - rebuilt.poses[name][:3, 3]))
+            for name in world.movable
+        }
+        middle = np.mean([level.clouds[name].mean(axis=0) for name in level.movable], axis=0)
+        cameras = around((float(middle[0]), float(middle[1]), 0.03))
+        return cls(world, cameras, pose_base, to_world, given is None, sagged)
+
+
+def _coloured(rebuilt: Rebuilt, scene: Scene) -> Rebuilt:
+    """The same bodies in the colours that pages and graphs give them, to be told apart in pictures."""
+    shares = {name: np.divide(rgb, 255.0) for name, rgb in object_colours(scene.names, scene.fixed).items()}
+    bodies = {
+        name: body.colored((float(shares[name][0]), float(shares[name][1]), float(shares[name][2]), 1.0))
+        for name, body in rebuilt.bodies.items()
+    }
+    return replace(rebuilt, bodies=bodies)
+
+
+def relax(world: World) -> None:
+    """Lets overlapping bodies part slowly, without the speed that parting gives them, then settle."""
+    for _ in range(RELAX):
+        world.step(STEPS)
+        for name in world.movable:
+            world.place(name, world.pose(name))
+    world.settle(3.0)
+
+
+def _taken_apart(level: Scene, table: str) -> tuple[FloatArray, list[FloatArray]]:
+    """Points (N, 3) of the top at height 0, and the parts (V, 3) of the table that rise above it [m]."""
+    cloud, up = level.clouds[table], up_of(level)
+    found = tops_of(cloud, up)
+    if found.flat or not found.tops:
+        return cloud, []
+    ground = min(found.tops, key=lambda top: abs(top.height)).points
+    return ground, [part for part in fixed_parts(cloud, up) if part[:, 2].max() > EDGE]
+
+
+def _levelled(scene: Scene) -> tuple[str, FloatArray]:
+    """The table's name and the (4, 4) pose_scene_to_world that lays it at height 0 under the objects."""
+    up = up_of(scene)
+    tables = {name: tops_of(scene.clouds[name], up).tops for name in sorted(scene.fixed)}
+    tables = {name: tops for name, tops in tables.items() if tops}
+    if not tables:
+        raise InvalidInput(_no_table(scene))
+    table = max(tables, key=lambda name: len(scene.clouds[name]))
+    top = lowest_in_use(tables[table], [scene.clouds[name] for name in scene.movable])
+    normal, height = top.normal, top.height
+    x = np.cross([0.0, 1.0, 0.0] if abs(normal[1]) < 0.9 else [0.0, 0.0, 1.0], normal)
+    x /= np.linalg.norm(x)
+    pose = np.eye(4)
+    pose[:3, :3] = np.stack([x, np.cross(normal, x), normal])
+    names = scene.movable or scene.names
+    middle = np.mean([scene.clouds[name].mean(axis=0) for name in names], axis=0)
+    pose[:2, 3] = -(pose[:2, :3] @ middle)
+    pose[2, 3] = -height
+    return table, pose
+
+
+def _no_table(scene: Scene) -> str:
+    if not scene.fixed:
+        return "nothing in the scene is fixed: name the table with --fixed NAME"
+    names = ", ".join(repr(name) for name in sorted(scene.fixed))
+    return f"fixed {names}: no level surface is seen: expected a table or the boards of a shelf"
+
+
+def _in_world(scene: Scene, to_world: FloatArray) -> Scene:
+    def turned(points: FloatArray) -> FloatArray:
+        return points @ to_world[:3, :3].T + to_world[:3, 3]
+
+    return Scene(
+        {name: clean(turned(cloud)) for name, cloud in scene.clouds.items()},
+        sorted(scene.fixed),
+        np.array([0.0, 0.0, 1.0]),
+        turned(scene.viewpoints) if len(scene.viewpoints) else None,
+        assumptions=scene.assumptions,
+        masses=scene.masses,
+        friction=scene.friction,
+    )

@@ -1,0 +1,153 @@
+"""Transfers as plan data, and back."""
+
+from collections.abc import Mapping, Sequence
+
+import numpy as np
+
+from topple.planner.bodies.solids import Solids
+from topple.planner.decide.dependency import Dependency
+from topple.planner.formats.plan_format import (
+    AttachmentData,
+    DependencyData,
+    GraspData,
+    HandState,
+    Motion,
+    ObjectData,
+    PlacementData,
+    SegmentData,
+    Step,
+)
+from topple.planner.motion.trajectory import Trajectory
+from topple.planner.transfer.segments import Segment
+from topple.planner.transfer.transfer import Transfer
+from topple.robots.hands.gripper import ToolState
+from topple.topology.arrays import FloatArray
+from topple.topology.scene import Scene
+
+DIGITS = 6  # micrometres and microradians: below what any arm can tell
+
+
+def step_data(
+    transfer: Transfer,
+    action: str,
+    reason: str,
+    after: list[int],
+    moved: Mapping[str, FloatArray] | None = None,
+    planning_seconds: float = 0.0,
+    against: Sequence[DependencyData] = (),
+) -> Step:
+    """A transfer as a step of a plan.
+
+    Args:
+        transfer: The transfer.
+        action: "remove", "free" or "place".
+        reason: Why, in a sentence.
+        after: Indices of the steps it has to follow.
+        moved: Rigid transforms (4, 4) of the objects since the plan began, for those that moved.
+        planning_seconds: What it took to find it.
+        against: Doubtful dependencies that it goes against.
+
+    Returns:
+        The step, its numbers rounded to a millionth.
+    """
+    grasp, place = transfer.grasp, transfer.placement
+    to_tool = np.linalg.inv(grasp.pose_tool_to_world)
+    since = moved or {}
+    attachments = [
+        AttachmentData(name, grasp.tool, np.round(to_tool @ since.get(name, np.eye(4)), DIGITS).tolist())
+        for name in (transfer.object, *transfer.riding)
+    ]
+    return Step(
+        object=transfer.object,
+        action=action,
+        reason=reason,
+        after=after,
+        grasp=GraspData(
+            grasp.kind,
+            np.round(grasp.pose_tool_to_world, DIGITS).tolist(),
+            round(grasp.width, DIGITS),
+            round(grasp.score, DIGITS),
+            grasp.reason,
+        ),
+        placement=PlacementData(
+            np.round(place.pose_before_to_after, DIGITS).tolist(),
+            place.rest,
+            round(place.drop, DIGITS),
+            place.into,
+            place.falls,
+        ),
+        segments=[segment_data(segment) for segment in transfer.segments],
+        attachments=attachments,
+        upright=transfer.upright,
+        planning_seconds=round(planning_seconds, 3),
+        against=list(against),
+    )
+
+
+def dependency_data(edge: Dependency) -> DependencyData:
+    """A dependency as data."""
+    return DependencyData(edge.first, edge.then, str(edge.reason), round(float(edge.confidence), 4))
+
+
+def objects_data(scene: Scene, solids: Solids, whole: Solids) -> list[ObjectData]:
+    """The objects of a scene as a plan keeps them.
+
+    Args:
+        scene: The scene.
+        solids: Their convex parts.
+        whole: The same with the sides that nobody saw.
+
+    Returns:
+        One entry for each object.
+    """
+    return [
+        ObjectData(
+            name,
+            name in scene.fixed,
+            _rounded(solids[name]),
+            [] if whole[name] is solids[name] else _rounded(whole[name]),
+        )
+        for name in scene.names
+    ]
+
+
+def _rounded(parts: Sequence[FloatArray]) -> list[list[list[float]]]:
+    return [np.round(part, DIGITS).tolist() for part in parts]
+
+
+def segment_data(segment: Segment) -> SegmentData:
+    """A segment as data."""
+    hand = HandState(round(segment.hand.opening, DIGITS), round(segment.hand.cup_extension, DIGITS))
+    motion = None
+    if segment.trajectory is not None:
+        times = np.round(segment.trajectory.times, DIGITS)
+        kept = np.append(np.diff(times) > 0.0, True)  # the last sample may follow within a microsecond
+        motion = Motion(
+            times[kept].tolist(),
+            np.round(segment.trajectory.positions, DIGITS)[kept].tolist(),
+            np.round(segment.trajectory.velocities, DIGITS)[kept].tolist(),
+        )
+    proof = segment.certificate
+    found = proof.contact if proof is not None else None
+    return SegmentData(
+        segment.kind,
+        segment.tool,
+        hand,
+        motion,
+        segment.holding,
+        list(segment.may_touch),
+        certified=proof is not None and proof.proven,
+        clearance=0.0 if proof is None else round(proof.clearance, DIGITS),
+        witness=None if found is None else (found.a, found.b),
+    )
+
+
+def segment_from(data: SegmentData) -> Segment:
+    """A segment to drive, from data."""
+    trajectory = None
+    if data.motion is not None:
+        trajectory = Trajectory(
+            np.array(data.motion.times), np.array(data.motion.positions), np.array(data.motion.velocities)
+        )
+    hand = ToolState(data.hand.opening, data.hand.cup_extension)
+    return Segment(data.kind, data.tool, hand, trajectory, data.holding, tuple(data.may_touch))

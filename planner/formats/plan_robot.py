@@ -1,0 +1,192 @@
+"""The arm a plan was made for, as data: what a controller has to know of it, and how to find it again."""
+
+import hashlib
+import importlib.util
+import sys
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+import msgspec
+
+from topple.robots.hands.gripper import ParallelJaw, SuctionCup, Tool
+from topple.robots.hands.gripper_file import Gripper
+from topple.topology.errors import InvalidInput
+
+if TYPE_CHECKING:
+    from topple.robots.arm.arm import Arm
+
+Matrix = list[list[float]]
+
+
+class JawData(msgspec.Struct, frozen=True):
+    """A parallel jaw.
+
+    Attributes:
+        joints: Joints that move the fingers.
+        links: Links of the fingers.
+        openings: (k,) distances of the pads [m], increasing.
+        joint_values: (k, len(joints)) joint values at these openings [m] or [rad].
+        force: Largest closing force [N].
+        pad_size: Extent of a pad along the tool's x and z [m].
+        friction: Of the pads.
+    """
+
+    joints: list[str]
+    links: list[str]
+    openings: list[float]
+    joint_values: Matrix
+    force: float
+    pad_size: tuple[float, float]
+    friction: float
+
+
+class CupData(msgspec.Struct, frozen=True):
+    """A suction cup.
+
+    Attributes:
+        link: Link of the cup.
+        joint: Sliding joint that carries it; null where it stands fixed.
+        stroke: Travel of that joint [m].
+        radius: Of the lip [m].
+        force: Pull at which it lets go [N].
+        lip_depth: Unevenness under the lip that its rubber bridges [m].
+    """
+
+    link: str
+    joint: str | None
+    stroke: float
+    radius: float
+    force: float
+    lip_depth: float
+
+
+class ToolData(msgspec.Struct, frozen=True):
+    """A tool: its frame has z out of the hand, y in the closing direction; a jaw or a cup.
+
+    Attributes:
+        name: "fingers" or "suction", as the segments name it.
+        link: Link that carries the frame.
+        pose_tool_to_link: (4, 4) where the frame is in it.
+        jaw: The jaw; null for a cup.
+        cup: The cup; null for a jaw.
+    """
+
+    name: str
+    link: str
+    pose_tool_to_link: Matrix
+    jaw: JawData | None = None
+    cup: CupData | None = None
+
+
+class ArmData(msgspec.Struct, frozen=True):
+    """An arm and its tools.
+
+    Attributes:
+        urdf: The file that describes it: `PACKAGE:PATH` inside an installed Python package, else a path.
+        sha256: Digest of that file.
+        catalog: Whether topple knows the arm by its name.
+        joints: Names of its joints, base first.
+        lower: Lower limits [rad] or [m].
+        upper: Upper limits.
+        velocity: Velocity limits [rad/s] or [m/s].
+        acceleration: Acceleration limits [rad/s2] or [m/s2].
+        tools: What it holds with.
+        gripper: What the gripper file beside the URDF said; null where there was none.
+    """
+
+    urdf: str
+    sha256: str
+    catalog: bool
+    joints: list[str]
+    lower: list[float]
+    upper: list[float]
+    velocity: list[float]
+    acceleration: list[float]
+    tools: list[ToolData]
+    gripper: Gripper | None = None
+
+
+def arm_data(arm: "Arm") -> ArmData:
+    """An arm as data."""
+    return ArmData(
+        urdf=_named(arm.source),
+        sha256=_digest(arm.source),
+        catalog=arm.catalog,
+        joints=list(arm.joints),
+        lower=arm.lower.tolist(),
+        upper=arm.upper.tolist(),
+        velocity=arm.velocity.tolist(),
+        acceleration=arm.acceleration.tolist(),
+        tools=[_tool_data(tool) for tool in arm.tools.values()],
+        gripper=arm.gripper,
+    )
+
+
+def arm_from(data: ArmData, name: str) -> "Arm":
+    """Find the arm of a plan again.
+
+    Args:
+        data: What the plan says of it.
+        name: The arm's name.
+
+    Returns:
+        The arm, from the same URDF.
+
+    Raises:
+        InvalidInput: The URDF is not there or is another one than the plan was made with.
+    """
+    from topple.robots.catalog import robot
+
+    path = _found(data.urdf)
+    if path is None or not path.is_file():
+        raise InvalidInput(f"the plan's arm {name!r} is described by {data.urdf}, which is not here: give it")
+    digest = _digest(path)
+    if digest != data.sha256:
+        raise InvalidInput(
+            f"{data.urdf} is not the file the plan was made with (sha256 {digest[:12]}, expected "
+            f"{data.sha256[:12]}): plan again, or give the arm"
+        )
+    return robot(name) if data.catalog else robot(path, gripper=data.gripper)
+
+
+def _tool_data(tool: Tool) -> ToolData:
+    held = tool.gripper
+    pose = tool.pose_tool_to_link.tolist()
+    if isinstance(held, ParallelJaw):
+        jaw = JawData(
+            list(held.joints), list(held.links), held.openings.tolist(), held.joint_values.tolist(),
+            held.force, held.pad_size, held.friction,
+        )  # fmt: skip
+        return ToolData(tool.name, tool.link, pose, jaw=jaw)
+    assert isinstance(held, SuctionCup)
+    cup = CupData(held.link, held.joint, held.stroke, held.radius, held.max_force, held.lip_depth)
+    return ToolData(tool.name, tool.link, pose, cup=cup)
+
+
+def _named(path: Path) -> str:
+    """A file by the package that ships it, or else by its path."""
+    path = path.resolve()
+    for folder in sys.path:
+        root = Path(folder or ".").resolve()
+        if path.is_relative_to(root):
+            package, *rest = path.relative_to(root).parts
+            if rest and (root / package / "__init__.py").is_file():
+                return f"{package}:{'/'.join(rest)}"
+    return str(path)
+
+
+def _found(urdf: str) -> Path | None:
+    package, colon, rest = urdf.partition(":")
+    if not colon or not package.isidentifier():
+        return Path(urdf)
+    try:
+        spec = importlib.util.find_spec(package)
+    except (ImportError, ValueError):
+        return None
+    if spec is None or not spec.submodule_search_locations:
+        return None
+    return Path(next(iter(spec.submodule_search_locations))) / rest
+
+
+def _digest(path: Path) -> str:
+    return hashlib.sha256(path.read_bytes()).hexdigest()

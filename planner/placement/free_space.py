@@ -1,0 +1,167 @@
+"""What of the tops of tables and shelves is free, seen from straight above."""
+
+from collections.abc import Collection, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from scipy.ndimage import distance_transform_edt
+from scipy.spatial import ConvexHull, QhullError
+
+from topple.planner.bodies.solids import Solids, level_axes, up_of
+from topple.planner.placement.resting import PLACEMENT_TOLERANCES, PlacementTolerances
+from topple.topology.arrays import BoolArray, FloatArray, IntArray
+from topple.topology.bodies.tops import Top, tops_of
+from topple.topology.scene import Scene
+
+SKIN = 0.01  # what reaches no further above a top is the top itself, or below it: depth noise [m]
+
+
+@dataclass(frozen=True, eq=False)
+class FreeSpace:
+    """What of one top is free.
+
+    Attributes:
+        owner: The fixed body whose top it is.
+        origin: (2,) level coordinates of the grid's corner [m].
+        distance: (I, J) distance of each cell to the nearest thing, edge or unseen table [m].
+        ways: (I, J) whether what stands there would be in the way of lifting what is still to be taken, or
+            of the hand around it.
+        normal: (3,) unit normal of the top.
+        height: Of the top along the normal [m].
+        cell: Edge of a cell [m].
+    """
+
+    owner: str
+    origin: FloatArray
+    distance: FloatArray
+    ways: BoolArray
+    normal: FloatArray
+    height: float
+    cell: float
+
+    def middles(self, cells: IntArray) -> FloatArray:
+        """Level coordinates (P, 2) of the middles of cells (P, 2) [m]."""
+        return self.origin + (cells + 0.5) * self.cell
+
+    def under(self, cells: IntArray, covered: IntArray) -> tuple[FloatArray, BoolArray]:
+        """What is free below things that cover some cells around others.
+
+        Args:
+            cells: (P, 2) indices of cells.
+            covered: (K, 2) cells covered at each, relative to it.
+
+        Returns:
+            (P,) distance to the nearest thing [m], 0 where the table ends; and (P,) whether what stands there
+            is in the way of what is still to be taken.
+        """
+        margin = int(np.abs(covered).max(initial=0))
+        distance, ways = np.pad(self.distance, margin), np.pad(self.ways, margin)
+        row = np.array([distance.shape[1], 1])
+        index = ((cells + margin) @ row)[:, None] + covered @ row
+        return distance.ravel()[index].min(axis=1), np.asarray(ways.ravel()[index].any(axis=1))
+
+
+def free_spaces(
+    scene: Scene,
+    solids: Solids,
+    *,
+    leave_out: Collection[str] = (),
+    avoid: Sequence[FloatArray] = (),
+    remaining: Collection[str] = (),
+    tall: float = 0.0,
+    tolerances: PlacementTolerances = PLACEMENT_TOLERANCES,
+) -> tuple[FreeSpace, ...]:
+    """Map what of every top is free, everything on it seen from straight above.
+
+    The way out of an object is its column, straight up, and half an open hand's width around it. A place
+    under a fixed board is free where there is room below it for what is put down and for the hand.
+
+    Args:
+        scene: The scene.
+        solids: Convex parts of its objects.
+        leave_out: Objects that do not count, for they are to be moved.
+        avoid: (N, 3) points each, of places to keep free besides.
+        remaining: Objects that are still to be taken, or put something on or into.
+        tall: Height of what is put down [m].
+        tolerances: Grid, distance from the edge and room for the hand.
+
+    Returns:
+        One map a top; none where the scene has no fixed level surface. The floor of a bin is only among them
+        where there is no other.
+    """
+    up = up_of(scene)
+    tops = [(name, top) for name in sorted(scene.fixed) for top in tops_of(scene.clouds[name], up).tops]
+    tops = [(name, top) for name, top in tops if not top.walled] or tops
+    return tuple(
+        _free_space(name, top, scene, solids, leave_out, avoid, remaining, tall, tolerances)
+        for name, top in tops
+    )
+
+
+def _free_space(
+    owner: str,
+    top: Top,
+    scene: Scene,
+    solids: Solids,
+    leave_out: Collection[str],
+    avoid: Sequence[FloatArray],
+    remaining: Collection[str],
+    tall: float,
+    tolerances: PlacementTolerances,
+) -> FreeSpace:
+    """The map of one top."""
+    axes = np.stack(level_axes(up_of(scene)))
+    ground = top.points @ axes.T
+    origin = ground.min(axis=0)
+    shape = np.ceil((ground.max(axis=0) - origin) / tolerances.cell).astype(int) + 1
+    middles = origin + (np.argwhere(np.ones(tuple(shape))).reshape(*shape, 2) + 0.5) * tolerances.cell
+    free = _within(middles, ground)
+    edge = _to_nearest(free) * tolerances.cell
+    free &= edge > tolerances.edge
+    clear = np.ones_like(free)
+    for name in scene.names:
+        if name in leave_out or (name == owner and len(top.points) == len(scene.clouds[name])):
+            continue  # strays above a table that is nothing but its top are noise
+        fixed = name in scene.fixed
+        ceiling = tall + tolerances.headroom if fixed else np.inf
+        taken = np.zeros_like(free)
+        for part in solids[name]:
+            heights = top.above(part)
+            if heights.max() > (SKIN if fixed else -SKIN) and heights.min() < ceiling:
+                taken |= _within(middles, part @ axes.T)
+        heights = top.above(scene.clouds[name])
+        met = (heights > (SKIN if fixed else -SKIN)) & (heights < ceiling)
+        _mark(taken, scene.clouds[name][met] @ axes.T, origin, tolerances.cell)
+        free &= ~taken
+        if name in remaining:
+            clear &= ~taken
+    for points in avoid:
+        free &= ~_within(middles, points @ axes.T)
+    away: FloatArray = np.asarray(distance_transform_edt(clear)) * tolerances.cell
+    ways = (away < tolerances.good_gap) & (not clear.all())
+    distance = _to_nearest(free) * tolerances.cell
+    return FreeSpace(owner, origin, distance, ways, top.normal, top.height, tolerances.cell)
+
+
+def _to_nearest(free: BoolArray) -> FloatArray:
+    """Distance of every cell to the nearest one that is not free or beyond the edge, in cells."""
+    distance: FloatArray = np.asarray(distance_transform_edt(np.pad(free, 1)), dtype=np.float64)
+    return distance[1:-1, 1:-1]
+
+
+def _within(places: FloatArray, points: FloatArray) -> BoolArray:
+    """Which places lie in the convex outline of level points."""
+    low, high = points.min(axis=0), points.max(axis=0)
+    result = np.all((places >= low) & (places <= high), axis=-1)
+    try:
+        sides = ConvexHull(points).equations
+        result[result] = (places[result] @ sides[:, :2].T + sides[:, 2] <= 0.0).all(axis=1)
+    except (QhullError, ValueError):
+        pass  # a line or a point: its box is it
+    return result
+
+
+def _mark(taken: BoolArray, points: FloatArray, origin: FloatArray, cell: float) -> None:
+    index = np.floor((points - origin) / cell).astype(np.int64)
+    inside = np.all((index >= 0) & (index < np.array(taken.shape)), axis=1)
+    taken[index[inside, 0], index[inside, 1]] = True

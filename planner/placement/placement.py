@@ -1,0 +1,227 @@
+"""Where to put things down: free, reachable places on tables, the object resting as it would by itself."""
+
+from collections.abc import Collection, Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from topple.planner.bodies.samples import voxel_means
+from topple.planner.bodies.solids import Solids, level_axes, solids_of, up_of
+from topple.planner.placement.free_space import FreeSpace, free_spaces
+from topple.planner.placement.resting import (
+    PLACEMENT_TOLERANCES,
+    PlacementTolerances,
+    Rest,
+    about,
+    resting_poses,
+)
+from topple.topology.arrays import BoolArray, FloatArray, frozen
+from topple.topology.errors import UnknownObject
+from topple.topology.scene import Scene
+
+KEPT = 80  # best places of each attitude and heading that are compared
+BARRING = 0.1  # share of its score that a place in the way of what remains keeps: below any that is not
+SPARE = 3  # places of each attitude that comes off worse: a hand may not get down in the better ones
+
+
+@dataclass(frozen=True, eq=False)
+class Placement:
+    """A place for an object.
+
+    Attributes:
+        pose_before_to_after: (4, 4) rigid transform in the world that moves the object from where it is now.
+        score: 0..1, higher is better.
+        rest: How it stands there, in words.
+        drop: How far it falls when it is let go [m].
+        into: What it is put on or into, whose inferred body it may enter: its seen surface was kept clear of.
+        rolls: Whether it could roll away from there.
+        bars: Whether it would be in the way of taking what is still to be taken.
+        falls: Whether it is known not to stay there, and is to be let go all the same.
+    """
+
+    pose_before_to_after: FloatArray
+    score: float
+    rest: str = ""
+    drop: float = 0.0
+    into: str | None = None
+    rolls: bool = False
+    bars: bool = False
+    falls: bool = False
+
+    def __post_init__(self) -> None:
+        object.__setattr__(self, "pose_before_to_after", frozen(self.pose_before_to_after))
+
+    def pose_at_rest(self, up: FloatArray) -> FloatArray:
+        """(4, 4) rigid transform in the world to where it lies once it fell by `drop`; up (3,) is a unit."""
+        pose = self.pose_before_to_after.copy()
+        pose[:3, 3] -= self.drop * up
+        return pose
+
+    def higher(self, by: float, up: FloatArray) -> "Placement":
+        """The same place, let go from further up by some metres; up (3,) is a unit."""
+        pose = self.pose_before_to_after.copy()
+        pose[:3, 3] += by * up
+        drop = self.drop + by
+        words = f"{self.rest}, let go {1e3 * drop:.0f} mm above"
+        return replace(self, pose_before_to_after=pose, drop=drop, rest=words)
+
+    def tilt(self, up: FloatArray) -> float:
+        """Angle by which it is tilted against up (3,), a unit vector, from how it stands now [rad]."""
+        cosine = float(up @ self.pose_before_to_after[:3, :3] @ up)
+        return float(np.arccos(np.clip(cosine, -1.0, 1.0)))
+
+
+def placements(
+    name: str,
+    scene: Scene,
+    solids: Solids | None = None,
+    *,
+    pose_base_to_world: FloatArray | None = None,
+    avoid: Sequence[FloatArray] = (),
+    remaining: Collection[str] = (),
+    limit: int = 24,
+    tolerances: PlacementTolerances = PLACEMENT_TOLERANCES,
+) -> list[Placement]:
+    """Find free places on tops for an object, off the ways out of what remains while there are any.
+
+    Args:
+        name: The object.
+        scene: The scene, with `up` and a fixed body that has a top.
+        solids: Convex parts of the objects; made from the scene where not given.
+        pose_base_to_world: (4, 4) the arm's base: places within its reach and off its foot.
+        avoid: (N, 3) points each: places to keep free besides.
+        remaining: Objects that are still to be taken, or put something on or into.
+        limit: At most so many, spread over the tops; the last of them in other attitudes.
+        tolerances: Distances.
+
+    Returns:
+        Placements, best first; empty where there is no room. Deterministic.
+
+    Raises:
+        UnknownObject: The scene has no such object.
+    """
+    if name not in scene.clouds:
+        raise UnknownObject(name, scene.names)
+    up = up_of(scene)
+    solids = solids_of(scene) if solids is None else solids
+    cloud, parts = scene.clouds[name], solids[name]
+    rests = resting_poses(cloud, parts, up, tolerances)
+    tall = max(float(np.ptp(cloud @ (rest.rotation.T @ up))) for rest in rests)
+    spaces = free_spaces(
+        scene, solids, leave_out={name}, avoid=avoid, remaining=remaining, tall=tall, tolerances=tolerances
+    )
+    middle = cloud.mean(axis=0)
+    found = [
+        [
+            place
+            for space in spaces
+            for place in _at_rest(cloud, parts, rest, space, up, pose_base_to_world, tolerances)
+        ]
+        for rest in rests
+    ]
+    best = _spread_out([place for places in found for place in places], middle, limit)
+    worse = [places for places in found if not any(place in best for place in places)]
+    spare = [place for places in worse for place in _spread_out(places, middle, SPARE)]
+    return [*best[: max(limit - len(spare), limit // 2)], *spare][:limit]
+
+
+def _at_rest(
+    cloud: FloatArray,
+    parts: Sequence[FloatArray],
+    rest: Rest,
+    space: FreeSpace,
+    up: FloatArray,
+    pose_base_to_world: FloatArray | None,
+    tolerances: PlacementTolerances,
+    yaws: int = 8,
+) -> list[Placement]:
+    """Every free place and heading on one top for an object in one resting pose."""
+    axes = np.stack(level_axes(up))
+    base = None if pose_base_to_world is None else axes @ pose_base_to_world[:3, 3]
+    middle = cloud.mean(axis=0)
+    body = np.vstack([voxel_means(cloud, 0.008), *parts])
+    cells = 2 * np.argwhere(space.distance[::2, ::2] > tolerances.gap)
+    places = space.middles(cells)
+    if pose_base_to_world is not None:
+        rise = space.height - float(pose_base_to_world[:3, 3] @ space.normal)
+        within = reachable(places, rise, axes @ pose_base_to_world[:3, 3], tolerances)
+        cells, places = cells[within], places[within]
+    found: list[Placement] = []
+    for k in range(yaws):
+        rotation = about(up, 2.0 * np.pi * k / yaws) @ rest.rotation
+        turned = (body - middle) @ rotation.T
+        covered = np.unique(np.round(turned @ axes.T / space.cell), axis=0).astype(np.int64)
+        room, bars = space.under(cells, covered)
+        lift = space.height + tolerances.drop - float((turned @ space.normal).min())
+        scores = _scores(places, room, rest, axes @ middle, base, k / yaws, tolerances)
+        scores[bars & (scores > 0.0)] *= BARRING
+        best = np.argsort(-scores, kind="stable")[:KEPT]
+        best = best[room[best] > tolerances.gap]
+        targets = places[best] @ axes
+        targets += np.outer((lift - targets @ space.normal) / float(up @ space.normal), up)
+        poses = np.tile(np.eye(4), (len(best), 1, 1))
+        poses[:, :3, :3], poses[:, :3, 3] = rotation, targets - rotation @ middle
+        turned_by = np.degrees(rest.turn)
+        for index, pose in zip(best.tolist(), poses, strict=True):
+            words = f"turned {turned_by:.0f} deg onto a face, {1e3 * room[index]:.0f} mm free"
+            found.append(
+                Placement(
+                    pose, float(scores[index]), words, tolerances.drop,
+                    rolls=rest.rolls, bars=bool(bars[index]),
+                )
+            )  # fmt: skip
+    return found
+
+
+def reachable(
+    places: FloatArray, rise: float, base: FloatArray, tolerances: PlacementTolerances
+) -> BoolArray:
+    """Which places an arm works at freely.
+
+    Args:
+        places: (P, 2) level coordinates [m].
+        rise: Height of their top over the arm's base [m].
+        base: (2,) level coordinates of the base [m].
+        tolerances: Its reach.
+    """
+    level = np.linalg.norm(places - base, axis=1)
+    return (level > tolerances.reach[0]) & (np.hypot(level, rise) < tolerances.reach[1])
+
+
+def _scores(
+    places: FloatArray,
+    room: FloatArray,
+    rest: Rest,
+    before: FloatArray,
+    base: FloatArray | None,
+    turn: float,
+    tolerances: PlacementTolerances,
+) -> FloatArray:
+    """Score (N,) of places: room around, a short way, an easy reach, little turning, a steady stand."""
+    way = 1.0 / (1.0 + np.linalg.norm(places - before, axis=1) / 0.5)
+    easy = np.ones(len(places))
+    if base is not None:
+        comfortable = 0.5 * (tolerances.reach[0] + tolerances.reach[1])
+        far = np.linalg.norm(places - base, axis=1)
+        easy = 1.0 - np.minimum(1.0, np.abs(far - comfortable) / comfortable)
+    stand = 1.0 - rest.turn / np.pi + min(1.0, rest.steadiness / tolerances.steady)
+    heading = 1.0 - min(turn, 1.0 - turn)
+    score = 0.3 * np.minimum(1.0, room / tolerances.good_gap) + 0.15 * way + 0.15 * easy
+    return np.where(room > tolerances.gap, score + 0.1 * heading + 0.15 * stand, -1.0)
+
+
+def _spread_out(found: list[Placement], middle: FloatArray, limit: int) -> list[Placement]:
+    """Steady ones that bar no way first, best first: at most three headings at a place, places 6 cm apart."""
+    kept: list[Placement] = []
+    spots = np.empty((0, 3))
+    for placement in sorted(found, key=lambda placement: (placement.rolls, placement.bars, -placement.score)):
+        pose = placement.pose_before_to_after
+        spot = pose[:3, :3] @ middle + pose[:3, 3]
+        apart = np.sqrt(((spots - spot) ** 2).sum(axis=1))
+        same = np.count_nonzero(apart < 0.005)
+        if np.count_nonzero(apart < 0.06) == same and same < 3:
+            kept.append(placement)
+            spots = np.vstack([spots, spot])
+        if len(kept) >= limit:
+            break
+    return kept

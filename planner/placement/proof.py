@@ -1,0 +1,139 @@
+"""The proof of a placement: what is let go there stays there, among everything else as it then stands.
+
+The planner asks it of a place before it plans a way there; the check of a finished plan asks it again, of the
+numbers the plan was written with.
+"""
+
+from contextlib import ExitStack
+from dataclasses import dataclass
+from types import TracebackType
+
+import numpy as np
+
+from topple.planner.bodies.solids import Solids, level_axes
+from topple.planner.placement.placement import Placement
+from topple.planner.placement.stacking import inset
+from topple.planner.simulate.drops import Drops, simulated
+from topple.robots.poses import angle_between
+from topple.topology.arrays import FloatArray
+
+SHIFT = 0.015  # [m] a thing may move until it rests: its body is a guess from noisy points
+TURN = 0.35  # [rad] and turn: it lies down on the face next to the one that was meant
+SPARE = (
+    2.0 / 3.0
+)  # of these limits a plan may use: the same drop of numbers rounded to a millionth ends apart
+
+
+@dataclass(frozen=True)
+class Settled:
+    """How an object ends that is let go.
+
+    Attributes:
+        shift: How far its centre of mass gets from where it was meant to be [m].
+        turn: By how much it turns [rad].
+        outside: How far its centre is beside or below what it was put into [m]; None where it was put into
+            nothing. What is put into a container may roll there.
+    """
+
+    shift: float
+    turn: float
+    outside: float | None = None
+
+    def within(self, share: float = 1.0) -> bool:
+        """Whether it stays, by a share of what is allowed."""
+        if self.outside is not None:
+            return self.outside <= 0.0
+        return self.shift <= share * SHIFT and self.turn <= share * TURN
+
+    def __str__(self) -> str:
+        """In words."""
+        if self.outside is not None:
+            return f"it would leave its container by {1e3 * self.outside:.0f} mm"
+        return f"it would move by {1e3 * self.shift:.0f} mm and turn by {np.degrees(self.turn):.0f} deg"
+
+
+class Proof:
+    """Lets an object go at one place after the other, to be used with `with`.
+
+    On a table it is asked with the sides that nobody saw, which it may have to stand on; on or in another
+    thing it was lowered by what was seen of both, and is asked by that.
+
+    Args:
+        name: The object.
+        bodies: Convex parts of all objects where they are, in the world [m].
+        whole: Of the object alone, with the sides that nobody saw.
+        up: (3,) unit vector.
+        riding: What lies in the object and goes with it.
+    """
+
+    def __init__(
+        self, name: str, bodies: Solids, whole: Solids, up: FloatArray, riding: tuple[str, ...] = ()
+    ) -> None:
+        self.name, self._up = name, up
+        self._others = {other: parts for other, parts in bodies.items() if other not in (name, *riding)}
+        self._own = {False: bodies[name], True: whole[name]}
+        self._drops: dict[bool, Drops] = {}
+        self._known: dict[Placement, Settled] = {}
+        self._worlds = ExitStack()
+
+    def __enter__(self) -> "Proof":
+        return self
+
+    def __exit__(
+        self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
+    ) -> None:
+        self._worlds.close()
+
+    def settled(self, place: Placement) -> Settled:
+        """How the object ends that is let go at a place; each place is tried once."""
+        if place not in self._known:
+            on_table = place.into is None
+            if on_table not in self._drops:
+                drops = Drops(self.name, {**self._others, self.name: self._own[on_table]}, self._up)
+                self._drops[on_table] = self._worlds.enter_context(drops)
+            container = place.into if place.rest.startswith("within") else None
+            self._known[place] = settled(
+                self._drops[on_table],
+                place.pose_before_to_after,
+                place.pose_at_rest(self._up),
+                None if container is None else np.vstack(self._others[container]),
+                self._up,
+            )
+        return self._known[place]
+
+    def holds(self, place: Placement) -> bool:
+        """Whether the object stays where a place has it, with some to spare; unasked without PyBullet."""
+        return not place.falls and (not simulated() or self.settled(place).within(SPARE))
+
+
+def settled(
+    drops: Drops,
+    pose_before_to_release: FloatArray,
+    pose_before_to_meant: FloatArray,
+    container: FloatArray | None,
+    up: FloatArray,
+) -> Settled:
+    """Let an object go.
+
+    Args:
+        drops: The world with the object.
+        pose_before_to_release: (4, 4) rigid transform in the world to where it is let go.
+        pose_before_to_meant: (4, 4) to where it is meant to rest.
+        container: (N, 3) points of what it is put into; None where it is put onto something.
+        up: (3,) unit vector.
+
+    Returns:
+        How it ends.
+    """
+    centre, rest = np.append(drops.centre_of_mass, 1.0), drops.rest(pose_before_to_release)
+    shift = float(np.linalg.norm(((rest - pose_before_to_meant) @ centre)[:3]))
+    outside = None if container is None else _beyond((rest @ centre)[:3], container, up)
+    return Settled(shift, angle_between(pose_before_to_meant, rest), outside)
+
+
+def _beyond(place: FloatArray, points: FloatArray, up: FloatArray) -> float:
+    """How far a place (3,) is beside the level outline of points, or below them [m]."""
+    axes = np.stack(level_axes(up))
+    aside = -float(inset(points @ axes.T, (place @ axes.T)[None])[0])
+    below = float((points @ up).min() - place @ up)
+    return max(0.0, aside, below)

@@ -1,0 +1,281 @@
+"""Putting a thing on or into another one: where it would come to lie on what is there."""
+
+from dataclasses import dataclass
+
+import numpy as np
+from scipy.ndimage import binary_closing, distance_transform_edt
+from scipy.spatial import ConvexHull, QhullError
+
+from topple.planner.bodies.samples import centre_of_mass, sampled, voxel_means
+from topple.planner.bodies.solids import Solids, hull_vertices, level_axes, solids_of, up_of
+from topple.planner.placement.placement import Placement
+from topple.planner.placement.resting import (
+    PLACEMENT_TOLERANCES,
+    PlacementTolerances,
+    Rest,
+    about,
+    resting_poses,
+)
+from topple.topology.arrays import FloatArray, IntArray
+from topple.topology.bodies.tops import tops_of
+from topple.topology.errors import UnknownObject
+from topple.topology.scene import Scene
+
+CELL = 0.005  # grid of heights: half a finger's thickness [m]
+CONTACT = 0.005  # cells this close to touching carry: depth noise of both surfaces [m]
+INSET = 0.2  # on: the centre of mass keeps this share of the smaller half width from the carrying face's edge
+YAWS = 8
+SPOT = 0.012  # placements this close are at one spot: less than the least difference of two drops [m]
+HEADINGS = 4  # kept of one spot
+DROPS = {
+    "within": (0.005, 0.02, 0.04, 0.08)
+}  # into a container also from higher up: hands need room beside [m]
+GENTLE = 0.04  # falls up to here do no harm: what falls deeper bounces [m]
+
+
+@dataclass(frozen=True, eq=False)
+class Heights:
+    """The upper surface of what is below: one height for each cell, -inf where nothing is known.
+
+    Attributes:
+        origin: (2,) level coordinates of the grid's corner [m].
+        top: (I, J) heights along up [m].
+        owner: (I, J) index of the object that is highest there, -1 for none.
+    """
+
+    origin: FloatArray
+    top: FloatArray
+    owner: IntArray
+
+    def look_up(self, places: FloatArray) -> tuple[FloatArray, IntArray]:
+        """Heights and owners at (N, 2) level coordinates; -inf and -1 outside."""
+        index = np.floor((places - self.origin) / CELL).astype(np.int64)
+        inside = np.all((index >= 0) & (index < np.array(self.top.shape)), axis=1)
+        index = np.clip(index, 0, np.array(self.top.shape) - 1)
+        top = np.where(inside, self.top[index[:, 0], index[:, 1]], -np.inf)
+        return top, np.where(inside, self.owner[index[:, 0], index[:, 1]], -1)
+
+
+def placements_on(
+    name: str,
+    scene: Scene,
+    where: str,
+    how: str = "on",
+    solids: Solids | None = None,
+    *,
+    limit: int = 24,
+    tolerances: PlacementTolerances = PLACEMENT_TOLERANCES,
+) -> list[Placement]:
+    """Find how an object can lie on or within another one.
+
+    The object is lowered, in each of its resting attitudes and headings, over a grid of places until it
+    meets what is below; on: its centre of mass has to stand over the carrying face; within: all of it has
+    to be inside the outline of the container, as deep as possible.
+
+    Args:
+        name: The object.
+        scene: The scene; what else lies on or in `where` stays there.
+        where: Who is to carry it.
+        how: "on" or "within".
+        solids: Convex parts of the objects; made from the scene where not given.
+        limit: At most so many.
+        tolerances: Height above contact at which it is let go.
+
+    Returns:
+        Placements, best first; empty where it would not stay. Deterministic.
+
+    Raises:
+        UnknownObject: The scene has no such object.
+    """
+    for known in (name, where):
+        if known not in scene.clouds:
+            raise UnknownObject(known, scene.names)
+    up = up_of(scene)
+    solids = solids_of(scene) if solids is None else solids
+    axes = np.stack(level_axes(up))
+    ceiling = float((scene.clouds[where] @ up).max() + np.ptp(scene.clouds[name], axis=0).max())
+    heights = heights_of(scene, up, leave_out=name, ceiling=ceiling + tolerances.headroom)
+    outline = hull_vertices(scene.clouds[where] @ axes.T)
+    low, high = outline.min(axis=0), outline.max(axis=0)
+    middle, steps = (low + high) / 2.0, np.linspace(-0.3, 0.3, 7)
+    offsets = np.stack(np.meshgrid(steps, steps), axis=-1).reshape(-1, 2) * (high - low)
+    target = list(scene.names).index(where)
+    body = np.vstack([voxel_means(scene.clouds[name], CELL), sampled(solids[name], CELL)])
+    centre = centre_of_mass(scene.clouds[name], solids[name])
+    found: list[Placement] = []
+    for rest in resting_poses(scene.clouds[name], solids[name], up, tolerances):
+        for k in range(YAWS):
+            rotation = about(up, 2.0 * np.pi * k / YAWS) @ rest.rotation
+            turned = (body - centre) @ rotation.T
+            level, height = _underside(turned @ axes.T, turned @ up)
+            landings = _landings(level, height, middle + offsets, heights, target)
+            for offset, landing in zip(offsets, landings, strict=True):
+                if landing is None:
+                    continue
+                score = _score(landing, how, rest, offset, outline - middle, level)
+                for drop in () if score is None else DROPS[how] if how in DROPS else (tolerances.drop,):
+                    after = axes.T @ (middle + offset) + up * (landing.height + drop)
+                    pose = np.eye(4)
+                    pose[:3, :3], pose[:3, 3] = rotation, after - rotation @ centre
+                    turn = np.degrees(rest.turn)
+                    words = f"{how} {where}, turned {turn:.0f} deg onto a face"
+                    value = (score or 0.0) - 0.01 * min(k, YAWS - k) - 3.0 * drop
+                    found.append(Placement(pose, value, words, drop, where))
+    return _varied(found, centre, limit)
+
+
+def _varied(found: list[Placement], centre: FloatArray, limit: int) -> list[Placement]:
+    """Best first, a few headings at a spot each: a hand that finds no room at one may find it at another."""
+    kept: list[Placement] = []
+    spots: list[FloatArray] = []
+    for placement in sorted(found, key=lambda placement: -placement.score):
+        spot = placement.pose_before_to_after[:3, :3] @ centre + placement.pose_before_to_after[:3, 3]
+        if sum(bool(np.linalg.norm(other - spot) < SPOT) for other in spots) < HEADINGS:
+            kept.append(placement)
+            spots.append(spot)
+        if len(kept) >= limit:
+            break
+    return kept
+
+
+def heights_of(scene: Scene, up: FloatArray, leave_out: str, ceiling: float = np.inf) -> Heights:
+    """Map the upper surface of everything but one object.
+
+    Args:
+        scene: The scene.
+        up: (3,) unit vector.
+        leave_out: The object that does not count.
+        ceiling: Height above which nothing that is fixed counts: boards of a shelf with room below [m].
+
+    Returns:
+        The map; tops count as planes, gaps narrower than 3 cells are closed.
+    """
+    axes = np.stack(level_axes(up))
+    everything = np.vstack([cloud for name, cloud in scene.clouds.items() if name != leave_out]) @ axes.T
+    origin = everything.min(axis=0)
+    shape = np.floor((everything.max(axis=0) - origin) / CELL).astype(int) + 1
+    top, owner = np.full(tuple(shape), -np.inf), np.full(tuple(shape), -1, dtype=np.int64)
+    for number, (name, cloud) in enumerate(scene.clouds.items()):
+        if name == leave_out:
+            continue
+        level = cloud @ up
+        if name in scene.fixed:
+            found = tops_of(cloud, up)
+            cloud = np.vstack([*(each.points for each in found.tops), found.rest])
+            level = np.concatenate(
+                [*(np.full(len(each.points), each.height) for each in found.tops), found.rest @ up]
+            )
+            cloud, level = cloud[level < ceiling], level[level < ceiling]
+        index = np.floor((cloud @ axes.T - origin) / CELL).astype(np.int64)
+        own = np.full(tuple(shape), -np.inf)
+        np.maximum.at(own, (index[:, 0], index[:, 1]), level)
+        own = _closed(own)
+        higher = own > top
+        top[higher], owner[higher] = own[higher], number
+    return Heights(origin, top, owner)
+
+
+def _closed(own: FloatArray) -> FloatArray:
+    """Fill empty cells between cells of one object with their neighbours' mean height."""
+    known = np.isfinite(own)
+    gaps = binary_closing(np.pad(known, 4), iterations=3)[4:-4, 4:-4] & ~known
+    if gaps.any():
+        nearest = distance_transform_edt(~known, return_distances=False, return_indices=True)
+        assert nearest is not None
+        own = np.where(gaps, own[nearest[0], nearest[1]], own)
+    return own
+
+
+@dataclass(frozen=True, eq=False)
+class _Landing:
+    """Where a turned object, its centre over a place, comes to lie."""
+
+    height: float  # of its centre along up
+    carried: FloatArray  # (K, 2) level offsets from the centre of the points that carry it
+    on_target: float  # share of them that lie on the target
+    depth: float  # of its lowest point below the target's highest
+
+
+def _underside(level: FloatArray, height: FloatArray) -> tuple[FloatArray, FloatArray]:
+    """The lowest of an object's points in each cell of the grid: (M, 2) level offsets and (M,) heights."""
+    cells, index = np.unique(np.round(level / CELL), axis=0, return_inverse=True)
+    lowest = np.full(len(cells), np.inf)
+    np.minimum.at(lowest, index.reshape(-1), height)
+    return cells * CELL, lowest
+
+
+def _landings(
+    level: FloatArray, height: FloatArray, places: FloatArray, heights: Heights, target: int
+) -> list[_Landing | None]:
+    """Where an object lowered over each of (N, 2) places comes to lie; None where nothing is below."""
+    top, owner = heights.look_up((places[:, None, :] + level[None, :, :]).reshape(-1, 2))
+    top, owner = top.reshape(len(places), -1), owner.reshape(len(places), -1)
+    highest = float(heights.top[heights.owner == target].max(initial=-np.inf))
+    found: list[_Landing | None] = []
+    for gap, owners in zip(height - top, owner, strict=True):
+        least = float(gap.min())
+        if not np.isfinite(least):
+            found.append(None)
+            continue
+        touching = gap < least + CONTACT
+        on_target = float(np.mean(owners[touching] == target))
+        depth = highest - (float(height.min()) - least)
+        found.append(_Landing(-least, level[touching], on_target, depth))
+    return found
+
+
+def _score(
+    landing: _Landing, how: str, rest: Rest, offset: FloatArray, outline: FloatArray, level: FloatArray
+) -> float | None:
+    """0..1, or None where it would not stay.
+
+    Args:
+        landing: Where it comes to lie.
+        how: "on" or "within".
+        rest: Its attitude.
+        offset: (2,) from the target's middle.
+        outline: (K, 2) level points of the target around that middle.
+        level: (N, 2) level points of the object around its centre.
+    """
+    half = float(np.ptp(outline, axis=0).min()) / 2.0
+    central = 1.0 - min(1.0, float(np.linalg.norm(offset)) / half)
+    if how == "within":
+        inside = inset(outline, level + offset).min()
+        if inside < 0.0 or landing.depth <= 0.0:
+            return None
+        return 0.5 * min(1.0, landing.depth / 0.03) + 0.3 * central + 0.2 * (1.0 - rest.turn / np.pi)
+    width = float(np.ptp(level, axis=0).min()) / 2.0
+    steady = float(inset(landing.carried, np.zeros((1, 2)))[0]) / max(width, 1e-6)
+    if steady < INSET or landing.on_target < 0.5:
+        return None
+    return 0.4 * min(1.0, steady) + 0.4 * central + 0.2 * (1.0 - rest.turn / np.pi)
+
+
+def inset(outline: FloatArray, points: FloatArray) -> FloatArray:
+    """How far points are inside the convex outline of others.
+
+    Args:
+        outline: (K, 2) level points [m].
+        points: (N, 2) [m].
+
+    Returns:
+        (N,) distances to the outline [m], negative outside.
+    """
+    try:
+        hull = ConvexHull(outline)
+    except (QhullError, ValueError):
+        return np.full(len(points), -1.0)
+    return -(points @ hull.equations[:, :2].T + hull.equations[:, 2]).max(axis=1)
+
+
+def over(scene: Scene, upper: str, lower: str) -> bool:
+    """Whether the middle of what leans on an object is over it: it is then on it, not at its side.
+
+    Args:
+        scene: The scene, with `up`.
+        upper: What leans.
+        lower: On what.
+    """
+    axes = np.stack(level_axes(up_of(scene)))
+    middle, outline = scene.clouds[upper].mean(axis=0) @ axes.T, scene.clouds[lower] @ axes.T
+    return inset(outline, middle[None])[0] > 0.0

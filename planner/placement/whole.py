@@ -1,0 +1,82 @@
+"""Bodies as they stand and fall: what was seen of them, with the sides that no camera saw guessed.
+
+What is kept clear of is what was seen. How a thing stands is another question: what one camera saw of it is a
+shell, and the open side of that looks like the best face of all. Placements, their simulated release and the
+check of a plan all ask the same body.
+"""
+
+from collections.abc import Collection, Sequence
+
+import numpy as np
+from scipy.spatial import ConvexHull, QhullError
+
+from topple.planner.bodies.samples import sampled
+from topple.planner.bodies.solids import Solids, hull_vertices, level_axes
+from topple.topology.arrays import FloatArray
+from topple.topology.scene import Scene
+from topple.topology.statics.rest import Statics
+
+RAGGED = 0.008  # [m] the seen underside of a flat foot is uneven by: three times the noise of a depth camera
+BENT = 0.06  # of a body's height is at most taken for noise: a ball's underside so high is a quarter as wide
+LEVEL = 0.5  # of its outline has to be that low: then it is a foot, not a rounding
+SPACING = 0.006  # [m] between the points of an underside that is looked at
+
+
+def whole_bodies(scene: Scene, solids: Solids, statics: Statics | None = None) -> Solids:
+    """Complete the bodies of a scene.
+
+    Args:
+        scene: The scene, with `up`.
+        solids: Convex parts of its objects, as far as they are known.
+        statics: The scene at rest where it has been worked out before.
+
+    Returns:
+        For each movable object one convex part around what is known and what is guessed; what is known alone
+        where nobody says from where the scene was seen, as nothing is hidden then.
+    """
+    if not len(scene.viewpoints):
+        return solids
+    statics = Statics.of(scene) if statics is None else statics
+    to_world = statics.upright.rotation  # of rows
+    guessed = {name: statics.surfaces[name] @ to_world for name in scene.movable}
+    return {
+        name: (hull_vertices(np.vstack([scene.clouds[name], guessed[name], *parts])),)
+        if name in guessed
+        else parts
+        for name, parts in solids.items()
+    }
+
+
+def on_feet(bodies: Solids, names: Collection[str], up: FloatArray) -> dict[str, Sequence[FloatArray]]:
+    """Level the undersides of bodies that stand on them, for what is seen of a foot is its ragged edge.
+
+    A carton that stands in the scene falls over in simulation where noise of a few millimetres made a rocker
+    of its foot. What has most of its underside at one height stands on that; round and leaning things stay
+    as they are.
+
+    Args:
+        bodies: Convex parts of objects that are at rest as they are [m].
+        names: Those that can move.
+        up: (3,) unit vector.
+
+    Returns:
+        The bodies, those with a foot drawn down to its lowest point as one convex part each.
+    """
+    return {name: _levelled(parts, up) if name in names else parts for name, parts in bodies.items()}
+
+
+def _levelled(parts: Sequence[FloatArray], up: FloatArray) -> Sequence[FloatArray]:
+    corners = np.vstack(parts)
+    points = np.vstack([corners, sampled(parts, SPACING)])
+    height, axes = points @ up, np.stack(level_axes(up))
+    bottom = float(height.min())
+    low = points[height < bottom + min(RAGGED, BENT * float(np.ptp(height)))]
+    try:
+        foot, outline = ConvexHull(low @ axes.T), ConvexHull(corners @ axes.T)
+    except (QhullError, ValueError):
+        return parts
+    if foot.volume < LEVEL * outline.volume:  # areas, in the plane
+        return parts
+    level = low[foot.vertices]
+    level = level - np.outer(level @ up - bottom, up)
+    return (hull_vertices(np.vstack([corners, level])),)

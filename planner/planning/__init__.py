@@ -1,0 +1,1 @@
+"""Orders, steps and whole plans."""

@@ -1,0 +1,297 @@
+"""The whole sequence before anything moves: order, grasps, placements and motions, step by step."""
+
+import time
+from collections import Counter
+from collections.abc import Callable, Collection, Sequence
+from dataclasses import dataclass, field, replace
+
+import numpy as np
+
+from topple.planner.bodies.solids import Solids, solids_of, up_of
+from topple.planner.decide.goal import Goal, parse_goal
+from topple.planner.decide.turn import LIKELY
+from topple.planner.errors import NoSafePlan
+from topple.planner.formats.plan_data import dependency_data, objects_data, step_data
+from topple.planner.formats.plan_format import DependencyData, Plan, Step
+from topple.planner.formats.plan_robot import arm_data
+from topple.planner.grasp.given import GraspsByObject, OwnGrasps, own_grasps
+from topple.planner.grasp.grasp import Grasp
+from topple.planner.placement.whole import on_feet, whole_bodies
+from topple.planner.planning.base import choose_base
+from topple.planner.planning.next_step import StepChooser
+from topple.planner.planning.order import ordered
+from topple.planner.planning.start import check_start, check_upright
+from topple.planner.planning.step import NextStep, Orderer, Station
+from topple.planner.simulate.drops import simulated
+from topple.planner.transfer.transfer import scene_after, solids_after
+from topple.planner.verify.record import BROKEN
+from topple.robots.arm.arm import Arm
+from topple.robots.arm.own_arm import check_tool
+from topple.robots.catalog import robot as robot_named
+from topple.topology.arrays import FloatArray
+from topple.topology.errors import InvalidInput
+from topple.topology.rule.relate import Relations, relate
+from topple.topology.scene import Scene
+from topple.topology.statics.gravity import check_up
+
+Progress = Callable[[str], None]
+UNPROVEN = "placements were not let go in simulation: PyBullet is not installed"
+MOST_STEPS = 3  # for each object: a plan that handles one more often goes in circles
+
+
+def plan(
+    scene: Scene,
+    goal: str | Sequence[str],
+    robot: Arm | str,
+    *,
+    base: FloatArray | None = None,
+    q_start: FloatArray | None = None,
+    upright: Collection[str] = (),
+    grasps: OwnGrasps | None = None,
+    orderer: Orderer = ordered,
+    relations: Relations | Callable[[Scene], Relations] | None = None,
+    allow_drop: bool = False,
+    check: bool = True,
+    seed: int = 0,
+    progress: Progress | None = None,
+) -> Plan:
+    """Plan everything that reaches a goal.
+
+    Objects are taken in the safe order of `topple.planner.order`; of those that nothing has to precede, the
+    first the arm can take goes, and the scene as it then should be is planned on. An object is put only where
+    it stays by itself: every placement is tried in simulation, as `Plan.verify` will.
+
+    Args:
+        scene: What is seen, with `up`.
+        goal: In words ("free plate", "lemon within bowl", "red on green on blue", "empty bowl", "sort"), or
+            names of objects to free.
+        robot: The arm, or its name.
+        base: (4, 4) pose_base_to_world; the scene's `robot_base`, or else searched for.
+        q_start: (n,) joint values to start from [rad]; the arm's home where not given.
+        upright: Objects that are kept upright while they are carried, with what is in them.
+        grasps: Grasps of your own, in the scene's frame, as `rank_grasps` gives them or by object. An object
+            that has any is taken by those alone, wherever it has been put by then, those with the highest
+            scores that have room first; for the others grasps are searched for.
+        orderer: Who says in which order to free targets: see `topple.planner.planning.step.Orderer`.
+        relations: Relations of your own, which the first step is ordered by. Afterwards those of an object
+            that was moved are worked out from its cloud, the others stay; give a function of the scene to
+            have it asked before each step.
+        allow_drop: Whether an object that stays nowhere the arm can put it may be let go to fall; its step
+            then says so. Later steps take it to be where it was let go.
+        check: Whether the plan is checked by other means before it is returned, as `Plan.verify` does, which
+            takes a third of the time; without PyBullet it cannot be. An order or relations of your own are
+            not held against the dependencies that topple finds.
+        seed: Of every search.
+        progress: Called with a line for each step.
+
+    Returns:
+        The plan.
+
+    Raises:
+        NoSafePlan: There is none; the certificate has the cycle, or for each object why it cannot be moved,
+            or what the check refutes.
+        InvalidInput: The goal is none, the scene does not know up or hangs in the air with it, the arm has no
+            tool, or the grasps, the relations or what the orderer says do not fit the scene or the arm.
+    """
+    arm = robot_named(robot) if isinstance(robot, str) else robot
+    check_tool(arm)
+    wanted = parse_goal(goal, scene)
+    check_up(scene)
+    given = base if base is not None else scene.robot_base
+    pose = choose_base(scene, arm) if given is None else np.asarray(given, dtype=np.float64)
+    start = np.asarray(arm.home if q_start is None else q_start, dtype=np.float64)
+    check_start(scene, arm, pose, start)
+    level = check_upright(scene, upright)
+    planning = _Planning(scene, wanted, arm, pose, start, level, seed, progress, allow_drop)
+    planning.grasps = {} if grasps is None else own_grasps(grasps, scene, arm)
+    planning.orderer = orderer
+    planning.run(relations)
+    said = () if simulated() else (UNPROVEN,)
+    found = planning.plan(start, given is None, (*scene.assumptions, *arm.assumptions, *said))
+    if check and simulated():
+        if progress is not None:
+            progress(f"checking {len(found.steps)} steps by other means")
+        _hold(found, scene, arm, orderer is ordered and relations is None)
+    return found
+
+
+def _hold(found: Plan, scene: Scene, arm: Arm, order_too: bool) -> None:
+    """Refuse a plan that its own check refutes."""
+    failed = [each for each in found.verify(scene, arm).failed if order_too or each.name != BROKEN]
+    if failed:
+        lines = tuple(f"{each.name}: {each.value:.3g} {each.unit}, {each.witness}" for each in failed)
+        raise NoSafePlan(f"the plan that was found does not hold its own check: {lines[0]}", lines)
+
+
+def plan_as_done(scene: Scene, goal: Goal, station: Station, steps: Sequence[NextStep], seed: int) -> Plan:
+    """The plan a closed loop followed: each step planned from a look of its own.
+
+    Args:
+        scene: What was seen at the start.
+        goal: What was wanted.
+        station: The arm as it stood at the start, and before each step again.
+        steps: What was chosen and done, in order.
+        seed: Of every search.
+
+    Returns:
+        The plan; an assumption says that the arm goes home between the steps.
+    """
+    arm, pose, start = station.arm, station.pose_base_to_world, station.q
+    planning = _Planning(scene, goal, arm, pose, start, frozenset(), seed, None)
+    for chosen in steps:
+        planning.take(chosen)
+    note = "each step was planned from a look of its own; between steps the arm goes home"
+    return planning.plan(start, False, (*scene.assumptions, *arm.assumptions, note))
+
+
+def _fitting(relations: Relations, scene: Scene) -> Relations:
+    """Refuse relations of other objects than the scene's."""
+    if tuple(relations.objects) != tuple(scene.names):
+        told = ", ".join(relations.objects)
+        raise InvalidInput(f"the relations are of {told}, expected {', '.join(scene.names)}")
+    return relations
+
+
+@dataclass
+class _Planning:
+    """A plan in the making: the scene as it should be by now, and the steps that lead there.
+
+    `reasons` has each dependency with the index of the step it was first seen at.
+    """
+
+    scene: Scene
+    goal: Goal
+    arm: Arm
+    pose_base_to_world: FloatArray
+    q: FloatArray
+    upright: frozenset[str]
+    seed: int
+    progress: Progress | None
+    allow_drop: bool = False
+    steps: list[Step] = field(default_factory=list[Step])
+    tried: Counter[str] = field(default_factory=Counter[str])
+    seconds: float = 0.0
+    reasons: dict[tuple[str, str], tuple[int, DependencyData]] = field(
+        default_factory=dict[tuple[str, str], tuple[int, DependencyData]]
+    )
+    grasps: GraspsByObject = field(default_factory=dict[str, Sequence[Grasp]])
+    orderer: Orderer = ordered
+
+    def __post_init__(self) -> None:
+        self.started = self.last = time.perf_counter()
+        self.up = up_of(self.scene)
+        self.solids: Solids = solids_of(self.scene)  # bodies are rigid: they move with the plan
+        self.whole: Solids = self.solids
+        if len(self.scene.viewpoints):
+            self.whole = on_feet(whole_bodies(self.scene, self.solids), self.scene.movable, self.up)
+        self.objects = objects_data(self.scene, self.solids, self.whole)
+        self.moved: dict[str, FloatArray] = {}
+
+    def run(self, given: Relations | Callable[[Scene], Relations] | None) -> None:
+        done: list[tuple[str, str]] = []
+        asked = given if callable(given) else None
+        first = given if isinstance(given, Relations) else (asked or relate)(self.scene)
+        relations = _fitting(first, self.scene)
+        for _ in range(MOST_STEPS * len(self.scene.movable)):
+            station = Station(self.arm, self.pose_base_to_world, self.q)
+            chosen = StepChooser(
+                self.scene, self.goal, station, done=done, relations=relations, solids=self.solids,
+                whole=self.whole, upright=self.upright, allow_drop=self.allow_drop, orderer=self.orderer,
+                grasps=self.own(), seed=self.seed,
+            ).choose()  # fmt: skip
+            if chosen is None:
+                return
+            self.take(chosen)
+            done.append((chosen.transfer.object, chosen.action))
+            after = asked(self.scene) if asked is not None else relations.followed(self.scene)
+            relations = _fitting(after, self.scene)
+        again = ", ".join(sorted({step.object for step in self.steps[-3:]}))
+        words = f"no end after {len(self.steps)} steps: the last ones move {again} again and again"
+        raise NoSafePlan(words, (words,))
+
+    def own(self) -> GraspsByObject:
+        """The caller's grasps where their objects are by now."""
+        return {
+            name: [
+                replace(grasp, pose_tool_to_world=self.moved[name] @ grasp.pose_tool_to_world)
+                for grasp in some
+            ]
+            if name in self.moved
+            else some
+            for name, some in self.grasps.items()
+        }
+
+    def plan(self, q_start: FloatArray, base_searched: bool, assumptions: Sequence[str]) -> Plan:
+        """What was planned, as data."""
+        return Plan(
+            goal=self.goal.text,
+            robot=self.arm.name,
+            arm=arm_data(self.arm),
+            joints=list(self.arm.joints),
+            seed=self.seed,
+            pose_base_to_world=self.pose_base_to_world.tolist(),
+            base_searched=base_searched,
+            q_start=q_start.tolist(),
+            order=[step.object for step in self.steps],
+            dependencies=self.dependencies(),
+            steps=self.steps,
+            objects=self.objects,
+            up=(float(self.up[0]), float(self.up[1]), float(self.up[2])),
+            assumptions=list(assumptions),
+            certified=all(
+                segment.certified for step in self.steps for segment in step.segments if segment.motion
+            ),
+            seconds=round(self.seconds, 3),
+            planning_seconds=round(self.last - self.started, 3),
+            tried=dict(self.tried),
+        )
+
+    def dependencies(self) -> list[DependencyData]:
+        """Why the steps come in this order: what had to go first when an object was taken."""
+        handled = {step.object for step in self.steps}
+        kept = {
+            pair
+            for pair in self.reasons
+            if pair[0] in handled and self.reasons[pair][0] <= self.last_of(pair[1])
+        }
+        return [self.reasons[pair][1] for pair in sorted(kept)]
+
+    def last_of(self, name: str) -> int:
+        """Index of the last step of an object, -1 where it has none."""
+        return max((index for index, step in enumerate(self.steps) if step.object == name), default=-1)
+
+    def doubted(self, name: str, known: Sequence[DependencyData]) -> list[DependencyData]:
+        """What taking an object now goes against: what is known, and what was seen before and is no more."""
+        gone, told = {step.object for step in self.steps}, {edge.first for edge in known}
+        before = [
+            data
+            for (first, then), (_, data) in self.reasons.items()
+            if then == name and first not in gone | told and data.confidence < LIKELY
+        ]
+        return [*known, *before]
+
+    def take(self, chosen: NextStep) -> None:
+        for edge in chosen.order.graph.dependencies:
+            self.reasons.setdefault((edge.first, edge.then), (len(self.steps), dependency_data(edge)))
+        transfer = chosen.transfer
+        names = [step.object for step in self.steps]
+        against = self.doubted(transfer.object, [dependency_data(edge) for edge in chosen.against])
+        for edge in against:
+            self.reasons.pop((edge.first, edge.then), None)
+        below = {first for first, then in self.reasons if then == transfer.object}
+        after = [index for index, name in enumerate(names) if name in below or name == transfer.object]
+        before, self.last = self.last, time.perf_counter()
+        spent = self.last - before
+        falls = transfer.placement.falls
+        reason = f"{chosen.reason}; it is let go to fall as it will" if falls else chosen.reason
+        self.steps.append(step_data(transfer, chosen.action, reason, after, self.moved, spent, against))
+        self.tried.update(transfer.tried)
+        self.seconds += transfer.seconds
+        self.scene, self.q = scene_after(self.scene, transfer, self.solids), transfer.q_end
+        self.solids = solids_after(self.solids, transfer, self.up)
+        self.whole = solids_after(self.whole, transfer, self.up)
+        pose = transfer.placement.pose_at_rest(self.up)
+        for name in (transfer.object, *transfer.riding):
+            self.moved[name] = pose @ self.moved.get(name, np.eye(4))
+        if self.progress is not None:
+            self.progress(f"{len(self.steps)}. {chosen.action} {transfer.object}: {reason}")

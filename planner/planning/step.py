@@ -1,0 +1,92 @@
+"""A step towards a goal, where the arm stands before it, and who says in which order to take things."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Protocol
+
+from topple.planner.decide.beliefs import Beliefs
+from topple.planner.decide.dependency import Dependency
+from topple.planner.planning.order import Order
+from topple.planner.transfer.transfer import Transfer
+from topple.robots.arm.arm import Arm
+from topple.topology.arrays import FloatArray
+from topple.topology.rule.relate import Relations
+from topple.topology.scene import Scene
+from topple.topology.statics.rest import Statics
+
+FREE, REMOVE, PLACE = "free", "remove", "place"
+"""free: take a target clear, put it down; remove: take away what is in the way; place: as the goal says."""
+
+
+@dataclass(frozen=True, eq=False)
+class NextStep:
+    """A step that can be done now.
+
+    Attributes:
+        transfer: What the arm does.
+        action: One of free, remove, place.
+        reason: Why this object and why now.
+        order: The order the step was chosen from.
+        against: Doubtful dependencies that the step goes against.
+    """
+
+    transfer: Transfer
+    action: str
+    reason: str
+    order: Order
+    against: tuple[Dependency, ...] = ()
+
+
+@dataclass(frozen=True, eq=False)
+class Station:
+    """The arm as it stands before a step.
+
+    Attributes:
+        arm: The arm.
+        pose_base_to_world: (4, 4) where it stands.
+        q: (n,) its joint values [rad].
+    """
+
+    arm: Arm
+    pose_base_to_world: FloatArray
+    q: FloatArray
+
+
+class Orderer(Protocol):
+    """Whoever says in which order to free targets: `topple.planner.order`, or a function of your own.
+
+    It is asked before each step, of the scene as it is by then: objects that were put aside are in it, where
+    they were put. It takes what it needs of the keywords and leaves the others to `**_`.
+
+    Example:
+        >>> from topple.planner.planning.order import order
+        >>> def careful(scene, targets, *, relations, **_):
+        ...     return order(scene, targets, relations=relations, removal_risk=0.05, check_gravity=False)
+    """
+
+    def __call__(
+        self,
+        scene: Scene,
+        targets: Sequence[str],
+        *,
+        relations: Relations,
+        seed: int,
+        statics: Statics | None = None,
+        beliefs: Beliefs | None = None,
+    ) -> Order:
+        """Order what has to be taken to free some targets.
+
+        Args:
+            scene: What is seen, or what should be there by now.
+            targets: Names to free, each in the scene.
+            relations: The scene's relations.
+            seed: Of every search.
+            statics: The scene at rest where it has been worked out.
+            beliefs: What earlier looks made of the same things, in a run.
+
+        Returns:
+            An order as `topple.planner.order` gives it, or `topple.planner.arrange` makes it of a
+            `DependencyGraph`, the targets and a place (3,) for each object. Of the objects that no dependency
+            holds back, the first that the arm can take goes; `unresolved` cycles end the plan.
+        """
+        ...

@@ -1,0 +1,248 @@
+"""Take something away in simulation: what moves?"""
+
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from topple.robots.engine import pybullet
+from topple.robots.poses import angle_between
+from topple.robots.world.world import World
+from topple.topology.arrays import FloatArray
+
+if TYPE_CHECKING:
+    from topple.planner.simulate.rebuild import Rebuilt
+
+SPEED = 0.08
+"""Speed of the straight lift [m/s]."""
+
+LIFT = 0.25
+"""Height of the straight lift [m]."""
+
+SETTLE = 1.0
+"""Time [s] that what was disturbed gets to come to rest before it is looked at."""
+
+DOWNWARD = 0.7
+"""Contact normals steeper than 45 degrees come from something above."""
+
+STILL = 5e-4
+"""Speed [m/s] (ten times as many [rad/s] for turns) below which nothing will move a centimetre any more."""
+
+WATCHED = 2.0
+"""Seconds that a rebuilt world is watched while nobody does anything."""
+
+SLOW = 48
+"""Steps at the start in which every speed is taken away: overlaps dissolve, nothing is thrown."""
+
+FRICTIONS = ((0.5, 0.6), (0.4, 0.4), (0.75, 0.75))
+"""Friction between objects and with the table, in each of which the question is asked."""
+
+
+@dataclass(frozen=True)
+class Move:
+    """How far something moved.
+
+    Attributes:
+        distance: Displacement of the centre of mass [m].
+        angle: Turn [rad].
+    """
+
+    distance: float
+    angle: float
+
+    def beyond(self, distance: float, degrees: float) -> bool:
+        """Whether it moved further than a distance [m] or turned by more than some degrees."""
+        return self.distance > distance or self.angle > np.radians(degrees)
+
+
+def take_away(
+    world: World,
+    name: str,
+    seconds: float = SETTLE,
+    before: Mapping[str, FloatArray] | None = None,
+    watch: Callable[[World], None] | None = None,
+) -> dict[str, Move]:
+    """Lift an object straight up, rigidly, take it out of the world, and see what became of the others.
+
+    The world is left as it was.
+
+    Args:
+        world: A world at rest.
+        name: Who is lifted.
+        seconds: Time to settle after the lift [s].
+        before: name -> (4, 4) pose that the others are compared with: where they would be had nobody lifted
+            anything. Where they are now, if not given.
+        watch: Called after every step of the lift, and once all is over, before the world is put back.
+
+    Returns:
+        name -> move, for everything else that can move.
+    """
+    client = world.client
+    kept = world.snapshot()
+    before = world.poses() if before is None else before
+    number = world.ids[name]
+    position, turn = pybullet.getBasePositionAndOrientation(number, physicsClientId=client)
+    steps = round(LIFT / SPEED / world.time_step)
+    for step in range(1, steps + 1):
+        height = position[2] + step * SPEED * world.time_step
+        pybullet.resetBasePositionAndOrientation(
+            number, (position[0], position[1], height), turn, physicsClientId=client
+        )
+        pybullet.resetBaseVelocity(number, (0, 0, SPEED), (0, 0, 0), physicsClientId=client)
+        world.step()
+        if watch is not None:
+            watch(world)
+        if step % 12 == 0 and (_is_clear(world, name) or _is_stopped(world, name)):
+            break  # the rest of the way meets nothing, or a board bars it
+    # Out of reach of everything, where it falls for as long as the others settle.
+    pybullet.resetBasePositionAndOrientation(number, (0, 0, 1e3), turn, physicsClientId=client)
+    for _ in range(round(seconds / world.time_step / 24)):
+        world.step(24)
+        if _at_rest(world, name):
+            break
+    if watch is not None:
+        watch(world)
+    after = world.poses()
+    world.restore(kept)
+    pybullet.removeState(kept.number, physicsClientId=client)
+    return {other: _move(world, other, pose, after[other]) for other, pose in before.items() if other != name}
+
+
+def _move(world: World, name: str, before: FloatArray, after: FloatArray) -> Move:
+    """How far a body got from one pose to another."""
+    shift = _centre(world, name, after) - _centre(world, name, before)
+    return Move(float(np.linalg.norm(shift)), angle_between(before, after))
+
+
+def _is_clear(world: World, name: str) -> bool:
+    """Whether a body is above everything else."""
+    bottom = pybullet.getAABB(world.ids[name], physicsClientId=world.client)[0][2]
+    tops = [
+        pybullet.getAABB(number, physicsClientId=world.client)[1][2]
+        for other, number in world.ids.items()
+        if other != name
+    ]
+    return bool(bottom > max(tops, default=-np.inf) + 0.005)
+
+
+def _is_stopped(world: World, name: str) -> bool:
+    """Whether a body has come up against something fixed above it."""
+    for other in sorted(world.fixed):
+        met = pybullet.getContactPoints(world.ids[name], world.ids[other], physicsClientId=world.client) or ()
+        if any(point[7][2] < -DOWNWARD for point in met):
+            return True
+    return False
+
+
+def _at_rest(world: World, besides: str) -> bool:
+    """Whether nothing moves but one body."""
+    for name in world.movable:
+        if name != besides:
+            linear, angular = pybullet.getBaseVelocity(world.ids[name], physicsClientId=world.client)
+            if np.linalg.norm(linear) > STILL or np.linalg.norm(angular) > 10 * STILL:
+                return False
+    return True
+
+
+def _centre(world: World, name: str, pose: FloatArray) -> FloatArray:
+    """Centre of mass of a body in the world [m]."""
+    return np.asarray(pose[:3, :3] @ world.body(name).centre_of_mass + pose[:3, 3])
+
+
+@dataclass(frozen=True)
+class Trial:
+    """One way the world may be, within what the clouds leave open.
+
+    Attributes:
+        between: Friction between objects, where it is not known.
+        table: Friction with what is fixed, likewise.
+        jitter: Standard deviation [m] of where each body really is, along each axis.
+        seed: Seed of the jitter.
+    """
+
+    between: float
+    table: float
+    jitter: float
+    seed: int
+
+
+class Stage:
+    """A rebuilt world at rest, from which things are taken away one at a time; to be closed.
+
+    Attributes:
+        world: The world.
+        sagged: name -> how far it moved before anything was taken: how wrong its rebuilt body is.
+    """
+
+    def __init__(self, rebuilt: "Rebuilt", trial: Trial) -> None:
+        """Build the world, let it come to rest, and see where everything stays if nobody does anything.
+
+        Args:
+            rebuilt: The bodies.
+            trial: The friction, of surfaces of which it is not known.
+        """
+        self.world = rebuilt.world()
+        set_friction(self.world, trial.between, trial.table, rebuilt.friction)
+        before = self.world.poses()
+        _come_to_rest(self.world)
+        kept = self.world.snapshot()
+        for _ in range(round(WATCHED / self.world.time_step / 24)):
+            self.world.step(24)
+            if _at_rest(self.world, ""):
+                break
+        self._rest = self.world.poses()
+        self.world.restore(kept)
+        self.sagged = {name: _move(self.world, name, before[name], self._rest[name]) for name in before}
+
+    def without(self, name: str) -> dict[str, Move]:
+        """Take something away: how far the others get from where they would be with it."""
+        return take_away(self.world, name, before=self._rest)
+
+    def close(self) -> None:
+        """End the simulation."""
+        self.world.close()
+
+
+def _come_to_rest(world: World) -> None:
+    """Settle slowly: bodies that overlap a little are pushed apart without being thrown."""
+    for _ in range(SLOW):
+        world.step()
+        for number in (world.ids[name] for name in world.movable):
+            pybullet.resetBaseVelocity(number, (0, 0, 0), (0, 0, 0), physicsClientId=world.client)
+    for _ in range(20):
+        world.step(12)
+        if _at_rest(world, ""):
+            break
+
+
+def set_friction(
+    world: World, between: float, table: float, known: Mapping[str, float] | None = None
+) -> None:
+    """Give every contact one coefficient of friction, as far as nothing else is known.
+
+    Args:
+        world: The world.
+        between: Coefficient between objects; PyBullet multiplies those of the two bodies.
+        table: Coefficient between an object and anything fixed.
+        known: Coefficients of surfaces by name, which stay as they are.
+    """
+    own, known = float(np.sqrt(between)), known or {}
+    for name, number in world.ids.items():
+        value = known.get(name, table / own if name in world.fixed else own)
+        pybullet.changeDynamics(number, -1, lateralFriction=value, physicsClientId=world.client)
+
+
+def label(moves: list[Mapping[str, Move]], name: str) -> int | None:
+    """Did an object have to go first: 1 yes, 0 no, None too close to call.
+
+    Args:
+        moves: What moved, once per friction.
+        name: The object asked about.
+    """
+    own = [each[name] for each in moves]
+    if all(m.beyond(0.01, 10) for m in own) and any(m.beyond(0.015, 15) for m in own):
+        return 1
+    if not any(m.beyond(0.01, 10) for m in own) and sum(m.beyond(0.006, 6) for m in own) <= 1:
+        return 0
+    return None

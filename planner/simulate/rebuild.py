@@ -1,0 +1,170 @@
+"""Bodies for simulation from a scene at rest: what was seen, completed, and fitted to stay at rest."""
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field, replace
+from types import MappingProxyType
+
+import numpy as np
+from scipy.spatial import ConvexHull
+
+from topple.planner.simulate.seating import Seat, Shape, balanced, floor_cut, part, seat
+from topple.robots.world.bodies import FRICTION, Body
+from topple.robots.world.body_clouds import Piece, shell, solid
+from topple.robots.world.world import TABLE_FRICTION, World
+from topple.topology.arrays import FloatArray
+from topple.topology.bodies.complete import is_hollow
+from topple.topology.statics.contact import planes_and_rest
+from topple.topology.statics.rest import Statics
+from topple.topology.upright import Upright
+
+SLAB = 0.03
+"""Thickness [m] of a flat fixed surface that is not the floor."""
+
+EDGE = 0.01
+"""Points of a fixed body this close [m] to the board under a top are the board's own edge and underside."""
+
+FEWEST = 12
+"""Points of a fixed body beside its tops that make a wall: fewer are noise."""
+
+FLOOR = "the floor"
+"""What everything stands on in a rebuilt world."""
+
+FILLED = 0.006
+"""A hull that has points of other things this deep [m] inside it is not filled by its own."""
+
+INTRUDERS = 6
+"""Such points it takes: a few are what masks get wrong at edges."""
+
+
+@dataclass(frozen=True, eq=False)
+class Rebuilt:
+    """Bodies and their places in the upright frame.
+
+    Attributes:
+        bodies: Movable bodies, by name.
+        grounds: Fixed bodies.
+        poses: name -> (4, 4) pose_body_to_upright.
+        floor: Height [m] of the surface everything stands on.
+        friction: Coefficients of surfaces that were given, by name; that of the floor as `FLOOR`.
+    """
+
+    bodies: Mapping[str, Body]
+    grounds: tuple[Body, ...]
+    poses: Mapping[str, FloatArray]
+    floor: float
+    friction: Mapping[str, float] = field(default_factory=lambda: MappingProxyType({}))
+
+    def world(self) -> World:
+        """All bodies on a floor in a world of their own, which the caller closes."""
+        world = World()
+        middle = np.mean([pose[:2, 3] for pose in self.poses.values()], axis=0)
+        world.add_table(
+            FLOOR,
+            height=self.floor,
+            size=(3.0, 3.0),
+            centre=(float(middle[0]), float(middle[1])),
+            friction=self.friction.get(FLOOR, TABLE_FRICTION),
+        )
+        self.add_to(world)
+        return world
+
+    def add_to(self, world: World) -> None:
+        """Put all bodies, but no floor, into a world whose z axis is up."""
+        for ground in self.grounds:
+            world.add(ground, self.poses[ground.name], fixed=True)
+        for name, body in self.bodies.items():
+            world.add(body, self.poses[name])
+
+
+def rebuild(statics: Statics, jitter: float = 0.0, seed: int = 0) -> Rebuilt:
+    """Make bodies of the completed surfaces of a scene.
+
+    Args:
+        statics: The scene at rest.
+        jitter: Standard deviation [m] along each axis by which each cloud is put elsewhere before the bodies
+            are fitted to each other: what noise leaves open of poses and shapes.
+        seed: Of the jitter.
+
+    Returns:
+        One body per object; the lowest top in use of the largest fixed body is the floor.
+    """
+    upright = statics.upright
+    rng = np.random.default_rng(seed)
+    shapes = {name: _moved(_shape(name, statics), rng.normal(0.0, jitter, 3)) for name in upright.movable}
+    grounds = {name: _ground(upright, name) for name in upright.fixed}
+    grounds = {name: shape for name, shape in grounds.items() if shape}
+    shapes = {name: floor_cut(shape, upright.floor) for name, shape in shapes.items()}
+    part({**shapes, **grounds})
+    lowest = {name: float(upright.clouds[name][:, 2].min()) for name in shapes}
+    seats: dict[str, Seat] = {}
+    for name in sorted(shapes, key=lowest.__getitem__):
+        centre = _centre(shapes[name], statics, name)
+        seats[name] = seat(name, shapes, grounds, upright.floor, centre, statics.sight)
+    masses = {name: statics.weights[name].mass for name in shapes}
+    hidden = statics.sight is not None  # else the mass is where the shape has it
+    centres = balanced(seats, masses) if hidden else {name: each.centre for name, each in seats.items()}
+    part(shapes)
+    bodies: dict[str, Body] = {}
+    poses: dict[str, FloatArray] = {}
+    for name, shape in {**shapes, **grounds}.items():
+        origin = statics.surfaces[name].mean(axis=0)
+        fixed = name in grounds
+        parts = [piece.corners - origin for piece in shape]
+        rough = upright.friction.get(name, FRICTION)
+        body = Body.of(name, parts, mass=masses.get(name), friction=rough, kind="cloud")
+        bodies[name] = body if fixed else replace(body, centre_of_mass=centres[name] - origin)
+        poses[name] = np.eye(4)
+        poses[name][:3, 3] = origin
+    movable = {name: bodies[name] for name in shapes}
+    friction = dict(upright.friction)
+    largest = max(upright.fixed, key=lambda name: len(upright.clouds[name]), default="")
+    if largest in friction:  # what the floor's height is of
+        friction[FLOOR] = friction[largest]
+    return Rebuilt(movable, tuple(bodies[name] for name in grounds), poses, upright.floor, friction)
+
+
+def _shape(name: str, statics: Statics) -> Shape:
+    """The pieces of a body: thin ones where it is hollow, or where other things are in its hull."""
+    surface, seen = statics.surfaces[name], statics.upright.clouds[name]
+    if is_hollow(seen, statics.sight) or _intruded(solid(seen, seen)[0], name, statics):
+        return shell(surface, seen, statics.upright.viewpoints)
+    return solid(surface, seen)
+
+
+def _moved(shape: Shape, offset: FloatArray) -> Shape:
+    """The pieces somewhere else."""
+    return [Piece(piece.corners + offset, piece.seen + offset) for piece in shape]
+
+
+def _intruded(whole: Piece, name: str, statics: Statics) -> bool:
+    """Whether points of other things lie deep in a hull."""
+    others = [points for other, points in statics.upright.clouds.items() if other != name]
+    if not others:
+        return False
+    planes = whole.planes
+    reach = (np.concatenate(others) @ planes[:, :3].T + planes[:, 3]).max(axis=1)
+    return int((reach < -FILLED).sum()) >= INTRUDERS
+
+
+def _centre(shape: Shape, statics: Statics, name: str) -> FloatArray:
+    """(3,) centre of mass: that of the hull of a solid, that of the surface of a shell [m]."""
+    if len(shape) > 1:
+        return statics.surfaces[name].mean(axis=0)
+    return Body.of(name, [shape[0].corners], mass=1.0).centre_of_mass
+
+
+def _ground(upright: Upright, name: str) -> Shape:
+    """Pieces of something fixed: boards under its tops and a shell of the rest; none for the floor itself."""
+    planes, rest = planes_and_rest(upright, name)
+    if not planes:
+        return shell(rest, rest, None)
+    surfaces = upright.tops[name] if planes[0].ends else (upright.clouds[name],)
+    pieces: Shape = []
+    for surface in surfaces:
+        if abs(float(np.median(surface[:, 2])) - upright.floor) >= SLAB / 2:
+            slab = np.concatenate([surface, surface - np.array([0.0, 0.0, SLAB])])
+            pieces.append(Piece(slab[ConvexHull(slab).vertices], surface))
+    sides = rest[rest[:, 2] > upright.floor + SLAB / 2]
+    for piece in pieces:
+        sides = sides[(sides @ piece.planes[:, :3].T + piece.planes[:, 3]).max(axis=1) > EDGE]
+    return [*pieces, *(shell(sides, sides, None) if len(sides) >= FEWEST else ())]

@@ -1,0 +1,221 @@
+"""Dependencies checked by simulation: every object is taken away in rebuilt worlds, within a budget."""
+
+import multiprocessing
+import os
+import signal
+import time
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass
+from multiprocessing.connection import Connection, wait
+
+import numpy as np
+
+from topple.planner.decide.dependency import Dependency, DependencyGraph
+from topple.planner.decide.evidence import posterior, rates_for
+from topple.planner.simulate.lifts import FRICTIONS, Move, Stage, Trial
+from topple.planner.simulate.rebuild import rebuild
+from topple.topology.statics.rest import Statics
+
+BUDGET = 20.0
+"""Seconds that checking a pile of eight may take on two cores."""
+
+RESERVE = 0.3
+"""Seconds of the budget that are kept for ending the simulations and sorting the answer."""
+
+TRUSTED = 0.6
+"""A body that sagged by more than this share of a move (1 cm or 10 degrees) while its rebuilt world came to
+rest was rebuilt wrongly: what simulation says about it is believed less."""
+
+NOISE = (0.0003, 0.001)
+"""Where bodies may really be (standard deviation [m]), by whole clouds and by what cameras saw."""
+
+
+@dataclass(frozen=True, eq=False)
+class Votes:
+    """What the simulations said.
+
+    Attributes:
+        moved: (first, then) -> for each trial, whether taking `then` moved `first`.
+        sagged: name -> largest sag, as a share of a move.
+        trials: Lifts simulated.
+        complete: False where the budget ran out before all lifts were done.
+    """
+
+    moved: Mapping[tuple[str, str], tuple[bool, ...]]
+    sagged: Mapping[str, float]
+    trials: int
+    complete: bool
+
+    def steady(self, first: str, then: str) -> bool:
+        """Whether both bodies stood still on their own in simulation."""
+        return all(self.sagged.get(name, np.inf) < TRUSTED for name in (first, then))
+
+
+@dataclass(frozen=True, eq=False)
+class _Lift:
+    """One object taken away in one world."""
+
+    then: str
+    sagged: Mapping[str, Move]
+    moves: Mapping[str, Move]
+
+
+def ask(
+    statics: Statics,
+    graph: DependencyGraph,
+    seed: int = 0,
+    deadline: float | None = None,
+    workers: int | None = None,
+) -> Votes:
+    """Take every object away in simulation, at every friction, the doubtful ones first.
+
+    Args:
+        statics: The scene at rest.
+        graph: What reasoning found: objects about whose dependencies it is least sure are lifted first.
+        seed: Seed of the simulations.
+        deadline: When to stop, on `time.monotonic`'s clock [s]; `BUDGET` from now where not given.
+        workers: Processes, one per core where not given.
+
+    Returns:
+        The votes; the same for the same seed and number of workers unless time ran out.
+    """
+    deadline = (time.monotonic() + BUDGET if deadline is None else deadline) - RESERVE
+    doubt = dict.fromkeys(graph.names, 0.0)
+    for edge in graph.dependencies:
+        doubt[edge.then] += edge.confidence * (1 - edge.confidence)
+    names = sorted(graph.names, key=lambda name: -doubt[name])
+    jitter = NOISE[0 if statics.sight is None else 1]
+    trials = [
+        Trial(between, table, jitter if number else 0.0, seed + number)
+        for number, (between, table) in enumerate(FRICTIONS)
+    ]
+    workers = max(1, min(workers or len(os.sched_getaffinity(0)), len(names)))
+    shares = [[(trial, names[k::workers]) for trial in trials] for k in range(workers)]
+    lifts = _in_processes([_worker(statics, share) for share in shares], deadline)
+    return _count(lifts, len(lifts) == len(names) * len(trials))
+
+
+_Job = Callable[[Connection], None]
+
+
+def _worker(statics: Statics, share: Sequence[tuple[Trial, Sequence[str]]]) -> _Job:
+    """A process's part of the lifts, each sent when it is done."""
+
+    def work(out: Connection) -> None:
+        signal.signal(signal.SIGINT, signal.SIG_IGN)  # the parent ends its children
+        for trial, names in share:
+            stage = Stage(rebuild(statics, trial.jitter, trial.seed), trial)
+            for name in names:
+                out.send(_Lift(name, stage.sagged, stage.without(name)))
+            stage.close()
+        out.close()
+
+    return work
+
+
+def _in_processes(jobs: Sequence[_Job], deadline: float) -> list[_Lift]:
+    """Run jobs side by side and collect what they send until the deadline; then they are ended.
+
+    Processes are forked: they share the scene, start at once, and need no importable main module.
+
+    Raises:
+        RuntimeError: A process ended with an error.
+    """
+    context = multiprocessing.get_context("fork")
+    pipes = [context.Pipe(duplex=False) for _ in jobs]
+    processes = [
+        context.Process(target=job, args=(pipe[1],), daemon=True)
+        for job, pipe in zip(jobs, pipes, strict=True)
+    ]
+    found: dict[int, list[_Lift]] = {number: [] for number in range(len(jobs))}
+    reading = {pipe[0]: number for number, pipe in enumerate(pipes)}
+    try:
+        for process, (_, writing) in zip(processes, pipes, strict=True):
+            process.start()
+            writing.close()
+        while reading and (left := deadline - time.monotonic()) > 0:
+            for ready in wait(list(reading), timeout=left):
+                assert isinstance(ready, Connection)
+                try:
+                    found[reading[ready]].append(ready.recv())
+                except EOFError:
+                    number = reading.pop(ready)
+                    processes[number].join()
+                    if processes[number].exitcode != 0:
+                        raise RuntimeError(
+                            f"a simulation ended with exit code {processes[number].exitcode}"
+                        ) from None
+    finally:
+        for process in processes:
+            process.terminate()
+        for process in processes:
+            process.join()
+        for receiving, _ in pipes:
+            receiving.close()
+    return [lift for lifts in found.values() for lift in lifts]
+
+
+def _share(move: Move) -> float:
+    """A move as a share of what counts as one: 1 cm or 10 degrees."""
+    return max(move.distance / 0.01, float(np.degrees(move.angle)) / 10.0)
+
+
+def _count(lifts: Sequence[_Lift], complete: bool) -> Votes:
+    """Votes of all lifts."""
+    moved: dict[tuple[str, str], list[bool]] = {}
+    sagged: dict[str, float] = {}
+    for lift in lifts:
+        for name, move in lift.sagged.items():
+            sagged[name] = max(sagged.get(name, 0.0), _share(move))
+        for first, move in lift.moves.items():
+            moved.setdefault((first, lift.then), []).append(_share(move) > 1.0)
+    return Votes({pair: tuple(each) for pair, each in moved.items()}, sagged, len(lifts), complete)
+
+
+def chances(
+    prior: Mapping[tuple[str, str], float], votes: Votes, cameras: int | None
+) -> dict[tuple[str, str], float]:
+    """Chance of every dependency, from reasoning and simulation together.
+
+    Args:
+        prior: (first, then) -> chance by reasoning, of every ordered pair.
+        votes: What simulation said.
+        cameras: How many cameras saw the scene; None where the clouds show whole surfaces.
+
+    Returns:
+        (first, then) -> 0..1, for every ordered pair; from cameras no less than by reasoning.
+    """
+    rates = rates_for(cameras)
+    found: dict[tuple[str, str], float] = {}
+    for pair, chance in prior.items():
+        each = votes.moved.get(pair, ())
+        found[pair] = posterior(chance, sum(each), len(each), votes.steady(*pair), rates)
+        if cameras is not None:
+            # Bodies with guessed sides are completed so that they stand: that one stood is no news.
+            found[pair] = max(found[pair], chance)
+    return found
+
+
+def confirmed(
+    graph: DependencyGraph, chance: Mapping[tuple[str, str], float], votes: Votes
+) -> DependencyGraph:
+    """The graph after simulation.
+
+    Args:
+        graph: Dependencies by reasoning, with every edge, not reduced.
+        chance: (first, then) -> chance that it holds, of every pair.
+        votes: What simulation said.
+
+    Returns:
+        The edges that more likely hold than not, and those that reasoning found and simulation does not speak
+        against, with the reasons statics gave. New ones are between bodies that stood still by themselves.
+    """
+    kept: list[Dependency] = []
+    for (first, then), value in chance.items():
+        known = graph.between(first, then)
+        # A body that was rebuilt so wrongly that it sags by itself moves at any touch: no news.
+        if known is None and not votes.steady(first, then):
+            continue
+        if value >= 0.5 or (known is not None and value >= known.confidence):
+            kept.append(Dependency(first, then, "blocking" if known is None else known.reason, value))
+    return DependencyGraph.of(graph.names, kept)

@@ -1,0 +1,185 @@
+"""What is checked against what while one object is taken, carried and put down."""
+
+from collections.abc import Sequence
+from functools import cached_property
+
+import numpy as np
+
+from topple.planner.bodies.solids import Solids, apart, moved, up_of
+from topple.planner.grasp.grasp import Grasp
+from topple.planner.motion.collision import Checker
+from topple.planner.motion.model import Attachment
+from topple.planner.placement.placement import Placement
+from topple.robots.arm.arm import Arm
+from topple.robots.hands.gripper import ToolState
+from topple.topology.arrays import FloatArray
+from topple.topology.scene import Scene
+
+MARGIN = 0.004  # what is carried keeps this to everything, if any way does: depth noise and tracking [m]
+RELEASE_GAP = 0.01  # pads this much wider than what they held let go of it [m]
+OPENING_STEP = 0.005  # openings are rounded up to it, so that grasps share their checks [m]
+CONTACT = 0.006  # bodies this close touch: noise of two clouds [m]
+
+
+class Checks:
+    """The checkers of one object's way in one scene, each made once.
+
+    Args:
+        name: The object.
+        scene: The scene.
+        bodies: Convex parts of all objects, in the world.
+        arm: The arm.
+        pose_base_to_world: (4, 4) where it stands.
+        riding: What lies in the object and goes with it.
+        seed: For inverse kinematics.
+    """
+
+    def __init__(
+        self,
+        name: str,
+        scene: Scene,
+        bodies: Solids,
+        arm: Arm,
+        pose_base_to_world: FloatArray,
+        riding: tuple[str, ...] = (),
+        seed: int = 0,
+    ) -> None:
+        self.name, self.scene, self.arm, self.riding, self.seed = name, scene, arm, riding, seed
+        self.bodies, self.up = bodies, up_of(scene)
+        self.pose_base_to_world = pose_base_to_world
+        self.world_to_base = np.linalg.inv(pose_base_to_world)
+        self._checkers: dict[tuple[object, ...], Checker] = {}
+
+    # -- how the hand stands
+
+    def ready(self, grasp: Grasp) -> ToolState:
+        """On the way in."""
+        if grasp.tool == "suction":
+            return self.arm.tools["suction"].ready
+        return ToolState(_rounded(grasp.opening, self.arm))
+
+    def closed(self, grasp: Grasp) -> ToolState:
+        """With the object."""
+        return self.ready(grasp) if grasp.tool == "suction" else ToolState(grasp.width)
+
+    def released(self, grasp: Grasp, into: str | None) -> ToolState:
+        """After letting go: wide open, so that the object stays where it is when the hand leaves.
+
+        In a vessel only as far as it takes: fingers would push aside what else is in it.
+        """
+        if grasp.tool == "suction":
+            return self.ready(grasp)
+        if into is not None:
+            return ToolState(_rounded(grasp.width + RELEASE_GAP, self.arm))
+        return self.arm.open_hand
+
+    # -- what is checked against what
+
+    def _links(self, grasp: Grasp) -> tuple[str, ...]:
+        """Links that may be next to the object: what holds it, and the fingers that stand open around a cup.
+
+        The search for suction kept the open hand clear of the object's cloud; the hulls drawn around the
+        cloud bridge its hollows, a plate's for one, and would bar it.
+        """
+        links = self.arm.tools[grasp.tool].links
+        if grasp.tool == "suction" and self.arm.jaw is not None:
+            return (*links, *self.arm.jaw.links)
+        return links
+
+    def approaching(self, grasp: Grasp, lenient: bool) -> Checker:
+        """The open hand around the object: what holds may touch it."""
+        key = ("approach", grasp.tool, self.ready(grasp), lenient)
+        if key not in self._checkers:
+            others = [other for other in self.scene.movable if other != self.name] if lenient else []
+            allow = _pairs(self._links(grasp), [self.name, *others])
+            self._checkers[key] = self._checker(self.bodies, self.ready(grasp), allow=allow)
+        return self._checkers[key]
+
+    def lifting(self, grasp: Grasp, lenient: bool) -> Checker:
+        """The object leaving what it stood on or against: what it touches now it may touch."""
+        allow = _pairs([self.name], self.touching)
+        if lenient:
+            allow += _pairs(self._links(grasp), [o for o in self.others if o not in self.scene.fixed])
+        held = self._attached(grasp)
+        return self._checker(self.others, self.closed(grasp), attached=held, allow=allow)
+
+    def carrying(self, grasp: Grasp, margin: float, into: str | None = None) -> Checker:
+        """The object in the hand, everything else in the way at a margin, but for what it is put into."""
+        key = ("carry", grasp, margin, into)
+        if key not in self._checkers:
+            self._checkers[key] = self._checker(
+                self.others,
+                self.closed(grasp),
+                attached=self._attached(grasp),
+                allow=[] if into is None else _pairs([self.name], [into]),
+                margin=margin,
+            )
+        return self._checkers[key]
+
+    def leaving(self, grasp: Grasp, into: str | None = None) -> Checker:
+        """The open hand drawing back from the object at its new place.
+
+        The object itself is left out, as its place is not known here; `parting` has it.
+        """
+        state = self.released(grasp, into)
+        key = ("leave", grasp.tool, state)
+        if key not in self._checkers:
+            self._checkers[key] = self._checker(self.others, state)
+        return self._checkers[key]
+
+    def parting(self, grasp: Grasp, place: Placement) -> Checker:
+        """The open hand drawing back, the object at its new place included: what held it may touch it."""
+        pose = place.pose_before_to_after
+        bodies = {**self.others, **{n: moved(self.bodies[n], pose) for n in (self.name, *self.riding)}}
+        allow = _pairs(self._links(grasp), (self.name, *self.riding))
+        return self._checker(bodies, self.released(grasp, place.into), allow=allow)
+
+    def empty(self, opening: float) -> Checker:
+        """The empty hand among everything; it may start near what it just left, so no margin is asked for."""
+        return self._checker(self.bodies, self.arm.on_the_way(_rounded(opening, self.arm)))
+
+    @cached_property
+    def others(self) -> dict[str, Sequence[FloatArray]]:
+        """The bodies of all but the object and what rides in it."""
+        away = (self.name, *self.riding)
+        return {other: parts for other, parts in self.bodies.items() if other not in away}
+
+    @cached_property
+    def touching(self) -> tuple[str, ...]:
+        """The others whose clouds or bodies come within contact distance of the object's."""
+        return tuple(
+            other for other in self.others if not apart(self.bodies[self.name], self.bodies[other], CONTACT)
+        )
+
+    def _attached(self, grasp: Grasp) -> Attachment:
+        to_tool: FloatArray = np.linalg.inv(grasp.pose_tool_to_world).astype(np.float64)
+        parts = [part for name in (self.name, *self.riding) for part in self.bodies[name]]
+        return Attachment(moved(parts, to_tool), grasp.tool, self.name)
+
+    def _checker(
+        self,
+        bodies: Solids,
+        state: ToolState,
+        *,
+        attached: Attachment | None = None,
+        allow: Sequence[frozenset[str]] = (),
+        margin: float = 0.0,
+    ) -> Checker:
+        return Checker(
+            self.arm,
+            self.pose_base_to_world,
+            bodies,
+            tool_state=state,
+            attached=attached,
+            allow=allow,
+            margin=margin,
+        )
+
+
+def _rounded(opening: float, arm: Arm) -> float:
+    largest = arm.jaw.max_opening if arm.jaw else 0.0
+    return min(largest, float(np.ceil(opening / OPENING_STEP - 1e-9)) * OPENING_STEP)
+
+
+def _pairs(links: Sequence[str], objects: Sequence[str]) -> list[frozenset[str]]:
+    return [frozenset((link, name)) for link in links for name in objects]

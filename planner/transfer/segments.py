@@ -1,0 +1,65 @@
+"""The pieces of a pick and place, in the order they are driven."""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from topple.planner.motion.certificate import Certificate
+from topple.planner.motion.trajectory import Trajectory
+from topple.robots.hands.gripper import ToolState
+from topple.topology.arrays import FloatArray
+
+KINDS = ("move", "approach", "grasp", "lift", "transfer", "place", "release", "retreat")
+"""move: empty hand, to before the object; approach: straight in; grasp: close or switch the vacuum on; lift:
+straight up; transfer: carrying, to above the place; place: straight down; release; retreat: straight out."""
+
+
+@dataclass(frozen=True, eq=False)
+class Segment:
+    """One piece.
+
+    Attributes:
+        kind: One of `KINDS`.
+        tool: "fingers" or "suction".
+        hand: How the hand stands: set before the motion; for grasp and release what it is brought to.
+        trajectory: The motion; None for grasp and release.
+        holding: The object in the hand during the motion, or None.
+        may_touch: Pairs of names (links, objects) that touch here and are meant to.
+        certificate: The proof that nothing else touches all along the motion; None for grasp and release.
+    """
+
+    kind: str
+    tool: str
+    hand: ToolState
+    trajectory: Trajectory | None
+    holding: str | None
+    may_touch: tuple[tuple[str, str], ...] = ()
+    certificate: Certificate | None = None
+
+
+def no_faster_than(trajectory: Trajectory, length: float, speed: float) -> Trajectory:
+    """Stretch a trajectory in time so that the tool keeps below a mean speed.
+
+    Args:
+        trajectory: The trajectory.
+        length: The tool's way [m].
+        speed: The largest mean speed of the tool [m/s].
+
+    Returns:
+        The same path, slower where need be.
+    """
+    duration = float(trajectory.times[-1])
+    factor = max(1.0, length / speed / duration) if duration > 0 else 1.0
+    return Trajectory(
+        np.asarray(trajectory.times * factor),
+        trajectory.positions,
+        np.asarray(trajectory.velocities / factor),
+    )
+
+
+def end_of(segments: "tuple[Segment, ...] | list[Segment]", otherwise: FloatArray) -> FloatArray:
+    """Joint values (n,) after the last motion of some segments [rad]."""
+    for segment in reversed(segments):
+        if segment.trajectory is not None:
+            return segment.trajectory.positions[-1]
+    return otherwise

@@ -1,0 +1,1 @@
+"""Arms: their files, joints, kinematics and what of them can collide."""

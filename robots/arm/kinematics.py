@@ -1,0 +1,165 @@
+"""Forward kinematics and Jacobians of a serial chain, for many states at once."""
+
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+
+from topple.robots.arm.urdf import Joint
+from topple.topology.arrays import BoolArray, FloatArray, frozen
+
+ROUNDING = 1e-4  # [m] more than a solution's residual
+
+
+@dataclass(frozen=True, eq=False)
+class Chain:
+    """Driven joints in series, each with the fixed transform before it.
+
+    The transform of joint k is T_k(q) = K0 + cos(q) K1 + sin(q) K2 when it turns and K0 + q K1 when it
+    slides, so that many states cost a few array operations.
+
+    Attributes:
+        k0: (n, 4, 4) constant part.
+        k1: (n, 4, 4) part that goes with cos(q), or with q for a sliding joint.
+        k2: (n, 4, 4) part that goes with sin(q), zero for a sliding joint.
+        axes: (n, 3) unit joint axes in the frame behind the joint.
+        revolute: (n,) whether the joint turns.
+        lower: (n,) lower limits in [rad] or [m].
+        upper: (n,) upper limits in [rad] or [m].
+    """
+
+    k0: FloatArray
+    k1: FloatArray
+    k2: FloatArray
+    axes: FloatArray
+    revolute: BoolArray
+    lower: FloatArray
+    upper: FloatArray
+
+    @property
+    def size(self) -> int:
+        """Number of joints."""
+        return len(self.axes)
+
+    @cached_property
+    def reach(self) -> float:
+        """A distance from the base that the last frame's origin never exceeds [m]."""
+        sizes = [np.linalg.norm(k[:, :3, 3], axis=1) for k in (self.k0, self.k1, self.k2)]
+        most = np.where(self.revolute, 1.0, np.maximum(np.abs(self.lower), np.abs(self.upper)))
+        return float(np.sum(sizes[0] + most * sizes[1] + sizes[2])) + ROUNDING
+
+    @staticmethod
+    def of(
+        joints: tuple[Joint, ...], before: tuple[FloatArray, ...], lower: FloatArray, upper: FloatArray
+    ) -> "Chain":
+        """Build a chain.
+
+        Args:
+            joints: The driven joints, base first.
+            before: For each joint the (4, 4) pose of its frame at value zero in the previous joint's frame.
+            lower: (n,) lower limits.
+            upper: (n,) upper limits.
+        """
+        k0, k1, k2 = (np.zeros((len(joints), 4, 4)) for _ in range(3))
+        for i, (joint, fixed) in enumerate(zip(joints, before, strict=True)):
+            constant, cosine, sine = _joint_terms(joint)
+            k0[i], k1[i], k2[i] = fixed @ constant, fixed @ cosine, fixed @ sine
+        revolute = np.array([joint.kind != "prismatic" for joint in joints], dtype=np.bool_)
+        revolute.setflags(write=False)
+        axes = np.array([joint.axis for joint in joints]).reshape(-1, 3)
+        return Chain(frozen(k0), frozen(k1), frozen(k2), frozen(axes), revolute, frozen(lower), frozen(upper))
+
+    def frames(self, q: FloatArray) -> FloatArray:
+        """Poses of all joint frames.
+
+        Args:
+            q: (m, n) joint values in [rad] or [m].
+
+        Returns:
+            (m, n + 1, 4, 4) poses of the joint frames in the base; index 0 is the base itself.
+        """
+        frames = np.empty((len(q), self.size + 1, 4, 4))
+        frames[:, :, :3] = self.poses(q).transpose(3, 0, 1, 2)
+        frames[:, :, 3] = (0, 0, 0, 1)
+        return frames
+
+    @cached_property
+    def _terms(self) -> FloatArray:
+        terms: FloatArray = np.stack([k[:, :3] for k in (self.k0, self.k1, self.k2)], axis=-1)
+        return terms.reshape(self.size, 12, 3)
+
+    def poses(self, q: FloatArray) -> FloatArray:
+        """Poses of all joint frames, states last, so that what follows runs over contiguous numbers.
+
+        Args:
+            q: (m, n) joint values in [rad] or [m].
+
+        Returns:
+            (n + 1, 3, 4, m) rotations beside translations in the base; index 0 is the base itself.
+        """
+        count = len(q)
+        values = np.ascontiguousarray(q.T, dtype=float)
+        weights = np.ones((self.size, 3, count))
+        weights[:, 1] = np.where(self.revolute[:, None], np.cos(values), values)
+        weights[:, 2] = np.sin(values)
+        local = np.matmul(self._terms, weights).reshape(self.size, 3, 4, count)
+        poses = np.empty((self.size + 1, 3, 4, count))
+        poses[0] = np.eye(3, 4)[:, :, None]
+        poses[1] = local[0]
+        for k in range(1, self.size):
+            np.einsum("ijm,jkm->ikm", poses[k, :, :3], local[k], out=poses[k + 1])
+            poses[k + 1, :, 3] += poses[k, :, 3]
+        return poses
+
+    def jacobian(self, frames: FloatArray, points: FloatArray) -> FloatArray:
+        """Jacobians of points carried by the last frame.
+
+        Args:
+            frames: (m, n + 1, 4, 4) as returned by `frames`.
+            points: (m, 3) in the base frame.
+
+        Returns:
+            (m, 6, n): linear velocity of the point above angular velocity of the frame.
+        """
+        axes = np.matmul(frames[:, 1:, :3, :3], self.axes[:, :, None])[..., 0]
+        arms = points[:, None, :] - frames[:, 1:, :3, 3]
+        turning = self.revolute[:, None]
+        linear = np.where(turning, np.cross(axes, arms), axes)
+        angular = np.where(turning, axes, 0.0)
+        return np.concatenate([linear, angular], axis=2).transpose(0, 2, 1)
+
+
+def _joint_terms(joint: Joint) -> tuple[FloatArray, FloatArray, FloatArray]:
+    constant, cosine, sine = np.eye(4), np.zeros((4, 4)), np.zeros((4, 4))
+    x, y, z = joint.axis
+    if joint.kind == "prismatic":
+        cosine[:3, 3] = joint.axis
+        return constant, cosine, sine
+    along = np.outer(joint.axis, joint.axis)
+    constant[:3, :3] = along  # Rodrigues: R = a a^T + cos q (I - a a^T) + sin q [a]x
+    cosine[:3, :3] = np.eye(3) - along
+    sine[:3, :3] = [[0, -z, y], [z, 0, -x], [-y, x, 0]]
+    return constant, cosine, sine
+
+
+def rotation_vectors(rotations: FloatArray) -> FloatArray:
+    """Axis times angle of rotation matrices.
+
+    Args:
+        rotations: (m, 3, 3).
+
+    Returns:
+        (m, 3) in [rad], angles up to pi.
+    """
+    r = rotations
+    twice = np.stack([r[:, 2, 1] - r[:, 1, 2], r[:, 0, 2] - r[:, 2, 0], r[:, 1, 0] - r[:, 0, 1]], axis=1)
+    sine = np.linalg.norm(twice, axis=1) / 2
+    cosine = (np.trace(r, axis1=1, axis2=2) - 1) / 2
+    angle = np.arctan2(sine, cosine)
+    vectors = twice * (angle / np.maximum(2 * sine, 1e-12))[:, None]
+    # near pi the antisymmetric part vanishes; the axis is then the largest column of R + I
+    for i in np.flatnonzero((sine < 1e-6) & (cosine < 0)):
+        column = np.argmax(np.diag(r[i]))
+        axis = r[i, :, column] + np.eye(3)[column]
+        vectors[i] = axis / np.linalg.norm(axis) * angle[i]
+    return vectors

@@ -1,0 +1,176 @@
+"""An arm from a URDF file of one's own, with the jaw it has or the tool a gripper file gives it."""
+
+from dataclasses import replace
+from pathlib import Path
+from xml.etree import ElementTree
+
+import numpy as np
+
+from topple.robots.arm.arm import Arm
+from topple.robots.arm.home import home_of
+from topple.robots.arm.prepared import prepared
+from topple.robots.arm.urdf import Model, model_of, urdf_root
+from topple.robots.hands.gripper import SuctionCup, Tool, ToolState
+from topple.robots.hands.gripper_file import (
+    Cup,
+    Gripper,
+    Jaw,
+    check_names,
+    checked,
+    pose_of_offset,
+    read_gripper,
+)
+from topple.robots.hands.jaws import FORCE, Fingers, find_fingers, measured_jaw, palm_of, rigid_groups
+from topple.robots.hands.suction_hand import CUP_JOINT, CUP_LINK, CupDesign, cup_xml
+from topple.topology.errors import InvalidInput
+
+ACCELERATION = {"prismatic": 2.0}  # [m/s2]; URDF cannot say it
+TURNING = 10.0  # [rad/s2] likewise, moderate for arms that lift 3 to 10 kg
+SHORTEST_ROD = 0.005  # [m] of a cup whose lip stands on the link itself
+
+
+def arm_from_file(path: str | Path, gripper: str | Path | Gripper | Jaw | Cup | None = None) -> Arm:
+    """Make an arm from a URDF file.
+
+    Args:
+        path: The URDF.
+        gripper: A gripper file or what it would hold. Where None, or where only a cup is given, a jaw is
+            recognised: two fingers at the end of the arm that close on each other, driven by one joint which
+            others mimic, or by two sliding joints.
+
+    Returns:
+        The arm; without a tool where nothing was given and no jaw was recognised. Its home has the hand in
+        front of the base, pointing down.
+
+    Raises:
+        InvalidInput: The URDF or the gripper cannot be used; the message says where and what was expected.
+    """
+    path = Path(path).expanduser().resolve()
+    robot = urdf_root(path)
+    model = model_of(robot, path)
+    wanted, where = _gripper(gripper)
+    check_names(wanted, model, where)
+    fingers = _fingers(model, wanted.jaw)
+    jaw = None if fingers is None else measured_jaw(model, fingers, wanted.jaw)
+    fingers = None if jaw is None else fingers
+    tools = {} if jaw is None else {"fingers": jaw}
+    if wanted.cup is not None:
+        if CUP_LINK in model.links:
+            raise InvalidInput(f"{path.name}: it has a link {CUP_LINK!r} of its own: rename it")
+        design, origin = _cup_design(wanted.cup)
+        robot.extend(ElementTree.fromstring(f"<robot>{cup_xml(design, wanted.cup.link, origin)}</robot>"))
+        tools["suction"] = _suction(wanted.cup, design, jaw)
+    made, assumed = prepared(robot, path, {} if fingers is None else rigid_groups(model, fingers))
+    frame = _tool_frame(model, fingers, wanted)
+    kinds = [joint.kind for joint in model.path_to(frame) if joint.kind != "fixed"]
+    acceleration = [ACCELERATION.get(kind, TURNING) for kind in kinds]
+    assumed = (*assumed, _accelerations(path.name), *_guessed_force(model, fingers, wanted))
+    arm = Arm.from_urdf(made, frame, tools, name=model.name, acceleration=acceleration, source=path)
+    arm = replace(arm, home=home_of(arm, next(iter(tools), None)))
+    given = wanted if wanted != Gripper() else None
+    return replace(arm, gripper=given, assumptions=assumed)
+
+
+def check_tool(arm: Arm) -> None:
+    """Refuse an arm that has nothing to take hold with.
+
+    Args:
+        arm: The arm.
+
+    Raises:
+        InvalidInput: It has no tool; the message says what to write in a gripper file.
+    """
+    if not arm.tools:
+        line = f'cup = {{link = "{_last(arm)}", offset = [0.0, 0.0, 0.1], radius = 0.015}}'
+        raise InvalidInput(
+            f"{arm.source.name}: no fingers that close on each other, so nothing to take hold with: write "
+            f"{line} (the lip in the link's frame [m]), or [jaw] with its joints, in a file and give it with "
+            "--gripper FILE.toml (Python: robot(path, gripper=...))"
+        )
+
+
+def _last(arm: Arm) -> str:
+    """The link farthest down the chain."""
+    last = max(arm.frame_of_link)
+    return [link for link, frame in zip(arm.links, arm.frame_of_link, strict=True) if frame == last][-1]
+
+
+def _gripper(gripper: str | Path | Gripper | Jaw | Cup | None) -> tuple[Gripper, str]:
+    """What was given, and what to call it in messages."""
+    if gripper is None:
+        return Gripper(), "gripper"
+    if isinstance(gripper, str | Path):
+        return read_gripper(gripper), str(gripper)
+    if isinstance(gripper, Jaw):
+        gripper = Gripper(jaw=gripper)
+    if isinstance(gripper, Cup):
+        gripper = Gripper(cup=gripper)
+    checked(gripper, "gripper")
+    return gripper, "gripper"
+
+
+def _fingers(model: Model, jaw: Jaw | None) -> Fingers | None:
+    """The moving part of the hand: named, or recognised."""
+    return find_fingers(model) if jaw is None else Fingers(palm_of(model, jaw.joints), tuple(jaw.joints))
+
+
+def _cup_design(cup: Cup) -> tuple[CupDesign, str]:
+    """The cup's dimensions, lip at the origin, and the attributes of its joint's origin."""
+    pose = pose_of_offset(cup.offset)
+    area = np.pi * cup.radius**2
+    force = 60e3 * area if cup.force is None else cup.force
+    height = 4.0 / 3.0 * cup.radius  # of the bellows
+    lip = float(pose[:3, 2] @ pose[:3, 3])  # along the cup's axis from the link
+    design = CupDesign(
+        retracted_lip=-cup.stroke,
+        finger_tips=0.0,
+        beyond=0.0,
+        radius=cup.radius,
+        height=height,
+        rod_radius=0.4 * cup.radius,
+        rod_length=max(lip - height, SHORTEST_ROD),
+        vacuum=force / area,
+        push=max(60.0, 2.0 * force),
+    )
+    numbers = [*cup.offset, 0.0, 0.0, 0.0][:6]
+    x, y, z = pose[:3, 3] - cup.stroke * pose[:3, 2]
+    return design, f"xyz='{x:.9g} {y:.9g} {z:.9g}' rpy='{numbers[3]} {numbers[4]} {numbers[5]}'"
+
+
+def _suction(cup: Cup, design: CupDesign, jaw: Tool | None) -> Tool:
+    """The cup as a tool: a sprung plunger, but drawn in by a drive where fingers are beside it."""
+    opening = 0.0 if jaw is None else jaw.ready.opening
+    made = SuctionCup(
+        CUP_LINK,
+        CUP_JOINT,
+        stroke=cup.stroke,
+        radius=cup.radius,
+        max_force=design.holding_force,
+        retracts=jaw is not None,
+    )
+    ready = ToolState(opening, cup.stroke)
+    return Tool("suction", cup.link, pose_of_offset(cup.offset), made, (CUP_LINK,), ready)
+
+
+def _tool_frame(model: Model, fingers: Fingers | None, gripper: Gripper) -> str:
+    """The link whose moving ancestors are the arm's joints."""
+    if fingers is not None:
+        return fingers.palm
+    if gripper.cup is not None:
+        return gripper.cup.link
+    parents = {joint.parent for joint in model.joints.values()}
+    leaves = [link for link in model.links if link not in parents]
+    return max(leaves, key=lambda link: sum(joint.kind != "fixed" for joint in model.path_to(link)))
+
+
+def _accelerations(name: str) -> str:
+    limits = f"{TURNING:g} rad/s2 and {ACCELERATION['prismatic']:g} m/s2"
+    return f"{name} states no accelerations, as no URDF does: {limits} assumed"
+
+
+def _guessed_force(model: Model, fingers: Fingers | None, gripper: Gripper) -> tuple[str, ...]:
+    if fingers is None or (gripper.jaw is not None and gripper.jaw.force is not None):
+        return ()
+    if model.joint(fingers.drivers[0]).effort > 0.0:
+        return ()
+    return (f"{model.path.name} states no effort of its fingers: {FORCE:g} N assumed",)

@@ -1,0 +1,1 @@
+"""Convex parts made ready for collision checks."""

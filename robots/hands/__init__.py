@@ -1,0 +1,1 @@
+"""What arms hold with: parallel jaws and suction cups."""

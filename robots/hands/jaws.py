@@ -1,0 +1,407 @@
+"""A parallel jaw found in a URDF: the two fingers at the end of the arm that close on each other, measured.
+
+What a jaw needs to be known for (where its pads are, how far they open at which joint values) follows from
+the finger joints and the fingers' collision geometry.
+"""
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from typing import NoReturn
+
+import numpy as np
+
+from topple.robots.arm.arm import joint_value, pose_of_joint
+from topple.robots.arm.urdf import Joint, Model
+from topple.robots.collision.convex import hull_of
+from topple.robots.hands.gripper import ParallelJaw, Tool, ToolState
+from topple.robots.hands.gripper_file import Jaw, pose_of_offset
+from topple.robots.poses import inverse
+from topple.topology.arrays import FloatArray
+from topple.topology.errors import InvalidInput
+
+SAMPLES = 17  # joint values at which the distance of the pads is measured: linkages are not linear
+LEAST_STROKE = 0.005  # [m] that pads come closer at least, else it is no jaw
+OVERLAP = 0.002  # [m] by which the hulls of closed pads may overlap: rubber, or rough meshes
+FLAT = (0.0005, 0.0015, 0.003)  # [m] what is this close to a finger's innermost vertex belongs to its pad
+TIP = 0.5  # share of a finger, from its tip, in which the pad is looked for
+LONGEST_PAD = 0.04  # [m] from the tip: what is farther back does not hold
+USUAL_PAD = 0.008  # [m] of a flat pad at least; one that is less is round or rough: more of it counts
+LEAST_PAD = 0.004  # [m] extent given to pads that touch in a line or a point
+SNAP = np.cos(np.radians(20.0))  # a hand points along an axis of its mounting link, if one is this near
+FORCE = 40.0  # [N] where the URDF states no effort: small electric jaws close with 20 to 80
+STRONGEST = 100.0  # [N] of a jaw whose URDF states more: efforts of simulations are often made up
+
+
+@dataclass(frozen=True)
+class Fingers:
+    """The moving part of a hand.
+
+    Attributes:
+        palm: Link the fingers are mounted on.
+        drivers: Names of the joints that are driven, one or two; others mimic them.
+    """
+
+    palm: str
+    drivers: tuple[str, ...]
+
+
+def find_fingers(model: Model) -> Fingers | None:
+    """Find where the arm ends and a jaw begins.
+
+    The arm is the chain from the root to the first link at which moving parts branch; all that moves beyond
+    has to hang on one joint, or on two sliding ones.
+
+    Args:
+        model: The URDF.
+
+    Returns:
+        The fingers, or None where there is nothing like them.
+    """
+    children = _children(model)
+    link, above = model.root, 0
+    while True:
+        branches = [child for child in children[link] if _moving_joints(model, children, child)]
+        if len(branches) != 1:
+            break
+        link = branches[0]
+        above += model.joints[link].kind != "fixed"
+    if not branches or above < 2:
+        return None
+    joints = [joint for branch in branches for joint in _moving_joints(model, children, branch)]
+    drivers = [joint for joint in joints if joint.mimic is None]
+    names = {joint.name for joint in drivers}
+    if any(joint.mimic is not None and joint.mimic.joint not in names for joint in joints):
+        return None
+    pair = len(drivers) == 2 == len(joints) and all(joint.kind == "prismatic" for joint in joints)
+    if not pair and (len(drivers) != 1 or len(joints) < 2):
+        return None
+    return Fingers(link, tuple(joint.name for joint in drivers))
+
+
+def palm_of(model: Model, drivers: Sequence[str]) -> str:
+    """The link nearest the tip that carries all joints which some joints drive."""
+    joints = [model.joint(name) for name in drivers]
+    joints += [j for j in model.joints.values() if j.mimic is not None and j.mimic.joint in drivers]
+    paths = [[model.root, *(joint.child for joint in model.path_to(joint.parent))] for joint in joints]
+    shared = [links[0] for links in zip(*paths, strict=False) if len(set(links)) == 1]
+    return shared[-1]
+
+
+def rigid_groups(model: Model, fingers: Fingers) -> dict[str, tuple[str, ...]]:
+    """Moving link of the hand -> the links which are fixed to it, itself among them."""
+    children = _children(model)
+    groups: dict[str, list[str]] = {}
+    waiting = [(child, "") for child in children[fingers.palm]]
+    while waiting:
+        link, carrier = waiting.pop(0)
+        carrier = link if _moves(model.joints[link], fingers) else carrier
+        if carrier:
+            groups.setdefault(carrier, []).append(link)
+        waiting += [(child, carrier) for child in children[link]]
+    return {carrier: tuple(links) for carrier, links in groups.items()}
+
+
+def measured_jaw(model: Model, fingers: Fingers, given: Jaw | None = None) -> Tool | None:
+    """Measure a jaw.
+
+    Args:
+        model: The URDF.
+        fingers: Its moving part.
+        given: What is known of it and need not be measured.
+
+    Returns:
+        The tool "fingers", or None where the parts do not close on each other and nothing was given.
+
+    Raises:
+        InvalidInput: Something was given, and what it leaves out cannot be measured.
+    """
+    given = given or Jaw(joints=list(fingers.drivers))
+    hand = _Hand(model, fingers)
+    if given.links is None:
+        links = hand.facing()
+    else:
+        links = (hand.carrier(given.links[0]), hand.carrier(given.links[1]))
+    if links is None:
+        return None
+    ends = hand.ends(links, given)
+    if ends is None:
+        return None
+    return hand.tool(links, *ends, given)
+
+
+class _Hand:
+    """The links of a hand in the frame of its palm."""
+
+    def __init__(self, model: Model, fingers: Fingers) -> None:
+        self._model, self._fingers = model, fingers
+        self._groups = rigid_groups(model, fingers)
+        self._children = _children(model)
+        self._drivers = [model.joint(name) for name in fingers.drivers]
+
+    def carrier(self, link: str) -> str:
+        """The moving link that a link is fixed to."""
+        for carrier, links in self._groups.items():
+            if link in links:
+                if not len(self._shape(carrier)):
+                    raise InvalidInput(
+                        f"{self._model.path.name}: the finger {link!r} has no collision geometry: add some"
+                    )
+                return carrier
+        raise InvalidInput(
+            f"{self._model.path.name}: the joints {', '.join(self._fingers.drivers)} do not move {link!r}; "
+            f"they move {', '.join(self._groups)}"
+        )
+
+    def _shape(self, carrier: str) -> FloatArray:
+        """Collision vertices (V, 3) of a rigid group in the frame of its moving link."""
+        poses = {carrier: np.eye(4)}
+        found = [self._model.links[carrier].vertices]
+        for link in self._groups[carrier][1:]:
+            joint = self._model.joints[link]
+            poses[link] = poses[joint.parent] @ joint.pose_child_to_parent
+            found.append(_moved(poses[link], self._model.links[link].vertices))
+        points = np.concatenate(found)
+        return hull_of(points)[0] if len(points) else points
+
+    def vertices(self, carrier: str, values: Mapping[str, float]) -> FloatArray:
+        """Vertices (V, 3) of a rigid group in the palm's frame at values of the driven joints."""
+        pose, link = np.eye(4), carrier
+        while link != self._fingers.palm:
+            joint = self._model.joints[link]
+            pose, link = pose_of_joint(joint, joint_value(joint, values)) @ pose, joint.parent
+        return _moved(pose, self._shape(carrier))
+
+    def _middle(self, carrier: str, values: Mapping[str, float]) -> FloatArray:
+        """Middle of a group's extent (3,) in the palm's frame."""
+        points = self.vertices(carrier, values)
+        return (points.min(axis=0) + points.max(axis=0)) / 2.0
+
+    def _corners(self) -> list[dict[str, float]]:
+        """The driven joints at their limits, in all combinations."""
+        found: list[dict[str, float]] = [{}]
+        for joint in self._drivers:
+            found = [{**values, joint.name: end} for values in found for end in (joint.lower, joint.upper)]
+        return found
+
+    def facing(self) -> tuple[str, str] | None:
+        """The two groups farthest out of the palm that move towards each other, None where there are none."""
+        shaped = [carrier for carrier in self._groups if len(self._shape(carrier))]
+        best: tuple[float, tuple[str, str]] | None = None
+        centre, corners = self._palm_middle(), self._corners()
+        for i, a in enumerate(shaped):
+            for b in shaped[:i]:
+                if self._branch(a) == self._branch(b):
+                    continue
+                apart = [self._middle(a, values) - self._middle(b, values) for values in corners]
+                ways = [float(np.linalg.norm(way)) for way in apart]
+                if max(ways) - min(ways) < LEAST_STROKE:
+                    continue
+                across = apart[int(np.argmax(ways))] / max(ways)
+                values = corners[int(np.argmin(ways))]
+                middle = (self._middle(a, values) + self._middle(b, values)) / 2.0 - centre
+                out = float(np.linalg.norm(middle - across * float(across @ middle)))
+                if best is None or out > best[0] + 1e-6:
+                    best = (out, (b, a))
+        return None if best is None else best[1]
+
+    def _branch(self, carrier: str) -> str:
+        """The child of the palm that a group hangs on."""
+        link = carrier
+        while self._model.joints[link].parent != self._fingers.palm:
+            link = self._model.joints[link].parent
+        return link
+
+    def _palm_middle(self) -> FloatArray:
+        vertices = self._model.links[self._fingers.palm].vertices
+        return np.zeros(3) if not len(vertices) else (vertices.min(axis=0) + vertices.max(axis=0)) / 2.0
+
+    def ends(self, links: tuple[str, str], given: Jaw) -> tuple[dict[str, float], dict[str, float]] | None:
+        """Values of the driven joints with the fingers together and apart; None where they do not close."""
+        names = self._fingers.drivers
+        if given.closed is not None and given.open is not None:
+            return (
+                dict(zip(names, given.closed, strict=True)),
+                dict(zip(names, given.open, strict=True)),
+            )
+        corners = self._corners()
+        apart = [
+            float(np.linalg.norm(self._middle(links[0], values) - self._middle(links[1], values)))
+            for values in corners
+        ]
+        wide = corners[int(np.argmax(apart))]
+        shut = {joint.name: joint.lower + joint.upper - wide[joint.name] for joint in self._drivers}
+        if given.closed is not None:
+            shut = dict(zip(names, given.closed, strict=True))
+        if given.open is not None:
+            wide = dict(zip(names, given.open, strict=True))
+        return shut, wide
+
+    def tool(
+        self, links: tuple[str, str], shut: dict[str, float], wide: dict[str, float], given: Jaw
+    ) -> Tool | None:
+        """The measured tool; what is given goes before what is measured."""
+        first, second = links
+        across = self._middle(first, wide) - self._middle(second, wide)
+        across -= self._middle(first, shut) - self._middle(second, shut)
+        if np.linalg.norm(across) < LEAST_STROKE:
+            return None if given.links is None else self._refuse("do not move against each other")
+        across = _snapped(across)
+        if float((self._middle(first, wide) - self._middle(second, wide)) @ across) < 0.0:
+            first, second = second, first
+        between = (self._middle(first, wide) + self._middle(second, wide)) / 2.0 - self._palm_middle()
+        out = _snapped(between - across * float(across @ between))
+        out -= across * float(across @ out)
+        out /= np.linalg.norm(out)
+        turn = np.column_stack([np.cross(across, out), across, out])
+        share = np.linspace(0.0, 1.0, SAMPLES)
+        states = [{name: shut[name] + s * (wide[name] - shut[name]) for name in shut} for s in share]
+        gaps = np.array([_gap(*self._tips(first, second, values, turn)) for values in states])
+        if given.opening is not None:
+            gaps = np.interp(share, [0.0, 1.0], given.opening)
+        keep = np.flatnonzero(gaps > -OVERLAP)
+        keep = keep[max(np.count_nonzero(gaps[keep] <= 0.0) - 1, 0) :]  # closed in one state
+        if len(keep) < 2 or not (np.diff(gaps[keep]) > 0).all() or np.ptp(gaps[keep]) < LEAST_STROKE:
+            return None if given.links is None else self._refuse("do not close on each other")
+        pose, pads = self._frame(first, second, states[int(keep[len(keep) // 2])], turn)
+        link, pose = self._mounted(given, pose)
+        moving = self._following(shut, wide)
+        jaw = ParallelJaw(
+            joints=moving,
+            links=(first, second),
+            openings=np.maximum(gaps[keep], 0.0),
+            joint_values=np.array([[self._value(name, states[k]) for name in moving] for k in keep]),
+            force=self._force(gaps, states) if given.force is None else given.force,
+            pad_size=pads if given.pads is None else (given.pads[0], given.pads[1]),
+            friction=given.friction,
+        )
+        hand = tuple(carrier for carrier in self._groups if carrier not in jaw.links)
+        return Tool("fingers", link, pose, jaw, (*jaw.links, *hand), ToolState(jaw.max_opening))
+
+    def _tips(
+        self, first: str, second: str, values: Mapping[str, float], turn: FloatArray
+    ) -> tuple[FloatArray, FloatArray]:
+        """Vertices of the outer part of both fingers, along the axes of the tool frame."""
+        found: list[FloatArray] = []
+        for carrier in (first, second):
+            points = self.vertices(carrier, values) @ turn
+            low, high = points[:, 2].min(), points[:, 2].max()
+            found.append(_above(points, high - TIP * (high - low)))
+        return found[0], found[1]
+
+    def _frame(
+        self, first: str, second: str, values: Mapping[str, float], turn: FloatArray
+    ) -> tuple[FloatArray, tuple[float, float]]:
+        """Pose of the tool frame in the palm and extents of the pads along x and z [m]."""
+        inner, outer = self._tips(first, second, values, turn)
+        y, other = inner[:, 1], outer[:, 1]
+        low, high = np.zeros(3), np.zeros(3)
+        for flat in FLAT:
+            faces = [inner[y <= y.min() + flat], outer[other >= other.max() - flat]]
+            low = np.max([face.min(axis=0) for face in faces], axis=0)
+            high = np.min([face.max(axis=0) for face in faces], axis=0)
+            if (high - low)[[0, 2]].min() >= USUAL_PAD:
+                break
+        low[2] = max(low[2], high[2] - LONGEST_PAD)
+        centre = (low + high) / 2.0
+        centre[1] = (y.min() + other.max()) / 2.0
+        pose = np.eye(4)
+        pose[:3, :3], pose[:3, 3] = turn, turn @ centre
+        size = np.maximum(high - low, LEAST_PAD)
+        return pose, (float(size[0]), float(size[2]))
+
+    def _mounted(self, given: Jaw, pose_in_palm: FloatArray) -> tuple[str, FloatArray]:
+        """The tool link and the frame's pose in it."""
+        palm = self._fingers.palm
+        if given.link is None or given.link == palm:
+            pose = pose_in_palm if given.offset is None else pose_of_offset(given.offset)
+            return palm, pose
+        if given.offset is not None:
+            return given.link, pose_of_offset(given.offset)
+        (anchor, to_anchor), (other, palm_to_anchor) = self._anchored(given.link), self._anchored(palm)
+        if anchor != other:
+            self._refuse(f"are not fixed to the link {given.link!r}, so its `offset` must be given,")
+        return given.link, inverse(to_anchor) @ palm_to_anchor @ pose_in_palm
+
+    def _anchored(self, link: str) -> tuple[str, FloatArray]:
+        """The moving link that a link is fixed to, and its pose (4, 4) there."""
+        pose = np.eye(4)
+        while link in self._model.joints and self._model.joints[link].kind == "fixed":
+            joint = self._model.joints[link]
+            pose, link = joint.pose_child_to_parent @ pose, joint.parent
+        return link, pose
+
+    def _following(self, shut: Mapping[str, float], wide: Mapping[str, float]) -> tuple[str, ...]:
+        """The driven joints and those that mimic them, as far as they move."""
+        hand = [joint.name for joint in self._model.joints.values() if _moves(joint, self._fingers)]
+        ordered = [*self._fingers.drivers, *(name for name in hand if name not in self._fingers.drivers)]
+        return tuple(
+            name for name in ordered if abs(self._value(name, wide) - self._value(name, shut)) > 1e-6
+        )
+
+    def _value(self, name: str, values: Mapping[str, float]) -> float:
+        return joint_value(self._model.joint(name), values)
+
+    def _force(self, gaps: FloatArray, states: Sequence[Mapping[str, float]]) -> float:
+        """What the joint's effort gives at the pads [N]: of a turning joint over its lever."""
+        joint = self._drivers[0]
+        if not joint.effort > 0.0:
+            return FORCE
+        lever = 1.0
+        if joint.kind != "prismatic":
+            turned = abs(states[-1][joint.name] - states[0][joint.name])
+            lever = max(float(gaps[-1] - gaps[0]) / 2.0 / turned, 1e-3)
+        return float(min(joint.effort / lever, STRONGEST))
+
+    def _refuse(self, words: str) -> NoReturn:
+        raise InvalidInput(
+            f"{self._model.path.name}: the fingers moved by {', '.join(self._fingers.drivers)} {words}: "
+            "see `closed`, `open`, `opening` and `links` of [jaw]"
+        )
+
+
+def _gap(inner: FloatArray, outer: FloatArray) -> float:
+    return float(inner[:, 1].min() - outer[:, 1].max())
+
+
+def _above(points: FloatArray, z: float) -> FloatArray:
+    """Points that span the part of a convex body above z."""
+    above, below = points[points[:, 2] > z], points[points[:, 2] <= z]
+    a, b = np.repeat(below, len(above), axis=0), np.tile(above, (len(below), 1))
+    share = (z - a[:, 2]) / (b[:, 2] - a[:, 2])
+    return np.concatenate([above, a + share[:, None] * (b - a)])
+
+
+def _snapped(direction: FloatArray) -> FloatArray:
+    """A unit direction, that of an axis where one is near."""
+    unit = direction / np.linalg.norm(direction)
+    axis = int(np.argmax(np.abs(unit)))
+    return np.sign(unit[axis]) * np.eye(3)[axis] if abs(unit[axis]) > SNAP else unit
+
+
+def _moved(pose: FloatArray, points: FloatArray) -> FloatArray:
+    return points @ pose[:3, :3].T + pose[:3, 3]
+
+
+def _moves(joint: Joint, fingers: Fingers) -> bool:
+    """Whether a joint is driven by, or mimics, one of the fingers' joints."""
+    followed = joint.name if joint.mimic is None else joint.mimic.joint
+    return joint.kind != "fixed" and (joint.name in fingers.drivers or followed in fingers.drivers)
+
+
+def _children(model: Model) -> dict[str, list[str]]:
+    children: dict[str, list[str]] = {link: [] for link in model.links}
+    for child, joint in model.joints.items():
+        children[joint.parent].append(child)
+    return children
+
+
+def _moving_joints(model: Model, children: Mapping[str, Sequence[str]], link: str) -> list[Joint]:
+    """The joints that move in the branch of a link, its own among them."""
+    found: list[Joint] = []
+    waiting = [link]
+    while waiting:
+        name = waiting.pop(0)
+        if model.joints[name].kind != "fixed":
+            found.append(model.joints[name])
+        waiting += children[name]
+    return found

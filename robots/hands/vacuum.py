@@ -1,0 +1,124 @@
+"""A suction cup that holds as a real one does: where its lip seals, and no more than its vacuum pulls."""
+
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from topple.robots.engine import pybullet
+from topple.robots.hands.gripper import SuctionCup
+from topple.robots.poses import inverse, pose_from, position_and_quaternion
+from topple.robots.world.world import World
+from topple.topology.arrays import FloatArray
+
+RAYS = 16  # around the lip: 6 mm apart on a 30 mm cup, narrower than what a bellows bridges
+CLEAR = 2.5e-3  # [m] the rays pass the cup's own body, which PyBullet pads by some 2 mm in ray tests
+REACH = 0.01  # [m] how far before and behind the lip the rays look
+TILT = np.radians(15)  # a bellows cup aligns itself with a surface tilted up to about this
+CONSTRAINT_ERP = 0.2  # error reduction: share of a constraint's error that Bullet removes in a step
+AT_LIMIT = 0.99  # share of a limit from which a constraint counts as at it: along an axis it says no more
+PEEL_STEPS = 3  # in a row at the limit until the lip is off: rubber gives way, contact spikes do not
+
+
+@dataclass
+class Vacuum:
+    """A cup that has taken an object.
+
+    The hold is a constraint whose forces are read after every step: pull, shear and moment beyond what the
+    vacuum gives break it; pressing does not. A lip of radius r under a force F resists a moment of about F r
+    before it peels.
+
+    Attributes:
+        world: The world both are in.
+        name: The object it holds.
+        constraint: PyBullet's number of the constraint; None once it has let go.
+        axis: (3,) unit, out of the cup, in the object's frame.
+        max_force: Limit of pull and shear in [N].
+        max_moment: Limit of the moment in [N m].
+    """
+
+    world: World
+    name: str
+    constraint: int | None
+    axis: FloatArray
+    max_force: float
+    max_moment: float
+    _over: int = 0
+
+    @property
+    def sealed(self) -> bool:
+        """Whether it still holds."""
+        return self.constraint is not None
+
+    @classmethod
+    def on(
+        cls, world: World, robot: int, link: int, pose_lip_to_world: FloatArray, cup: SuctionCup, name: str
+    ) -> "Vacuum | None":
+        """Switches the vacuum on; None where the lip does not seal on `name`.
+
+        Args:
+            world: The world the robot stands in.
+            robot: PyBullet's number of the robot.
+            link: Index of the cup's link.
+            pose_lip_to_world: (4, 4) where the lip is, z out of the hand.
+            cup: Radius, force and lip depth.
+            name: The object to take.
+        """
+        state: Any = pybullet.getLinkState(
+            robot, link, computeForwardKinematics=1, physicsClientId=world.client
+        )
+        if not _seals(world, pose_lip_to_world, cup, world.ids[name]):
+            return None
+        pose_object = pose_from(
+            *pybullet.getBasePositionAndOrientation(world.ids[name], physicsClientId=world.client)
+        )
+        # Bullet's constraints see gravity a step late: what hangs on one sags, and would be pushed down first
+        pose_object[2, 3] += world.physics.gravity * world.time_step**2 / CONSTRAINT_ERP
+        position, quaternion = position_and_quaternion(inverse(pose_from(state[0], state[1])) @ pose_object)
+        constraint = pybullet.createConstraint(
+            robot, link, world.ids[name], -1, pybullet.JOINT_FIXED, [0, 0, 0],
+            position, [0, 0, 0], quaternion,
+            physicsClientId=world.client,
+        )  # fmt: skip
+        pybullet.changeConstraint(constraint, maxForce=cup.max_force, physicsClientId=world.client)
+        axis = world.pose(name)[:3, :3].T @ pose_lip_to_world[:3, 2]
+        return cls(world, name, constraint, axis, cup.max_force, cup.max_force * cup.radius)
+
+    def check(self) -> None:
+        """Reads the forces of the last step and lets go where they were too much for too long."""
+        if self.constraint is None:
+            return
+        state = np.array(pybullet.getConstraintState(self.constraint, physicsClientId=self.world.client))
+        out = self.world.pose(self.name)[:3, :3] @ self.axis
+        pull = float(state[:3] @ out)
+        shear = float(np.linalg.norm(state[:3] - pull * out))
+        force = float(np.hypot(max(pull, 0.0), shear))
+        moment = float(np.linalg.norm(state[3:6]))
+        over = force >= AT_LIMIT * self.max_force or moment >= self.max_moment
+        self._over = self._over + 1 if over else 0
+        if self._over >= PEEL_STEPS:
+            self.off()
+
+    def off(self) -> None:
+        """Lets go."""
+        if self.constraint is not None:
+            pybullet.removeConstraint(self.constraint, physicsClientId=self.world.client)
+            self.constraint = None
+
+
+def _seals(world: World, pose_lip_to_world: FloatArray, cup: SuctionCup, body: int) -> bool:
+    """Whether rays just outside the lip all meet `body` in a plane that the lip can follow."""
+    angle = np.linspace(0.0, 2 * np.pi, RAYS, endpoint=False)
+    ring = (cup.radius + CLEAR) * np.column_stack([np.cos(angle), np.sin(angle)])
+    ends = [np.column_stack([ring, np.full(RAYS, z)]) for z in (-REACH, REACH)]
+    start, end = (points @ pose_lip_to_world[:3, :3].T + pose_lip_to_world[:3, 3] for points in ends)
+    hits: Any = pybullet.rayTestBatch(start.tolist(), end.tolist(), physicsClientId=world.client)
+    if any(hit[0] != body for hit in hits):
+        return False
+    height = np.array([hit[2] * 2 * REACH - REACH for hit in hits])
+    plane = np.column_stack([ring, np.ones(RAYS)])
+    slope, *_ = np.linalg.lstsq(plane, height, rcond=None)
+    uneven = np.abs(plane @ slope - height).max()
+    return bool(
+        uneven <= cup.lip_depth and abs(slope[2]) <= cup.lip_depth and np.hypot(*slope[:2]) <= np.tan(TILT)
+    )

@@ -1,0 +1,1 @@
+"""The PyBullet world: bodies, cameras and the simulated arm in it."""

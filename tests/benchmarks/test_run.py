@@ -1,0 +1,188 @@
+"""Episodes are kept in a journal, counted with intervals, and compared with rules of thumb."""
+
+import json
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from topple.benchmarks.episodes import TOPPLE, Ending, Episode, play
+from topple.benchmarks.frames import frames_in, wanted_of
+from topple.benchmarks.journal import PLAYED, Journal, behaviour, code
+from topple.benchmarks.recorded import Frame
+from topple.benchmarks.row import Row
+from topple.benchmarks.rules import RULES, order_by
+from topple.benchmarks.run import QUICK, Series, endurance, figures, rows
+from topple.planner.decide.beliefs import Beliefs
+from topple.topology.errors import InvalidInput
+from topple.topology.rule.relate import relate
+from topple.topology.scene import Scene
+
+
+def _box(x: float, z: float, height: float, rng: np.random.Generator) -> np.ndarray:
+    return rng.uniform([x, 0.0, z], [x + 0.05, 0.05, z + height], (400, 3))
+
+
+@pytest.fixture
+def shelf() -> Scene:
+    """A can on a book, and a tall bottle far from both, near to the arm at x = -0.5."""
+    rng = np.random.default_rng(0)
+    table = np.column_stack([rng.uniform(-0.4, 0.4, (4000, 2)), np.zeros(4000)])
+    clouds = {"book": _box(0.1, 0, 0.03, rng), "can": _box(0.1, 0.03, 0.1, rng)}
+    clouds |= {"bottle": _box(-0.3, 0, 0.3, rng), "table": table}
+    return Scene(clouds, fixed=["table"], up=[0, 0, 1])
+
+
+@pytest.mark.parametrize(
+    ("rule", "taken"),
+    [
+        ("nearest first", ("bottle", "can", "book")),
+        ("top height first", ("bottle", "can", "book")),
+        ("plain 6IM + height", ("can", "book")),
+    ],
+)
+def test_a_rule_takes_all_that_comes_first_by_it(shelf: Scene, rule: str, taken: tuple[str, ...]) -> None:
+    base = np.eye(4)
+    base[0, 3] = -0.5
+    found = order_by(rule, base)(shelf, ("book",), relations=relate(shelf), seed=0)
+    assert set(found.order) == set(taken)
+    assert found.order[-1] == "book"
+
+
+def test_a_rule_takes_nothing_twice(shelf: Scene) -> None:
+    put_down = Beliefs(alone=frozenset(["bottle"]))
+    rule = order_by("top height first", np.eye(4))
+    found = rule(shelf, ("book",), relations=relate(shelf), seed=0, beliefs=put_down)
+    assert found.order == ("can", "book")
+
+
+def test_an_ending_is_read_back_equal(tmp_path: Path) -> None:
+    ending = Ending(Episode("pile", 3, 1, RULES[0]), "hit", ("box_1 was hit",), violated=1, seconds=31.5)
+    Journal(tmp_path / "endings.jsonl").add(ending.to_json())
+    (entry,) = Journal(tmp_path / "endings.jsonl").entries
+    assert Ending.from_json(entry) == ending
+
+
+def test_a_line_that_was_cut_off_is_left_out_and_the_next_is_whole(tmp_path: Path) -> None:
+    path = tmp_path / "endings.jsonl"
+    kept = Ending(Episode("dishes", 0), "success")
+    Journal(path).add(kept.to_json())
+    with path.open("a") as file:
+        file.write('{"format": "topple.epis')
+    book = Journal(path)
+    book.add(Ending(Episode("dishes", 1), "success").to_json())
+    assert [entry["episode"]["seed"] for entry in Journal(path).entries] == [0, 1]
+
+
+def test_results_of_other_code_do_not_count(tmp_path: Path) -> None:
+    path = tmp_path / "endings.jsonl"
+    path.write_text(json.dumps({"code": "0" * len(code(TOPPLE))}) + "\n")
+    book = Journal(path)
+    assert (book.entries, book.stale) == ([], 1)
+
+
+def test_what_rules_of_thumb_do_is_nothing_to_other_episodes() -> None:
+    assert len({code(kind) for kind in PLAYED}) == len(PLAYED)
+
+
+def test_words_about_code_do_not_void_results() -> None:
+    plain = "def f(x):\n    return x + 1\n"
+    told = '"""Adds."""\n\n\ndef f(x):\n    """One more."""\n    return x + 1  # why\n'
+    assert behaviour(plain) == behaviour(told)
+    assert behaviour(plain) != behaviour(plain.replace("1", "2"))
+
+
+@pytest.mark.parametrize("text", ['{"a": 1}\n', "[1, 2]\n"])
+def test_another_file_is_no_journal(tmp_path: Path, text: str) -> None:
+    path = tmp_path / "mine.jsonl"
+    path.write_text(text)
+    with pytest.raises(InvalidInput, match="is no journal of a bench"):
+        Journal(path)
+    assert path.read_text() == text
+
+
+def test_a_bench_goes_on_from_its_journal(tmp_path: Path) -> None:
+    book = Journal(tmp_path / "endings.jsonl")
+    for series in QUICK:
+        for episode in series.episodes(5):
+            book.add(Ending(episode, "success", seconds=40.0).to_json())
+    said: list[str] = []
+    found = rows(True, 5, said.append, journal=book.path)
+    assert said == []  # nothing was left to play
+    assert [row["value"] for row in found if row["what"].startswith("goal reached")] == [100.0] * 3
+
+
+def test_what_is_left_is_said(tmp_path: Path) -> None:
+    book = Journal(tmp_path / "endings.jsonl")
+    book.add(Ending(QUICK[0].episodes(5)[0], "success", seconds=40.0).to_json())
+    said: list[str] = []
+    found = rows(True, 5, said.append, journal=book.path, minutes=0.0)
+    assert found[0]["what"] == "episodes left to play"
+    assert found[0]["value"] == len(QUICK) - 1
+    left = len(QUICK) - 1
+    assert said == [f"{left} of {len(QUICK)} episodes are left: the same command goes on with them"]
+
+
+def test_frames_are_counted_by_what_stayed_and_what_went_well(tmp_path: Path) -> None:
+    series = Series("real frames", 2, bar=70, folder=tmp_path, frames=("a", "b"))
+    first, second = series.episodes(0)
+    assert first == Episode("a", 0, folder=str(tmp_path))
+    endings = [Ending(first, "success", sagged=0.004), Ending(second, "disturbed", sagged=0.02)]
+    found = {row.what: row for row in figures({series: endings})}
+    assert _only(found, "rebuilt, every body moves below 1 cm").value == 50.0
+    assert _only(found, "goal reached, nothing disturbed: real frames").value == 50.0
+
+
+def test_of_a_frame_that_is_freed_which_waits_for_most(shelf: Scene) -> None:
+    needed = frozenset({("3", "2"), ("4", "3"), ("6", "5")})
+    assert wanted_of(Frame("frame", shelf, needed, frozenset())) == "2"
+
+
+def test_a_folder_without_frames_is_said(tmp_path: Path) -> None:
+    with pytest.raises(InvalidInput, match="no frames with removal constraints"):
+        frames_in(tmp_path)
+
+
+def test_shares_have_intervals_and_endings_are_counted() -> None:
+    series = Series("pile", 4, bar=90)
+    ways = ["success", "success", "hit", "no plan"]
+    found = {row.what: row for row in figures({series: _endings(series, ways)})}
+    share = _only(found, "goal reached")
+    assert (share.value, share.ok) == (50.0, False)
+    assert share.interval is not None
+    assert share.interval[0] < 50 < share.interval[1]
+    assert _only(found, "nothing disturbed").value == 75.0
+    assert _only(found, "hit").value == 1
+    assert _only(found, "no plan").value == 1
+
+
+def test_orders_are_compared_on_the_seeds_that_both_played() -> None:
+    ours, theirs = Series("pile", 2), [Series("pile", 2, rule=rule) for rule in RULES]
+    found = {ours: _endings(ours, ["success", "hit"])}
+    found |= {one: _endings(one, ["hit", "hit"][: 1 + number]) for number, one in enumerate(theirs)}
+    row = next(row for row in figures(found) if row.baseline == RULES[0] and row.what.startswith("things"))
+    assert (row.value, row.baseline_value) == (0, 1)  # of seed 0 alone
+
+
+@pytest.mark.parametrize(("leak", "ok"), [(0, True), (40, False)])
+def test_memory_that_grows_on_is_a_leak_and_loading_is_none(leak: int, ok: bool) -> None:
+    loaded = [min(300 + 100 * place, 1000) + leak * place for place in range(30)]
+    endings = [Ending(Episode("pile", place), "success", memory=m) for place, m in enumerate(loaded)]
+    row = next(row for row in endurance(endings) if row.what.startswith("memory"))
+    assert row.ok is ok
+
+
+def test_a_scene_that_is_none_is_an_ending() -> None:
+    ending = play(Episode("kitchen", 0))
+    assert ending.ending == "no plan"
+    assert "there is no scene 'kitchen'" in ending.violations[0]
+
+
+def _endings(series: Series, ways: list[str]) -> list[Ending]:
+    pairs = zip(series.episodes(0), ways, strict=False)
+    return [Ending(episode, way, violated=int(way == "hit")) for episode, way in pairs]
+
+
+def _only(rows: dict[str, Row], start: str) -> Row:
+    (found,) = (row for what, row in rows.items() if what.startswith(start))
+    return found

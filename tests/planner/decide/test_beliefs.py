@@ -1,0 +1,24 @@
+import pytest
+
+from topple.planner.decide.beliefs import Beliefs
+
+FOUND = {("a", "b"): 0.8, ("b", "a"): 0.1, ("a", "c"): 0.2}
+
+
+def test_the_mean_of_all_looks_counts_while_nothing_moves() -> None:
+    once = Beliefs().after(FOUND, (), ())
+    twice = once.after({**FOUND, ("a", "b"): 0.2}, (), ())
+    assert twice.weighed({("a", "b"): 0.2}, ()) == pytest.approx({("a", "b"): 0.4})
+
+
+def test_what_moved_is_judged_anew() -> None:
+    beliefs = Beliefs().after(FOUND, {"a"}, ())
+    assert beliefs.chances == {}
+    assert beliefs.weighed(FOUND, ()) == FOUND
+
+
+def test_of_what_was_put_down_alone_nothing_is_overlooked_but_what_is_found_counts() -> None:
+    beliefs = Beliefs().after(FOUND, {"c"}, {"c"})
+    assert beliefs.weighed({("a", "c"): 0.2}, ()) == {("a", "c"): 0.0}
+    assert beliefs.weighed({("a", "c"): 0.9}, {("a", "c")}) == {("a", "c"): 0.9}
+    assert beliefs.after(FOUND, {"c"}, ()).alone == frozenset()

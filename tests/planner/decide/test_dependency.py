@@ -1,0 +1,68 @@
+import numpy as np
+import pytest
+
+from topple.planner.decide.blocking import overlap
+from topple.planner.decide.dependency import Dependency, DependencyGraph, dependencies, ways_found
+from topple.planner.decide.evidence import ONE, WHOLE, way_found
+from topple.robots import shapes
+from topple.topology import Scene, UnknownObject
+from topple.topology.statics.rest import Statics
+
+
+def slab(x: float, z: float, size: float = 0.1) -> np.ndarray:
+    steps = np.arange(0, size, 0.004)
+    grid = np.stack(np.meshgrid(steps, steps), axis=-1).reshape(-1, 2)
+    return np.column_stack([grid[:, 0] + x, grid[:, 1], np.full(len(grid), z)])
+
+
+def test_what_hangs_over_must_be_pushed_aside_by_its_overhang() -> None:
+    found = overlap(slab(0.06, 0.1), slab(0.0, 0.0))
+    assert found is not None
+    assert found.evasion == pytest.approx(0.04, abs=0.006)
+
+
+def test_above_is_not_below_and_beside_is_neither() -> None:
+    assert overlap(slab(0, 0.0), slab(0, 0.1)) is None
+    assert overlap(slab(0.2, 0.1), slab(0, 0.0)) is None
+
+
+def test_what_is_higher_than_the_lift_is_not_met() -> None:
+    assert overlap(slab(0, 0.5), slab(0, 0.0)) is None
+
+
+def test_an_edge_to_nobody_is_refused() -> None:
+    with pytest.raises(UnknownObject, match="c"):
+        DependencyGraph(("a", "b"), (Dependency("a", "c", "supported", 1.0),))
+
+
+def test_the_surer_of_two_reasons_stays() -> None:
+    edges = [Dependency("a", "b", "leaning", 0.4), Dependency("a", "b", "supported", 0.8)]
+    assert DependencyGraph.of(("a", "b"), edges).dependencies == (edges[1],)
+
+
+def test_cycles_and_ancestors() -> None:
+    pairs = (("a", "b"), ("b", "a"), ("b", "c"))
+    graph = DependencyGraph(tuple("abcd"), tuple(Dependency(x, y, "leaning", 0.5) for x, y in pairs))
+    assert graph.cycles() == (("a", "b"),)
+    assert graph.before("c") == {"a", "b"}
+    assert graph.before("d") == frozenset()
+
+
+def test_what_both_questions_answer_yes_is_believed_most() -> None:
+    assert [way_found(0.05, falls=True), way_found(0.05, falls=False)] == [0, 1]
+    assert [way_found(0.012, falls=False), way_found(None, falls=True)] == [2, 3]
+    for rates in (WHOLE, ONE):
+        assert rates.found[0] > rates.found[1] > max(rates.found[2:])
+
+
+def test_an_edge_is_believed_as_often_as_what_was_found_in_its_way_was_right() -> None:
+    rng = np.random.default_rng(0)
+    low, top = shapes.box("low", (0.1, 0.1, 0.06)), shapes.box("top", (0.07, 0.07, 0.05))
+    table = np.column_stack([rng.uniform(-0.3, 0.3, (3000, 2)), np.zeros(3000)])
+    clouds = {"low": low.surface(2000, rng), "top": top.surface(2000, rng), "table": table}
+    clouds["top"][:, 2] += 0.06
+    scene = Scene(clouds, fixed=["table"], up=(0, 0, 1))
+    assert ways_found(Statics.of(scene)) == {("top", "low"): 0}
+    (edge,) = dependencies(scene).dependencies
+    assert (edge.first, edge.then, edge.reason) == ("top", "low", "supported")
+    assert edge.confidence == WHOLE.found[0]

@@ -1,0 +1,34 @@
+import numpy as np
+
+from topple.planner.simulate.lifts import Move, label, take_away
+from topple.robots import shapes
+from topple.robots.world.world import World
+
+
+def _at(x: float, z: float) -> np.ndarray:
+    pose = np.eye(4)
+    pose[:3, 3] = [x, 0, z]
+    return pose
+
+
+def test_taking_the_lower_box_moves_the_upper_one_and_nobody_else() -> None:
+    with World() as world:
+        world.add_table()
+        world.add(shapes.box("low", (0.1, 0.1, 0.05)), _at(0, 0))
+        world.add(shapes.box("top", (0.06, 0.06, 0.05)), _at(0, 0.05))
+        world.add(shapes.box("aside", (0.06, 0.06, 0.05)), _at(0.2, 0))
+        world.settle(1.0)
+        before = world.poses()
+        without_low, without_top = take_away(world, "low"), take_away(world, "top")
+        assert without_low["top"].beyond(0.01, 10)
+        assert not without_low["aside"].beyond(0.001, 1)
+        assert not any(move.beyond(0.002, 2) for move in without_top.values())
+        assert all(np.allclose(world.pose(name), pose) for name, pose in before.items())
+
+
+def test_a_label_needs_agreement_at_every_friction() -> None:
+    far, near, still = Move(0.05, 0.0), Move(0.008, 0.0), Move(0.0, 0.0)
+    assert label([{"a": far}] * 3, "a") == 1
+    assert label([{"a": still}, {"a": near}, {"a": still}], "a") == 0
+    assert label([{"a": far}, {"a": still}, {"a": still}], "a") is None
+    assert label([{"a": near}, {"a": near}, {"a": still}], "a") is None

@@ -1,0 +1,143 @@
+"""Dependencies checked in rebuilt worlds."""
+
+import time
+
+import numpy as np
+import pytest
+
+from topple.benchmarks.rates import Counts
+from topple.planner.decide.dependency import Dependency, DependencyGraph
+from topple.planner.decide.evidence import ONE, SEVERAL, WHOLE, Rates, posterior, reasoned, standing
+from topple.planner.planning.order import order
+from topple.planner.simulate.votes import Votes, ask, chances, confirmed
+from topple.robots import shapes
+from topple.topology.scene import Scene
+from topple.topology.statics.rest import Statics
+
+NOTHING = DependencyGraph.of(("plate", "on", "beside"), ())
+
+
+@pytest.fixture(scope="module")
+def scene() -> Scene:
+    """A can on a plate, another beside it."""
+    rng = np.random.default_rng(0)
+    on, beside = (
+        shapes.can("on", diameter=0.06, height=0.08),
+        shapes.can("beside", diameter=0.06, height=0.08),
+    )
+    table = np.column_stack([rng.uniform(-0.3, 0.5, (3000, 2)), np.zeros(3000)])
+    return Scene(
+        {
+            "plate": shapes.plate("plate").surface(2500, rng),
+            "on": on.surface(1500, rng) + np.array([0.01, 0.0, 0.0065]),
+            "beside": beside.surface(1500, rng) + np.array([0.2, 0.0, 0.0]),
+            "table": table,
+        },
+        fixed=["table"],
+        up=(0, 0, 1),
+    )
+
+
+@pytest.fixture(scope="module")
+def statics(scene: Scene) -> Statics:
+    """The scene at rest."""
+    return Statics.of(scene)
+
+
+@pytest.fixture(scope="module")
+def votes(statics: Statics) -> Votes:
+    """What simulation says about it."""
+    return ask(statics, NOTHING, deadline=time.monotonic() + 300)
+
+
+def test_taking_the_plate_moves_the_can_on_it_and_not_the_one_beside(votes: Votes) -> None:
+    assert votes.complete and votes.trials == 9
+    assert votes.moved["on", "plate"] == (True, True, True)
+    assert not any(votes.moved["beside", "plate"])
+    assert not any(votes.moved["plate", "on"])
+    assert votes.steady("on", "plate")
+
+
+def test_the_same_seed_gives_the_same_votes(statics: Statics, votes: Votes) -> None:
+    again = ask(statics, NOTHING, deadline=time.monotonic() + 300)
+    assert again.moved == votes.moved
+    assert again.sagged == votes.sagged
+
+
+def test_a_budget_that_runs_out_gives_the_best_answer_so_far_and_says_so(scene: Scene) -> None:
+    reasoned = order(scene)
+    hasty = order(scene, verify=True, budget=0.01)
+    assert not hasty.verified
+    assert hasty.to_json()["budget_exhausted"]
+    assert any("best answer so far" in sentence for sentence in hasty.assumptions)
+    assert hasty.graph.before("plate") == reasoned.graph.before("plate") == {"on"}
+
+
+def test_an_edge_that_reasoning_made_up_is_dropped_and_one_it_overlooked_is_added(
+    statics: Statics, votes: Votes
+) -> None:
+    wrong = DependencyGraph.of(NOTHING.names, [Dependency("beside", "plate", "blocking", confidence=0.6)])
+    checked = confirmed(wrong, chances(reasoned(wrong, statics, None), votes, cameras=None), votes)
+    assert {(edge.first, edge.then) for edge in checked.dependencies} == {("on", "plate")}
+
+
+def test_bodies_that_sag_by_themselves_add_no_dependency() -> None:
+    nothing, moved = DependencyGraph.of(("a", "b"), ()), {("a", "b"): (True, True, True)}
+    chance = {("a", "b"): 0.9, ("b", "a"): 0.1}
+    steady, sagging = (Votes(moved, {"a": sag, "b": 0.0}, 3, complete=True) for sag in (0.1, 0.9))
+    assert len(confirmed(nothing, chance, steady).dependencies) == 1
+    assert not confirmed(nothing, chance, sagging).dependencies
+
+
+@pytest.mark.parametrize("rates", [WHOLE, SEVERAL, ONE])
+def test_more_trials_that_moved_make_a_dependency_likelier(rates: Rates) -> None:
+    for steady in (True, False):
+        chance = [posterior(0.5, moved, 3, steady, rates) for moved in range(4)]
+        assert chance[0] < 0.5 < chance[3]
+        assert chance[0] < chance[1] <= chance[3]
+
+
+def test_what_was_not_tried_stays_as_reasoned() -> None:
+    graph = DependencyGraph.of(("a", "b"), [Dependency("a", "b", "leaning", confidence=0.45)])
+    nothing = Votes({}, {}, 0, complete=False)
+    prior = {("a", "b"): 0.45, ("b", "a"): 0.3}
+    assert chances(prior, nothing, cameras=3) == prior
+    assert confirmed(graph, prior, nothing).dependencies == graph.dependencies
+
+
+def test_that_bodies_with_guessed_sides_stand_refutes_nothing() -> None:
+    graph = DependencyGraph.of(("a", "b"), [Dependency("a", "b", "leaning", confidence=0.357)])
+    prior = {("a", "b"): 0.357, ("b", "a"): 0.1}
+    stood = Votes({pair: (False,) * 3 for pair in prior}, {"a": 0.0, "b": 0.0}, 6, complete=True)
+    moved = Votes({pair: (True,) * 3 for pair in prior}, {"a": 0.0, "b": 0.0}, 6, complete=True)
+    for cameras in (1, 3):
+        assert chances(prior, stood, cameras) == prior
+        assert confirmed(graph, prior, stood).dependencies == graph.dependencies
+        assert len(confirmed(graph, chances(prior, moved, cameras), moved).dependencies) == 2
+    assert not confirmed(graph, chances(prior, stood, cameras=None), stood).dependencies
+
+
+def test_of_things_that_touch_the_higher_is_likelier_to_depend_on_the_lower(statics: Statics) -> None:
+    assert standing(statics)["on", "plate"] == (0, 1)
+    assert standing(statics)["plate", "on"] == (0, 0)
+    assert standing(statics)["beside", "plate"] == (2, 1)
+    chance = reasoned(NOTHING, statics, None)
+    assert chance["on", "plate"] > chance["plate", "on"] > chance["beside", "plate"]
+
+
+def test_counted_rates_tell_what_happened_with_a_dependency_and_without(
+    statics: Statics, votes: Votes
+) -> None:
+    labels = {
+        then: {first: int((first, then) == ("on", "plate")) for first in NOTHING.names}
+        for then in NOTHING.names
+    }
+    ways = {("beside", "plate"): 3}
+    counts = Counts.of(labels, ways, votes, standing(statics))
+    assert counts.steady[3].tolist() == [1, 0] and counts.steady[0].tolist() == [0, 5]
+    assert counts.overlooked[0, 1].tolist() == [1, 0]
+    assert counts.found[3].tolist() == [0, 1]
+    rates = counts.rates([counts])
+    assert rates.found[3] == round(0.5 / 3, 3)
+    assert rates.steady[3] == (round(2.5 / 4, 3), round(0.5 / 12, 3))
+    assert sum(with_it for with_it, _ in rates.steady) == pytest.approx(1, abs=2e-3)

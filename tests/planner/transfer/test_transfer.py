@@ -1,0 +1,163 @@
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from topple.planner.planning.base import NoBase, choose_base
+from topple.planner.transfer.handling import Handling
+from topple.planner.transfer.segments import KINDS, no_faster_than
+from topple.planner.transfer.transfer import Transfer, TransferFailure, plan_transfer, scene_after
+from topple.robots.catalog import robot
+from topple.robots.shapes.boxes import box, can
+from topple.topology.errors import UnknownObject
+from topple.topology.rule.relate import relate
+from topple.topology.scene import Scene
+from topple.topology.sixim.table import Relation
+
+ARM = robot("panda-suction")
+BASE = np.eye(4)
+BASE[0, 3] = -0.5
+
+
+def scene() -> Scene:
+    rng = np.random.default_rng(0)
+    axis = np.arange(-0.45, 0.45, 0.008)
+    x, y = np.meshgrid(axis, axis)
+    table = np.column_stack([x.ravel(), y.ravel(), np.zeros(x.size)])
+    clouds = {
+        "table": table,
+        "can": can().surface(3000, rng),
+        "box": box("box", (0.06, 0.1, 0.12)).surface(3000, rng) + np.array([0.0, 0.2, 0.0]),
+    }
+    return Scene(clouds, fixed=["table"], up=[0, 0, 1])
+
+
+@pytest.fixture(scope="module")
+def transfer() -> Transfer:
+    found = plan_transfer("can", scene(), None, ARM, BASE, np.array(ARM.home))
+    assert isinstance(found, Transfer), str(found)
+    return found
+
+
+def test_segments_come_in_order_and_join(transfer: Transfer) -> None:
+    assert tuple(segment.kind for segment in transfer.segments) == KINDS
+    q = np.array(ARM.home)
+    for segment in transfer.segments:
+        if segment.trajectory is not None:
+            assert np.abs(segment.trajectory.positions[0] - q).max() < 1e-6
+            q = segment.trajectory.positions[-1]
+    assert np.allclose(q, transfer.q_end)
+
+
+def test_a_tool_that_failed_twice_gives_way_to_the_other() -> None:
+    first = plan_transfer("can", scene(), None, ARM, BASE, np.array(ARM.home))
+    assert isinstance(first, Transfer)
+    assert first.grasp.tool == "suction"
+    again = [
+        plan_transfer("can", scene(), None, ARM, BASE, np.array(ARM.home), avoid=[first.grasp] * n)
+        for n in (1, 2)
+    ]
+    assert [found.grasp.tool for found in again if isinstance(found, Transfer)] == ["suction", "fingers"]
+
+
+def test_the_hand_is_at_the_grasp_when_it_closes(transfer: Transfer) -> None:
+    approach = transfer.segments[1].trajectory
+    assert approach is not None
+    reached = BASE @ ARM.tool_pose(approach.positions[-1], transfer.grasp.tool)[0]
+    assert np.allclose(reached[:3, 3], transfer.grasp.pose_tool_to_world[:3, 3], atol=1e-3)
+
+
+def test_the_lift_goes_straight_up_and_slowly(transfer: Transfer) -> None:
+    lift = transfer.segments[3].trajectory
+    assert lift is not None
+    way = ARM.tool_pose(lift.positions, transfer.grasp.tool)[:, :3, 3]
+    assert way[-1, 2] - way[0, 2] == pytest.approx(0.10, abs=2e-3)
+    assert np.abs(way[:, :2] - way[0, :2]).max() < 2e-3
+    assert (way[-1, 2] - way[0, 2]) / lift.times[-1] <= 0.081
+
+
+def test_the_object_is_held_from_the_grasp_to_the_place(transfer: Transfer) -> None:
+    held = [segment.kind for segment in transfer.segments if segment.holding == "can"]
+    assert held == ["grasp", "lift", "transfer", "place"]
+
+
+def test_the_tool_ends_where_the_placement_takes_it(transfer: Transfer) -> None:
+    place = transfer.segments[5].trajectory
+    assert place is not None
+    reached = BASE @ ARM.tool_pose(place.positions[-1], transfer.grasp.tool)[0]
+    wanted = transfer.placement.pose_before_to_after @ transfer.grasp.pose_tool_to_world
+    assert np.allclose(reached, wanted, atol=2e-3)
+
+
+def test_carried_motions_stay_off_everything(transfer: Transfer) -> None:
+    from topple.planner.bodies.solids import solids_of
+
+    now = scene()
+    handling = Handling("can", now, solids_of(now), ARM, BASE)
+    carry = transfer.segments[4].trajectory
+    assert carry is not None
+    assert handling.carrying(transfer.grasp, 0.0).free(carry.positions[::5]).all()
+
+
+def test_the_predicted_scene_has_the_object_on_the_table(transfer: Transfer) -> None:
+    cloud = scene_after(scene(), transfer).clouds["can"]
+    assert cloud[:, 2].min() == pytest.approx(0.0, abs=3e-3)
+
+
+def test_the_same_seed_gives_the_same_transfer(transfer: Transfer) -> None:
+    again = plan_transfer("can", scene(), None, ARM, BASE, np.array(ARM.home))
+    assert isinstance(again, Transfer)
+    assert np.array_equal(again.q_end, transfer.q_end)
+
+
+def test_out_of_reach_is_a_failure_that_says_so() -> None:
+    far = np.eye(4)
+    far[0, 3] = -3.0
+    found = plan_transfer("can", scene(), None, ARM, far, np.array(ARM.home))
+    assert isinstance(found, TransferFailure)
+    assert "reach" in str(found)
+
+
+def test_no_grasps_is_a_failure_that_says_so() -> None:
+    found = plan_transfer("can", scene(), None, ARM, BASE, np.array(ARM.home), grasps=[])
+    assert isinstance(found, TransferFailure)
+    assert "no grasp" in str(found)
+
+
+def test_an_unknown_object_is_named() -> None:
+    with pytest.raises(UnknownObject, match="cup"):
+        plan_transfer("cup", scene(), None, ARM, BASE, np.array(ARM.home))
+
+
+def test_stretching_keeps_the_path(transfer: Transfer) -> None:
+    motion = transfer.segments[4].trajectory
+    assert motion is not None
+    slow = no_faster_than(motion, 10.0, 1.0)
+    assert slow.times[-1] == pytest.approx(max(10.0, float(motion.times[-1])))
+    assert np.array_equal(slow.positions, motion.positions)
+
+
+def test_the_base_is_chosen_off_the_objects_and_within_reach() -> None:
+    now = scene()
+    pose = choose_base(now, ARM)
+    gaps = [np.linalg.norm(now.clouds[name][:, :2] - pose[:2, 3], axis=1).min() for name in now.movable]
+    assert min(gaps) > 0.14
+    assert max(gaps) < 0.9
+    assert np.linalg.det(pose[:3, :3]) == pytest.approx(1.0)
+
+
+def test_no_base_reaches_what_is_too_high() -> None:
+    now = scene()
+    high = {name: cloud + np.array([0.0, 0.0, 5.0 * (name != "table")]) for name, cloud in now.clouds.items()}
+    with pytest.raises(NoBase, match="--base"):
+        choose_base(Scene(high, fixed=["table"], up=[0, 0, 1]), ARM)
+
+
+def test_what_was_put_down_is_predicted_to_rest_on_its_unseen_underside(transfer: Transfer) -> None:
+    whole = scene()
+    shell = whole.clouds["can"][whole.clouds["can"][:, 2] > 0.012]
+    seen = whole.with_cloud("can", shell)
+    placement = replace(transfer.placement, pose_before_to_after=np.eye(4), drop=0.0)
+    after = scene_after(seen, replace(transfer, placement=placement))
+    assert after.clouds["can"][:, 2].min() == pytest.approx(0.0, abs=0.003)
+    assert relate(after).between("table", "can").relation is Relation.TOUCH

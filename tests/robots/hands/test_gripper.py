@@ -1,0 +1,54 @@
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from topple.robots.catalog import names, robot
+from topple.robots.hands.gripper import SuctionCup, ToolState
+
+
+@pytest.mark.parametrize("name", names())
+@given(share=st.floats(0.0, 1.0))
+def test_opening_and_joint_values_are_inverse(name: str, share: float) -> None:
+    jaw = robot(name).jaw
+    assert jaw is not None
+    opening = jaw.openings[0] + share * (jaw.max_opening - jaw.openings[0])
+    assert jaw.opening(jaw.values(opening)) == pytest.approx(opening, abs=1e-9)
+
+
+@pytest.mark.parametrize("name", names())
+def test_finger_links_move_along_the_closing_direction(name: str) -> None:
+    arm = robot(name)
+    jaw = arm.jaw
+    assert jaw is not None
+    tool = arm.tools["fingers"]
+    q = arm.home
+    to_tool = np.linalg.inv(arm.tool_pose(q)[0])
+    index = [arm.links.index(link) for link in jaw.links]
+
+    def middles(opening: float) -> np.ndarray:
+        poses = arm.forward(q, ToolState(opening))[0, index]
+        centres = [
+            pose[:3, :3] @ arm.hulls[i].mean(axis=0) + pose[:3, 3]
+            for i, pose in zip(index, poses, strict=True)
+        ]
+        return np.array([to_tool[:3, :3] @ c + to_tool[:3, 3] for c in centres])
+
+    shut, wide = middles(float(jaw.openings[0])), middles(jaw.max_opening)
+    moved = wide - shut
+    assert tool.name == "fingers"
+    assert np.sign(moved[0, 1]) == -np.sign(moved[1, 1])
+    assert abs(abs(moved[:, 1]).sum() - (jaw.max_opening - jaw.openings[0])) < 0.004
+    assert np.abs(moved[:, 0]).max() < 1e-6
+
+
+def test_beyond_its_stroke_a_jaw_stays_at_the_end() -> None:
+    jaw = robot("panda").jaw
+    assert jaw is not None
+    assert jaw.values(1.0) == jaw.values(jaw.max_opening)
+    assert jaw.values(-1.0) == jaw.values(0.0)
+
+
+def test_a_fixed_cup_has_no_joint_and_a_retractable_one_is_clipped() -> None:
+    assert SuctionCup("cup", None, 0.0, 0.015, 42.0).values(0.1) == {}
+    assert SuctionCup("cup", "push", 0.05, 0.015, 42.0).values(0.1) == {"push": 0.05}

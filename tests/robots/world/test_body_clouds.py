@@ -1,0 +1,61 @@
+"""Pieces of bodies from points of their surfaces."""
+
+import numpy as np
+from scipy.spatial import ConvexHull
+
+from topple.robots import shapes
+from topple.robots.world.body_clouds import Piece, shell, smoothed, solid
+from topple.topology.arrays import FloatArray
+from topple.topology.upright import SPACING, thin
+
+
+def _holds(pieces: list[Piece], point: list[float]) -> bool:
+    planes = [ConvexHull(piece.corners).equations for piece in pieces]
+    return any(bool((each[:, :3] @ point + each[:, 3] <= 0).all()) for each in planes)
+
+
+def _cloud(name: str, noise: float = 0.0) -> FloatArray:
+    rng = np.random.default_rng(0)
+    cloud = getattr(shapes, name)().surface(6000, rng) + rng.normal(0.0, noise, (6000, 3))
+    return thin(cloud, SPACING)
+
+
+def test_a_shell_leaves_its_hollow_free_and_has_a_floor() -> None:
+    for name in ("bowl", "mug", "cup"):
+        cloud = _cloud(name)
+        pieces = shell(cloud, cloud, None)
+        assert 8 < len(pieces) < 70
+        assert not _holds(pieces, [0.0, 0.0, 0.03])
+        base = [[r * np.cos(a), r * np.sin(a), 0.002] for r in (0.008, 0.02) for a in np.arange(8) * 0.785]
+        assert np.mean([_holds(pieces, point) for point in base]) > 0.85
+
+
+def test_noise_does_not_make_a_solid_larger_than_some_noise() -> None:
+    cloud = _cloud("box", noise=0.001)
+    true = shapes.box()
+    corners = solid(cloud, cloud)[0].corners
+    assert np.abs(corners.max(axis=0) - true.upper).max() < 0.004
+    assert np.abs(corners.min(axis=0) - true.lower).max() < 0.004
+
+
+def test_a_wall_seen_from_one_side_grows_away_from_the_camera() -> None:
+    x, y = np.meshgrid(np.linspace(-0.05, 0.05, 26), np.linspace(-0.05, 0.05, 26))
+    sheet = np.column_stack([x.ravel(), y.ravel(), np.zeros(x.size)])
+    pieces = shell(sheet, sheet, np.array([[0.0, 0.0, 0.5]]))
+    corners = np.concatenate([piece.corners for piece in pieces])
+    assert corners[:, 2].max() < 1e-6
+    assert corners[:, 2].min() < -0.003
+
+
+def test_smoothing_keeps_a_face_where_it_is() -> None:
+    rng = np.random.default_rng(1)
+    face = np.column_stack([rng.uniform(-0.05, 0.05, (2000, 2)), rng.normal(0.0, 0.001, 2000)])
+    after = smoothed(thin(face, SPACING))
+    assert after[:, 2].std() < 0.0007
+    assert abs(after[:, 2].mean()) < 3e-4
+
+
+def test_a_single_point_is_a_grain() -> None:
+    pieces = solid(np.array([[0.1, 0.2, 0.3]]), np.array([[0.1, 0.2, 0.3]]))
+    np.testing.assert_allclose(pieces[0].corners.mean(axis=0), [0.1, 0.2, 0.3])
+    assert np.ptp(pieces[0].corners) < 0.5

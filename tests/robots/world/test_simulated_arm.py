@@ -1,0 +1,274 @@
+"""The simulated arm holds by friction and by a vacuum that needs a seal, never by anything else."""
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+
+import numpy as np
+import pybullet
+import pytest
+
+from topple.robots import shapes
+from topple.robots.catalog import robot
+from topple.robots.poses import angle_between
+from topple.robots.world.simulated_arm import SimulatedArm
+from topple.robots.world.world import World
+from topple.topology.arrays import FloatArray
+from topple.topology.errors import InvalidInput
+
+
+@dataclass
+class Way:
+    """A smooth joint motion between two states."""
+
+    times: FloatArray
+    positions: FloatArray
+    velocities: FloatArray
+
+    @classmethod
+    def between(cls, start: FloatArray, end: FloatArray, seconds: float = 1.5) -> "Way":
+        times = np.linspace(0.0, seconds, 50)
+        u = (times / seconds)[:, None]
+        return cls(
+            times,
+            start + (10 * u**3 - 15 * u**4 + 6 * u**5) * (end - start),
+            (30 * u**2 - 60 * u**3 + 30 * u**4) * (end - start) / seconds,
+        )
+
+
+def at(x: float, y: float, z: float) -> FloatArray:
+    pose = np.eye(4)
+    pose[:3, 3] = [x, y, z]
+    return pose
+
+
+def down(x: float, y: float, z: float) -> FloatArray:
+    return at(x, y, z) @ np.diag([1.0, -1.0, -1.0, 1.0])
+
+
+@pytest.fixture
+def world() -> Iterator[World]:
+    with World() as world:
+        world.add_table()
+        yield world
+
+
+def go(arm: SimulatedArm, pose: FloatArray, tool: str) -> float:
+    target = arm.arm.inverse(pose, tool, near=arm.q_target)[0][0]
+    return arm.follow(Way.between(arm.q_target, target))
+
+
+def height(world: World, name: str) -> float:
+    return float(world.pose(name)[2, 3])
+
+
+def test_a_trajectory_ends_where_it_should(world: World) -> None:
+    arm = SimulatedArm(world, robot("panda"), np.eye(4))
+    assert go(arm, down(0.5, 0.1, 0.3), "fingers") < 2e-3
+    assert arm.link_pose("panda_hand")[:2, 3] == pytest.approx([0.5, 0.1], abs=2e-3)
+
+
+def test_fingers_lift_a_can_by_friction_and_drop_it_when_they_open(world: World) -> None:
+    world.add(shapes.can("can"), at(0.5, 0.0, 0.0))
+    world.settle()
+    arm = SimulatedArm(world, robot("panda"), np.eye(4))
+    go(arm, down(0.5, 0.0, 0.25), "fingers")
+    go(arm, down(0.5, 0.0, 0.08), "fingers")
+    assert not arm.holds("can")
+    opening = arm.close(40.0)
+    assert arm.holds("can") and 0.05 < opening < 0.08
+    go(arm, down(0.5, 0.0, 0.25), "fingers")
+    assert arm.holds("can") and height(world, "can") > 0.12
+    assert pybullet.getNumConstraints(physicsClientId=world.client) == 1, "the gear of the fingers, no glue"
+    arm.open()
+    arm.wait(0.6)
+    assert height(world, "can") < 0.1
+
+
+def _moved_by_closing(world: World, name: str, hand: FloatArray) -> tuple[float, float, SimulatedArm]:
+    """Distance [m] and angle [degrees] by which an object moves while a hand closes on it."""
+    world.settle()
+    arm = SimulatedArm(world, robot("panda"), np.eye(4))
+    before = world.pose(name)
+    go(arm, at(0.0, 0.0, 0.1) @ hand, "fingers")
+    go(arm, hand, "fingers")
+    arm.close(42.0)
+    assert arm.holds(name)
+    after = world.pose(name)
+    moved = float(np.linalg.norm(after[:3, 3] - before[:3, 3]))
+    return moved, float(np.degrees(angle_between(before, after))), arm
+
+
+def test_a_closing_hand_gives_way_to_the_pad_that_comes_first(world: World) -> None:
+    world.add(shapes.box("box", (0.05, 0.05, 0.08), mass=0.1), at(0.5, 0.0, 0.0))
+    moved, angle, _ = _moved_by_closing(world, "box", down(0.5, 0.01, 0.05))
+    assert moved < 1e-3 and angle < 1.0, "the pads met it a centimetre beside the hand's middle"
+
+
+def test_a_closing_hand_turns_to_a_wall_that_leans(world: World) -> None:
+    world.add(shapes.bowl("bowl"), at(0.5, 0.0, 0.0))
+    lean = np.radians(10.0)  # the wall leans by 19 degrees
+    turn = np.eye(4)
+    turn[1:3, 1:3] = [[np.cos(lean), -np.sin(lean)], [np.sin(lean), np.cos(lean)]]
+    hand = at(0.5, 0.076, 0.052) @ turn @ np.diag([1.0, -1.0, -1.0, 1.0])
+    moved, angle, arm = _moved_by_closing(world, "bowl", hand)
+    assert moved < 2e-3 and angle < 2.0, "the bowl stays"
+    assert np.degrees(angle_between(arm.arm.tool_pose(arm.q, "fingers")[0], hand)) > 5.0, "the hand turns"
+
+
+def test_an_arm_beside_its_trajectory_may_keep_its_offset(world: World) -> None:
+    arm = SimulatedArm(world, robot("panda"), np.eye(4))
+    start, offset = np.asarray(arm.arm.home), np.full(7, 0.05)
+    arm.follow(Way.between(start, start + offset, seconds=0.5))
+    way = Way.between(start, start - offset)
+    arm.follow(way, keep_offset=True)
+    assert arm.q == pytest.approx(start, abs=3e-3)
+    arm.follow(way)
+    assert arm.q == pytest.approx(start - offset, abs=3e-3)
+
+
+def test_a_can_wider_than_the_grip_is_strong_slips(world: World) -> None:
+    world.add(shapes.can("can", mass=4.0), at(0.5, 0.0, 0.0))
+    world.settle()
+    arm = SimulatedArm(world, robot("panda"), np.eye(4))
+    go(arm, down(0.5, 0.0, 0.25), "fingers")
+    go(arm, down(0.5, 0.0, 0.08), "fingers")
+    arm.close(5.0)
+    go(arm, down(0.5, 0.0, 0.25), "fingers")
+    assert height(world, "can") < 0.05, "10 N of friction cannot carry 40 N"
+
+
+def test_the_cup_lifts_a_plate_it_seals_on_and_lets_go_beyond_its_force(world: World) -> None:
+    arm, top = _cup_above_a_plate(world)
+    assert arm.cup is not None
+    assert not arm.suck("plate"), "there is no seal in the air"
+    go(arm, down(0.5, 0.0, top), "suction")
+    assert arm.suck("plate")
+    go(arm, down(0.5, 0.0, top + 0.15), "suction")
+    assert arm.holds("plate") and height(world, "plate") > 0.12
+    for _ in range(60):
+        number = world.ids["plate"]
+        where = pybullet.getBasePositionAndOrientation(number, physicsClientId=world.client)[0]
+        pull = [0.0, 0.0, -1.2 * arm.cup.max_force]
+        pybullet.applyExternalForce(
+            number, -1, pull, where, pybullet.WORLD_FRAME, physicsClientId=world.client
+        )
+        arm.step()
+    assert not arm.holds("plate")
+
+
+def _cup_above_a_plate(world: World) -> tuple[SimulatedArm, float]:
+    """An arm that holds its cup, pushed out, 10 cm above a plate, and the height of the plate's surface."""
+    world.add(shapes.plate("plate"), at(0.5, 0.0, 0.0))
+    world.settle()
+    arm = SimulatedArm(world, robot("panda-suction"), np.eye(4))
+    top = _surface(world, 0.5, 0.0)
+    go(arm, down(0.5, 0.0, top + 0.1), "suction")
+    assert arm.cup is not None
+    arm.extend(arm.cup.stroke)
+    return arm, top
+
+
+def test_the_vacuum_does_not_push_what_it_takes(world: World) -> None:
+    arm, top = _cup_above_a_plate(world)
+    seated = arm.arm.inverse(down(0.5, 0.0, top), "suction", near=arm.q_target)[0][0]
+    arm.follow(Way.between(arm.q_target, seated), lambda: arm.press() > 8.0)
+    arm.wait(0.2)
+    assert arm.suck("plate")
+    weight = 9.81 * world.body("plate").mass
+    before = world.pose("plate")
+    for _ in range(60):
+        arm.step()
+        assert arm.load_on("plate") < weight + 10.0, "no more than seats the lip"
+    assert np.linalg.norm(world.pose("plate")[:3, 3] - before[:3, 3]) < 1e-4
+
+
+def test_the_cup_finds_no_seal_on_a_spoon(world: World) -> None:
+    world.add(shapes.spoon("spoon"), at(0.5, 0.0, 0.0))
+    world.settle()
+    arm = SimulatedArm(world, robot("panda-suction"), np.eye(4))
+    assert arm.cup is not None
+    top = _surface(world, 0.5, 0.0)
+    go(arm, down(0.5, 0.0, top + 0.1), "suction")
+    arm.extend(arm.cup.stroke)
+    go(arm, down(0.5, 0.0, top), "suction")
+    assert not arm.suck("spoon")
+
+
+def test_a_hand_without_a_cup_says_so(world: World) -> None:
+    arm = SimulatedArm(world, robot("panda"), np.eye(4))
+    with pytest.raises(InvalidInput, match="no suction cup"):
+        arm.suck("anything")
+
+
+def test_what_the_arm_touches_is_recorded(world: World) -> None:
+    world.add(shapes.can("can"), at(0.5, 0.0, 0.0))
+    world.settle()
+    arm = SimulatedArm(world, robot("panda"), np.eye(4))
+    go(arm, down(0.42, 0.0, 0.2), "fingers")
+    go(arm, down(0.42, 0.0, 0.05), "fingers")
+    arm.touched.clear()
+    go(arm, down(0.48, 0.0, 0.05), "fingers")
+    touch = arm.strongest_touch()
+    assert touch is not None and touch[0] == "can" and touch[1].force > 0.1
+
+
+def _surface(world: World, x: float, y: float) -> float:
+    hit = pybullet.rayTest([x, y, 0.5], [x, y, -0.1], physicsClientId=world.client)[0]
+    return float(hit[3][2])
+
+
+def _turned_in_the_hand(world: World, mass: float) -> float:
+    """By how many degrees a bar turns that is lifted 4 cm beside its middle."""
+    world.add(shapes.box("bar", (0.16, 0.04, 0.05), mass=mass), at(0.5, 0.0, 0.0))
+    world.settle()
+    arm = SimulatedArm(world, robot("panda"), np.eye(4))
+    go(arm, down(0.54, 0.0, 0.2), "fingers")
+    go(arm, down(0.54, 0.0, 0.035), "fingers")
+    arm.close(42.0)
+    before = world.pose("bar")
+    go(arm, down(0.54, 0.0, 0.2), "fingers")
+    assert arm.holds("bar")
+    return float(np.degrees(angle_between(before, world.pose("bar"))))
+
+
+def test_rubber_pads_hold_a_bar_beside_its_middle(world: World) -> None:
+    assert _turned_in_the_hand(world, 0.4) < 2.0
+
+
+def test_a_heavy_bar_held_beside_its_middle_turns(world: World) -> None:
+    assert _turned_in_the_hand(world, 2.5) > 10.0, "1 N m is more than pads of this size hold"
+
+
+def test_a_fork_held_by_its_neck_does_not_creep(world: World) -> None:
+    world.add(shapes.fork("fork"), at(0.5, 0.0, 0.0))
+    world.settle()
+    neck = world.pose("fork") @ np.array([0.02, 0.0, 0.0, 1.0])
+    top = _surface(world, neck[0], neck[1])
+    arm = SimulatedArm(world, robot("panda"), np.eye(4))
+    go(arm, down(neck[0], neck[1], top + 0.1), "fingers")
+    go(arm, down(neck[0], neck[1], top - 0.008), "fingers")
+    arm.close(42.0)
+    arm.wait(0.2)
+    closed = arm.pose_in_hand("fork", "fingers")
+    go(arm, down(neck[0], neck[1], top + 0.15), "fingers")
+    lifted = arm.pose_in_hand("fork", "fingers")
+    arm.wait(2.0)
+    after = arm.pose_in_hand("fork", "fingers")
+    assert np.linalg.norm(after[:3, 3] - closed[:3, 3]) < 1e-3
+    assert np.degrees(angle_between(closed, after)) < 3.0
+    assert np.linalg.norm(after[:3, 3] - lifted[:3, 3]) < 1e-4, "held for two seconds"
+
+
+def test_hinged_fingers_open_and_close_as_fast_as_slides(world: World) -> None:
+    """Speed and force of a jaw are those of its pads: hinges turn as fast as that takes."""
+    arm = SimulatedArm(world, robot("xarm6"), np.eye(4))
+    jaw = arm.jaw
+    assert jaw is not None
+    for opening in (0.05, 0.02, 0.08):
+        way, begun = abs(arm.opening - opening), world.time
+        arm.open(opening)
+        assert arm.opening == pytest.approx(opening, abs=1e-3)
+        assert world.time - begun < way / jaw.speed + 0.5
+    assert jaw.lever("drive_joint") == pytest.approx(0.0873 / 2 / 0.85, rel=0.02)
+    panda = robot("panda").jaw
+    assert panda is not None and panda.lever("panda_finger_joint1") == 1.0

@@ -1,0 +1,63 @@
+import numpy as np
+import pytest
+
+from topple.topology import InvalidInput, Scene
+from topple.topology.statics.contact import find_contacts
+from topple.topology.upright import Upright, upright_axes
+
+
+def box(
+    size: tuple[float, float, float], centre: tuple[float, float, float], count: int = 1500
+) -> np.ndarray:
+    """Points on the whole surface of a box."""
+    rng = np.random.default_rng(3)
+    points = rng.uniform(-0.5, 0.5, (count, 3))
+    areas = np.array([size[1] * size[2], size[0] * size[2], size[0] * size[1]])
+    axis = rng.choice(3, count, p=areas / areas.sum())
+    points[np.arange(count), axis] = rng.choice([-0.5, 0.5], count)
+    return points * size + centre
+
+
+def table() -> np.ndarray:
+    x, y = np.meshgrid(np.linspace(-0.3, 0.3, 40), np.linspace(-0.3, 0.3, 40))
+    return np.stack([x.ravel(), y.ravel(), np.zeros(x.size)], axis=1)
+
+
+def scene(**clouds: np.ndarray) -> Scene:
+    return Scene({**clouds, "table": table()}, fixed=["table"], up=(0, 0, 1))
+
+
+def test_a_box_on_a_box_touches_it_with_a_normal_up() -> None:
+    upright = Upright.of(
+        scene(low=box((0.1, 0.1, 0.05), (0, 0, 0.025)), top=box((0.06, 0.06, 0.06), (0, 0, 0.08)))
+    )
+    contact = next(c for c in find_contacts(upright) if {c.a, c.b} == {"low", "top"})
+    assert (contact.a, contact.b) == ("low", "top")
+    assert contact.normals[contact.gaps < 0.003][:, 2].mean() > 0.9
+    assert abs(contact.points[:, 2].mean() - 0.05) < 0.005
+
+
+def test_far_apart_means_no_contact() -> None:
+    upright = Upright.of(
+        scene(a=box((0.1, 0.1, 0.05), (-0.1, 0, 0.025)), b=box((0.05,) * 3, (0.1, 0, 0.025)))
+    )
+    assert {frozenset((c.a, c.b)) for c in find_contacts(upright)} == {
+        frozenset(("a", "table")), frozenset(("b", "table")),
+    }  # fmt: skip
+
+
+def test_a_tilted_frame_finds_the_same_contacts() -> None:
+    clouds = {
+        "low": box((0.1, 0.1, 0.05), (0, 0, 0.025)),
+        "top": box((0.06,) * 3, (0, 0, 0.08)),
+        "table": table(),
+    }
+    turn = upright_axes(np.array([0.2, -0.7, 0.5]))
+    tilted = Scene({n: c @ turn for n, c in clouds.items()}, fixed=["table"], up=turn[2])
+    pairs = {frozenset((c.a, c.b)) for c in find_contacts(Upright.of(tilted)) if c.gaps.min() < 0.002}
+    assert pairs == {frozenset(("low", "table")), frozenset(("low", "top"))}
+
+
+def test_without_up_the_message_says_how_to_give_it() -> None:
+    with pytest.raises(InvalidInput, match="--up 0 0 1"):
+        Upright.of(Scene({"a": box((0.1,) * 3, (0, 0, 0))}))

@@ -1,0 +1,110 @@
+"""The table among the points that belong to no object: the plane on which the objects stand."""
+
+from collections.abc import Mapping
+
+import numpy as np
+from scipy import ndimage
+
+from topple.topology.arrays import BoolArray, FloatArray, bounds, perpendiculars
+from topple.topology.geometry.plane import fit_plane
+
+NEAR = 0.3
+"""Distance [m] from the objects within which their table is looked for: a tall jug seen from above."""
+
+PLANES = 6
+"""Planes looked at, the largest first: table, floor, walls, and the sides of what stands about."""
+
+FEWEST = 200
+"""Points of a plane that may be a table: less is the side of something small."""
+
+STANDS = 0.03
+"""Distance [m] from a plane to which what stands on it is seen to reach: noise and a mask's margin."""
+
+OVER = 0.8
+"""Share of the objects that must lie over the plane; one or two may stand past its edge, lower."""
+
+ON = 0.02
+"""Distance [m] from its plane that a seen table strays: depth noise and a board that bends."""
+
+CELL = 0.05
+"""Edge [m] of the cells in which the table's extent hangs together: what is thin hides less of it."""
+
+
+def find_table(
+    background: FloatArray, clouds: Mapping[str, FloatArray], viewpoints: FloatArray
+) -> FloatArray | None:
+    """Find the surface that carries the objects among points that belong to none.
+
+    Of the planes near the objects (RANSAC, refined by least squares), those count that have the cameras and
+    the objects on one side; the one on which most objects stand is taken, of several the largest, with all of
+    its points that hang together under and around them.
+
+    Args:
+        background: Points (N, 3) in [m] that belong to no object.
+        clouds: Points (N, 3) in [m] per object, at least one.
+        viewpoints: Camera centres (k, 3) in [m], k >= 0.
+
+    Returns:
+        The table's points (M, 3), a part of the background; None where no plane carries an object.
+    """
+    lower, upper = bounds(np.concatenate(list(clouds.values())))
+    left = background[((background >= lower - NEAR) & (background <= upper + NEAR)).all(axis=1)]
+    best = (-1, 0)
+    table: FloatArray | None = None
+    for _ in range(PLANES):
+        if len(left) < FEWEST:
+            break
+        plane, _ = fit_plane(left)
+        on = _on(left, plane)
+        count = int(on.sum())
+        if count < FEWEST:
+            break
+        score = (_standing(plane, clouds, viewpoints), count)
+        if score > best and score[0] >= 0:
+            best, table = score, plane
+        left = left[~on]
+    return None if table is None else _connected(background[_on(background, table)], table, clouds)
+
+
+def note_of(table: FloatArray) -> str:
+    """The sentence that says where a table found in the background comes from."""
+    return (
+        f"'table' is the plane found under the objects in what has no label ({len(table)} points): "
+        "it is taken as fixed"
+    )
+
+
+def _on(points: FloatArray, plane: FloatArray) -> BoolArray:
+    """Which points (N, 3) lie in a plane, as far as noise lets them."""
+    return np.abs(points @ plane[:3] + plane[3]) <= ON
+
+
+def _standing(plane: FloatArray, clouds: Mapping[str, FloatArray], viewpoints: FloatArray) -> int:
+    """How many objects are seen to stand on a plane; from right above none may be.
+
+    Returns:
+        The count, or -1 where objects or cameras are on the wrong side of it, or it lies far below them.
+    """
+    heights = {name: cloud @ plane[:3] + plane[3] for name, cloud in clouds.items()}
+    middle = float(np.median([np.median(each) for each in heights.values()]))
+    side = 1.0 if middle > 0 else -1.0
+    if len(viewpoints) and (side * (viewpoints @ plane[:3] + plane[3]) <= 0).any():
+        return -1
+    lowest = np.array([np.quantile(side * each, 0.02) for each in heights.values()])
+    if (lowest > -STANDS).mean() < OVER or np.median(lowest) > NEAR:
+        return -1
+    return int(np.count_nonzero(np.abs(lowest) <= STANDS))
+
+
+def _connected(points: FloatArray, plane: FloatArray, clouds: Mapping[str, FloatArray]) -> FloatArray:
+    """The points of a plane that hang together under the objects: no other table beyond a gap."""
+    axes = np.stack(perpendiculars(plane[:3]), axis=1)  # (3, 2)
+    places, covered = points @ axes, np.concatenate(list(clouds.values())) @ axes
+    corner = np.minimum(places.min(axis=0), covered.min(axis=0))
+    cells, hidden = (np.floor((each - corner) / CELL).astype(np.int64) for each in (places, covered))
+    occupied = np.zeros(np.maximum(cells.max(axis=0), hidden.max(axis=0)) + 1, dtype=np.bool_)
+    occupied[tuple(cells.T)] = occupied[tuple(hidden.T)] = True
+    parts = np.zeros(occupied.shape, dtype=np.int32)
+    ndimage.label(occupied, structure=np.ones((3, 3)), output=parts)
+    under = np.unique(parts[tuple(hidden.T)])
+    return points[np.isin(parts[tuple(cells.T)], under)]

@@ -1,0 +1,348 @@
+"""The hidden parts of bodies: what no camera saw, guessed from symmetry, convexity and free space."""
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+
+import numpy as np
+from scipy.spatial import ConvexHull, Delaunay, KDTree, QhullError
+
+from topple.topology.arrays import FloatArray, perpendiculars
+from topple.topology.geometry.round import flattest_side, round_body
+from topple.topology.upright import SPACING, Upright, thin
+from topple.topology.views.sight import Sight
+
+BARE = 0.01
+"""A place on the hull this far [m] from every point has no surface near it: twice a cloud's spacing."""
+
+BLOCK = 1 << 16
+"""Pairs of a cell and a triangle looked at at once (0.5 MB)."""
+
+SAMPLES = 400
+"""Places on a hull that are looked at: a mouth of a tenth of its surface is 40 of them."""
+
+MOUTH = 0.1
+"""Share of the hull's surface that is mouth from which a body counts as hollow: a mug's is a sixth."""
+
+CLOSED = 0.6
+"""Share of the underside with points on it from which a cloud without viewpoints counts as whole."""
+
+REFUTED = 0.35
+"""Share of a guess that lies in space seen to be empty, from which the symmetry behind it is given up."""
+
+ROUND_REFUTED = 0.25
+"""The same for a round body, whose own outline leaves nothing to be refuted but noise."""
+
+OUTSIDE = 0.8
+"""Share of the seen points that are on the outside of a round body: noise turns some at its outline."""
+
+
+@dataclass(frozen=True, eq=False)
+class Box:
+    """An oriented box: rows of `axes` are its directions; the first one is the most upright."""
+
+    axes: FloatArray
+    lower: FloatArray
+    upper: FloatArray
+
+    @property
+    def centre(self) -> FloatArray:
+        """(3,) centre [m]."""
+        return (self.lower + self.upper) / 2 @ self.axes
+
+    def distances(self, points: FloatArray) -> FloatArray:
+        """(N,) distances of points from the nearest of its planes [m]."""
+        local = points @ self.axes.T
+        return np.minimum(np.abs(local - self.lower), np.abs(local - self.upper)).min(axis=1)
+
+
+def complete(upright: Upright, sight: Sight | None) -> Mapping[str, FloatArray]:
+    """Add the surfaces that no camera saw.
+
+    Bodies without a cavity are taken to be symmetric about the centre of their box, hollow ones about
+    the axis of their opening; both are closed from below by their hull. Nothing is put where a camera
+    saw through. Clouds that show their undersides stay as they are.
+
+    Args:
+        upright: The upright scene.
+        sight: What the cameras saw to be empty, or None where nobody knows.
+
+    Returns:
+        name -> (N, 3) upright points [m], the seen ones first.
+    """
+    done: dict[str, FloatArray] = {}
+    for name, points in upright.clouds.items():
+        fixed = name in upright.fixed
+        done[name] = points if fixed else complete_body(points, sight, upright.floor_under(points))
+    return done
+
+
+def complete_body(points: FloatArray, sight: Sight | None, floor: float = -np.inf) -> FloatArray:
+    """Add the hidden surface of one body.
+
+    Args:
+        points: (N, 3) upright seen points [m].
+        sight: What the cameras saw to be empty, or None where nobody knows.
+        floor: Height of what everything stands on [m].
+
+    Returns:
+        (M, 3) points, M >= N, the seen ones first.
+    """
+    hull = _hull(points)
+    if hull is None:
+        return points
+    if sight is None and _is_closed(points, hull):
+        return points
+    hollow = _mouth_share(points, hull, sight) > MOUTH
+    box = bounding_box(points, upright_only=hollow)
+    if not hollow and len(guess := _as_round(points, box, sight, floor)):
+        return np.concatenate([points, guess])
+    mirrored = _turned(points, box) if hollow else 2 * box.centre - points
+    extra = [_believable(mirrored, points, sight)]
+    known = np.concatenate([points, extra[0]])
+    if hollow:
+        extra.append(_believable(_roof(known), known, sight))
+    hull = _hull(known)
+    if hull is not None:
+        extra.append(_believable(_underside(known, hull), known, sight, partly=True))
+    return np.concatenate([points, *extra])
+
+
+def is_hollow(points: FloatArray, sight: Sight | None) -> bool:
+    """Whether a body has a cavity: its hull has a mouth, with none of the (N, 3) points [m] near it."""
+    hull = _hull(points)
+    return hull is not None and _mouth_share(points, hull, sight) > MOUTH
+
+
+def bounding_box(points: FloatArray, upright_only: bool = False) -> Box:
+    """The smallest oriented box among those that stand upright or lie along a flat side.
+
+    Args:
+        points: (N, 3) points [m].
+        upright_only: Consider upright boxes only.
+
+    Returns:
+        The box of least volume; upright ones are preferred by a tenth.
+    """
+    best: tuple[float, Box] | None = None
+    for k, up in enumerate(_candidate_axes(points, upright_only)):
+        box = _box_along(points, up)
+        extent = np.maximum(box.upper - box.lower, SPACING)
+        cost = float(np.prod(extent)) * (0.9 if k == 0 else 1.0)
+        if best is None or cost < best[0]:
+            best = cost, box
+    assert best is not None
+    return best[1]
+
+
+def _candidate_axes(points: FloatArray, upright_only: bool) -> list[FloatArray]:
+    """Up, and the normals of the flat sides (the main directions of local normals)."""
+    axes: list[FloatArray] = [np.array([0.0, 0.0, 1.0])]
+    if upright_only or len(points) < 12:
+        return axes
+    normals = _normals(points[:: max(1, len(points) // 200)], points)
+    for _ in range(2):  # the two best supported directions that are not yet there
+        if len(normals) < 8:
+            break
+        side, best = flattest_side(normals)
+        group = normals[side]
+        group = group * np.sign(group @ normals[best])[:, None]
+        axis = group.mean(axis=0)
+        axis /= np.linalg.norm(axis)
+        if all(abs(float(axis @ other)) < np.cos(np.radians(4.0)) for other in axes):
+            axes.append(axis)
+        normals = normals[~side]
+    return axes
+
+
+def _normals(spots: FloatArray, points: FloatArray) -> FloatArray:
+    """(M, 3) local normals of the flat spots among the given ones."""
+    neighbours = points[KDTree(points).query(spots, k=min(12, len(points)))[1]]
+    centred = neighbours - neighbours.mean(axis=1, keepdims=True)
+    values, vectors = np.linalg.eigh(np.einsum("nki,nkj->nij", centred, centred))
+    flat = values[:, 0] < 0.05 * values[:, 1]
+    return np.asarray(vectors[flat][:, :, 0], dtype=np.float64)
+
+
+def _box_along(points: FloatArray, axis: FloatArray) -> Box:
+    """The smallest box with one direction given: the least rectangle of the projection."""
+    u, v = perpendiculars(axis)
+    flat = points @ np.stack([u, v], axis=1)
+    angles = np.linspace(0.0, np.pi / 2, 30, endpoint=False)
+    turns = np.stack([np.cos(angles), np.sin(angles)])
+    first = flat @ turns
+    second = flat @ np.stack([-turns[1], turns[0]])
+    best = int(np.argmin(np.ptp(first, axis=0) * np.ptp(second, axis=0)))
+    c, s = turns[:, best]
+    axes = np.stack([axis, c * u + s * v, -s * u + c * v])
+    local = points @ axes.T
+    # One point in two hundred may be stray on each side.
+    lower, upper = np.quantile(local, [0.005, 0.995], axis=0)
+    return Box(axes, lower, upper)
+
+
+def _as_round(points: FloatArray, box: Box, sight: Sight | None, floor: float) -> FloatArray:
+    """The hidden surface of a ball, a spheroid or a cylinder; (0, 3) where the body is none."""
+    normals = _normals(points[:: max(1, len(points) // 200)], points)
+    box_residual = float(np.sqrt(np.mean(box.distances(points) ** 2)))
+    fit = round_body(points, normals, box_residual, floor)
+    # what a camera sees of a body is turned to it: the inside of a bowl is round as well, and is no ball
+    if fit is None or (sight is not None and sight.facing(points, fit.outward(points)).mean() <= OUTSIDE):
+        return points[:0]
+    surface = fit.surface(SPACING)
+    surface[:, 2] = np.maximum(surface[:, 2], floor)
+    return _believable(surface, points, sight, refuted=ROUND_REFUTED)
+
+
+def _turned(points: FloatArray, box: Box) -> FloatArray:
+    """Half a turn about the upright axis of the box."""
+    centre, axis = box.centre, box.axes[0]
+    offset = points - centre
+    return centre - offset + 2 * (offset @ axis)[:, None] * axis
+
+
+def _believable(
+    guess: FloatArray,
+    known: FloatArray,
+    sight: Sight | None,
+    partly: bool = False,
+    refuted: float = REFUTED,
+) -> FloatArray:
+    """The part of a guess that says something new and is not refuted.
+
+    Args:
+        guess: (N, 3) guessed points.
+        known: (M, 3) points known before: a guess next to them adds nothing.
+        sight: What was seen to be empty.
+        partly: Keep what is not refuted however much is; a refuted symmetry is given up as a whole.
+        refuted: Share from which it is.
+    """
+    if len(guess) == 0:
+        return guess
+    guess = thin(guess, SPACING)
+    distance, _ = KDTree(known).query(guess, distance_upper_bound=0.05)
+    guess = guess[distance > 1.5 * SPACING]
+    if sight is None or len(guess) == 0:
+        return guess
+    empty = sight.empty(guess)
+    if not partly and empty.mean() > refuted:
+        return guess[:0]
+    return guess[~empty]
+
+
+def _underside(points: FloatArray, hull: ConvexHull) -> FloatArray:
+    """The lower side of the hull, sampled over its plan view."""
+    cells = _plan_cells(points, hull)
+    return np.column_stack([cells, _lower_height(hull, cells)])
+
+
+def _roof(points: FloatArray) -> FloatArray:
+    """The upper side where something hid it: heights interpolated between the seen ones."""
+    keys = np.floor(points[:, :2] / SPACING).astype(np.int64)
+    order = np.lexsort((-points[:, 2], keys[:, 1], keys[:, 0]))
+    _, first = np.unique(keys[order], axis=0, return_index=True)
+    tops = points[order[first]]
+    if len(tops) < 4:
+        return points[:0]
+    lower, upper = tops[:, :2].min(axis=0), tops[:, :2].max(axis=0)
+    cells = _grid(lower, upper)
+    taken = KDTree(tops[:, :2]).query(cells)[0] < 2 * SPACING
+    cells = _over(tops[:, :2], cells[~taken])
+    heights = _interpolated(tops, cells)
+    inside = np.isfinite(heights)
+    return np.column_stack([cells[inside], heights[inside]])
+
+
+def _interpolated(tops: FloatArray, cells: FloatArray) -> FloatArray:
+    """(N,) heights over plan cells (N, 2) of the triangles between points (M, 3); NaN over none.
+
+    scipy's interpolator inverts a matrix a triangle; where LAPACK has several threads, these wait for each
+    other longer than all of the rest takes.
+    """
+    heights = np.full(len(cells), np.nan)
+    try:
+        triangles = tops[Delaunay(tops[:, :2]).simplices]
+    except QhullError:
+        return heights
+    origin, first, second = (
+        triangles[:, 0],
+        triangles[:, 1] - triangles[:, 0],
+        triangles[:, 2] - triangles[:, 0],
+    )
+    area = first[:, 0] * second[:, 1] - first[:, 1] * second[:, 0]
+    solid = np.abs(area) > 1e-15
+    origin, first, second, area = origin[solid], first[solid], second[solid], area[solid]
+    step = max(1, BLOCK // max(len(area), 1))
+    for start in range(0, len(cells), step):
+        offset = cells[start : start + step, None] - origin[:, :2]
+        along = (offset[..., 0] * second[:, 1] - offset[..., 1] * second[:, 0]) / area
+        across = (offset[..., 1] * first[:, 0] - offset[..., 0] * first[:, 1]) / area
+        depth = np.minimum(np.minimum(along, across), 1 - along - across)
+        row = np.arange(len(depth))
+        best = depth.argmax(axis=1)
+        height = origin[best, 2] + along[row, best] * first[best, 2] + across[row, best] * second[best, 2]
+        heights[start : start + step] = np.where(depth[row, best] >= -1e-12, height, np.nan)
+    return heights
+
+
+def _plan_cells(points: FloatArray, hull: ConvexHull) -> FloatArray:
+    """(N, 2) cell centres inside the plan view of a hull."""
+    corners = points[hull.vertices][:, :2]
+    return _over(corners, _grid(corners.min(axis=0), corners.max(axis=0)))
+
+
+def _over(corners: FloatArray, cells: FloatArray) -> FloatArray:
+    """The plan cells (N, 2) inside the hull of some points (M, 2); none where those have no area."""
+    try:
+        plan = ConvexHull(corners)
+    except QhullError:
+        return cells[:0]
+    return cells[(cells @ plan.equations[:, :2].T + plan.equations[:, 2] <= 0).all(axis=1)]
+
+
+def _lower_height(hull: ConvexHull, cells: FloatArray) -> FloatArray:
+    """(N,) height of the lower side of a hull over plan cells."""
+    down = hull.equations[hull.equations[:, 2] < -1e-6]
+    heights = -(cells @ down[:, :2].T + down[:, 3]) / down[:, 2]
+    return np.asarray(heights.max(axis=1), dtype=np.float64)
+
+
+def _grid(lower: FloatArray, upper: FloatArray) -> FloatArray:
+    """(N, 2) centres of cells of `SPACING` over a rectangle."""
+    x = np.arange(lower[0] + SPACING / 2, upper[0] + SPACING / 2, SPACING)
+    y = np.arange(lower[1] + SPACING / 2, upper[1] + SPACING / 2, SPACING)
+    return np.stack(np.meshgrid(x, y, indexing="ij"), axis=-1).reshape(-1, 2)
+
+
+def _hull(points: FloatArray) -> ConvexHull | None:
+    """The convex hull, or None for clouds without volume."""
+    try:
+        return ConvexHull(points)
+    except (QhullError, ValueError):
+        return None
+
+
+def _is_closed(points: FloatArray, hull: ConvexHull) -> bool:
+    """Does the cloud show its underside?"""
+    underside = _underside(points, hull)
+    if len(underside) == 0:
+        return True
+    distance, _ = KDTree(points).query(underside)
+    return bool((distance < 2.5 * SPACING).mean() > CLOSED)
+
+
+def _mouth_share(points: FloatArray, hull: ConvexHull, sight: Sight | None) -> float:
+    """Share of the hull's surface that is a mouth: no points near it, and seen through if anybody looked."""
+    corners = points[hull.simplices]
+    areas = np.linalg.norm(np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0]), axis=1)
+    which = np.searchsorted(np.cumsum(areas) / areas.sum(), (np.arange(SAMPLES) + 0.5) / SAMPLES)
+    # A low-discrepancy sequence: the same places for the same hull, without a seed.
+    u = (np.arange(SAMPLES) * 0.7548776662466927) % 1.0
+    v = (np.arange(SAMPLES) * 0.5698402909980532) % 1.0
+    flip = u + v > 1
+    u, v = np.where(flip, 1 - u, u)[:, None], np.where(flip, 1 - v, v)[:, None]
+    first, second, third = corners[np.minimum(which, len(corners) - 1)].transpose(1, 0, 2)
+    spots = first + u * (second - first) + v * (third - first)
+    bare = KDTree(points).query(spots)[0] > BARE
+    if sight is not None:
+        bare[bare] = sight.empty(spots[bare])
+    return float(bare.mean())

@@ -1,0 +1,69 @@
+"""How far an object reaches in plan: what was seen of it, and the whole circle where that is an arc.
+
+Of a plate under another a camera sees a crescent of its rim. What lies on the plate has its middle beside the
+crescent, but over the circle the crescent is part of.
+"""
+
+import numpy as np
+
+from topple.topology.arrays import FloatArray
+from topple.topology.geometry.hull import Hull
+from topple.topology.upright import upright_axes
+
+ROUND = 0.06
+"""Distance from the circle, as a share of its radius, that an arc may have (rms): a plate's rim, seen from
+above and from beside, is that wide; a corner of a box is three times as far from its best circle."""
+
+OPENED = 0.75
+"""Greatest radius in lengths of the arc's chord: a quarter of the circle was seen at least."""
+
+FEWEST = 12
+"""Points from which a circle is fitted."""
+
+CORNERS = np.arange(24) * (2 * np.pi / 24)
+"""Directions in which a circle gets a corner: its area is a hundredth too small."""
+
+
+def outline(points: FloatArray, up: FloatArray) -> FloatArray:
+    """Points whose hull is what an object covers in plan.
+
+    Args:
+        points: (N, 3) seen points [m].
+        up: (3,) unit vector upward.
+
+    Returns:
+        (M, 2) points [m] in the plane across `up`, the seen ones first.
+    """
+    flat = points @ upright_axes(up)[:2].T
+    circle = _circle(flat)
+    if circle is None:
+        return flat
+    centre, radius = circle
+    return np.concatenate([flat, centre + radius * np.stack([np.cos(CORNERS), np.sin(CORNERS)], axis=1)])
+
+
+def covers(outlines: list[FloatArray], place: FloatArray, slack: float) -> bool:
+    """Whether a place (2,) lies in the hull of some outlines together, or within `slack` [m] of it."""
+    together = np.concatenate(outlines)
+    hull = Hull.of(np.column_stack([together, np.zeros(len(together))]))
+    return bool(hull.facet_distance(np.append(place, 0.0)[None])[0] <= slack)
+
+
+def _circle(flat: FloatArray) -> tuple[FloatArray, float] | None:
+    """Centre and radius of the circle of which points (N, 2) are an arc, if they are one."""
+    if len(flat) < FEWEST:
+        return None
+    middle = flat.mean(axis=0)
+    local = flat - middle
+    squares = np.einsum("ni,ni->n", local, local)
+    # |p|^2 = 2 c.p + r^2 - |c|^2 is linear in c and in what remains.
+    terms = np.column_stack([2 * local, np.ones(len(local))])
+    solved = np.linalg.lstsq(terms, squares, rcond=None)[0]
+    radius = float(np.sqrt(max(solved[2] + solved[:2] @ solved[:2], 0.0)))
+    chord = float(np.linalg.norm(np.ptp(local, axis=0)))
+    if radius == 0.0 or radius > OPENED * chord:
+        return None
+    off = np.linalg.norm(local - solved[:2], axis=1) - radius
+    if float(np.sqrt(np.mean(off**2))) > ROUND * radius:
+        return None
+    return middle + solved[:2], radius

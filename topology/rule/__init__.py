@@ -1,0 +1,1 @@
+"""The default rule: relations that withstand noise, hidden surfaces and hollow objects."""

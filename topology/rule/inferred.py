@@ -1,0 +1,153 @@
+"""Contacts that no camera saw and gravity demands: what floats in the clouds is held by something."""
+
+from collections.abc import Callable, Collection, Mapping, Sequence
+from dataclasses import replace
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from topple.topology.arrays import FloatArray, IntArray
+from topple.topology.geometry.outline import covers, outline
+from topple.topology.relations import PairRelation, Relations
+from topple.topology.scene import Scene
+from topple.topology.sixim.table import Relation
+from topple.topology.tolerances import TOLERANCES
+from topple.topology.upright import upright_axes
+
+if TYPE_CHECKING:
+    from topple.topology.statics.support import Support
+
+CLOSE = 0.02
+"""Gap [m] from which objects carry each other no more: twice what a search for contacts allows."""
+
+_HELD_BY = frozenset({Relation.WITHIN, Relation.PARTIAL_WITHIN, Relation.CROSS})
+
+
+def infer_contacts(
+    scene: Scene, relations: Relations, apart: Callable[[PairRelation], bool] = lambda pair: False
+) -> Relations:
+    """Add the hidden contacts that hold objects with nothing seen below them.
+
+    Who holds them follows from static equilibrium and from the space the cameras saw to be empty. Where
+    everything rests on something seen, nothing is computed.
+
+    Args:
+        scene: The scene; one that does not know where up is stays as it is.
+        relations: Its relations.
+        apart: Says of a pair without a visible contact whether the cameras saw that it has none.
+
+    Returns:
+        The relations, with disjoint pairs that must be in contact turned into `touch`, marked inferred.
+    """
+    if scene.up is None or len(scene.clouds) < 2:
+        return relations
+    floating = floating_objects(scene, relations)
+    open_pairs = [pair for name in floating for pair in relations.of(name) if _may_touch(pair)]
+    open_pairs = [pair for pair in open_pairs if not apart(pair)]
+    hidden = {frozenset((pair.a, pair.b)) for pair in open_pairs}
+    if not hidden:
+        return relations
+    from topple.topology.statics.rest import Statics  # heavy, and needed by few scenes
+    from topple.topology.statics.support import supports
+
+    concerned = _hanging_together(floating.union(*hidden), scene, relations)
+    found = supports(scene, relations, Statics.of(scene, concerned))
+    for name in sorted(floating):
+        below = [support for support in found if support.supported == name]
+        for support in _uppermost(name, below, scene, relations):
+            if frozenset((name, support.supporter)) in hidden:
+                pair = relations.between(support.supporter, name)
+                relations = relations.with_pair(_touching(pair, support.confidence))
+    return relations
+
+
+def _uppermost(name: str, below: Sequence["Support"], scene: Scene, relations: Relations) -> list["Support"]:
+    """What may carry an object, without what lies under another that reaches below its middle already.
+
+    Between the two lies the upper one, hidden as it may be: a bowl on two plates meets the upper plate.
+    """
+    up = np.asarray(scene.up)
+    middle = scene.clouds[name].mean(axis=0) @ upright_axes(up)[:2].T
+    seen = {pair.b for pair in relations.of(name) if _holds(pair, scene.clouds, up, scene.fixed)}
+    height = {other: _height(scene.clouds[other], up) for other in seen.union(one.supporter for one in below)}
+    reaching = [
+        height[other]
+        for other in height.keys() - scene.fixed
+        if height[other] < _height(scene.clouds[name], up)
+        and covers([outline(scene.clouds[other], up)], middle, TOLERANCES.flat)
+    ]
+    return [one for one in below if height[one.supporter] >= max(reaching, default=-np.inf)]
+
+
+def _hanging_together(names: Collection[str], scene: Scene, relations: Relations) -> frozenset[str]:
+    """Some objects and the movable ones that meet them, or others that do: what gravity sees as one."""
+    found = set(names)
+    border = found - scene.fixed
+    while border:
+        meeting = {pair.b for name in border for pair in relations.of(name) if pair.gap <= CLOSE}
+        border = meeting - found - scene.fixed
+        found |= border
+    return frozenset(found)
+
+
+def floating_objects(scene: Scene, relations: Relations) -> frozenset[str]:
+    """Movable objects that are in nothing and that nothing lower they touch can carry alone.
+
+    What is carried has its carriers below its middle; what leans has its middle beside what it leans on, and
+    must stand on something else besides.
+
+    Args:
+        scene: The scene, with `up`.
+        relations: Its relations.
+    """
+    up = np.asarray(scene.up)
+    return frozenset(name for name in scene.movable if not _held(name, scene, relations, up))
+
+
+def _held(name: str, scene: Scene, relations: Relations, up: FloatArray) -> bool:
+    """Whether an object is in something, stands on what is fixed, or has its middle over what it touches."""
+    holders = [pair for pair in relations.of(name) if _holds(pair, scene.clouds, up, scene.fixed)]
+    if any(pair.relation in _HELD_BY or pair.b in scene.fixed for pair in holders):
+        return True
+    if not holders:
+        return False
+    middle = scene.clouds[name].mean(axis=0) @ upright_axes(up)[:2].T
+    return covers([outline(scene.clouds[pair.b], up) for pair in holders], middle, TOLERANCES.flat)
+
+
+def _holds(
+    pair: PairRelation, clouds: Mapping[str, FloatArray], up: FloatArray, fixed: frozenset[str]
+) -> bool:
+    """Whether b may carry a: a is in b, or touches it and lies higher."""
+    if pair.relation in _HELD_BY:
+        return True
+    if pair.relation is not Relation.TOUCH:
+        return False
+    return pair.b in fixed or _height(clouds[pair.b], up) < _height(clouds[pair.a], up)
+
+
+def _height(points: FloatArray, up: FloatArray) -> float:
+    """Middle height of points (N, 3) along `up` [m]: strays do not move it."""
+    return float(np.median(points @ up))
+
+
+def _may_touch(pair: PairRelation) -> bool:
+    """Whether two objects that seem apart are near enough to meet where no camera looks."""
+    return pair.relation is Relation.DISJOINT and pair.gap <= TOLERANCES.reach
+
+
+def _touching(pair: PairRelation, confidence: float) -> PairRelation:
+    """The pair in contact at a place no point shows: each cloud is given that one on its boundary."""
+    matrix: IntArray = pair.matrix.copy()
+    for row in matrix:
+        if row[1] == 0:
+            row[1:] += (1, -1)
+    return replace(
+        pair,
+        relation=Relation.TOUCH,
+        counts=matrix,
+        confidence=float(np.clip(confidence, 0.5, 0.9)),
+        observed=False,
+        kind=None,
+        inferred=True,
+    )

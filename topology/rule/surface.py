@@ -1,0 +1,302 @@
+"""One object's cloud prepared for the default rule, cleaned and thinned; distances between two of them."""
+
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+from scipy.sparse import coo_matrix
+from scipy.sparse.csgraph import connected_components
+from scipy.spatial import KDTree
+
+from topple.topology.arrays import BoolArray, FloatArray, IntArray, bounds
+from topple.topology.geometry.hull import Hull
+from topple.topology.tolerances import TOLERANCES
+
+COARSE = 1500
+"""Points a cloud is thinned to, about: an object's surface every 3 mm to 5 mm."""
+LARGEST_CELL = 0.01
+"""Edge of a cell [m] of a table or shelf: what stands before it leaves slivers of it two or three cm wide."""
+FINE = 3000
+"""Points per object that the closest region may have; contact patches beyond that are thinned."""
+PROBES = 32
+"""Points that bound the distance of two surfaces before all are looked at."""
+CANDIDATES = 400
+"""Points whose distance to the other surface is measured with planes, the nearest to its samples."""
+FAR = 2.0
+"""Widths of the cells around both surfaces, from which the mean points tell their distance: to 2 %."""
+PATCH = 8
+"""Neighbours that make a local plane."""
+LINKS = 6
+"""Neighbours through which pieces of a cloud hang together."""
+FILLED = 0.2
+"""Share of the usual number of points around a place of a surface: one seen at 78 degrees from its normal."""
+AROUND = 2.2
+"""Radius, in cells, within which a surface has some fifteen other cells, a line four with fewer points."""
+BESIDE = 1.8
+"""How far, in cells, the edge of a surface may reach beyond its last filled cell."""
+FEW = 5
+"""Mean points below which a separate piece is stray whatever its shape."""
+BREAK = 4.0
+"""A gap of this many typical spacings separates two pieces."""
+
+
+@dataclass(frozen=True, eq=False)
+class SurfaceCloud:
+    """A cloud on two levels: all kept points, and one mean point per cell.
+
+    Attributes:
+        name: Name of the object.
+        points: (N, 3) kept points, grouped by cell [m].
+        starts: (M + 1,) rows of `points` at which the cells begin.
+        coarse: (M, 3) mean point of each cell [m].
+        cell: Edge of the cells [m], 0 where every point is a cell of its own.
+        dropped: Number of stray points left out.
+        tree: Search tree of the mean points.
+    """
+
+    name: str
+    points: FloatArray
+    starts: IntArray
+    coarse: FloatArray
+    cell: float
+    dropped: int
+    tree: KDTree
+
+    @staticmethod
+    def of(name: str, cloud: FloatArray) -> "SurfaceCloud":
+        """Thin a cloud and drop its stray pieces.
+
+        Args:
+            name: Name of the object.
+            cloud: (N, 3) points [m].
+        """
+        order, starts, cell = _cells(cloud)
+        points = cloud[order]
+        sizes = np.diff(starts)
+        coarse = np.add.reduceat(points, starts[:-1], axis=0) / sizes[:, None]
+        tree = KDTree(coarse)
+        kept = _well_connected(tree, sizes, cell)
+        kept[kept] = _main_pieces(tree if kept.all() else KDTree(coarse[kept]))
+        dropped = len(points) - int(sizes[kept].sum())
+        if dropped:
+            points, sizes, coarse = points[np.repeat(kept, sizes)], sizes[kept], coarse[kept]
+            starts, tree = np.concatenate([[0], np.cumsum(sizes)]), KDTree(coarse)
+        return SurfaceCloud(name, points, starts, coarse, cell, dropped, tree)
+
+    @cached_property
+    def hull(self) -> Hull:
+        """Hull of the mean points: trimmed of noise by half a cell's worth of averaging."""
+        return Hull.of(self.coarse)
+
+    @cached_property
+    def spacing(self) -> float:
+        """Typical distance from a mean point to its fourth neighbour [m]."""
+        if len(self.coarse) < 5:
+            return 0.0
+        return float(np.median(np.asarray(self.tree.query(self.coarse, k=5)[0])[:, -1]))
+
+    @cached_property
+    def _box(self) -> tuple[FloatArray, FloatArray]:
+        return bounds(self.points)
+
+    @property
+    def lower(self) -> FloatArray:
+        """(3,) least corner of the box of the kept points [m]."""
+        return self._box[0]
+
+    @property
+    def upper(self) -> FloatArray:
+        """(3,) greatest corner of the box of the kept points [m]."""
+        return self._box[1]
+
+    @property
+    def size(self) -> int:
+        """Number of mean points: what the matrix counts."""
+        return len(self.coarse)
+
+    def rows_of(self, cells: IntArray) -> FloatArray:
+        """The kept points of some cells, (n, 3) [m]."""
+        sizes = self.starts[cells + 1] - self.starts[cells]
+        first = np.repeat(self.starts[cells] - (np.cumsum(sizes) - sizes), sizes)
+        return self.points[first + np.arange(len(first))]
+
+
+def _cells(cloud: FloatArray) -> tuple[IntArray, IntArray, float]:
+    """Order of the points by cell, where each cell starts, and the cell's edge."""
+    if len(cloud) <= COARSE:
+        return np.arange(len(cloud)), np.arange(len(cloud) + 1), 0.0
+    lower, upper = bounds(cloud)
+    extent = upper - lower
+    cell = max(float(extent.max()), 1e-9) / 40
+    # Cells of a surface go with the inverse square of their edge: one look at a part settles the edge.
+    probe = cloud[:: -(-len(cloud) // (8 * COARSE))]
+    occupied = len(np.unique(_cell_keys(probe, lower, extent, cell)))
+    cell = min(float(np.clip(cell * (occupied / COARSE) ** 0.5, cell / 6, 2 * cell)), LARGEST_CELL)
+    keys = _cell_keys(cloud, lower, extent, cell)
+    order = np.argsort(keys, kind="stable")
+    ordered = keys[order]
+    starts = np.flatnonzero(np.concatenate([[True], ordered[1:] != ordered[:-1]]))
+    return order, np.append(starts, len(cloud)), cell
+
+
+def _cell_keys(points: FloatArray, lower: FloatArray, extent: FloatArray, cell: float) -> IntArray:
+    index = ((points - lower) / cell).astype(np.int32)
+    counts = (extent / cell).astype(np.int64) + 1
+    return (index[:, 0] * counts[1] + index[:, 1]) * counts[2] + index[:, 2]
+
+
+def _well_connected(tree: KDTree, sizes: IntArray, cell: float) -> BoolArray:
+    """Which cells are filled like a surface, or lie beside one that is.
+
+    At a mask's edge pixels show the neighbour, or hang in the air between the two: lines of cells that hold
+    few points.
+    """
+    kept = np.ones(len(sizes), dtype=np.bool_)
+    if cell == 0:
+        return kept
+    pairs = tree.query_pairs(AROUND * cell, output_type="ndarray")
+    around = sizes.astype(np.float64)
+    for one, other in ((0, 1), (1, 0)):
+        around += np.bincount(pairs[:, one], weights=sizes[pairs[:, other]], minlength=len(sizes))
+    core = around >= FILLED * np.median(around)
+    if core.any() and not core.all():
+        coarse = np.asarray(tree.data)
+        kept[~core] = np.asarray(KDTree(coarse[core]).query(coarse[~core])[0]) <= BESIDE * cell
+    return kept
+
+
+def _main_pieces(tree: KDTree) -> BoolArray:
+    """Which points belong to a piece of the cloud that is no stray: large enough a share of the whole."""
+    coarse = np.asarray(tree.data)
+    if len(coarse) < 30:
+        return np.ones(len(coarse), dtype=np.bool_)
+    distance, index = tree.query(coarse, k=LINKS + 1)
+    distance = np.asarray(distance)
+    limit = BREAK * float(np.median(distance[:, 4]))
+    rows = np.repeat(np.arange(len(coarse)), LINKS)
+    linked = (distance[:, 1:] <= limit).ravel()
+    graph = coo_matrix(
+        (np.ones(int(linked.sum())), (rows[linked], np.asarray(index)[:, 1:].ravel()[linked])),
+        shape=(len(coarse), len(coarse)),
+    )
+    labels = connected_components(graph, directed=False)[1]
+    sizes = np.bincount(labels)
+    stray = sizes < min(TOLERANCES.stray_share * len(coarse), sizes.max())
+    for label in np.flatnonzero(stray & (sizes >= FEW)):
+        stray[label] = _width(coarse[labels == label]) < limit / BREAK
+    return ~stray[labels]
+
+
+def _width(points: FloatArray) -> float:
+    """Spread (standard deviation) across the longest direction of a piece [m]."""
+    centred = points - points.mean(axis=0)
+    return float(np.sqrt(max(np.linalg.eigvalsh(centred.T @ centred)[1], 0.0) / len(points)))
+
+
+@dataclass(frozen=True, eq=False)
+class Closest:
+    """The nearest regions of two surfaces.
+
+    Attributes:
+        gap: Distance of the surfaces [m], by the closest points that are no strays.
+        pairs: (k, 2, 3) closest points, on the first and on the second surface [m].
+    """
+
+    gap: float
+    pairs: FloatArray
+
+
+def closest(a: SurfaceCloud, b: SurfaceCloud) -> Closest:
+    """Distance of two surfaces and where they are closest.
+
+    The distance from a point to a sampled surface is that to the plane through the nearest samples, as far
+    as they reach: sparse clouds of surfaces in contact do not seem apart by their spacing.
+
+    Args:
+        a: One surface.
+        b: The other.
+    """
+    slack = 2 * (a.cell + b.cell)
+    if a.cell == 0 or b.cell == 0:  # patches of single points reach as far as their neighbours do
+        slack += 3 * max(a.spacing, b.spacing)
+    more = 1 + 1e-9  # a distance there and one back differ by their rounding
+    bound = float(np.min(b.tree.query(_at_most(a.coarse, PROBES))[0])) * more
+    near_a = _distances(a.coarse, b, bound + slack)
+    apart = float(near_a.min())
+    if 0 < FAR * slack < apart:
+        return _far(a, b, near_a)
+    limit = apart * more + slack
+    near_b = _distances(b.coarse, a, limit)
+    fine_a = _at_most(a.rows_of(np.flatnonzero(near_a <= limit)), FINE)
+    fine_b = _at_most(b.rows_of(np.flatnonzero(near_b <= limit)), FINE)
+    tree_a, tree_b = KDTree(fine_a), KDTree(fine_b)
+    fine_a = _nearest(fine_a, tree_b)
+    fine_b = _nearest(fine_b, tree_a)
+    rank = min(8, 1 + min(len(a.points), len(b.points)) // 60)  # so many strays may come closer
+    forward, feet = _to_surface(fine_a, tree_b)
+    backward, heads = _to_surface(fine_b, tree_a)
+    first, second = np.argsort(forward, kind="stable")[:64], np.argsort(backward, kind="stable")[:64]
+    pairs = np.concatenate(
+        [np.stack([fine_a[first], feet[first]], axis=1), np.stack([heads[second], fine_b[second]], axis=1)]
+    )
+    return Closest(min(_ranked(forward, rank), _ranked(backward, rank)), pairs)
+
+
+def _far(a: SurfaceCloud, b: SurfaceCloud, near_a: FloatArray) -> Closest:
+    """The nearest mean points: how they lie in their cells hardly lengthens a distance of many cells."""
+    chosen = np.argsort(near_a, kind="stable")[:64]
+    feet = b.coarse[np.asarray(b.tree.query(a.coarse[chosen])[1])]
+    return Closest(float(near_a[chosen[0]]), np.stack([a.coarse[chosen], feet], axis=1))
+
+
+def _distances(points: FloatArray, other: SurfaceCloud, limit: float) -> FloatArray:
+    """(N,) distances to the nearest mean point of a surface, infinite beyond a limit."""
+    lower, upper = other.tree.mins, other.tree.maxes
+    apart = np.maximum(np.maximum(lower - points, points - upper), 0.0)
+    chosen = np.flatnonzero(np.einsum("ni,ni->n", apart, apart) <= limit**2)
+    distance = np.full(len(points), np.inf)
+    within = np.nextafter(limit, np.inf)  # the search leaves out its bound itself
+    distance[chosen] = np.asarray(other.tree.query(points[chosen], distance_upper_bound=within)[0])
+    return distance
+
+
+def _ranked(values: FloatArray, rank: int) -> float:
+    """The value that `rank - 1` others fall below."""
+    rank = min(rank, len(values))
+    return float(np.partition(values, rank - 1)[rank - 1])
+
+
+def _at_most(points: FloatArray, count: int) -> FloatArray:
+    return points[:: max(1, -(-len(points) // count))]
+
+
+def _nearest(points: FloatArray, tree: KDTree) -> FloatArray:
+    """The points nearest to the samples of a surface: where the surfaces are closest, one of them is."""
+    if len(points) <= CANDIDATES:
+        return points
+    distance = np.asarray(tree.query(points)[0])
+    return points[np.sort(np.argpartition(distance, CANDIDATES)[:CANDIDATES])]
+
+
+def _to_surface(points: FloatArray, tree: KDTree) -> tuple[FloatArray, FloatArray]:
+    """(N,) distances of points to the surface that samples show, and the (N, 3) nearest samples."""
+    surface = np.asarray(tree.data)
+    count = min(PATCH, len(surface))
+    distance, index = tree.query(points, k=count)
+    distance = np.asarray(distance).reshape(len(points), count)
+    index = np.asarray(index).reshape(len(points), count)
+    nearest = surface[index[:, 0]]
+    if count < 3:
+        return distance[:, 0], nearest
+    patch = surface[index]
+    middle = patch.mean(axis=1)
+    spread = patch - middle[:, None]
+    _, axes = np.linalg.eigh(np.einsum("nki,nkj->nij", spread, spread))
+    normal = axes[:, :, 0]
+    height = np.abs(np.einsum("ni,ni->n", points - middle, normal))
+    # Samples reach half their spacing beyond the last one.
+    reach = 0.5 * np.linalg.norm(patch[:, 1:4] - nearest[:, None], axis=2).mean(axis=1)
+    beside = np.sqrt(
+        np.maximum(distance[:, 0] ** 2 - np.einsum("ni,ni->n", points - nearest, normal) ** 2, 0)
+    )
+    return np.minimum(distance[:, 0], np.hypot(height, np.maximum(beside - reach, 0.0))), nearest

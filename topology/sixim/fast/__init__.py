@@ -1,0 +1,1 @@
+"""Shortcuts that count the same matrix sooner."""

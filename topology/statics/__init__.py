@@ -1,0 +1,1 @@
+"""A scene at rest: contacts, equilibrium, what falls, what carries what."""

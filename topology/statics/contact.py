@@ -1,0 +1,397 @@
+"""Where objects touch: contact patches with normals, between clouds and with flat fixed surfaces."""
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+from scipy.spatial import KDTree
+
+from topple.topology.arrays import BoolArray, FloatArray, IntArray, bounds, frozen
+from topple.topology.geometry.broadphase import near_pairs
+from topple.topology.statics.matter import FRICTION, friction_between
+from topple.topology.upright import SPACING, Upright, thin
+
+
+@dataclass(frozen=True)
+class ContactTolerances:
+    """Lengths [m] of the search for contacts.
+
+    Attributes:
+        search: Two samples further apart belong to no contact: a spacing within each surface
+            (4 mm after thinning) on top of the largest gap.
+        catch: Surfaces this close count as one contact in a what-if question: an object that
+            loses a support comes to rest on such a surface after moving less than the
+            centimetre which counts as a move.
+        patch: A surface is flat over this radius when its normal is taken; the radius of a spoon.
+        footprint: Edge of the cells in which a patch keeps one point.
+        smooth: A patch that spreads further across its plane (standard deviation) has an edge in it.
+        flat: A fixed cloud this thin (standard deviation) is a table top, and is treated as a plane.
+    """
+
+    search: float = 0.009
+    catch: float = 0.005
+    patch: float = 0.012
+    footprint: float = 0.012
+    flat: float = 0.003
+    smooth: float = 0.0015
+
+
+TOLERANCES = ContactTolerances()
+
+SOLE = 0.03
+"""Height [m] above the table up to which an underside is looked at."""
+
+MARGIN = 0.05
+"""A table goes on this far [m] beyond what was seen of it: one camera sees it cut off by objects."""
+
+EDGE = 0.02
+"""The same for a top whose edges were seen: the spacing of its points."""
+
+BELOW = 0.01
+"""Noise [m] by which the middle of something thin may lie below the top it stands on."""
+
+
+@dataclass(frozen=True, eq=False)
+class Contact:
+    """One patch in which two objects touch, or nearly do.
+
+    Attributes:
+        a: First object.
+        b: Second object.
+        points: (k, 3) points of the patch [m].
+        normals: (k, 3) unit normals, out of `a` into `b`.
+        gaps: (k,) distance of the surfaces along the normal [m], negative where they overlap.
+        turns: (k,) angle between the two surfaces there [rad], 0 at an edge or a corner: how far one
+            body must roll on the other until this is where they touch.
+        inferred: True where no camera saw the contact and gravity says there must be one.
+        friction: Coefficient of dry friction.
+    """
+
+    a: str
+    b: str
+    points: FloatArray
+    normals: FloatArray
+    gaps: FloatArray
+    turns: FloatArray
+    inferred: bool = False
+    friction: float = FRICTION
+
+    def only(self, keep: BoolArray) -> "Contact | None":
+        """The part of the patch chosen by a (k,) mask, or None where nothing is chosen."""
+        if not keep.any():
+            return None
+        return replace(
+            self,
+            points=self.points[keep],
+            normals=self.normals[keep],
+            gaps=self.gaps[keep],
+            turns=self.turns[keep],
+        )
+
+
+@dataclass(frozen=True, eq=False)
+class Plane:
+    """A flat fixed surface: `normal @ x + offset` is the height above it [m], `normal` points up.
+
+    Attributes:
+        normal: (3,) unit normal.
+        offset: See above [m].
+        lower: (3,) lowest corner of the box around what was seen of it [m].
+        upper: (3,) highest corner [m].
+        ends: Whether it ends there, as the boards of a shelf do; a table seen from above may just be cut off.
+    """
+
+    normal: FloatArray
+    offset: float
+    lower: FloatArray
+    upper: FloatArray
+    ends: bool = False
+
+    @staticmethod
+    def of(points: FloatArray) -> "Plane | None":
+        """Fit a plane to a cloud, robustly.
+
+        Args:
+            points: (N, 3) upright points [m].
+
+        Returns:
+            The plane, or None where the cloud is not flat or stands upright (a wall).
+        """
+        if len(points) < 3:
+            return None
+        centre, normal, spread = _fit(points, points)
+        for _ in range(2):
+            near = points[np.abs((points - centre) @ normal) < 3 * spread]
+            centre, normal, spread = _fit(near if len(near) >= 3 else points, points)
+        if spread > TOLERANCES.flat or abs(normal[2]) < 0.5:
+            return None
+        normal = normal if normal[2] > 0 else -normal
+        return Plane(frozen(normal), -float(normal @ centre), points.min(axis=0), points.max(axis=0))
+
+    def heights(self, points: FloatArray) -> FloatArray:
+        """(N,) heights of (N, 3) points above the plane [m]."""
+        return points @ self.normal + self.offset
+
+    def over(self, points: FloatArray) -> BoolArray:
+        """Which of (N, 3) points [m] are over it, or over where it goes on behind the objects."""
+        margin = EDGE if self.ends else MARGIN
+        low, high = self.lower[:2] - margin, self.upper[:2] + margin
+        return np.asarray(((points[:, :2] > low) & (points[:, :2] < high)).all(axis=1))
+
+
+def planes_and_rest(upright: Upright, name: str) -> tuple[tuple[Plane, ...], FloatArray]:
+    """Take a fixed body apart into the planes of its tops and what else can be touched of it.
+
+    Args:
+        upright: The upright scene.
+        name: The body.
+
+    Returns:
+        One plane a top, the highest first, and (M, 3) points on none of them [m].
+    """
+    tops, rest, cloud = upright.tops[name], upright.rest[name], upright.clouds[name]
+    if len(rest) == 0 or not tops:  # one surface, or what so few points show as one
+        plane = Plane.of(cloud)
+        return ((), cloud) if plane is None else ((plane,), np.empty((0, 3)))
+    planes = (Plane.of(top) for top in tops)
+    return tuple(replace(plane, ends=True) for plane in planes if plane is not None), rest
+
+
+def _fit(kept: FloatArray, points: FloatArray) -> tuple[FloatArray, FloatArray, float]:
+    """Centre and normal of the plane through `kept`, and the robust spread [m] of `points` about it."""
+    centre = kept.mean(axis=0)
+    normal = np.linalg.eigh(np.cov((kept - centre).T))[1][:, 0]
+    heights = (points - centre) @ normal
+    return centre, normal, max(1.4826 * float(np.median(np.abs(heights))), 1e-4)
+
+
+def find_contacts(
+    upright: Upright, clouds: Mapping[str, FloatArray] | None = None, reach: float = TOLERANCES.search
+) -> tuple[Contact, ...]:
+    """All patches in which two surfaces are at most `reach` apart.
+
+    Args:
+        upright: The upright scene.
+        clouds: name -> (N, 3) upright surfaces to use instead of the seen ones (completed bodies).
+        reach: Largest gap [m].
+
+    Returns:
+        Contacts with at least one movable side, in the order of the objects' names in the scene.
+    """
+    surfaces = dict(upright.clouds if clouds is None else clouds)
+    grounds = {name: planes_and_rest(upright, name) for name in surfaces if name in upright.fixed}
+    planes = {name: planes for name, (planes, _) in grounds.items()}
+    sides = {**surfaces, **{name: rest for name, (_, rest) in grounds.items()}}
+    trees: dict[str, KDTree] = {}
+    found: list[Contact] = []
+    for a, b in _meeting(surfaces, planes):
+        if a in upright.fixed and b in upright.fixed:
+            continue
+        ground, other = (a, b) if a in upright.fixed else (b, a)
+        touching = [
+            _on_plane(ground, plane, other, surfaces[other], reach) for plane in planes.get(ground, ())
+        ]
+        if len(sides[ground]):
+            touching.append(_between(a, b, sides, trees, reach))
+        found += _joined([contact for contact in touching if contact is not None])
+    return tuple(rubbing(contact, upright.friction) for contact in found)
+
+
+def rubbing(contact: Contact, friction: Mapping[str, float]) -> Contact:
+    """The contact with the friction of its two surfaces, as far as that is known.
+
+    Args:
+        contact: The contact.
+        friction: Coefficient of the surface of each object that has been tried.
+    """
+    return replace(contact, friction=friction_between(friction, contact.a, contact.b))
+
+
+def _joined(patches: Sequence[Contact]) -> list[Contact]:
+    """The patches of one pair as one contact, where there are any."""
+    if len(patches) < 2:
+        return list(patches)
+    first = patches[0]
+    turned = [-patch.normals if patch.a != first.a else patch.normals for patch in patches]
+    points, gaps, turns = (
+        np.concatenate([getattr(patch, name) for patch in patches]) for name in ("points", "gaps", "turns")
+    )
+    return [Contact(first.a, first.b, points, np.concatenate(turned), gaps, turns)]
+
+
+def _meeting(
+    surfaces: Mapping[str, FloatArray], planes: Mapping[str, Sequence[Plane]]
+) -> list[tuple[str, str]]:
+    """Pairs whose boxes are near each other, and every pair with a plane: it goes on behind the objects."""
+    names = list(surfaces)
+    lower, upper = np.array([bounds(points) for points in surfaces.values()]).reshape(-1, 2, 3).swapaxes(0, 1)
+    pairs = {(i, j) for i, j in near_pairs(lower, upper, TOLERANCES.search).tolist()}
+    for number in (i for i, name in enumerate(names) if planes.get(name)):
+        pairs |= {(min(i, number), max(i, number)) for i in range(len(names)) if i != number}
+    return [(names[i], names[j]) for i, j in sorted(pairs)]
+
+
+def _on_plane(ground: str, plane: Plane, name: str, points: FloatArray, reach: float) -> Contact | None:
+    """Contact of an object with a table top."""
+    over, heights = plane.over(points), plane.heights(points)
+    if plane.ends:
+        if float(heights.mean()) < -BELOW:
+            return None
+        over &= heights > -SOLE  # what is beside a board and reaches below it does not stand on it
+    near = over & (heights < reach)
+    if not near.any():
+        return None
+    # The lowest point of each cell: surfaces above it in the same cell are walls, not the foot.
+    low = points[near][np.argsort(heights[near], kind="stable")]
+    feet = low[_first_of_cells(low, TOLERANCES.footprint)]
+    # Only undersides say how the body stands: the inner side of a thin wall would blur the normal.
+    sole = _lowest(points[over & (heights < SOLE)], 2 * SPACING)
+    around = KDTree(sole).query_ball_point(feet, 1.5 * TOLERANCES.patch)
+    normals, rough = local_normals(sole, list(around))
+    leaning = np.arccos(np.minimum(1.0, np.abs(normals @ plane.normal)))
+    turns = np.where(rough < TOLERANCES.smooth, leaning, 0.0)
+    return Contact(ground, name, feet, np.tile(plane.normal, (len(feet), 1)), plane.heights(feet), turns)
+
+
+def _lowest(points: FloatArray, cell: float) -> FloatArray:
+    """The lowest point of every plan cell."""
+    rising = points[np.argsort(points[:, 2], kind="stable")]
+    return rising[_first_of_cells(rising, cell)]
+
+
+def _first_of_cells(points: FloatArray, cell: float) -> IntArray:
+    """Positions of the first point in every plan cell, ascending."""
+    cells = np.floor(points[:, :2] / cell).astype(np.int64)
+    cells -= cells.min(axis=0)
+    keys = cells[:, 0] * (cells[:, 1].max() + 1) + cells[:, 1]
+    return np.sort(np.unique(keys, return_index=True)[1])
+
+
+def _between(
+    a: str, b: str, surfaces: Mapping[str, FloatArray], trees: dict[str, KDTree], reach: float
+) -> Contact | None:
+    """Contact of two clouds."""
+    first, second = surfaces[a], surfaces[b]
+    corners = np.array([bounds(first), bounds(second)])
+    lower, upper = corners[:, 0].max(axis=0) - reach, corners[:, 1].min(axis=0) + reach
+    if (lower > upper).any():
+        return None
+    candidates = second[((second >= lower) & (second <= upper)).all(axis=1)]
+    if len(candidates) == 0:
+        return None
+    for name in (a, b):
+        if name not in trees:
+            trees[name] = KDTree(surfaces[name])
+    answer = trees[a].query(candidates, distance_upper_bound=reach)
+    distances, nearest = np.asarray(answer[0]), np.asarray(answer[1])
+    close = np.isfinite(distances)
+    if not close.any():
+        return None
+    middles = (candidates[close] + first[nearest[close]]) / 2
+    spots = thin(middles, TOLERANCES.footprint)
+    return _patch(a, b, spots, surfaces, trees, reach)
+
+
+def _patch(
+    a: str,
+    b: str,
+    spots: FloatArray,
+    surfaces: Mapping[str, FloatArray],
+    trees: dict[str, KDTree],
+    reach: float,
+) -> Contact | None:
+    """Normals and gaps at the spots: taken from the flatter of the two surfaces there."""
+    first, second = surfaces[a], surfaces[b]
+    around_a: list[list[int]] = list(trees[a].query_ball_point(spots, TOLERANCES.patch))
+    around_b: list[list[int]] = list(trees[b].query_ball_point(spots, TOLERANCES.patch))
+    normals_a, spreads_a = local_normals(first, around_a)
+    normals_b, spreads_b = local_normals(second, around_b)
+    known = np.flatnonzero(np.isfinite(spreads_a) & np.isfinite(spreads_b))
+    if len(known) == 0:
+        return None
+    normals_a, normals_b = normals_a[known], normals_b[known]
+    a_is_flatter = spreads_a[known] <= spreads_b[known]
+    normals = np.where(a_is_flatter[:, None], normals_a, normals_b)
+    near_a = _Groups.of(first, [around_a[k] for k in known])
+    near_b = _Groups.of(second, [around_b[k] for k in known])
+    # b lies on the side of the contact where its points are; two faces that lie flat on each
+    # other have none there, and the rest of the bodies tells.
+    offsets = near_b.mean(normals) - near_a.mean(normals)
+    apart = normals @ (second.mean(axis=0) - first.mean(axis=0))
+    offsets = np.where(np.abs(offsets) < TOLERANCES.smooth, apart, offsets)
+    normals = np.where(offsets[:, None] < 0, -normals, normals)
+    gaps = np.where(
+        a_is_flatter,
+        near_b.lowest(normals) - near_a.mean(normals),
+        near_b.mean(normals) + near_a.lowest(-normals),
+    )
+    smooth = np.maximum(spreads_a[known], spreads_b[known]) < TOLERANCES.smooth
+    between = np.arccos(np.minimum(1.0, np.abs((normals_a * normals_b).sum(axis=1))))
+    patch = Contact(a, b, spots[known], normals, gaps, np.where(smooth, between, 0.0))
+    return patch.only(gaps <= reach)
+
+
+@dataclass(frozen=True, eq=False)
+class _Groups:
+    """Points in groups of at least three, one group after the other.
+
+    Attributes:
+        points: (N, 3) points [m].
+        counts: (k,) sizes of the groups.
+    """
+
+    points: FloatArray
+    counts: IntArray
+
+    @staticmethod
+    def of(points: FloatArray, groups: Sequence[Sequence[int]]) -> "_Groups":
+        """The points of groups of positions."""
+        members = np.concatenate([np.asarray(group, dtype=np.int64) for group in groups])
+        return _Groups(points[members], np.array([len(group) for group in groups]))
+
+    @property
+    def _starts(self) -> IntArray:
+        return np.cumsum(self.counts) - self.counts
+
+    def _along(self, directions: FloatArray) -> FloatArray:
+        """(N,) how far each point lies along the (k, 3) direction of its group [m]."""
+        return np.asarray((self.points * np.repeat(directions, self.counts, axis=0)).sum(axis=1))
+
+    def mean(self, directions: FloatArray) -> FloatArray:
+        """(k,) how far the points of each group lie along its (k, 3) direction [m]."""
+        return np.add.reduceat(self._along(directions), self._starts) / self.counts
+
+    def lowest(self, directions: FloatArray) -> FloatArray:
+        """(k,) where each group begins along its (k, 3) direction, one stray point aside [m]."""
+        along = self._along(directions)
+        ranked = np.lexsort((along, np.repeat(np.arange(len(self.counts)), self.counts)))
+        return along[ranked[self._starts + 1]]
+
+
+def local_normals(points: FloatArray, groups: Sequence[Sequence[int]]) -> tuple[FloatArray, FloatArray]:
+    """Planes through groups of points.
+
+    Args:
+        points: (N, 3) points [m].
+        groups: k lists of indices into the points.
+
+    Returns:
+        (k, 3) unit normals and (k,) spreads [m] across the planes; straight up and infinite for groups
+        of fewer than three points.
+    """
+    sizes = np.array([len(group) for group in groups])
+    normals = np.tile([0.0, 0.0, 1.0], (len(groups), 1))
+    spreads = np.full(len(groups), np.inf)
+    whole = np.flatnonzero(sizes >= 3)
+    if len(whole) == 0:
+        return normals, spreads
+    members = points[np.concatenate([np.asarray(g, dtype=np.int64) for g in groups if len(g) >= 3])]
+    counts = sizes[whole]
+    starts = np.concatenate([[0], np.cumsum(counts)[:-1]])
+    means = np.add.reduceat(members, starts) / counts[:, None]
+    centred = members - np.repeat(means, counts, axis=0)
+    outer = np.add.reduceat(centred[:, :, None] * centred[:, None, :], starts)
+    values, vectors = np.linalg.eigh(outer / (counts - 1)[:, None, None])
+    normals[whole] = vectors[:, :, 0]
+    spreads[whole] = np.sqrt(np.maximum(values[:, 0], 0.0))
+    return normals, spreads

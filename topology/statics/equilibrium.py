@@ -1,0 +1,182 @@
+"""Static equilibrium with dry friction: a linear programme over contact forces."""
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from scipy.optimize import linprog
+from scipy.sparse import coo_array, csr_array
+
+from topple.topology.arrays import FloatArray
+from topple.topology.statics.contact import Contact
+from topple.topology.statics.matter import DENSITY
+
+CONE_EDGES = 6
+"""Edges of the pyramid inside the friction cone: six lose at most 13 % of the friction."""
+
+
+@dataclass(frozen=True, eq=False)
+class Weight:
+    """What gravity pulls on.
+
+    Attributes:
+        litres: Volume [l] of matter of the usual `DENSITY` that is as heavy: only ratios matter here.
+        centre: (3,) centre of mass [m], upright frame.
+        size: Length [m] that turns a torque into a force one can compare with the weight.
+    """
+
+    litres: float
+    centre: FloatArray
+    size: float
+
+    @property
+    def mass(self) -> float:
+        """In [kg]."""
+        return self.litres * DENSITY / 1e3
+
+
+@dataclass(frozen=True, eq=False)
+class Balance:
+    """Answer of the programme.
+
+    Attributes:
+        deficit: name -> force and torque that nobody supplies, as a fraction of the weight; 0 for
+            what stays in equilibrium.
+        loads: Per contact (k,) normal forces, as the litres that weigh as much.
+    """
+
+    deficit: Mapping[str, float]
+    loads: tuple[FloatArray, ...]
+
+
+def balance(
+    weights: Mapping[str, Weight],
+    contacts: Sequence[Contact],
+    costs: Sequence[FloatArray] | None = None,
+) -> Balance:
+    """Find contact forces that hold every object still, leaving as little unexplained as possible.
+
+    Minimises the sum over objects of the missing wrench divided by the weight, over forces inside
+    the friction pyramids. Zero for all means an equilibrium exists: rigid bodies at rest need one.
+
+    Args:
+        weights: The objects that can move.
+        contacts: Patches between them and with anything fixed; a name without a weight is fixed.
+        costs: Per contact (k,) price of a unit of normal force at each point, in deficits per
+            weight; nothing costs anything where it is not given.
+
+    Returns:
+        The deficits and the loads of one optimal solution.
+    """
+    names = list(weights)
+    if not names:
+        return Balance({}, tuple(np.zeros(len(c.gaps)) for c in contacts))
+    matrix, demand, count = equations(weights, contacts)
+    owner = np.repeat(np.arange(len(contacts)), [CONE_EDGES * len(c.gaps) for c in contacts])
+    price = np.concatenate([_prices(contacts, costs, owner, weights), np.ones(12 * len(names))])
+    solution = linprog(
+        price, A_eq=matrix, b_eq=demand, bounds=(0, None), method="highs", options={"presolve": False}
+    )
+    if solution.x is None:  # the slacks make every instance feasible and bounded: a solver failure
+        return Balance(dict.fromkeys(names, 1.0), tuple(np.zeros(len(c.gaps)) for c in contacts))
+    slack = solution.x[count:].reshape(len(names), 12).sum(axis=1)
+    forces = solution.x[:count].reshape(-1, CONE_EDGES).sum(axis=1)
+    ends = np.cumsum([len(c.gaps) for c in contacts])[:-1]
+    loads = np.split(forces, ends) if len(contacts) else []
+    return Balance({name: float(s) for name, s in zip(names, slack, strict=True)}, tuple(loads))
+
+
+def equations(
+    weights: Mapping[str, Weight], contacts: Sequence[Contact]
+) -> tuple[csr_array, FloatArray, int]:
+    """The equations of equilibrium, with slack forces and torques that nobody supplies.
+
+    Args:
+        weights: The objects that can move, six equations each, divided by the weight.
+        contacts: Patches between them and with anything fixed; a name without a weight is fixed.
+
+    Returns:
+        The matrix, what it has to give, and the number of its first columns that are forces along the
+        edges of friction pyramids; two slacks per equation, up and down, follow.
+    """
+    height = 6 * len(weights)
+    rows, cols, values, count = _force_columns(weights, contacts)
+    slack_rows = np.repeat(np.arange(height), 2)
+    slack_cols = count + np.arange(2 * height)
+    slack_values = np.tile([1.0, -1.0], height)
+    matrix = coo_array(
+        (
+            np.concatenate([values, slack_values]),
+            (np.concatenate([rows, slack_rows]), np.concatenate([cols, slack_cols])),
+        ),
+        shape=(height, count + 2 * height),
+    ).tocsr()
+    demand = np.zeros(height)
+    demand[2::6] = 1.0
+    return matrix, demand, count
+
+
+def _prices(
+    contacts: Sequence[Contact],
+    costs: Sequence[FloatArray] | None,
+    owner: np.ndarray,
+    weights: Mapping[str, Weight],
+) -> FloatArray:
+    """Price of each force variable."""
+    if costs is None or len(owner) == 0:
+        return np.zeros(len(owner))
+    parts: list[FloatArray] = []
+    for contact, cost in zip(contacts, costs, strict=True):
+        carried = weights.get(contact.b) or weights[contact.a]
+        parts.append(np.repeat(np.asarray(cost, dtype=np.float64) / carried.litres, CONE_EDGES))
+    return np.concatenate(parts)
+
+
+def _force_columns(
+    weights: Mapping[str, Weight], contacts: Sequence[Contact]
+) -> tuple[np.ndarray, np.ndarray, np.ndarray, int]:
+    """Sparse columns: the wrench each friction-pyramid edge puts on the two objects it acts between."""
+    if not contacts:
+        empty = np.zeros(0, dtype=np.int64)
+        return empty, empty, np.zeros(0), 0
+    friction = np.repeat([c.friction for c in contacts], [len(c.gaps) for c in contacts])
+    forces = cone_edges(np.concatenate([c.normals for c in contacts]), friction).reshape(-1, 3)
+    points = np.repeat(np.concatenate([c.points for c in contacts]), CONE_EDGES, axis=0)
+    each = [CONE_EDGES * len(c.gaps) for c in contacts]
+    place = {name: i for i, name in enumerate(weights)}
+    centres = np.array([weight.centre for weight in weights.values()])
+    sizes = np.array([weight.size for weight in weights.values()])
+    litres = np.array([weight.litres for weight in weights.values()])
+    rows: list[np.ndarray] = []
+    cols: list[np.ndarray] = []
+    values: list[np.ndarray] = []
+    for side, sign in (([c.a for c in contacts], -1.0), ([c.b for c in contacts], 1.0)):
+        pushed = np.repeat([place.get(name, -1) for name in side], each)
+        columns = np.flatnonzero(pushed >= 0)
+        body = pushed[columns]
+        arms, force = points[columns] - centres[body], forces[columns]
+        torque = np.cross(arms, force) / sizes[body, None]
+        wrench = sign * np.concatenate([force, torque], axis=1) / litres[body, None]
+        rows.append((6 * body[:, None] + np.arange(6)).ravel())
+        cols.append(np.repeat(columns, 6))
+        values.append(wrench.ravel())
+    return np.concatenate(rows), np.concatenate(cols), np.concatenate(values), len(points)
+
+
+def cone_edges(normals: FloatArray, friction: FloatArray) -> FloatArray:
+    """Edges of the friction pyramids.
+
+    Args:
+        normals: (k, 3) unit normals into the pushed object.
+        friction: (k,) coefficients of friction.
+
+    Returns:
+        (k, E, 3) forces with unit normal part.
+    """
+    helper = np.where(np.abs(normals[:, [2]]) < 0.9, [[0.0, 0.0, 1.0]], [[1.0, 0.0, 0.0]])
+    first = np.cross(normals, helper)
+    first /= np.linalg.norm(first, axis=1, keepdims=True)
+    second = np.cross(normals, first)
+    angles = 2 * np.pi * np.arange(CONE_EDGES) / CONE_EDGES
+    sideways = first[:, None] * np.cos(angles)[:, None] + second[:, None] * np.sin(angles)[:, None]
+    return normals[:, None] + friction[:, None, None] * sideways

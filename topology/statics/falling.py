@@ -1,0 +1,171 @@
+"""How far things fall when something is gone: the other side of the programme of static equilibrium.
+
+Force equilibrium asks for contact forces that hold every weight. The dual of that linear programme asks how
+far the bodies can sink: it lowers the common potential energy by small displacements and turns that close no
+gap further than it is wide. A body that is held does not move; one that is not sinks until it meets what lies
+below it: an answer in metres and radians, as the question "did it move?" wants it. Friction appears as in the
+forces' pyramids: to slide, a contact has to open by the friction angle (associated flow), which is exact for
+what stays at rest.
+"""
+
+from collections.abc import Collection, Mapping, Sequence
+from dataclasses import dataclass
+
+import networkx as nx
+import numpy as np
+from scipy.optimize import linprog
+from scipy.sparse import eye_array, hstack, kron
+from scipy.spatial import ConvexHull, QhullError
+
+from topple.topology.arrays import FloatArray
+from topple.topology.statics.contact import Contact
+from topple.topology.statics.equilibrium import CONE_EDGES, Weight, equations
+
+FARTHEST = 0.02
+"""Displacement [m] at which a body is followed no further: twice what counts as a move."""
+
+TURNED = 0.35
+"""Turn [rad] at which a body is followed no further: twice what counts as a move, and nearly linear."""
+
+SEATED = 0.0005
+"""Gap [m] up to which two whole surfaces touch: half of what a thinned cloud is off."""
+
+SUNK = 0.011
+"""Displacement [m] that counts as a fall: a move is a centimetre, and linear answers are a tenth off."""
+
+TILTED = float(np.radians(12.0))
+"""Turn [rad] that counts as a fall: a move is 10 degrees."""
+
+REACH = 0.02
+"""Gap [m] up to which surfaces are looked at: what catches a body that sinks by a centimetre as it tilts."""
+
+FREE = 1e-3
+"""Share of its weight that holds a body for nothing: motions that gain no energy, such as a ball's spin, are
+none."""
+
+ROLL = float(np.radians(9.0))
+"""Angle by which round things may roll on each other towards a contact without having moved."""
+
+
+@dataclass(frozen=True)
+class Fall:
+    """How far a body sinks.
+
+    Attributes:
+        distance: Displacement of the centre of mass [m], at most about `FARTHEST` along each axis.
+        angle: Turn [rad], at most about `TURNED` about each axis.
+    """
+
+    distance: float
+    angle: float
+
+    def beyond(self, before: "Fall") -> float:
+        """How far it fell more than `before`, 1 where that just counts as a fall."""
+        return max((self.distance - before.distance) / SUNK, (self.angle - before.angle) / TILTED)
+
+
+def catching(contacts: Sequence[Contact]) -> tuple[Contact, ...]:
+    """The parts of contacts that can stop a body that sinks.
+
+    Args:
+        contacts: Patches between bodies, gaps up to `REACH`.
+
+    Returns:
+        What is left of them: round things roll no further than `ROLL`, and of a flat patch those points
+        whose gaps no others imply.
+    """
+    level = (contact.only(contact.turns <= ROLL) for contact in contacts)
+    return tuple(_outline(contact) for contact in level if contact is not None)
+
+
+def _outline(contact: Contact) -> Contact:
+    """The points of a flat patch that matter.
+
+    A small motion closes gaps linearly across a plane: a gap no smaller than what its neighbours' gaps
+    interpolate to never closes first. What is left is the lower convex hull of the gaps over the plane.
+    """
+    if len(contact.gaps) < 5 or np.ptp(contact.normals, axis=0).max() > 1e-9:
+        return contact
+    normal = contact.normals[0]
+    flat = contact.points - np.outer(contact.points @ normal, normal)
+    gaps = np.maximum(contact.gaps - SEATED, 0.0)
+    raised = flat + gaps[:, None] * normal
+    try:
+        # One point far above makes the body's upper side empty, and keeps a level patch from being flat.
+        hull = ConvexHull(np.vstack([raised, flat.mean(axis=0) + normal]))
+    except QhullError:  # all in one line
+        return contact
+    keep = np.zeros(len(contact.gaps), dtype=np.bool_)
+    keep[hull.vertices[hull.vertices < len(keep)]] = True
+    return contact.only(keep) or contact
+
+
+def islands(names: Collection[str], contacts: Sequence[Contact]) -> list[frozenset[str]]:
+    """Sets of names that contacts join: how one set sinks does not depend on any other.
+
+    Args:
+        names: The objects that can move.
+        contacts: Patches; those with anything else join nothing.
+    """
+    network: nx.Graph[str] = nx.Graph()
+    network.add_nodes_from(names)
+    network.add_edges_from((c.a, c.b) for c in contacts if c.a in network and c.b in network)
+    return [frozenset(island) for island in nx.connected_components(network)]
+
+
+def falls(
+    weights: Mapping[str, Weight],
+    contacts: Sequence[Contact],
+    beside: Collection[str] | None = None,
+    without: Collection[str] = (),
+) -> dict[str, Fall]:
+    """How far every body sinks, all together.
+
+    Args:
+        weights: The objects that can move.
+        contacts: Patches between them and with anything fixed, from `catching`.
+        beside: Only what hangs together with one of these is asked about; everything where not given.
+        without: Names that are gone.
+
+    Returns:
+        name -> fall, for all that are left and asked about.
+    """
+    left = {name: weight for name, weight in weights.items() if name not in without}
+    near = [c for c in contacts if c.a not in without and c.b not in without]
+    found: dict[str, Fall] = {}
+    for island in islands(left, near):
+        if beside is None or not island.isdisjoint(beside):
+            part = {name: weight for name, weight in left.items() if name in island}
+            found |= _sunk(part, [c for c in near if c.a in island or c.b in island])
+    return {name: found[name] for name in left if name in found}
+
+
+def _sunk(left: Mapping[str, Weight], near: Sequence[Contact]) -> dict[str, Fall]:
+    """How far the bodies of an island sink."""
+    matrix, demand, count = equations(left, near)
+    litres = np.array([weight.litres for weight in left.values()])
+    share = litres / litres.mean()
+    size = np.array([weight.size for weight in left.values()])
+    # What a missing force costs bounds the displacement it would do work on, and so for torques and turns.
+    bound = np.empty((len(left), 6, 2))
+    bound[:, :3] = (FARTHEST * share)[:, None, None]
+    bound[:, 3:] = (TURNED * share * size)[:, None, None]
+    gaps = np.concatenate([np.repeat(c.gaps, CONE_EDGES) for c in near]) if near else np.zeros(count)
+    price = np.concatenate([np.maximum(gaps - SEATED, 0.0) / litres.mean(), bound.ravel()])
+    free = kron(eye_array(len(demand)), np.array([[1.0, -1.0]]))
+    price = np.concatenate([price, np.zeros(bound.size)])
+    most = np.concatenate([np.full(count + bound.size, np.inf), np.full(bound.size, FREE)])
+    solution = linprog(
+        price,
+        A_eq=hstack([matrix, free], format="csr"),
+        b_eq=demand,
+        bounds=np.stack([np.zeros_like(most), most], axis=1),
+        method="highs",
+        options={"presolve": False},  # it takes longer than it saves on programmes this small
+    )
+    if solution.x is None:  # feasible and bounded by construction: a solver failure
+        return dict.fromkeys(left, Fall(0.0, 0.0))
+    moved: FloatArray = np.asarray(solution.eqlin.marginals).reshape(-1, 6)
+    shifts = np.linalg.norm(moved[:, :3], axis=1) / share
+    turns = np.linalg.norm(moved[:, 3:], axis=1) / (share * size)
+    return {name: Fall(float(s), float(t)) for name, s, t in zip(left, shifts, turns, strict=True)}

@@ -1,0 +1,158 @@
+"""Whether the upward direction fits the scene: how much stands in equilibrium with it, and with another."""
+
+from collections.abc import Iterator, Sequence
+from dataclasses import replace
+from types import MappingProxyType
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from topple.topology.arrays import FloatArray, bounds
+from topple.topology.errors import InvalidInput
+from topple.topology.geometry.plane import up_from_fixed
+from topple.topology.statics.contact import Contact, find_contacts
+from topple.topology.statics.equilibrium import balance
+from topple.topology.statics.rest import Statics, within_reach
+from topple.topology.upright import SPACING
+
+if TYPE_CHECKING:
+    from topple.topology.scene import Scene
+
+HANGING = 0.4
+"""Share of the weight that nothing carries from which `up` is doubted: hidden undersides leave less open."""
+
+BETTER = 0.3
+"""By how much that share must fall with another direction for it to be the likely one."""
+
+APART = float(np.cos(np.radians(30.0)))
+"""Cosine of the angle from which a direction is another one: a table tilted by less is still a table."""
+
+_LEVEL = ("table", "ground", "floor")
+ALONG = float(np.cos(np.radians(3.0)))
+"""Cosine of the angle within which a direction found on noisy points is told as an axis of the frame."""
+
+_FLOOR = "\n"  # no object's name: names have printable characters only
+
+
+def check_up(scene: "Scene", statics: Statics | None = None) -> None:
+    """Refuse a scene that hangs in the air with its `up` and would stand with another.
+
+    Bodies at rest are in equilibrium. Where much of their weight is carried by nothing with the direction
+    given, the normal of the table and the opposite direction are tried, and without a fixed object the axes.
+
+    Args:
+        scene: A scene that knows where up is.
+        statics: The scene at rest where it has been worked out before.
+
+    Raises:
+        InvalidInput: Another direction fits and this one does not; the line says which, or how to have it
+            found. Also where the scene has no `up`.
+    """
+    statics = Statics.of(scene) if statics is None else statics
+    if not statics.weights:
+        return
+    hanging = uncarried(statics)
+    if hanging < HANGING:
+        return
+    assert scene.up is not None  # statics needs it
+    for other in _other_directions(scene, scene.up):
+        if uncarried(Statics.of(scene.with_up(other))) <= hanging - BETTER:
+            raise InvalidInput(_contradiction(scene, scene.up, other, hanging))
+
+
+def uncarried(statics: Statics) -> float:
+    """How much of the weight of a scene nothing carries.
+
+    A table carries what is above it and nothing below it; without a fixed object a floor is laid under the
+    lowest point. Of what only contacts that no camera saw would carry, half counts.
+
+    Args:
+        statics: The scene at rest.
+
+    Returns:
+        The share, 0..1.
+    """
+    contacts = [part for contact in _standing(statics) if (part := _pushing(contact, statics)) is not None]
+    seen = [contact for contact in contacts if not contact.inferred]
+    shares = [_missing(statics, seen)]
+    shares.append(shares[0] if len(seen) == len(contacts) else _missing(statics, contacts))
+    return float(np.mean(shares))
+
+
+def _missing(statics: Statics, contacts: Sequence[Contact]) -> float:
+    """Share of the weight that contacts leave uncarried."""
+    deficit = balance(statics.weights, within_reach(contacts, statics.weights)).deficit
+    masses = {name: weight.mass for name, weight in statics.weights.items()}
+    return sum(masses[name] * min(deficit[name], 1.0) for name in masses) / sum(masses.values())
+
+
+def _standing(statics: Statics) -> tuple[Contact, ...]:
+    """The contacts of the scene; with a floor's where nothing is fixed."""
+    if statics.upright.fixed:
+        return statics.contacts
+    lower, upper = np.array([bounds(points) for points in statics.surfaces.values()]).swapaxes(0, 1)
+    low, high = lower.min(axis=0), upper.max(axis=0)
+    along, across = (np.arange(low[k], high[k] + SPACING, 2 * SPACING) for k in (0, 1))
+    plan = np.stack(np.meshgrid(along, across), axis=-1).reshape(-1, 2)
+    floor = np.column_stack([plan, np.full(len(plan), low[2])])
+    clouds = MappingProxyType({**statics.upright.clouds, _FLOOR: floor})
+    tops, rest = MappingProxyType({_FLOOR: (floor,)}), MappingProxyType({_FLOOR: np.empty((0, 3))})
+    upright = replace(statics.upright, clouds=clouds, fixed=frozenset({_FLOOR}), tops=tops, rest=rest)
+    return find_contacts(upright, {**statics.surfaces, _FLOOR: floor})
+
+
+def _pushing(contact: Contact, statics: Statics) -> Contact | None:
+    """The part of a contact in which a fixed surface has the object on the side to which it pushes."""
+    fixed = statics.upright.fixed | {_FLOOR}
+    if (contact.a in fixed) == (contact.b in fixed):
+        return contact
+    ground_first = contact.a in fixed
+    middle = statics.surfaces[contact.b if ground_first else contact.a].mean(axis=0)
+    beyond = ((middle - contact.points) * contact.normals).sum(axis=1)
+    # Points are those of the object: the surface lies deeper by the gap.
+    return contact.only(beyond + contact.gaps > 0 if ground_first else beyond < 0)
+
+
+def _other_directions(scene: "Scene", up: FloatArray) -> Iterator[FloatArray]:
+    """Directions that people mean when they give another one, each once, the likely ones first.
+
+    What hangs on a wall lies on it as well as on a table: only with what is called a table, or by a mask's
+    label, or with nothing fixed, its normal and the axes of the frame are tried.
+    """
+    tables = [name for name in scene.clouds if name in scene.fixed and _is_level(name)]
+    found = up_from_fixed(scene.clouds, tables, scene.viewpoints)
+    likely = [] if found is None else [found[0]]
+    axes = [] if scene.fixed and not tables else [*np.eye(3)[::-1], *-np.eye(3)[::-1]]
+    tried = [up]
+    for direction in (*likely, -up, *axes):
+        if all(float(direction @ other) < APART for other in tried):
+            tried.append(direction)
+            yield direction
+
+
+def _is_level(name: str) -> bool:
+    return name.isdigit() or name.lower() in _LEVEL
+
+
+def _contradiction(scene: "Scene", up: FloatArray, other: FloatArray, hanging: float) -> str:
+    """The line that says what does not fit and what would."""
+    what = f"up is {_listed(up)}, but then nothing carries {hanging:.0%} of the weight of the objects"
+    fits = f"with up {_listed(other)} they stand"
+    if scene.images and not scene.fixed:
+        return (
+            f"{what}: in a depth image up is a direction of the camera's frame (0 0 1 is its viewing axis); "
+            f"name what they stand on by its label, --fixed LABEL, and leave --up out; {fits}"
+        )
+    cure = f"give --up {_listed(other)}, or turn round the up or table_plane that the scene gives"
+    if scene.images:
+        cure = f"leave --up out, and it is taken from what is fixed; or give --up {_listed(other)}"
+    elif not scene.fixed:
+        cure = f"give --up {_listed(other)}, or name what carries them with --fixed"
+    return f"{what}, while {fits}: {cure}"
+
+
+def _listed(direction: FloatArray) -> str:
+    """A direction as people type it: an axis where it is one but for noise."""
+    axis = np.sign(direction) * (np.abs(direction) > ALONG)
+    direction = axis if axis.any() else direction
+    return " ".join(f"{value + 0.0:.3g}" for value in np.round(direction, 3))

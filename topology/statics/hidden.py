@@ -1,0 +1,135 @@
+"""Contacts no camera saw, which there must be: what is at rest is carried by something."""
+
+from collections.abc import Mapping, Sequence
+from dataclasses import replace
+
+import numpy as np
+
+from topple.topology.arrays import FloatArray
+from topple.topology.statics.contact import TOLERANCES, Contact, Plane, planes_and_rest, rubbing
+from topple.topology.statics.equilibrium import Weight, balance
+from topple.topology.upright import Upright
+from topple.topology.views.sight import Sight
+
+CELL = 0.012
+"""Edge [m] of the plan cells in which an underside is held against what lies below it."""
+
+DEEPEST = 0.12
+"""Largest gap [m] that is closed: the height of a cup, whose foot may be hidden all the way."""
+
+PRICE = 1.0 / DEEPEST
+"""Price per metre of gap: closing the largest one costs as much as carrying nothing."""
+
+LEVEL = 0.006
+"""Cells this much [m] further apart than the loaded ones belong to the same hidden contact."""
+
+CARRIED = 0.01
+"""Share of its weight from which a hidden point counts as carrying."""
+
+
+def hidden_contacts(
+    upright: Upright,
+    surfaces: Mapping[str, FloatArray],
+    contacts: Sequence[Contact],
+    weights: Mapping[str, Weight],
+    wanting: Sequence[str],
+    sight: Sight | None,
+) -> tuple[Contact, ...]:
+    """The cheapest contacts that put everything at rest.
+
+    Every gap between an unseen underside and what lies below it is a contact that may be there; a
+    linear programme chooses forces that hold everything still and pays for each by its gap.
+
+    Args:
+        upright: The upright scene.
+        surfaces: name -> (N, 3) whole surfaces.
+        contacts: The contacts found, which cost nothing.
+        weights: The movable objects.
+        wanting: Objects that the contacts found do not hold.
+        sight: What was seen to be empty, or None.
+
+    Returns:
+        New contacts, marked as inferred, with gaps counted from the loaded points.
+    """
+    tops = _Tops(upright, surfaces)
+    candidates: list[Contact] = []
+    for name in wanting:
+        below = _below(name, surfaces[name], tops, sight)
+        candidates += [rubbing(contact, upright.friction) for contact in below]
+    if not candidates:
+        return ()
+    costs = [np.zeros(len(c.gaps)) for c in contacts] + [np.maximum(c.gaps, 0) * PRICE for c in candidates]
+    loads = balance(weights, [*contacts, *candidates], costs=costs).loads[len(contacts) :]
+    found: list[Contact] = []
+    for candidate, load in zip(candidates, loads, strict=True):
+        loaded = load > CARRIED * weights[candidate.b].litres
+        if loaded.any():
+            level = float(candidate.gaps[loaded].max())
+            part = candidate.only(candidate.gaps <= level + LEVEL)
+            if part is not None:
+                gaps = np.maximum(part.gaps - level, 0.0)
+                found.append(replace(part, gaps=gaps))
+    return tuple(found)
+
+
+class _Tops:
+    """What stands highest over each plan cell: tables everywhere, other surfaces where they have points."""
+
+    def __init__(self, upright: Upright, surfaces: Mapping[str, FloatArray]) -> None:
+        self._planes: list[tuple[int, str, Plane]] = []
+        self._cells: dict[tuple[int, int], list[tuple[int, str, float]]] = {}
+        for order, (name, points) in enumerate(surfaces.items()):
+            planes, sides = planes_and_rest(upright, name) if name in upright.fixed else ((), points)
+            self._planes += [(order, name, plane) for plane in planes]
+            for cell, height in _plan(sides, np.maximum).items():
+                self._cells.setdefault(cell, []).append((order, name, height))
+
+    def below(self, name: str, cell: tuple[int, int], spot: FloatArray) -> tuple[float, str] | None:
+        """Height and name of what is highest below a spot (3,), other than the object itself."""
+        options = self._cells.get(cell, []) + [
+            (order, other, float(-(plane.offset + spot[:2] @ plane.normal[:2]) / plane.normal[2]))
+            for order, other, plane in self._planes
+            if not plane.ends or plane.over(spot[None])[0]
+        ]
+        fitting = [
+            (top, -order, other)
+            for order, other, top in options
+            if other != name and top <= spot[2] + TOLERANCES.catch
+        ]
+        if not fitting:
+            return None
+        top, _, other = max(fitting)
+        return top, other
+
+
+def _below(name: str, surface: FloatArray, tops: _Tops, sight: Sight | None) -> list[Contact]:
+    """For each object under `name`, the cells in which its underside faces the highest top below it."""
+    under = _plan(surface, np.minimum)
+    spots = np.array([((i + 0.5) * CELL, (j + 0.5) * CELL, z) for (i, j), z in under.items()])
+    facing: dict[str, list[tuple[FloatArray, float]]] = {}
+    for spot, cell in zip(spots, under, strict=True):
+        best = tops.below(name, cell, spot)
+        if best is not None and spot[2] - best[0] <= DEEPEST:
+            facing.setdefault(best[1], []).append((spot, spot[2] - best[0]))
+    found: list[Contact] = []
+    for other, pairs in facing.items():
+        points = np.array([p for p, _ in pairs])
+        gaps = np.array([g for _, g in pairs])
+        points[:, 2] -= np.maximum(gaps, 0)
+        if sight is not None:
+            middle = points + np.array([0.0, 0.0, 1.0]) * (gaps / 2)[:, None]
+            keep = ~sight.empty(middle) | (gaps < TOLERANCES.catch)
+            points, gaps = points[keep], gaps[keep]
+        if len(points):
+            up = np.tile([0.0, 0.0, 1.0], (len(points), 1))
+            found.append(Contact(other, name, points, up, gaps, np.zeros(len(gaps)), inferred=True))
+    return found
+
+
+def _plan(points: FloatArray, extreme: np.ufunc) -> dict[tuple[int, int], float]:
+    """Highest (or lowest) height per plan cell."""
+    cells = np.floor(points[:, :2] / CELL).astype(np.int64)
+    unique, inverse = np.unique(cells, axis=0, return_inverse=True)
+    heights = np.full(len(unique), -np.inf if extreme is np.maximum else np.inf)
+    extreme.at(heights, inverse.ravel(), points[:, 2])
+    return {(int(i), int(j)): float(z) for (i, j), z in zip(unique, heights, strict=True)}

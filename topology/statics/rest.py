@@ -1,0 +1,256 @@
+"""A scene at rest: bodies, contacts and weights, and who would not stay if something were gone."""
+
+from collections.abc import Collection, Mapping
+from dataclasses import dataclass, field
+from functools import cached_property
+from types import MappingProxyType
+from typing import TYPE_CHECKING
+from weakref import WeakKeyDictionary
+
+import numpy as np
+from scipy.spatial import ConvexHull, QhullError
+
+from topple.topology.arrays import BoolArray, FloatArray, bounds
+from topple.topology.bodies.complete import complete
+from topple.topology.statics.contact import TOLERANCES, Contact, find_contacts
+from topple.topology.statics.equilibrium import Weight, balance
+from topple.topology.statics.falling import REACH, Fall, catching, falls, islands
+from topple.topology.statics.hidden import hidden_contacts
+from topple.topology.statics.matter import DENSITY
+from topple.topology.upright import SPACING, Upright
+from topple.topology.views.sight import Sight
+
+if TYPE_CHECKING:
+    from topple.topology.scene import Scene
+
+TIGHT = 0.0025
+"""Gap [m] up to which two surfaces carry each other: noise and spacing of a thinned cloud."""
+
+TILT = float(np.tan(np.radians(9.0)))
+"""Slope by which an object may sink towards a second support without having moved: a move is 10°."""
+
+ROLL = float(np.radians(9.0))
+"""Angle by which round things may roll on each other towards a contact without having moved."""
+
+GUESSED = 0.3
+"""The same where bodies were completed: a centre of mass half guessed is known to a centimetre."""
+
+AROUND = np.stack([np.cos(np.arange(12) * np.pi / 6), np.sin(np.arange(12) * np.pi / 6)], axis=1)
+"""Directions in which a flat patch keeps its outermost point."""
+
+WALL = 0.005
+"""Thickness [m] taken for the walls of hollow things when their weight is guessed."""
+
+LEVER = 0.03
+"""Lever [m] by which torques are compared with weights: `UNSTEADY` then is 3 mm beyond the last support."""
+
+UNSTEADY = 0.1
+"""Missing share of a weight beyond which something moves: contact points are known to millimetres."""
+
+
+@dataclass(frozen=True, eq=False)
+class _Completed:
+    """The bodies of a scene, each completed once for all who ask, in whatever company."""
+
+    upright: Upright
+    sight: Sight | None
+    _done: dict[str, FloatArray] = field(default_factory=dict[str, FloatArray])
+
+    @staticmethod
+    def of(scene: "Scene") -> "_Completed":
+        upright = Upright.of(scene)
+        if upright.viewpoints is None:
+            return _Completed(upright, None)
+        everything = np.concatenate(list(upright.clouds.values()))
+        return _Completed(upright, Sight(everything, upright.viewpoints, scene.images, upright.rotation))
+
+    def among(self, names: Collection[str]) -> dict[str, FloatArray]:
+        """Upright points (N, 3) [m] of the whole surfaces, by name."""
+        missing = [name for name in names if name not in self._done]
+        self._done.update(complete(self.upright.among(missing), self.sight))
+        return {name: self._done[name] for name in names}
+
+
+_COMPLETED: WeakKeyDictionary["Scene", _Completed] = WeakKeyDictionary()
+"""Of the scenes there are: relations that infer contacts, orders and placements ask of the same one."""
+
+
+@dataclass(frozen=True, eq=False)
+class Statics:
+    """What gravity can be asked about.
+
+    Attributes:
+        upright: The scene in a frame whose z axis is up.
+        surfaces: name -> (N, 3) upright points [m] of the whole body, hidden parts completed.
+        contacts: Patches between the bodies.
+        weights: The movable objects' weights: as given, else guessed from their volume.
+        unexplained: name -> missing share of the weight while everything is in place: what the
+            clouds leave open.
+        sight: What the cameras saw to be empty, or None where nobody knows.
+    """
+
+    upright: Upright
+    surfaces: Mapping[str, FloatArray]
+    contacts: tuple[Contact, ...]
+    weights: Mapping[str, Weight]
+    unexplained: Mapping[str, float]
+    sight: Sight | None = None
+
+    @staticmethod
+    def of(scene: "Scene", among: Collection[str] | None = None) -> "Statics":
+        """Complete the bodies of a scene and find their contacts.
+
+        Args:
+            scene: A scene that knows where up is.
+            among: The movable objects to look at; all of them where not given. What meets none of them
+                changes nothing for them, except for what was seen past it, which is kept.
+
+        Returns:
+            The scene at rest.
+
+        Raises:
+            InvalidInput: The scene has no `up`.
+        """
+        bodies = _COMPLETED.get(scene)
+        if bodies is None:
+            bodies = _COMPLETED.setdefault(scene, _Completed.of(scene))
+        upright = bodies.upright if among is None else bodies.upright.among(among)
+        sight, surfaces = bodies.sight, bodies.among(upright.clouds)
+        contacts = find_contacts(upright, surfaces)
+        weights = {name: weigh(surfaces[name], scene.masses.get(name)) for name in upright.movable}
+        unexplained = balance(weights, within_reach(contacts, weights)).deficit
+        wanting = [name for name, missing in unexplained.items() if missing > UNSTEADY]
+        if wanting:
+            usable = within_reach(contacts, weights)
+            contacts += hidden_contacts(upright, surfaces, usable, weights, wanting, sight)
+            unexplained = balance(weights, within_reach(contacts, weights)).deficit
+        return Statics(
+            upright, surfaces, contacts, MappingProxyType(weights), MappingProxyType(dict(unexplained)), sight
+        )
+
+    @cached_property
+    def _catching(self) -> tuple[Contact, ...]:
+        """All contacts a falling body may meet."""
+        near = find_contacts(self.upright, self.surfaces, REACH)
+        return catching((*near, *(c for c in self.contacts if c.inferred)))
+
+    @cached_property
+    def _settled(self) -> Mapping[str, Fall]:
+        """How far bodies seem to sink while everything is in place: what contacts leave open."""
+        return falls(self.weights, self._catching)
+
+    def fallen_without(self, away: Collection[str]) -> dict[str, float]:
+        """Who falls once some objects are gone, for clouds that show whole surfaces.
+
+        Args:
+            away: Names taken out of the scene.
+
+        Returns:
+            name -> how far, 1 where it just counts as a move, for those who move.
+        """
+        met = {name for c in self._catching if c.a in away or c.b in away for name in (c.a, c.b)}
+        found = falls(self.weights, self._catching, beside=met, without=away)
+        far = {name: fall.beyond(self._settled[name]) for name, fall in found.items()}
+        return {name: share for name, share in far.items() if share > 1.0}
+
+    def unsteady_without(self, away: Collection[str]) -> dict[str, float]:
+        """Who does not stay where it is once some objects are gone.
+
+        Args:
+            away: Names taken out of the scene.
+
+        Returns:
+            name -> share of its weight that nothing carries any more, only for those for whom it
+            grew beyond `UNSTEADY` (`GUESSED` where hidden sides were completed).
+        """
+        met = {name for c in self.contacts if c.a in away or c.b in away for name in (c.a, c.b)}
+        contacts = [c for c in self.contacts if c.a not in away and c.b not in away]
+        joined = islands(self.weights.keys() - set(away), contacts)
+        moving = set[str]().union(*(island for island in joined if not island.isdisjoint(met)))
+        left = {name: weight for name, weight in self.weights.items() if name in moving}
+        usable = within_reach([c for c in contacts if c.a in moving or c.b in moving], left)
+        found = balance(left, usable)
+        limit = UNSTEADY if self.sight is None else GUESSED
+        return {
+            name: missing
+            for name, missing in found.deficit.items()
+            if missing > self.unexplained.get(name, 0.0) + limit
+        }
+
+
+def weigh(points: FloatArray, mass: float | None = None) -> Weight:
+    """Guess weight and centre of mass of a body from its surface.
+
+    Args:
+        points: (N, 3) evenly spread surface points [m].
+        mass: In [kg] where it is known; its density is taken as even.
+
+    Returns:
+        The weight. A mass not given is `DENSITY` times a volume: the hull's for solid things, the surface
+        times a wall for hollow ones, whichever is less.
+    """
+    centre = points.mean(axis=0)
+    if mass is not None:
+        return Weight(1e3 * mass / DENSITY, centre, LEVER)
+    volume = hull_volume(points)
+    shell = len(points) * SPACING**2 * WALL
+    return Weight(1e3 * max(min(volume, shell), 1e-7), centre, LEVER)
+
+
+def hull_volume(points: FloatArray) -> float:
+    """Volume [m³] of the convex hull of points (N, 3); of flat ones that of their box, a voxel thick."""
+    try:
+        return float(ConvexHull(points).volume)
+    except (QhullError, ValueError):
+        lower, upper = bounds(points)
+        return float(np.prod(np.maximum(upper - lower, SPACING)))
+
+
+def within_reach(contacts: Collection[Contact], movable: Collection[str]) -> list[Contact]:
+    """Contacts that carry now, or would after a movement too small to count.
+
+    A point further than `TIGHT` counts where the object would reach it by turning about its nearest
+    carrying point by less than 9 degrees.
+
+    Args:
+        contacts: Patches with gaps.
+        movable: Names that can move.
+
+    Returns:
+        The usable parts of the patches.
+    """
+    touching: dict[str, list[FloatArray]] = {name: [] for name in movable}
+    for contact in contacts:
+        near = contact.points[(contact.gaps <= TIGHT) & (contact.turns <= ROLL)]
+        for name in (contact.a, contact.b):
+            if name in touching and len(near):
+                touching[name].append(near)
+    pivots = {name: np.concatenate(near) if near else None for name, near in touching.items()}
+    usable: list[Contact] = []
+    for contact in contacts:
+        level = contact.turns <= ROLL
+        keep = (contact.gaps <= TIGHT) & level
+        for name in (contact.a, contact.b):
+            pivot = pivots.get(name)
+            if name not in pivots:
+                continue
+            if pivot is None:
+                keep |= (contact.gaps <= TOLERANCES.catch) & level
+                continue
+            arms = np.linalg.norm(contact.points[:, None] - pivot[None], axis=2).min(axis=1)
+            keep |= (contact.gaps <= TIGHT + TILT * arms) & (contact.gaps <= TOLERANCES.search) & level
+        part = contact.only(keep & _outline(contact, keep))
+        if part is not None:
+            usable.append(part)
+    return usable
+
+
+def _outline(contact: Contact, keep: BoolArray) -> BoolArray:
+    """The points that matter of a flat patch: forces inside its outline are sums of forces on it."""
+    count = int(keep.sum())
+    if count <= 2 * len(AROUND) or np.ptp(contact.normals[keep], axis=0).max() > 1e-6:
+        return np.ones(len(keep), dtype=np.bool_)
+    reach = np.where(keep[:, None], contact.points[:, :2] @ AROUND.T, -np.inf)
+    chosen = np.zeros(len(keep), dtype=np.bool_)
+    chosen[np.argmax(reach, axis=0)] = True
+    return chosen

@@ -1,0 +1,1 @@
+"""What the cameras saw to be empty, and what they could not see."""
