@@ -1,7 +1,7 @@
 """Counts how often reasoning and simulated lifts are wrong: `python -m topple.benchmarks.rates --view 3`.
 
 Seeded piles are made, lifted from in simulation as they truly are, and again as they are rebuilt from their
-clouds. What comes out is what `topple.planner.decide.evidence` holds; no score is reported on these piles.
+clouds. What comes out is what `topple.planner.decide.rates` holds; no score is reported on these piles.
 """
 
 import argparse
@@ -16,10 +16,10 @@ from topple.benchmarks.piles import make_pile, observe, truth
 from topple.benchmarks.scores import Labels
 from topple.planner.cli.console import print_json
 from topple.planner.decide.dependency import dependencies, ways_found
-from topple.planner.decide.evidence import Rates, standing
+from topple.planner.decide.rates import Rates, standing
 from topple.planner.simulate.votes import Votes, ask
 from topple.topology.arrays import FloatArray
-from topple.topology.statics.rest import Statics
+from topple.topology.situation import Situation
 
 FIRST_PILE = 7_300_000
 """Seed of the first pile; every other one follows, those between are for trying things out."""
@@ -36,8 +36,8 @@ class Counts:
         steady: (4, 2) by how many of three trials moved, both bodies standing still by themselves.
         shaky: (4, 2) the same where one of them did not.
         overlooked: (3, 2, 2) pairs for which reasoning found nothing, by
-            `topple.planner.decide.evidence.standing`.
-        found: (4, 2) pairs for which it found something, by `topple.planner.decide.evidence.way_found`.
+            `topple.planner.decide.rates.standing`.
+        found: (4, 2) pairs for which it found something, by `topple.planner.decide.rates.way_found`.
     """
 
     steady: FloatArray
@@ -103,10 +103,10 @@ def count_pile(seed: int, view: int) -> Counts:
         view: Cameras, 0 for whole surfaces.
     """
     pile = make_pile(seed)
-    statics = Statics.of(observe(pile, view, seed))
-    graph = dependencies(observe(pile, view, seed), None, statics, direct=False)
+    situation = Situation(observe(pile, view, seed))
+    statics, graph = situation.statics, dependencies(situation, direct=False)
     votes = ask(statics, graph, deadline=time.monotonic() + PATIENCE)
-    return Counts.of(truth(pile), ways_found(statics), votes, standing(statics))
+    return Counts.of(truth(pile), ways_found(situation), votes, standing(statics))
 
 
 def main() -> None:

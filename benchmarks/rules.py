@@ -12,6 +12,7 @@ from topple.planner.planning.order import Order, arrange
 from topple.planner.planning.step import Orderer
 from topple.topology.arrays import FloatArray
 from topple.topology.scene import Scene
+from topple.topology.situation import Situation
 
 RULES = ("nearest first", "top height first", "plain 6IM + height")
 """Names of the rules."""
@@ -33,9 +34,11 @@ def order_by(rule: str, base: FloatArray) -> Orderer:
         "plain 6IM + height": naive,
     }
 
-    def chosen(scene: Scene, targets: Sequence[str], *, beliefs: Beliefs | None = None, **_: object) -> Order:
+    def chosen(
+        situation: Situation, targets: Sequence[str], *, beliefs: Beliefs | None = None, **_: object
+    ) -> Order:
         put_down = frozenset[str]() if beliefs is None else beliefs.alone
-        return _as_order(scene, targets, guess[rule](scene), put_down)
+        return _as_order(situation.scene, targets, guess[rule](situation.scene), put_down)
 
     return chosen
 

@@ -87,6 +87,13 @@ class PairRelation:
         return entry
 
 
+def _relation_called(name: "Relation | str") -> Relation:
+    try:
+        return Relation(name)
+    except ValueError as error:
+        raise InvalidInput(f"{name!r} is no relation: expected {', '.join(Relation)}") from error
+
+
 def _converse_counts(pair: PairRelation) -> IntArray:
     return converse_matrix(pair.matrix)
 
@@ -228,6 +235,58 @@ class Relations:
         for i, j in self._around.get(wanted, ()):
             pair = self.near[i, j]
             yield pair if wanted == i else pair.converse
+
+    @cached_property
+    def meeting(self) -> frozenset[frozenset[str]]:
+        """The pairs that are in contact or in each other: every one that is not disjoint."""
+        return frozenset(
+            frozenset((pair.a, pair.b))
+            for pair in self.near.values()
+            if pair.relation is not Relation.DISJOINT
+        )
+
+    def meet(self, a: str, b: str) -> bool:
+        """Whether two objects are in contact or in each other."""
+        return frozenset((a, b)) in self.meeting
+
+    def with_relation(self, a: str, b: str, relation: Relation | str) -> "Relations":
+        """Copy in which one pair has another relation, as somebody knows better; its matrix stays as counted.
+
+        Args:
+            a: Name of one object.
+            b: Name of another.
+            relation: "a relation b", one of the seven.
+
+        Raises:
+            UnknownObject: A name is not in the scene.
+            InvalidInput: There is no such relation, or both names are the same.
+        """
+        return self.with_pair(
+            replace(self.between(a, b), relation=_relation_called(relation), kind=None, inferred=False)
+        )
+
+    @staticmethod
+    def from_json(document: Mapping[str, Any], scene: "Scene") -> "Relations":
+        """Read relations that were written as JSON, by `to_json` or by another program.
+
+        Args:
+            document: What `topple relate --json` prints: "relations" with "a", "b" and "relation" for every
+                pair; a matrix, a gap and the rest where they are known. A pair that is not named is taken as
+                `relate` finds it.
+            scene: The scene they are about.
+
+        Returns:
+            The relations, which an order of this scene heeds.
+
+        Raises:
+            InvalidInput: The document is none of relations, names a pair twice, or has a relation or a number
+                that is none.
+            UnknownObject: A pair names an object that is not in the scene.
+        """
+        from topple.topology.io.relations import relations_from  # it relates what is not told
+
+        found: Any = relations_from(document, scene)
+        return found
 
     def with_pair(self, pair: PairRelation) -> "Relations":
         """Copy with one pair replaced.

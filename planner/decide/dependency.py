@@ -1,4 +1,4 @@
-"""Who must go first: a directed graph whose every edge has a reason."""
+"""What must go first: a directed graph whose every edge has a reason and the relations it rests on."""
 
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, replace
@@ -8,10 +8,13 @@ from typing import TYPE_CHECKING, Any
 import networkx as nx
 import numpy as np
 
-from topple.planner.decide.blocking import Overlap, overlap
-from topple.planner.decide.evidence import rates_for, way_found
+from topple.planner.decide.rates import rates_for, way_found
 from topple.topology.errors import UnknownObject
+from topple.topology.evidence import Evidence
+from topple.topology.situation import Situation
+from topple.topology.sixim.table import Relation
 from topple.topology.statics.rest import Statics
+from topple.topology.statics.sweep import Overlap, overlap
 
 if TYPE_CHECKING:
     from topple.topology.relations import Relations
@@ -28,6 +31,8 @@ PRESSED = -0.3
 BOARD = 0.01
 """What lies this far [m] below a top is under its board: thin things on it are not, despite noise."""
 
+INSIDE = (Relation.WITHIN, Relation.PARTIAL_WITHIN)
+
 CLEARLY = 0.25
 """Two objects hook into each other over areas of like size; a share below this is what masks get wrong."""
 
@@ -41,12 +46,15 @@ class Dependency:
         then: Who must wait.
         reason: "supported", "leaning", "contained", "blocking" or "counterweight".
         confidence: 0..1.
+        evidence: The relations it rests on: of the two as they lie, of those through which they hang
+            together, or of `then` with all that it passes on its way up.
     """
 
     first: str
     then: str
     reason: str
     confidence: float
+    evidence: tuple[Evidence, ...] = ()
 
     def to_json(self) -> dict[str, Any]:
         """The dependency as the JSON of `topple order` has it."""
@@ -55,6 +63,7 @@ class Dependency:
             "then": self.then,
             "reason": self.reason,
             "confidence": round(self.confidence, 3),
+            "evidence": [each.to_json() for each in self.evidence],
         }
 
     def sentence(self) -> str:
@@ -66,7 +75,8 @@ class Dependency:
             "counterweight": f"{self.then} holds {self.first} in place by its weight",
             "blocking": f"{self.first} is over {self.then}, in the way of lifting it",
         }
-        return say.get(self.reason, f"taking {self.then} would move {self.first}")
+        told = say.get(self.reason, f"taking {self.then} would move {self.first}")
+        return f"{told}: {'; '.join(map(str, self.evidence))}" if self.evidence else told
 
 
 @dataclass(frozen=True, eq=False)
@@ -141,21 +151,18 @@ class DependencyGraph:
 
 
 def dependencies(
-    scene: "Scene",
-    relations: "Relations | None" = None,
-    statics: Statics | None = None,
-    direct: bool = True,
+    scene: "Scene | Situation", relations: "Relations | None" = None, *, direct: bool = True
 ) -> DependencyGraph:
-    """Find who must go before whom.
+    """Find what must go before what.
 
     Two questions are asked of every pair: does the straight lift of `then` run into `first`
-    (`topple.planner.decide.blocking`), and is `first` still in equilibrium once `then` is gone
+    (`topple.topology.statics.sweep`), and is `first` still in equilibrium once `then` is gone
     (`topple.topology.statics.rest`)?
 
     Args:
-        scene: A scene that knows where up is.
-        relations: The scene's relations, if known.
-        statics: The scene at rest where it has been worked out before.
+        scene: A scene that knows where up is, or the situation it was read as.
+        relations: Its relations where they are known: there is contact between the pairs that they do not
+            call disjoint, and between no others.
         direct: Leave out edges that follow from a chain of others.
 
     Returns:
@@ -164,32 +171,40 @@ def dependencies(
     Raises:
         InvalidInput: The scene has no `up`.
     """
-    statics = Statics.of(scene) if statics is None else statics
-    names = statics.upright.movable
+    situation = Situation.of(scene, relations)
+    statics, names = situation.statics, situation.movable
     touching = _touching(statics)
-    hanging, lost = _hanging(statics), _lost(statics, touching)
-    found = [_lifted(first, then, over, touching, statics) for (first, then), over in hanging.items()]
+    hanging, lost = _hanging(statics), _lost(situation, touching)
+    found = [_lifted(first, then, over, touching, situation) for (first, then), over in hanging.items()]
     found += [_falls(first, then, missing, touching) for (first, then), missing in lost.items()]
     # The reason with the wider margin is given; how far it is believed has been counted.
     cameras = statics.upright.viewpoints
     rates = rates_for(None if cameras is None else len(cameras)).found
     ways = _ways(hanging, lost)
     edges = DependencyGraph.of(names, found).dependencies
-    believed = [replace(edge, confidence=rates[ways[edge.first, edge.then]]) for edge in edges]
+    believed = [
+        replace(
+            edge,
+            confidence=rates[ways[edge.first, edge.then]],
+            evidence=_evidence(edge, (edge.first, edge.then) in hanging, situation),
+        )
+        for edge in edges
+    ]
     graph = DependencyGraph(names, tuple(believed))
     return graph.reduced() if direct else graph
 
 
-def ways_found(statics: Statics) -> dict[tuple[str, str], int]:
+def ways_found(situation: Situation) -> dict[tuple[str, str], int]:
     """In which way reasoning finds its dependencies.
 
     Args:
-        statics: The scene at rest.
+        situation: The scene.
 
     Returns:
-        (first, then) -> position in `topple.planner.decide.evidence.Found`, for every pair that it finds.
+        (first, then) -> position in `topple.planner.decide.rates.Found`, for every pair that it finds.
     """
-    return _ways(_hanging(statics), _lost(statics, _touching(statics)))
+    statics = situation.statics
+    return _ways(_hanging(statics), _lost(situation, _touching(statics)))
 
 
 def _ways(
@@ -200,13 +215,20 @@ def _ways(
     return {pair: way_found(push, pair in lost) for pair, push in pushes.items()}
 
 
-def _lost(statics: Statics, touching: Mapping[tuple[str, str], float]) -> dict[tuple[str, str], float]:
-    """(first, then) -> by how much first falls without then, for those that do."""
+def _lost(situation: Situation, touching: Mapping[tuple[str, str], float]) -> dict[tuple[str, str], float]:
+    """(first, then) -> by how much first falls without then, for those that do and hang together with it."""
     return {
         (first, then): missing
-        for then in statics.upright.movable
-        for first, missing in _fallen(then, touching, statics).items()
+        for then in situation.movable
+        for first, missing in _fallen(then, touching, situation.statics).items()
+        if situation.chain(first, then)
     }
+
+
+def _evidence(edge: Dependency, swept: bool, situation: Situation) -> tuple[Evidence, ...]:
+    """The relations that an edge rests on."""
+    chain = () if edge.reason == "blocking" else situation.chain(edge.first, edge.then)
+    return (*chain, situation.swept(edge.then, edge.first)) if swept else chain
 
 
 def _fallen(then: str, touching: Mapping[tuple[str, str], float], statics: Statics) -> dict[str, float]:
@@ -261,13 +283,11 @@ def _touching(statics: Statics) -> Mapping[tuple[str, str], float]:
 
 
 def _lifted(
-    first: str, then: str, over: Overlap, touching: Mapping[tuple[str, str], float], statics: Statics
+    first: str, then: str, over: Overlap, touching: Mapping[tuple[str, str], float], situation: Situation
 ) -> Dependency:
     """The edge for an object that hangs over another."""
     confidence = float(np.clip(0.5 + (over.evasion - MOVED) / 0.04, 0.5, 0.99))
-    inner, outer = statics.surfaces[first], statics.surfaces[then]
-    sunk = np.quantile(inner[:, 2], 0.1) < np.quantile(outer[:, 2], 0.95) - MOVED
-    if over.share > 0.5 and sunk:
+    if situation.relations.between(first, then).relation in INSIDE:
         return Dependency(first, then, "contained", confidence)
     up = touching.get((then, first))
     if up is not None and up > 0.7:

@@ -10,9 +10,8 @@ from topple.robots.poses import angle_between
 from topple.robots.world.simulated_arm import Touch
 from topple.robots.world.world import World
 from topple.topology.arrays import FloatArray
-from topple.topology.rule.relate import relate
 from topple.topology.scene import Scene
-from topple.topology.statics.support import supports
+from topple.topology.situation import Situation
 
 SAMPLES = 3000  # points on a body's surface when the true scene is related: 2 mm apart on a can
 TABLE_SAMPLES = 20_000  # on one that never moves
@@ -130,8 +129,8 @@ def truly_unmet(goal: Goal, world: World, up: FloatArray) -> tuple[str, ...]:
         pose = world.pose(name)
         clouds[name] = points @ pose[:3, :3].T + pose[:3, 3]
     scene = Scene(clouds, fixed=sorted(world.fixed), up=up)
-    relations = relate(scene)
-    carried = supports(scene, relations)
+    situation = Situation(scene)
+    relations, carried = situation.relations, situation.supports
     burdened = [
         f"{name} is not free: it carries {pair.supported}"
         for name in goal.free

@@ -38,9 +38,9 @@ from topple.planner.transfer.transfer import (
 from topple.topology.errors import InvalidInput, UnknownObject
 from topple.topology.rule.relate import Relations, relate
 from topple.topology.scene import Scene
+from topple.topology.situation import Situation
 from topple.topology.sixim.table import Relation
-from topple.topology.statics.rest import Statics
-from topple.topology.statics.support import Support, supports
+from topple.topology.statics.support import Support
 
 INSIDE = (Relation.WITHIN, Relation.PARTIAL_WITHIN)
 CHOICE = 48  # placements on or into a thing to choose from: a dozen spots, four headings each
@@ -110,15 +110,15 @@ class StepChooser:
     @cached_property
     def _whole(self) -> Solids:
         given = self._given_whole
-        return whole_bodies(self.scene, self._solids, self._statics) if given is None else given
+        return whole_bodies(self.scene, self._solids, self._situation.statics) if given is None else given
 
     @cached_property
-    def _statics(self) -> Statics:
-        return Statics.of(self.scene)
+    def _situation(self) -> Situation:
+        return Situation(self.scene, self.relations)
 
-    @cached_property
+    @property
     def _supports(self) -> tuple[Support, ...]:
-        return supports(self.scene, self.relations, self._statics)
+        return self._situation.supports
 
     def unmet(self) -> tuple[str, ...]:
         """What is still missing for the goal, in words."""
@@ -175,7 +175,7 @@ class StepChooser:
     def _out_of_turn(self, targets: Sequence[str], action: str) -> NextStep | None:
         """The step that goes against the least likely dependencies: hand and order wait for each other."""
         chosen = self._ordered(targets)
-        graph = dependencies(self.scene, self.relations, self._statics, direct=False)
+        graph = dependencies(self._situation, direct=False)
         for name, against in out_of_turn(chosen.order, graph, self._supports).items():
             found = self._transfer(name, None)
             if isinstance(found, Transfer):
@@ -317,20 +317,17 @@ class StepChooser:
         )
 
     def _ordered(self, targets: Sequence[str]) -> Order:
-        scene, relations = self._loaded(targets)
-        statics = self._statics if scene is self.scene else None
-        chosen = self._orderer(
-            scene, targets, relations=relations, statics=statics, seed=self.seed, beliefs=self._beliefs
-        )
-        _check_order(chosen, scene)
+        situation = self._loaded(targets)
+        chosen = self._orderer(situation, targets, seed=self.seed, beliefs=self._beliefs)
+        _check_order(chosen, situation.scene)
         if chosen.unresolved:
             cycles = tuple("cycle: " + " before ".join([*cycle, cycle[0]]) for cycle in chosen.unresolved)
             raise NoSafePlan(f"no safe order frees {', '.join(targets)}: {cycles[0]}", cycles)
         self._needed.update(chosen.order)
         return chosen
 
-    def _loaded(self, targets: Sequence[str]) -> tuple[Scene, Relations]:
-        """The scene for the order: what rides in a container that is kept upright is one thing with it."""
+    def _loaded(self, targets: Sequence[str]) -> Situation:
+        """The situation to order: what rides in a container that is kept upright is one thing with it."""
         scene = self.scene
         for name in self.upright:
             riders = [rider for rider in self._riding(name) if rider not in targets]
@@ -338,10 +335,10 @@ class StepChooser:
                 cloud = np.vstack([scene.clouds[name], scene.clouds[rider]])
                 together: dict[str, float] = {}
                 if name in scene.masses or rider in scene.masses:
-                    guessed = {one: self._statics.weights[one].mass for one in (name, rider)}
+                    guessed = {one: self._situation.statics.weights[one].mass for one in (name, rider)}
                     together = {name: sum({**guessed, **scene.masses}[one] for one in (name, rider))}
                 scene = scene.without(rider).with_cloud(name, cloud).weighed(together)
-        return scene, self.relations if scene is self.scene else relate(scene)
+        return self._situation if scene is self.scene else Situation(scene)
 
     def _transfer(
         self, name: str, places: list[Placement] | None, limits: TransferLimits = TRANSFER_LIMITS

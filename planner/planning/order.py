@@ -15,13 +15,13 @@ import numpy as np
 from topple.planner.decide.assumptions import assumptions as assumed
 from topple.planner.decide.beliefs import Beliefs
 from topple.planner.decide.dependency import Dependency, DependencyGraph, dependencies
-from topple.planner.decide.evidence import reasoned
+from topple.planner.decide.rates import reasoned
 from topple.planner.decide.sequence import safest
 from topple.topology.arrays import FloatArray
 from topple.topology.errors import InvalidInput, UnknownObject
+from topple.topology.situation import Situation
 from topple.topology.statics.gravity import check_up
-from topple.topology.statics.rest import Statics
-from topple.topology.statics.support import Support, supports
+from topple.topology.statics.support import Support
 
 if TYPE_CHECKING:
     from topple.robots.arm.arm import Arm
@@ -87,7 +87,7 @@ class Order:
 
 
 def order(
-    scene: "Scene",
+    scene: "Scene | Situation",
     targets: Sequence[str] | str | None = None,
     *,
     seed: int = 0,
@@ -95,7 +95,6 @@ def order(
     budget: float | None = None,
     robot: "Arm | str | None" = None,
     relations: "Relations | None" = None,
-    statics: Statics | None = None,
     removal_risk: float | None = None,
     beliefs: Beliefs | None = None,
     check_gravity: bool = True,
@@ -103,14 +102,14 @@ def order(
     """Find the order that frees the targets with the fewest removals, or with the least risk.
 
     Args:
-        scene: A scene that knows where up is.
+        scene: A scene that knows where up is, or the situation it was read as.
         targets: Names to free; none clears everything.
         seed: Seed of the simulations, where there are any.
         verify: Check the dependencies by simulation.
         budget: Seconds the simulations may take; what is not checked by then stays as reasoned.
         robot: An arm or its name: what bars its gripper's way to the objects of the order is then said.
-        relations: The scene's relations where they are known.
-        statics: The scene at rest where it has been worked out before.
+        relations: The scene's relations where they are known, or where somebody knows better: what they call
+            disjoint has no contact, and no dependency rests on it.
         removal_risk: Chance that a removal does harm by itself, 0..1. Where it is given, more is taken than
             what must be, if that makes it less likely that anything moves: what touches a thing and is
             higher than it may lean on it unseen.
@@ -129,11 +128,13 @@ def order(
         UnknownObject: A target is not in the scene.
     """
     started = time.monotonic()
+    situation = Situation.of(scene, relations)
+    scene = situation.scene
     wanted = _check_targets(scene, targets)
-    statics = Statics.of(scene) if statics is None else statics
+    statics = situation.statics
     if check_gravity:
         check_up(scene, statics)
-    full = dependencies(scene, relations, statics, direct=False)
+    full = dependencies(situation, direct=False)
     chance = reasoned(full, statics, len(scene.viewpoints) or None)
     notes: dict[str, Any] = {}
     said = (*scene.assumptions, *assumed(scene, statics))
@@ -147,10 +148,9 @@ def order(
         if not votes.complete:
             said = (*said, f"the budget ran out after {votes.trials} simulated lifts: the best answer so far")
     tops = {name: statics.surfaces[name][np.argmax(statics.surfaces[name][:, 2])] for name in full.names}
-    carried = supports(scene, relations, statics)
     edges = {(edge.first, edge.then) for edge in full.dependencies}
     risked = (beliefs or Beliefs()).weighed(chance, edges)
-    found = arrange(full.reduced(), wanted, tops, carried, said, risked, removal_risk)
+    found = arrange(full.reduced(), wanted, tops, situation.supports, said, risked, removal_risk)
     checked = verify and not notes["budget_exhausted"]
     found = replace(found, verified=checked, chances=MappingProxyType(chance), notes=MappingProxyType(notes))
     return found if robot is None else _with_access(found, scene, robot)
@@ -161,26 +161,24 @@ ordered: Callable[..., Order] = partial(order, check_gravity=False)
 
 
 def cautious(
-    scene: "Scene",
+    scene: "Scene | Situation",
     targets: Sequence[str],
     *,
-    relations: "Relations",
+    relations: "Relations | None" = None,
     seed: int = 0,
-    statics: Statics | None = None,
     beliefs: Beliefs | None = None,
 ) -> Order:
     """The order for an arm that acts: with the least risk, as removals do harm themselves now and then.
 
     Args:
-        scene: A scene that knows where up is.
+        scene: A scene that knows where up is, or the situation it was read as.
         targets: Names to free.
-        relations: The scene's relations.
+        relations: The scene's relations where they are known.
         seed: Seed of the simulations, where there are any.
-        statics: The scene at rest where it has been worked out before.
         beliefs: What earlier looks made of the same things: see `order`.
     """
     return order(
-        scene, targets, relations=relations, seed=seed, statics=statics,
+        scene, targets, relations=relations, seed=seed,
         removal_risk=REMOVAL_RISK, beliefs=beliefs, check_gravity=False,
     )  # fmt: skip
 

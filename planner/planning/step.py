@@ -10,9 +10,7 @@ from topple.planner.planning.order import Order
 from topple.planner.transfer.transfer import Transfer
 from topple.robots.arm.arm import Arm
 from topple.topology.arrays import FloatArray
-from topple.topology.rule.relate import Relations
-from topple.topology.scene import Scene
-from topple.topology.statics.rest import Statics
+from topple.topology.situation import Situation
 
 FREE, REMOVE, PLACE = "free", "remove", "place"
 """free: take a target clear, put it down; remove: take away what is in the way; place: as the goal says."""
@@ -55,33 +53,30 @@ class Station:
 class Orderer(Protocol):
     """Whoever says in which order to free targets: `topple.planner.order`, or a function of your own.
 
-    It is asked before each step, of the scene as it is by then: objects that were put aside are in it, where
-    they were put. It takes what it needs of the keywords and leaves the others to `**_`.
+    It is asked before each step, of the situation as it is by then (`scene`, `relations`): objects that were
+    put aside are in it, where they were put. It takes what it needs of the keywords and leaves the others to
+    `**_`.
 
     Example:
         >>> from topple.planner.planning.order import order
-        >>> def careful(scene, targets, *, relations, **_):
-        ...     return order(scene, targets, relations=relations, removal_risk=0.05, check_gravity=False)
+        >>> def careful(situation, targets, **_):
+        ...     return order(situation, targets, removal_risk=0.05, check_gravity=False)
     """
 
     def __call__(
         self,
-        scene: Scene,
+        scene: Situation,
         targets: Sequence[str],
         *,
-        relations: Relations,
         seed: int,
-        statics: Statics | None = None,
         beliefs: Beliefs | None = None,
     ) -> Order:
         """Order what has to be taken to free some targets.
 
         Args:
-            scene: What is seen, or what should be there by now.
+            scene: What is seen, or what should be there by now, and what was read of it.
             targets: Names to free, each in the scene.
-            relations: The scene's relations.
             seed: Of every search.
-            statics: The scene at rest where it has been worked out.
             beliefs: What earlier looks made of the same things, in a run.
 
         Returns:

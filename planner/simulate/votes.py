@@ -11,7 +11,7 @@ from multiprocessing.connection import Connection, wait
 import numpy as np
 
 from topple.planner.decide.dependency import Dependency, DependencyGraph
-from topple.planner.decide.evidence import posterior, rates_for
+from topple.planner.decide.rates import posterior, rates_for
 from topple.planner.simulate.lifts import FRICTIONS, Move, Stage, Trial
 from topple.planner.simulate.rebuild import rebuild
 from topple.topology.statics.rest import Statics

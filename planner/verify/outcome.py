@@ -72,8 +72,7 @@ def check_goal(plan: Plan, scene: Scene) -> Residual:
     Returns:
         The number of clauses that do not hold.
     """
-    from topple.topology.rule.relate import relate
-    from topple.topology.statics.support import supports
+    from topple.topology.situation import Situation
 
     up = np.array(plan.up)
     after = scene
@@ -83,8 +82,8 @@ def check_goal(plan: Plan, scene: Scene) -> Residual:
             cloud = after.clouds[held.object]
             after = after.with_cloud(held.object, cloud @ pose[:3, :3].T + pose[:3, 3])
     goal = parse_goal(plan.goal, scene)
-    relations = relate(after)
-    missing = list(goal.unmet(relations, scene.fixed, supports(after, relations)))
+    situation = Situation(after)
+    missing = list(goal.unmet(situation.relations, scene.fixed, situation.supports))
     taken = {step.object for step in plan.steps if step.action == "free"}
     missing += [f"{name} is not taken" for name in goal.free if name not in taken]
     worst = Worst("goal clauses unmet", "1")

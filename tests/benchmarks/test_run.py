@@ -15,8 +15,8 @@ from topple.benchmarks.rules import RULES, order_by
 from topple.benchmarks.run import QUICK, Series, endurance, figures, rows
 from topple.planner.decide.beliefs import Beliefs
 from topple.topology.errors import InvalidInput
-from topple.topology.rule.relate import relate
 from topple.topology.scene import Scene
+from topple.topology.situation import Situation
 
 
 def _box(x: float, z: float, height: float, rng: np.random.Generator) -> np.ndarray:
@@ -44,7 +44,7 @@ def shelf() -> Scene:
 def test_a_rule_takes_all_that_comes_first_by_it(shelf: Scene, rule: str, taken: tuple[str, ...]) -> None:
     base = np.eye(4)
     base[0, 3] = -0.5
-    found = order_by(rule, base)(shelf, ("book",), relations=relate(shelf), seed=0)
+    found = order_by(rule, base)(Situation(shelf), ("book",), seed=0)
     assert set(found.order) == set(taken)
     assert found.order[-1] == "book"
 
@@ -52,7 +52,7 @@ def test_a_rule_takes_all_that_comes_first_by_it(shelf: Scene, rule: str, taken:
 def test_a_rule_takes_nothing_twice(shelf: Scene) -> None:
     put_down = Beliefs(alone=frozenset(["bottle"]))
     rule = order_by("top height first", np.eye(4))
-    found = rule(shelf, ("book",), relations=relate(shelf), seed=0, beliefs=put_down)
+    found = rule(Situation(shelf), ("book",), seed=0, beliefs=put_down)
     assert found.order == ("can", "book")
 
 

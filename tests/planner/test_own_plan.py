@@ -19,6 +19,7 @@ from topple.robots.shapes.boxes import box
 from topple.topology.errors import InvalidInput, UnknownObject
 from topple.topology.rule.relate import Relations, relate
 from topple.topology.scene import Scene
+from topple.topology.situation import Situation
 
 BASE = np.eye(4)
 BASE[0, 3] = -0.5
@@ -117,11 +118,11 @@ def test_an_orderer_of_the_callers_own_is_asked_for_the_order() -> None:
     ]
     asked: list[tuple[str, ...]] = []
 
-    def orderer(scene: Scene, targets: Sequence[str], **known: Any) -> Order:
+    def orderer(scene: Situation, targets: Sequence[str], **known: Any) -> Order:
         asked.append(tuple(targets))
         if len(asked) == 1:
-            return aside_first(scene, targets)
-        return order(scene, targets, relations=known["relations"])
+            return aside_first(scene.scene, targets)
+        return order(scene, targets)
 
     found = plan(stacked(), ["lower"], "panda", base=BASE, orderer=orderer)
     assert [step.object for step in found.steps] == ["aside", "upper", "lower"]
@@ -129,7 +130,7 @@ def test_an_orderer_of_the_callers_own_is_asked_for_the_order() -> None:
 
 
 def test_an_orderer_that_gives_no_order_is_refused() -> None:
-    def names(scene: Scene, targets: Sequence[str], **_: object) -> Any:
+    def names(scene: Situation, targets: Sequence[str], **_: object) -> Any:
         return ["upper", "lower"]
 
     with pytest.raises(InvalidInput, match="the orderer gave list, expected an Order"):
@@ -140,9 +141,9 @@ def test_relations_of_the_callers_own_are_what_the_order_is_asked_with() -> None
     scene, seen = stacked(), list[Relations]()
     mine = relate(scene)
 
-    def orderer(given: Scene, targets: Sequence[str], *, relations: Relations, **_: Any) -> Order:
-        seen.append(relations)
-        return order(given, targets, relations=relations)
+    def orderer(given: Situation, targets: Sequence[str], **_: Any) -> Order:
+        seen.append(given.relations)
+        return order(given, targets)
 
     plan(scene, ["lower"], "panda", base=BASE, orderer=orderer, relations=mine)
     assert seen[0] is mine
@@ -162,9 +163,9 @@ def test_relations_of_the_callers_own_are_what_the_order_is_asked_with() -> None
 def test_a_run_takes_the_callers_grasps_and_order() -> None:
     scene, asked = stacked(), list[tuple[str, ...]]()
 
-    def orderer(given: Scene, targets: Sequence[str], **known: Any) -> Order:
+    def orderer(given: Situation, targets: Sequence[str], **known: Any) -> Order:
         asked.append(tuple(targets))
-        return order(given, targets, relations=known["relations"])
+        return order(given, targets)
 
     pose = down(0.012, 0.2, 0.036, 0.1)  # off its middle, where no search of our own begins
     record = run(

@@ -8,13 +8,13 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from topple.topology import Scene
+from topple.topology import Scene, relate
 from topple.topology.errors import InvalidInput, UnknownObject
 from topple.topology.io import load_scene
+from topple.topology.situation import Situation
 from topple.topology.statics.equilibrium import Weight, balance
 from topple.topology.statics.matter import FRICTION, friction_between
 from topple.topology.statics.rest import Statics, weigh
-from topple.topology.statics.support import supports
 
 CUBE = np.random.default_rng(0).random((200, 3)) * 0.1
 TABLE = np.random.default_rng(1).random((200, 3)) * [1, 1, 0]
@@ -209,11 +209,12 @@ def test_a_pair_is_carried_once_with_its_strongest_confidence() -> None:
 
     rng = np.random.default_rng(2)
     low, top = rng.random((900, 3)) * [0.1, 0.1, 0.05], rng.random((900, 3)) * 0.05 + [0.02, 0.02, 0.05]
-    whole = Statics.of(Scene({"low": low, "top": top, "table": TABLE}, ["table"], (0, 0, 1)))
+    scene = Scene({"low": low, "top": top, "table": TABLE}, ["table"], (0, 0, 1))
+    whole = Statics.of(scene)
     patch = next(c for c in whole.contacts if {c.a, c.b} == {"low", "top"})
     again = Contact(patch.a, patch.b, patch.points, patch.normals, patch.gaps, patch.turns, inferred=True)
     for contacts in ((*whole.contacts, again), (again, *whole.contacts)):
         doubled = Statics(whole.upright, whole.surfaces, contacts, whole.weights, whole.unexplained)
-        found = [s for s in support.supports(Scene(CLOUDS), statics=doubled) if s.supported == "top"]
+        found = [s for s in support.supports(doubled, relate(scene)) if s.supported == "top"]
         assert [(s.supporter, s.inferred) for s in found] == [("low", False)]
-    assert len(supports(Scene({"low": low, "top": top, "table": TABLE}, ["table"], (0, 0, 1)))) == 2
+    assert len(Situation(scene).supports) == 2

@@ -11,8 +11,10 @@ from topple.topology.geometry.outline import covers, outline
 from topple.topology.relations import PairRelation, Relations
 from topple.topology.scene import Scene
 from topple.topology.sixim.table import Relation
+from topple.topology.statics.contact import TOLERANCES as CONTACT
+from topple.topology.statics.contact import find_contacts
 from topple.topology.tolerances import TOLERANCES
-from topple.topology.upright import upright_axes
+from topple.topology.upright import Upright, upright_axes
 
 if TYPE_CHECKING:
     from topple.topology.statics.support import Support
@@ -41,6 +43,7 @@ def infer_contacts(
     """
     if scene.up is None or len(scene.clouds) < 2:
         return relations
+    relations = _meeting_between_points(scene, relations)
     floating = floating_objects(scene, relations)
     open_pairs = [pair for name in floating for pair in relations.of(name) if _may_touch(pair)]
     open_pairs = [pair for pair in open_pairs if not apart(pair)]
@@ -51,13 +54,32 @@ def infer_contacts(
     from topple.topology.statics.support import supports
 
     concerned = _hanging_together(floating.union(*hidden), scene, relations)
-    found = supports(scene, relations, Statics.of(scene, concerned))
+    found = supports(Statics.of(scene, concerned), relations)
     for name in sorted(floating):
         below = [support for support in found if support.supported == name]
         for support in _uppermost(name, below, scene, relations):
             if frozenset((name, support.supporter)) in hidden:
                 pair = relations.between(support.supporter, name)
                 relations = relations.with_pair(_touching(pair, support.confidence))
+    return relations
+
+
+def _meeting_between_points(scene: Scene, relations: Relations) -> Relations:
+    """Relations in which near misses touch whose surfaces meet between the points that show them.
+
+    Points of a surface are further from another surface than its plane is: the planes through the points
+    around the narrowest place tell whether the two carry each other.
+    """
+    narrow = frozenset(
+        frozenset((pair.a, pair.b))
+        for pair in relations.near.values()
+        if pair.relation is Relation.DISJOINT and pair.gap <= CONTACT.search
+    )
+    if not narrow:
+        return relations
+    for contact in find_contacts(Upright.of(scene), among=narrow):
+        if float(contact.gaps.min()) <= CONTACT.tight:
+            relations = relations.with_pair(_touching(relations.between(contact.a, contact.b), 0.5))
     return relations
 
 

@@ -1,6 +1,6 @@
 """Where objects touch: contact patches with normals, between clouds and with flat fixed surfaces."""
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -19,6 +19,7 @@ class ContactTolerances:
     Attributes:
         search: Two samples further apart belong to no contact: a spacing within each surface
             (4 mm after thinning) on top of the largest gap.
+        tight: Two surfaces this close carry each other: noise and spacing of a thinned cloud.
         catch: Surfaces this close count as one contact in a what-if question: an object that
             loses a support comes to rest on such a surface after moving less than the
             centimetre which counts as a move.
@@ -29,6 +30,7 @@ class ContactTolerances:
     """
 
     search: float = 0.009
+    tight: float = 0.0025
     catch: float = 0.005
     patch: float = 0.012
     footprint: float = 0.012
@@ -166,7 +168,10 @@ def _fit(kept: FloatArray, points: FloatArray) -> tuple[FloatArray, FloatArray, 
 
 
 def find_contacts(
-    upright: Upright, clouds: Mapping[str, FloatArray] | None = None, reach: float = TOLERANCES.search
+    upright: Upright,
+    clouds: Mapping[str, FloatArray] | None = None,
+    reach: float = TOLERANCES.search,
+    among: Collection[frozenset[str]] | None = None,
 ) -> tuple[Contact, ...]:
     """All patches in which two surfaces are at most `reach` apart.
 
@@ -174,6 +179,7 @@ def find_contacts(
         upright: The upright scene.
         clouds: name -> (N, 3) upright surfaces to use instead of the seen ones (completed bodies).
         reach: Largest gap [m].
+        among: The pairs that are asked about; all of them where not given.
 
     Returns:
         Contacts with at least one movable side, in the order of the objects' names in the scene.
@@ -184,7 +190,8 @@ def find_contacts(
     sides = {**surfaces, **{name: rest for name, (_, rest) in grounds.items()}}
     trees: dict[str, KDTree] = {}
     found: list[Contact] = []
-    for a, b in _meeting(surfaces, planes):
+    pairs = _meeting(surfaces, planes) if among is None else _named(surfaces, among)
+    for a, b in pairs:
         if a in upright.fixed and b in upright.fixed:
             continue
         ground, other = (a, b) if a in upright.fixed else (b, a)
@@ -195,6 +202,30 @@ def find_contacts(
             touching.append(_between(a, b, sides, trees, reach))
         found += _joined([contact for contact in touching if contact is not None])
     return tuple(rubbing(contact, upright.friction) for contact in found)
+
+
+def closed(upright: Upright, surfaces: Mapping[str, FloatArray], a: str, b: str) -> tuple[Contact, ...]:
+    """The contact that two bodies would have if the gap between them were none: where they come nearest.
+
+    Args:
+        upright: The upright scene.
+        surfaces: name -> (N, 3) upright surfaces [m].
+        a: One of them.
+        b: The other.
+
+    Returns:
+        The patch, marked as inferred; nothing where neither can move.
+    """
+    rests, moves = (b, a) if b in upright.fixed else (a, b)
+    distance, nearest = KDTree(surfaces[rests]).query(surfaces[moves])
+    closest = int(np.argmin(distance))
+    shift = surfaces[rests][np.asarray(nearest)[closest]] - surfaces[moves][closest]
+    together = {a: surfaces[a], b: surfaces[b], moves: surfaces[moves] + shift}
+    found = find_contacts(upright, together, among=[frozenset((a, b))])
+    return tuple(
+        replace(contact, gaps=np.maximum(contact.gaps - contact.gaps.min(), 0.0), inferred=True)
+        for contact in found
+    )
 
 
 def rubbing(contact: Contact, friction: Mapping[str, float]) -> Contact:
@@ -217,6 +248,13 @@ def _joined(patches: Sequence[Contact]) -> list[Contact]:
         np.concatenate([getattr(patch, name) for patch in patches]) for name in ("points", "gaps", "turns")
     )
     return [Contact(first.a, first.b, points, np.concatenate(turned), gaps, turns)]
+
+
+def _named(surfaces: Mapping[str, FloatArray], among: Collection[frozenset[str]]) -> list[tuple[str, str]]:
+    """Pairs of surfaces that are asked about, in their order."""
+    place = {name: i for i, name in enumerate(surfaces)}
+    asked = [sorted(pair, key=place.__getitem__) for pair in among if pair <= place.keys()]
+    return sorted(((a, b) for a, b in asked), key=lambda pair: (place[pair[0]], place[pair[1]]))
 
 
 def _meeting(

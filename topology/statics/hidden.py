@@ -1,6 +1,6 @@
 """Contacts no camera saw, which there must be: what is at rest is carried by something."""
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Collection, Mapping, Sequence
 from dataclasses import replace
 
 import numpy as np
@@ -34,6 +34,7 @@ def hidden_contacts(
     weights: Mapping[str, Weight],
     wanting: Sequence[str],
     sight: Sight | None,
+    among: Collection[frozenset[str]] | None = None,
 ) -> tuple[Contact, ...]:
     """The cheapest contacts that put everything at rest.
 
@@ -47,6 +48,7 @@ def hidden_contacts(
         weights: The movable objects.
         wanting: Objects that the contacts found do not hold.
         sight: What was seen to be empty, or None.
+        among: The pairs that may meet; all of them where not given.
 
     Returns:
         New contacts, marked as inferred, with gaps counted from the loaded points.
@@ -55,7 +57,11 @@ def hidden_contacts(
     candidates: list[Contact] = []
     for name in wanting:
         below = _below(name, surfaces[name], tops, sight)
-        candidates += [rubbing(contact, upright.friction) for contact in below]
+        candidates += [
+            rubbing(contact, upright.friction)
+            for contact in below
+            if among is None or frozenset((contact.a, contact.b)) in among
+        ]
     if not candidates:
         return ()
     costs = [np.zeros(len(c.gaps)) for c in contacts] + [np.maximum(c.gaps, 0) * PRICE for c in candidates]

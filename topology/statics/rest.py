@@ -12,7 +12,8 @@ from scipy.spatial import ConvexHull, QhullError
 
 from topple.topology.arrays import BoolArray, FloatArray, bounds
 from topple.topology.bodies.complete import complete
-from topple.topology.statics.contact import TOLERANCES, Contact, find_contacts
+from topple.topology.sixim.table import Relation
+from topple.topology.statics.contact import TOLERANCES, Contact, closed, find_contacts
 from topple.topology.statics.equilibrium import Weight, balance
 from topple.topology.statics.falling import REACH, Fall, catching, falls, islands
 from topple.topology.statics.hidden import hidden_contacts
@@ -21,10 +22,8 @@ from topple.topology.upright import SPACING, Upright
 from topple.topology.views.sight import Sight
 
 if TYPE_CHECKING:
+    from topple.topology.relations import Relations
     from topple.topology.scene import Scene
-
-TIGHT = 0.0025
-"""Gap [m] up to which two surfaces carry each other: noise and spacing of a thinned cloud."""
 
 TILT = float(np.tan(np.radians(9.0)))
 """Slope by which an object may sink towards a second support without having moved: a move is 10°."""
@@ -87,6 +86,7 @@ class Statics:
         unexplained: name -> missing share of the weight while everything is in place: what the
             clouds leave open.
         sight: What the cameras saw to be empty, or None where nobody knows.
+        meeting: The pairs that meet, as the relations say; None where no relations were asked.
     """
 
     upright: Upright
@@ -95,15 +95,20 @@ class Statics:
     weights: Mapping[str, Weight]
     unexplained: Mapping[str, float]
     sight: Sight | None = None
+    meeting: frozenset[frozenset[str]] | None = None
 
     @staticmethod
-    def of(scene: "Scene", among: Collection[str] | None = None) -> "Statics":
+    def of(
+        scene: "Scene", among: Collection[str] | None = None, relations: "Relations | None" = None
+    ) -> "Statics":
         """Complete the bodies of a scene and find their contacts.
 
         Args:
             scene: A scene that knows where up is.
             among: The movable objects to look at; all of them where not given. What meets none of them
                 changes nothing for them, except for what was seen past it, which is kept.
+            relations: Which pairs meet: there are contacts between these and no others. Without them every
+                pair whose surfaces are near counts, as it does while relations are still being found.
 
         Returns:
             The scene at rest.
@@ -116,23 +121,38 @@ class Statics:
             bodies = _COMPLETED.setdefault(scene, _Completed.of(scene))
         upright = bodies.upright if among is None else bodies.upright.among(among)
         sight, surfaces = bodies.sight, bodies.among(upright.clouds)
-        contacts = find_contacts(upright, surfaces)
+        meeting = None if relations is None else relations.meeting
+        contacts = find_contacts(upright, surfaces, among=meeting)
+        if relations is not None:
+            contacts += tuple(_closed(relations, upright, surfaces, contacts))
         weights = {name: weigh(surfaces[name], scene.masses.get(name)) for name in upright.movable}
         unexplained = balance(weights, within_reach(contacts, weights)).deficit
         wanting = [name for name, missing in unexplained.items() if missing > UNSTEADY]
         if wanting:
             usable = within_reach(contacts, weights)
-            contacts += hidden_contacts(upright, surfaces, usable, weights, wanting, sight)
+            contacts += hidden_contacts(upright, surfaces, usable, weights, wanting, sight, meeting)
             unexplained = balance(weights, within_reach(contacts, weights)).deficit
         return Statics(
-            upright, surfaces, contacts, MappingProxyType(weights), MappingProxyType(dict(unexplained)), sight
+            upright,
+            surfaces,
+            contacts,
+            MappingProxyType(weights),
+            MappingProxyType(dict(unexplained)),
+            sight,
+            meeting,
         )
 
     @cached_property
     def _catching(self) -> tuple[Contact, ...]:
         """All contacts a falling body may meet."""
-        near = find_contacts(self.upright, self.surfaces, REACH)
-        return catching((*near, *(c for c in self.contacts if c.inferred)))
+        near = [self._apart(c) for c in find_contacts(self.upright, self.surfaces, REACH)]
+        return catching((*(c for c in near if c is not None), *(c for c in self.contacts if c.inferred)))
+
+    def _apart(self, contact: Contact) -> Contact | None:
+        """What of a patch may catch a body: of two that do not meet, only what it has to fall to."""
+        if self.meeting is None or frozenset((contact.a, contact.b)) in self.meeting:
+            return contact
+        return contact.only(contact.gaps > TOLERANCES.catch)
 
     @cached_property
     def _settled(self) -> Mapping[str, Fall]:
@@ -178,6 +198,20 @@ class Statics:
         }
 
 
+def _closed(
+    relations: "Relations", upright: Upright, surfaces: Mapping[str, FloatArray], found: Collection[Contact]
+) -> list[Contact]:
+    """The contacts of pairs that are said to touch though their surfaces are not seen to come near."""
+    known = {frozenset((contact.a, contact.b)) for contact in found}
+    touching = [pair for pair in relations.near.values() if pair.relation is Relation.TOUCH]
+    return [
+        contact
+        for pair in touching
+        if {pair.a, pair.b} <= surfaces.keys() and frozenset((pair.a, pair.b)) not in known
+        for contact in closed(upright, surfaces, pair.a, pair.b)
+    ]
+
+
 def weigh(points: FloatArray, mass: float | None = None) -> Weight:
     """Guess weight and centre of mass of a body from its surface.
 
@@ -209,8 +243,8 @@ def hull_volume(points: FloatArray) -> float:
 def within_reach(contacts: Collection[Contact], movable: Collection[str]) -> list[Contact]:
     """Contacts that carry now, or would after a movement too small to count.
 
-    A point further than `TIGHT` counts where the object would reach it by turning about its nearest
-    carrying point by less than 9 degrees.
+    A point further than `TOLERANCES.tight` counts where the object would reach it by turning about its
+    nearest carrying point by less than 9 degrees.
 
     Args:
         contacts: Patches with gaps.
@@ -221,7 +255,7 @@ def within_reach(contacts: Collection[Contact], movable: Collection[str]) -> lis
     """
     touching: dict[str, list[FloatArray]] = {name: [] for name in movable}
     for contact in contacts:
-        near = contact.points[(contact.gaps <= TIGHT) & (contact.turns <= ROLL)]
+        near = contact.points[(contact.gaps <= TOLERANCES.tight) & (contact.turns <= ROLL)]
         for name in (contact.a, contact.b):
             if name in touching and len(near):
                 touching[name].append(near)
@@ -229,7 +263,7 @@ def within_reach(contacts: Collection[Contact], movable: Collection[str]) -> lis
     usable: list[Contact] = []
     for contact in contacts:
         level = contact.turns <= ROLL
-        keep = (contact.gaps <= TIGHT) & level
+        keep = (contact.gaps <= TOLERANCES.tight) & level
         for name in (contact.a, contact.b):
             pivot = pivots.get(name)
             if name not in pivots:
@@ -238,7 +272,9 @@ def within_reach(contacts: Collection[Contact], movable: Collection[str]) -> lis
                 keep |= (contact.gaps <= TOLERANCES.catch) & level
                 continue
             arms = np.linalg.norm(contact.points[:, None] - pivot[None], axis=2).min(axis=1)
-            keep |= (contact.gaps <= TIGHT + TILT * arms) & (contact.gaps <= TOLERANCES.search) & level
+            keep |= (
+                (contact.gaps <= TOLERANCES.tight + TILT * arms) & (contact.gaps <= TOLERANCES.search) & level
+            )
         part = contact.only(keep & _outline(contact, keep))
         if part is not None:
             usable.append(part)

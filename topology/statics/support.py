@@ -5,13 +5,12 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from topple.topology.arrays import bounds
+from topple.topology.sixim.table import Relation
 from topple.topology.statics.contact import Contact
 from topple.topology.statics.rest import Statics, within_reach
 
 if TYPE_CHECKING:
     from topple.topology.relations import Relations
-    from topple.topology.scene import Scene
 
 LEAN = float(np.cos(np.radians(45.0)))
 """A contact whose normal is further than 45 degrees from up is leant on, not stood on."""
@@ -46,28 +45,21 @@ class Support:
         }
 
 
-def supports(
-    scene: "Scene", relations: "Relations | None" = None, statics: Statics | None = None
-) -> tuple[Support, ...]:
+def supports(statics: Statics, relations: "Relations") -> tuple[Support, ...]:
     """Find what carries what.
 
     Args:
-        scene: A scene that knows where up is.
-        relations: The scene's relations, which name what is contained; not needed otherwise.
-        statics: The scene at rest where it has been worked out before.
+        statics: The scene at rest.
+        relations: Its relations, which tell what lies in what.
 
     Returns:
         Supports, ordered by supported object, one for each pair: of a contact seen and one inferred, the more
         certain. What leans has two supporters or more.
-
-    Raises:
-        InvalidInput: The scene has no `up`.
     """
-    statics = Statics.of(scene) if statics is None else statics
     best: dict[tuple[str, str], Support] = {}
     order = {name: i for i, name in enumerate(statics.upright.clouds)}
     for contact in within_reach(statics.contacts, statics.weights):
-        support = _read(contact, statics)
+        support = _read(contact, statics, relations)
         if support is not None:
             known = best.setdefault((support.supporter, support.supported), support)
             if support.confidence > known.confidence:
@@ -75,7 +67,7 @@ def supports(
     return tuple(sorted(best.values(), key=lambda s: (order[s.supported], order[s.supporter])))
 
 
-def _read(contact: Contact, statics: Statics) -> Support | None:
+def _read(contact: Contact, statics: Statics, relations: "Relations") -> Support | None:
     """The support a contact stands for: the side below its normals carries the other."""
     up = float(contact.normals[:, 2].mean())
     if abs(up) < 0.1:  # a wall beside a wall: nobody carries, unless friction does
@@ -84,22 +76,7 @@ def _read(contact: Contact, statics: Statics) -> Support | None:
     if above in statics.upright.fixed:
         return None
     gap = float(max(contact.gaps.min(), 0.0))
-    kind = "contained" if _inside(above, below, statics) else "rests" if abs(up) >= LEAN else "leans"
+    inside = relations.between(above, below).relation in (Relation.WITHIN, Relation.PARTIAL_WITHIN)
+    kind = "contained" if inside else "rests" if abs(up) >= LEAN else "leans"
     confidence = float(np.clip(1.0 - gap / 0.01, 0.2, 1.0)) * (0.7 if contact.inferred else 1.0)
     return Support(below, above, kind, confidence, contact.inferred)
-
-
-def _inside(above: str, below: str, statics: Statics) -> bool:
-    """Does one object lie in the cavity of the other: below its rim and within its plan view?"""
-    if below in statics.upright.fixed:
-        return False
-    inner, outer = statics.surfaces[above], statics.surfaces[below]
-    centre = inner.mean(axis=0)
-    rim = outer[:, 2].max()
-    lower, upper = bounds(outer)
-    return bool(
-        inner[:, 2].min() < rim - 0.01
-        and (centre[:2] > lower[:2]).all()
-        and (centre[:2] < upper[:2]).all()
-        and outer[:, 2].min() < inner[:, 2].min()
-    )

@@ -1,12 +1,12 @@
 import numpy as np
 import pytest
 
-from topple.planner.decide.blocking import overlap
 from topple.planner.decide.dependency import Dependency, DependencyGraph, dependencies, ways_found
-from topple.planner.decide.evidence import ONE, WHOLE, way_found
+from topple.planner.decide.rates import ONE, WHOLE, way_found
 from topple.robots import shapes
 from topple.topology import Scene, UnknownObject
-from topple.topology.statics.rest import Statics
+from topple.topology.situation import Situation
+from topple.topology.statics.sweep import overlap
 
 
 def slab(x: float, z: float, size: float = 0.1) -> np.ndarray:
@@ -62,7 +62,7 @@ def test_an_edge_is_believed_as_often_as_what_was_found_in_its_way_was_right() -
     clouds = {"low": low.surface(2000, rng), "top": top.surface(2000, rng), "table": table}
     clouds["top"][:, 2] += 0.06
     scene = Scene(clouds, fixed=["table"], up=(0, 0, 1))
-    assert ways_found(Statics.of(scene)) == {("top", "low"): 0}
+    assert ways_found(Situation(scene)) == {("top", "low"): 0}
     (edge,) = dependencies(scene).dependencies
     assert (edge.first, edge.then, edge.reason) == ("top", "low", "supported")
     assert edge.confidence == WHOLE.found[0]

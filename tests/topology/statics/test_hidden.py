@@ -12,9 +12,9 @@ from topple.topology.bodies.complete import complete, is_hollow
 from topple.topology.image import DepthImage
 from topple.topology.rule.relate import relate
 from topple.topology.scene import Scene
+from topple.topology.situation import Situation
 from topple.topology.sixim.table import Relation
 from topple.topology.statics.rest import Statics
-from topple.topology.statics.support import supports
 from topple.topology.upright import Upright
 from topple.topology.views.sight import Sight
 
@@ -69,7 +69,7 @@ def test_everything_has_its_support_and_no_other(name: str, cameras: int) -> Non
     relations = relate(scene)
     touching = {frozenset((p.a, p.b)) for p in relations if p.relation is not Relation.DISJOINT}
     assert touching == {frozenset(pair) for pair in wanted}
-    assert {(s.supporter, s.supported) for s in supports(scene, relations)} == wanted
+    assert {(s.supporter, s.supported) for s in Situation(scene, relations).supports} == wanted
     for pair in relations:
         if "table" in (pair.a, pair.b) and pair.relation is Relation.TOUCH:
             assert pair.inferred and not pair.observed  # the sides are seen so steeply that no foot is

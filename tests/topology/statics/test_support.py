@@ -2,9 +2,9 @@ import numpy as np
 import pytest
 
 from topple.topology import Scene
+from topple.topology.situation import Situation
 from topple.topology.statics.contact import Contact
 from topple.topology.statics.equilibrium import Weight, balance
-from topple.topology.statics.support import supports
 
 
 def box(
@@ -26,7 +26,7 @@ def table() -> np.ndarray:
 
 def found(clouds: dict[str, np.ndarray]) -> dict[tuple[str, str], str]:
     scene = Scene({**clouds, "table": table()}, fixed=["table"], up=(0, 0, 1))
-    return {(s.supporter, s.supported): s.kind for s in supports(scene)}
+    return {(s.supporter, s.supported): s.kind for s in Situation(scene).supports}
 
 
 def test_a_stack_is_carried_from_below_only() -> None:

@@ -5,7 +5,7 @@ from dataclasses import dataclass
 import numpy as np
 from scipy.ndimage import maximum_filter
 
-from topple.topology.arrays import FloatArray, bounds
+from topple.topology.arrays import FloatArray, IntArray, bounds
 
 LIFT = 0.25
 """Height of the lift [m]: what is higher than this above an object is not met."""
@@ -73,6 +73,34 @@ def overlap(upper: FloatArray, lower: FloatArray) -> Overlap | None:
         share=len(cells) / max(footprint, 1),
         clearance=float(height[above].min()),
     )
+
+
+def swept_matrix(swept: FloatArray, other: FloatArray) -> IntArray:
+    """The 6-intersection matrix of a body with all that it passes on its way up, and another body.
+
+    Args:
+        swept: (N, 3) upright surface points [m] of the object that is lifted.
+        other: (M, 3) upright surface points [m] of the other one.
+
+    Returns:
+        (2, 3) counts, the swept body first. Its own surface lies outside of the other one, as solids do not
+        pass through each other, or on it.
+    """
+    low, high = bounds(swept)
+    size = np.ceil((high[:2] - low[:2]) / CELL).astype(np.int64) + 1
+    ground, top = (_plan(swept, low[:2], size, highest=highest) for highest in (False, True))
+    cells = np.floor((other[:, :2] - low[:2]) / CELL).astype(np.int64)
+    over = np.all((cells >= 0) & (cells < size), axis=1)
+    index = (cells[over, 0], cells[over, 1])
+    height = np.full(len(other), np.nan)
+    height[over] = other[over, 2] - ground[index]
+    beyond = np.zeros(len(other), dtype=np.bool_)
+    beyond[over] = other[over, 2] > top[index] + LIFT
+    inside = (height > CLEAR) & np.isfinite(height) & ~beyond
+    on = (np.abs(height) <= CLEAR) & ~inside
+    inner, boundary = int(inside.sum()), int(on.sum())
+    own = min(boundary, len(swept))
+    return np.array([[0, own, len(swept) - own], [inner, boundary, len(other) - inner - boundary]])
 
 
 def _cells(points: FloatArray) -> int:

@@ -1,0 +1,81 @@
+"""Relations read from JSON, topple's own or another program's."""
+
+from collections.abc import Mapping
+from dataclasses import replace
+from math import isfinite
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from topple.topology.errors import InvalidInput
+from topple.topology.relations import FORMAT, PairRelation, Relations
+from topple.topology.rule.relate import relate
+
+if TYPE_CHECKING:
+    from topple.topology.scene import Scene
+
+
+def relations_from(document: Mapping[str, Any], scene: "Scene") -> Relations:
+    """Relations of a scene as a document tells them.
+
+    Args:
+        document: See `Relations.from_json`.
+        scene: What they are about.
+
+    Returns:
+        What the document says of its pairs, and what `relate` finds of the others.
+
+    Raises:
+        InvalidInput: The document is not what it should be; says where.
+        UnknownObject: A pair names an object that is not in the scene.
+    """
+    entries = document.get("relations") if isinstance(document, Mapping) else None  # pyright: ignore
+    if not isinstance(entries, list) or document.get("format", FORMAT) != FORMAT:
+        raise InvalidInput(f"no relations: expected a {FORMAT!r} document with a list 'relations'")
+    deviation = document.get("deviation")
+    relations = relate(scene, None if deviation is None else _number(deviation, "deviation"))
+    told: set[frozenset[str]] = set()
+    for place, entry in enumerate(entries):
+        where = f"relations[{place}]"
+        if not isinstance(entry, Mapping) or not all(isinstance(entry.get(key), str) for key in "ab"):
+            raise InvalidInput(f"{where}: expected an object with the names 'a' and 'b', and a 'relation'")
+        pair = frozenset((entry["a"], entry["b"]))
+        if pair in told:
+            raise InvalidInput(f"{where}: {entry['a']} and {entry['b']} are told twice")
+        told.add(pair)
+        relations = relations.with_pair(_pair(entry, relations, where))
+    return relations
+
+
+def _pair(entry: Mapping[str, Any], relations: Relations, where: str) -> PairRelation:
+    """The pair as it is told; what is not told of it stays as it was found."""
+    known = relations.with_relation(entry["a"], entry["b"], entry.get("relation", "")).between(
+        entry["a"], entry["b"]
+    )
+    told: dict[str, Any] = {"inferred": bool(entry.get("inferred", False)), "kind": entry.get("kind")}
+    if "gap" in entry:
+        told["distance"] = _number(entry["gap"], f"{where}.gap")
+        told["gap_exact"] = bool(entry.get("gap_exact", True))
+    if "confidence" in entry:
+        told["confidence"] = _number(entry["confidence"], f"{where}.confidence")
+    if "observed" in entry:
+        told["observed"] = bool(entry["observed"])
+    if "matrix" in entry:
+        told["counts"] = _matrix(entry["matrix"], f"{where}.matrix")
+    return replace(known, **told)
+
+
+def _number(value: Any, where: str) -> float:
+    if isinstance(value, bool) or not isinstance(value, (int, float)) or not isfinite(value):
+        raise InvalidInput(f"{where}: {value!r} is no number")
+    return float(value)
+
+
+def _matrix(value: Any, where: str) -> "np.ndarray[Any, np.dtype[np.int64]]":
+    try:
+        matrix = np.asarray(value, dtype=np.int64)
+    except (TypeError, ValueError, OverflowError):
+        matrix = np.empty(0, dtype=np.int64)
+    if matrix.shape != (2, 3) or (matrix < 0).any():
+        raise InvalidInput(f"{where}: expected 2 x 3 counts, [[A∩B°, A∩∂B, A∩B⁻], [A°∩B, ∂A∩B, A⁻∩B]]")
+    return matrix
