@@ -9,8 +9,8 @@ from importlib.metadata import version
 from pathlib import Path
 from typing import Any
 
-from topple.planner.bench.episodes import TOPPLE, Ending, Episode
-from topple.planner.bench.journal import code
+from topple.planner.bench.behaviour import BEHAVIOUR
+from topple.planner.bench.episodes import Ending, Episode
 from topple.planner.bench.row import Progress, Row
 from topple.planner.bench.run import JOURNAL, collected, in_turn
 from topple.planner.bench.scores import share_interval
@@ -58,7 +58,7 @@ def rows(
         made = {
             "made_by": "topple bench demo --counts FILE",
             "topple": version(DISTRIBUTION),
-            "code": code(TOPPLE),
+            "behaviour": BEHAVIOUR,
         }
         write_whole(place, text(document(counted, made)))
     missing = sum(episode not in known for episode in wanted)
