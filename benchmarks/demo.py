@@ -9,8 +9,8 @@ from importlib.metadata import version
 from pathlib import Path
 from typing import Any
 
-from topple.benchmarks.episodes import TOPPLE, Ending, Episode
-from topple.benchmarks.journal import code
+from topple.benchmarks.behaviour import BEHAVIOUR
+from topple.benchmarks.episodes import Ending, Episode
 from topple.benchmarks.row import Progress, Row
 from topple.benchmarks.run import JOURNAL, collected, in_turn
 from topple.benchmarks.scores import share_interval
@@ -58,7 +58,7 @@ def rows(
         made = {
             "made_by": "topple bench demo --counts FILE",
             "topple": version(DISTRIBUTION),
-            "code": code(TOPPLE),
+            "behaviour": BEHAVIOUR,
         }
         write_whole(place, text(document(counted, made)))
     missing = sum(episode not in known for episode in wanted)

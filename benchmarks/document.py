@@ -15,6 +15,9 @@ from topple.topology.errors import DISTRIBUTION, InvalidInput
 BENCHES = ("relate", "order", "motion", "paper", "run", "demo")
 """Names; each is a module of this package with a function `rows(quick, seed, progress)`."""
 
+CHECKS = ("frozen",)
+"""Benches that compare topple with what it was, not with others: run where they are named, not with all."""
+
 _LIBRARIES = (DISTRIBUTION, "numpy", "scipy", "pybullet", "python-fcl", "ompl")
 
 
@@ -24,7 +27,7 @@ def bench(
     """Run a bench.
 
     Args:
-        name: One of `BENCHES`.
+        name: One of `BENCHES` or `CHECKS`.
         quick: Smaller and fewer cases: below two minutes.
         seed: Seed of everything that is drawn.
         progress: Called with a few words before each part.
@@ -52,7 +55,7 @@ def options_of(name: str) -> tuple[str, ...]:
     """What a bench takes besides quick, seed and progress.
 
     Args:
-        name: One of `BENCHES`.
+        name: One of `BENCHES` or `CHECKS`.
 
     Returns:
         Names of keyword arguments.
@@ -64,8 +67,9 @@ def options_of(name: str) -> tuple[str, ...]:
 
 
 def _rows_of(name: str) -> Callable[..., list[dict[str, Any]]]:
-    if name not in BENCHES:
-        raise InvalidInput(f"there is no bench {name!r}: expected one of {', '.join(BENCHES)}")
+    known = (*BENCHES, *CHECKS)
+    if name not in known:
+        raise InvalidInput(f"there is no bench {name!r}: expected one of {', '.join(known)}")
     return importlib.import_module(f"topple.benchmarks.{name}").rows
 
 

@@ -9,8 +9,9 @@
   what is nearest to the arm first, the highest top first, or the paper's relations and height.
 
 Every episode that ends is kept in a journal: a bench that was stopped goes on, and the figures are of all
-that was played with the same code, in as many sittings as it took. Shares have Wilson's 95 % intervals. A
-sitting of half an hour shows whether anything leaks or breaks: its rows are those of memory and crashes.
+that was played with the same version of behaviour, in as many sittings as it took. Shares have Wilson's 95 %
+intervals. A sitting of half an hour shows whether anything leaks or breaks: its rows are those of memory and
+crashes.
 """
 
 import os
@@ -136,11 +137,12 @@ def collected(
         minutes: After this time no further episode is begun.
 
     Returns:
-        Everything that the journal has of today's code, wanted or not, in the order in which it was played.
+        Everything that the journal has of today's behaviour, wanted or not, in the order in which it was
+        played.
     """
     book = Journal(journal)
     if book.stale:
-        progress(f"{book.stale} results of other code are left out")
+        progress(f"{book.stale} results of another version of behaviour are left out")
     known = {ending.episode: ending for ending in map(Ending.from_json, book.entries)}
     left = [episode for episode in wanted if episode not in known]
     until = None if minutes is None else time.monotonic() + 60 * minutes

@@ -27,11 +27,20 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         parser: The sub-command's parser.
     """
     parser.add_argument(
-        "name", nargs="?", metavar="NAME", help="relate, order, motion, paper, run or demo (all, one by one)"
+        "name",
+        nargs="?",
+        metavar="NAME",
+        help="relate, order, motion, paper, run or demo (all of these, one by one), or frozen",
     )
     parser.add_argument("--quick", action="store_true", help="smaller and fewer cases: below two minutes")
-    parser.add_argument("--data", metavar="DIR", help="relate, order, run: the labelled frames of a folder")
-    parser.add_argument("--piles", metavar="DIR", help="order: score the recorded piles of a folder instead")
+    parser.add_argument(
+        "--data", metavar="DIR", help="relate, order, run, frozen: the labelled frames of a folder"
+    )
+    parser.add_argument(
+        "--piles",
+        metavar="DIR",
+        help="order: score the recorded piles of a folder instead; frozen: those too (piles beside --data)",
+    )
     parser.add_argument("--verify", action="store_true", help="order: score --verify too, which is slow")
     parser.add_argument("--models", metavar="DIR", help="paper: YCB models, as 011_banana (procedural)")
     parser.add_argument("--scenes", metavar="DIR", help="paper: write its scenes there, for other commands")
@@ -44,6 +53,8 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         "--minutes", type=positive, metavar="M", help="run, demo: begin no episode after that time"
     )
     parser.add_argument("--counts", metavar="FILE", help="demo: write what `topple demo` tells of its seeds")
+    parser.add_argument("--file", metavar="FILE", help="frozen: compare with that file (the package's own)")
+    parser.add_argument("--write", action="store_true", help="frozen: make the file anew")
     add_common(parser, scenes=None)
 
 
@@ -89,7 +100,7 @@ def _options(args: argparse.Namespace, name: str) -> dict[str, Any]:
         found[key] = _folder(found[key])
     if "scenes" in found:
         found["scenes"] = make_folder(found["scenes"])
-    for key in found.keys() & {"journal", "counts"}:
+    for key in found.keys() & {"journal", "counts", "file"}:
         found[key] = Path(found[key])
     return found
 
@@ -109,6 +120,10 @@ def _print(document: Mapping[str, Any]) -> None:
         f"{machine['processor']}, {machine['cores']} cores"
     )
     print_table(_HEADINGS, [_cells(row) for row in rows], right=(1, 3, 4))
+    for row in rows:
+        for one in row.get("differences", ()):
+            parts = f" ({', '.join(one['parts'])})" if one["parts"] else ""
+            print_text(f"{one['what']}{parts}", f"  was  {one['was']}", f"  now  {one['now']}")
     held = [row for row in rows if row["bar"] is not None]
     missed = sum(row["ok"] is False for row in held)
     print_text(

@@ -70,7 +70,7 @@ def document(counts: Mapping[str, SeedCount], made: Mapping[str, Any]) -> dict[s
 
     Args:
         counts: By name of the scene.
-        made: By what, of which code, on what.
+        made: By what, of which version of behaviour.
     """
     scenes = {
         name: {"played": list(count.played), "reached": list(count.reached), "default": count.default}

@@ -5,6 +5,7 @@ from pathlib import Path
 
 import pytest
 
+from topple.benchmarks.behaviour import BEHAVIOUR
 from topple.benchmarks.demo import SEEDS, count_of, rows
 from topple.benchmarks.episodes import Ending, Episode
 from topple.benchmarks.journal import Journal
@@ -48,7 +49,8 @@ def test_the_bench_counts_from_the_journal_of_runs_and_writes_what_the_demo_tell
     assert sorted(shares.values()) == [0.0, 100.0, 100.0, 100.0, 100.0]
     document = json.loads(file.read_text())
     assert document["format"] == FORMAT
-    assert document["code"] and document["topple"] and "topple bench demo" in document["made_by"]
+    assert document["behaviour"] == BEHAVIOUR
+    assert document["topple"] and "topple bench demo" in document["made_by"]
     assert document["scenes"]["pile"] == {"played": [7], "reached": [], "default": 7}
     assert document["scenes"]["sort"] == {"played": [7], "reached": [7], "default": 7}
 

@@ -6,9 +6,10 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from topple.benchmarks.episodes import TOPPLE, Ending, Episode, play
+from topple.benchmarks.behaviour import BEHAVIOUR
+from topple.benchmarks.episodes import Ending, Episode, play
 from topple.benchmarks.frames import frames_in, wanted_of
-from topple.benchmarks.journal import PLAYED, Journal, behaviour, code
+from topple.benchmarks.journal import Journal
 from topple.benchmarks.recorded import Frame
 from topple.benchmarks.row import Row
 from topple.benchmarks.rules import RULES, order_by
@@ -74,22 +75,14 @@ def test_a_line_that_was_cut_off_is_left_out_and_the_next_is_whole(tmp_path: Pat
     assert [entry["episode"]["seed"] for entry in Journal(path).entries] == [0, 1]
 
 
-def test_results_of_other_code_do_not_count(tmp_path: Path) -> None:
+@pytest.mark.parametrize("version", [{}, {"behaviour": BEHAVIOUR - 1}, {"behaviour": BEHAVIOUR + 1}])
+def test_results_of_another_behaviour_do_not_count(version: dict[str, int], tmp_path: Path) -> None:
     path = tmp_path / "endings.jsonl"
-    path.write_text(json.dumps({"code": "0" * len(code(TOPPLE))}) + "\n")
+    path.write_text(json.dumps({**Ending(Episode("pile", 3), "success").to_json(), **version}) + "\n")
     book = Journal(path)
     assert (book.entries, book.stale) == ([], 1)
-
-
-def test_what_rules_of_thumb_do_is_nothing_to_other_episodes() -> None:
-    assert len({code(kind) for kind in PLAYED}) == len(PLAYED)
-
-
-def test_words_about_code_do_not_void_results() -> None:
-    plain = "def f(x):\n    return x + 1\n"
-    told = '"""Adds."""\n\n\ndef f(x):\n    """One more."""\n    return x + 1  # why\n'
-    assert behaviour(plain) == behaviour(told)
-    assert behaviour(plain) != behaviour(plain.replace("1", "2"))
+    book.add(Ending(Episode("pile", 4), "success").to_json())
+    assert [entry["behaviour"] for entry in Journal(path).entries] == [BEHAVIOUR]
 
 
 @pytest.mark.parametrize("text", ['{"a": 1}\n', "[1, 2]\n"])
