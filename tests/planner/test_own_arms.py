@@ -55,6 +55,7 @@ def test_a_plan_holds_and_finds_its_arm_again(scene: Scene, options: tuple[Path,
     assert any("accelerations" in words for words in found.assumptions)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("options", ["panda", "ur5e"], indirect=True)
 def test_a_run_in_pybullet_succeeds(scene: Scene, options: tuple[Path, Path | None]) -> None:
     base = np.eye(4)

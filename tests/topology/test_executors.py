@@ -44,6 +44,7 @@ def test_a_pool_of_two_relates_like_one_after_the_other(pool: str) -> None:
             check(processes)
 
 
+@pytest.mark.slow
 @pytest.mark.filterwarnings("default")  # those of the cluster's start and end are not topple's
 def test_a_dask_cluster_of_two_workers_relates_like_one_after_the_other() -> None:
     distributed = pytest.importorskip(

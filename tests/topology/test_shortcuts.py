@@ -3,6 +3,7 @@
 from itertools import combinations
 
 import numpy as np
+import pytest
 from scipy.spatial.transform import Rotation
 
 from topple.topology.geometry.hull import Hull
@@ -146,6 +147,7 @@ def slow_default_relation(a, b):
     return classify(matrix)
 
 
+@pytest.mark.slow
 def test_the_plain_rule_equals_every_point_against_every_facet():
     rng = np.random.default_rng(0)
     seen = set()
@@ -161,6 +163,7 @@ def test_the_plain_rule_equals_every_point_against_every_facet():
     assert seen == set(Relation)
 
 
+@pytest.mark.slow
 def test_the_default_rule_equals_every_point_against_every_point():
     rng = np.random.default_rng(1)
     seen = set()

@@ -129,9 +129,7 @@ def of_edges(*edges: tuple[str, str]) -> Any:
     """An orderer that knows the dependencies given, and takes all that is named in them."""
 
     def orderer(scene: Scene, targets: Sequence[str], **_: object) -> Order:
-        graph = DependencyGraph(
-            scene.movable, tuple(Dependency(a, b, "supported", 1.0) for a, b in edges)
-        )
+        graph = DependencyGraph(scene.movable, tuple(Dependency(a, b, "supported", 1.0) for a, b in edges))
         return arrange(graph, targets, {name: np.zeros(3) for name in scene.movable})
 
     return orderer

@@ -1,4 +1,4 @@
-"""What the arm reaches of a cube's grasps and places, and that its ways there and out are straight and free."""
+"""What the arm reaches of a cube's grasps and places; its ways there and out are straight and free."""
 
 from collections.abc import Sequence
 
@@ -24,9 +24,7 @@ SIDE = 0.05  # [m] of the cube, which stands at the origin
 LENGTH = 0.08  # [m] of the straight ways here
 
 
-def block(
-    x: tuple[float, float], y: tuple[float, float], z: tuple[float, float]
-) -> Sequence[FloatArray]:
+def block(x: tuple[float, float], y: tuple[float, float], z: tuple[float, float]) -> Sequence[FloatArray]:
     """The one convex part of a block between limits [m]."""
     return [np.array([[a, b, c] for a in x for b in y for c in z])]
 
