@@ -52,7 +52,7 @@ def lifted() -> Iterator[SimulatedArm]:
 
 
 def held_under(arm: SimulatedArm, force: FloatArray, twist: float) -> bool:
-    """Whether the cup still holds its plate under a force [N] at its lip and a moment [N m] about the axis."""
+    """Whether a cup still holds its plate under a force [N] at its lip and a moment [N m] about its axis."""
     world = arm.world
     plate, lip = world.ids["plate"], arm.link_pose("suction_cup")[:3, 3].tolist()
     for step in range(2 * RAMP):
