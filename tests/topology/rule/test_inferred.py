@@ -9,6 +9,7 @@ from topple.topology.rule.inferred import floating_objects
 from topple.topology.rule.relate import relate
 from topple.topology.scene import Scene
 from topple.topology.sixim.table import Relation
+from topple.topology.statics.support import supports
 
 SHARED = Path(__file__).resolve().parents[3].parent / "shared"
 UP = np.array([0.0, 0, 1])
@@ -43,6 +44,10 @@ def test_a_box_with_a_hidden_foot_touches_the_table_by_inference():
     assert not pair.observed
     assert pair.gap > 0.01
     assert (pair.matrix[:, 1] >= 1).all()
+    (carried,) = supports(scene(up=UP))
+    assert carried.inferred
+    assert 0.5 < carried.confidence < 0.9
+    assert pair.confidence == pytest.approx(carried.confidence), "no contact is surer than who carries whom"
 
 
 def test_a_lid_with_a_hidden_underside_touches_the_box_below_by_inference():
