@@ -84,8 +84,8 @@ def test_places_keep_within_the_reach_of_the_arm() -> None:
 
 
 def test_no_room_gives_no_placement() -> None:
-    scene = on_table(0.08, can=tilted(can(), 0.0))
-    assert placements("can", scene) == []
+    assert placements("can", on_table(0.2, can=tilted(can(), 0.0)))
+    assert placements("can", on_table(0.08, can=tilted(can(), 0.0))) == []
 
 
 def test_an_unknown_object_is_named() -> None:
