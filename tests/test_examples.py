@@ -35,6 +35,7 @@ def test_every_example_is_tested_and_short() -> None:
         assert len((EXAMPLES / script).read_text(encoding="utf-8").splitlines()) < 60, script
 
 
+@pytest.mark.slow
 def test_look_writes_a_small_scene_that_says_everything(tmp_path: Path) -> None:
     assert _output(tmp_path, "look.py", "scene.npz")
     scene = load_scene(tmp_path / "scene.npz")

@@ -65,7 +65,7 @@ def put(client: int, half: float, z: float, mass: float) -> int:
     return pybullet.createMultiBody(mass, shape, basePosition=[0, 0, z + half], physicsClientId=client)
 
 
-@pytest.mark.parametrize("thickness", [0.02, 0.04])
+@pytest.mark.parametrize("thickness", [pytest.param(0.02, marks=pytest.mark.slow), 0.04])
 def test_a_board_as_a_mesh_is_a_table(tmp_path: Path, thickness: float) -> None:
     found = plan(board(tmp_path, thickness), ["low"], "panda")
     assert [(step.object, step.action) for step in found.steps] == TAKEN
@@ -81,6 +81,7 @@ def test_a_pybullet_box_is_a_table(client: int) -> None:
     assert [(step.object, step.action) for step in found.steps] == TAKEN
 
 
+@pytest.mark.slow
 def test_the_stock_table_with_its_legs_is_a_table(client: int) -> None:
     path = str(Path(pybullet_data.getDataPath()) / "table" / "table.urdf")
     table = pybullet.loadURDF(path, useFixedBase=True, physicsClientId=client)

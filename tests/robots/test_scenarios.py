@@ -11,7 +11,9 @@ from topple.topology.errors import InvalidInput
 from topple.topology.scene import Scene
 
 
-@pytest.mark.parametrize("name", list(SCENARIOS))
+@pytest.mark.parametrize(
+    "name", [pytest.param(name, marks=[pytest.mark.slow] if name == "lemon" else []) for name in SCENARIOS]
+)
 @pytest.mark.parametrize("seed", [1])
 def test_a_scene_stays_put_is_within_reach_and_seen(name: str, seed: int) -> None:
     with scenario_called(name, seed) as scenario:

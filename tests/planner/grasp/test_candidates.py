@@ -83,7 +83,6 @@ def test_no_suction_where_something_lies_on_the_patch() -> None:
         for found in (free, taken)
     )
     assert min(middle) < 0.03, "where nothing lies on it, it is taken by its middle"
-    assert taken, "beside the can there is room"
     assert all(away > 0.04 for away in beside)
 
 
