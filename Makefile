@@ -1,14 +1,21 @@
 # Two commands for a fresh machine: `make demo` and `make test`. Both set up what they need in .venv.
+# `make test` leaves out the tests marked slow, `make test-all` runs every one.
 PYTHON ?= $(shell command -v python3.11 || command -v python3.10 || command -v python3)
 BIN := .venv/bin
+# One process a core, each with one thread: more threads in each would take the cores from the other. The tests of
+# a file stay in one process, which makes their fixtures once.
+TESTS := OMP_NUM_THREADS=1 OPENBLAS_NUM_THREADS=1 $(BIN)/python -m pytest -n 2 --dist loadfile
 
-.PHONY: demo test lint peers schema film python clean
+.PHONY: demo test test-all lint peers schema film python clean
 
 demo: .venv/run.stamp
 	$(BIN)/topple demo
 
 test: .venv/dev.stamp
-	$(BIN)/python -m pytest
+	$(TESTS) -m "not slow"
+
+test-all: .venv/dev.stamp
+	$(TESTS)
 
 lint: .venv/dev.stamp
 	$(BIN)/ruff check .

@@ -35,6 +35,7 @@ def test_every_example_is_tested_and_short() -> None:
         assert len((EXAMPLES / script).read_text(encoding="utf-8").splitlines()) < 60, script
 
 
+@pytest.mark.slow
 def test_look_writes_a_small_scene_that_says_everything(tmp_path: Path) -> None:
     assert _output(tmp_path, "look.py", "scene.npz")
     scene = load_scene(tmp_path / "scene.npz")
@@ -56,6 +57,7 @@ def test_plain_arrays_give_relations_and_an_order_with_reasons(tmp_path: Path) -
     assert "2. book: book rests on left" in lines
 
 
+@pytest.mark.slow
 def test_a_tracked_spoon_goes_into_the_bowl_and_out_again(tmp_path: Path) -> None:
     lines = _output(tmp_path, "track.py")
     assert lines[0].startswith("60 frames, ")
@@ -63,6 +65,7 @@ def test_a_tracked_spoon_goes_into_the_bowl_and_out_again(tmp_path: Path) -> Non
     assert any(line.startswith("bowl partial contain spoon: frames ") for line in lines)
 
 
+@pytest.mark.slow
 def test_in_a_foreign_world_the_counterweight_is_found_and_a_stack_taken_apart(tmp_path: Path) -> None:
     lines = _output(tmp_path, "own_world.py")
     assert "never moves: table" in lines
@@ -76,6 +79,7 @@ def test_in_a_foreign_world_the_counterweight_is_found_and_a_stack_taken_apart(t
     assert lines[-1] == "free low: reached"
 
 
+@pytest.mark.slow
 def test_dishes_are_played_with_one_call(tmp_path: Path) -> None:
     lines = _output(tmp_path, "dishes.py", "out")
     assert lines[-1] == "free plate: reached"
@@ -83,12 +87,14 @@ def test_dishes_are_played_with_one_call(tmp_path: Path) -> None:
     assert {path.name for path in (tmp_path / "out").iterdir()} >= {"plan.json", "run.json", "report.html"}
 
 
+@pytest.mark.slow
 def test_a_lemon_finds_its_place_in_a_full_bowl(tmp_path: Path) -> None:
     lines = _output(tmp_path, "lemon.py")
     assert lines[-1] == "lemon within bowl: yes"
     assert any(line.startswith("place lemon") for line in lines)
 
 
+@pytest.mark.slow
 def test_a_tower_is_planned_before_anything_moves(tmp_path: Path) -> None:
     lines = _output(tmp_path, "tower.py")
     placed = [line.split(":")[0] for line in lines if line.startswith("place ")]
@@ -96,24 +102,28 @@ def test_a_tower_is_planned_before_anything_moves(tmp_path: Path) -> None:
     assert any("s of motion" in line for line in lines)
 
 
+@pytest.mark.slow
 def test_a_pile_is_freed_from_one_camera(tmp_path: Path) -> None:
     lines = _output(tmp_path, "pile.py")
     assert lines[0].startswith("3 cameras: ") and lines[1].startswith("1 camera: ")
     assert lines[-1].endswith(": reached")
 
 
+@pytest.mark.slow
 def test_sorting_is_recorded(tmp_path: Path) -> None:
     lines = _output(tmp_path, "sort.py")
     assert lines[-1] == "reached"
     assert "constraints: the gear of the fingers" in lines
 
 
+@pytest.mark.slow
 def test_grasps_of_another_pipeline_are_put_in_order(tmp_path: Path) -> None:
     lines = _output(tmp_path, "foreign_grasps.py")
     assert lines[0].startswith("grasp ") and lines[0].endswith(": now")
     assert any("of 60 can be done now" in line for line in lines)
 
 
+@pytest.mark.slow
 def test_a_real_frame_becomes_a_world_to_act_in(tmp_path: Path) -> None:
     frame = FRAMES / "osd_learn17.npz"
     if not frame.exists():

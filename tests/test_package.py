@@ -31,6 +31,7 @@ def test_the_distribution_is_not_the_other_topple_of_pypi() -> None:
 
 
 def test_no_text_installs_the_other_topple() -> None:
+    assert {"README.md", "CONTRIBUTING.md"} <= {path.name for path in TEXTS}
     for path, text in TEXTS.items():
         assert not re.findall(r"pip install [^`\n]*\btopple(?!-planner)\b[\['\" `]", text), path
 

@@ -55,17 +55,21 @@ def outputs(tmp_path_factory: pytest.TempPathFactory) -> dict[str, str]:
     return printed
 
 
+@pytest.mark.slow
 def test_every_command_and_python_block_runs(outputs: dict[str, str]) -> None:
     assert len(outputs) == len(_steps()) >= 10
 
 
+@pytest.mark.slow
 def test_output_the_readme_shows_is_what_the_commands_print(outputs: dict[str, str]) -> None:
     lines = {line.rstrip() for output in outputs.values() for line in output.splitlines()}
+    assert any(language == "text" for language, _ in BLOCKS)
     for language, text in BLOCKS:
         if language == "text":
             assert set(text.splitlines()) <= lines
 
 
+@pytest.mark.slow
 def test_the_plate_comes_after_all_that_is_on_it(outputs: dict[str, str]) -> None:
     (table,) = (
         output for step, output in outputs.items() if step.startswith("topple order") and "--json" not in step
@@ -75,6 +79,7 @@ def test_the_plate_comes_after_all_that_is_on_it(outputs: dict[str, str]) -> Non
     assert taken[-1] == "plate"
 
 
+@pytest.mark.slow
 def test_the_python_block_relates_orders_and_plans(outputs: dict[str, str]) -> None:
     printed = next(
         output.splitlines() for step, output in outputs.items() if step.startswith("import topple")
@@ -92,6 +97,7 @@ def test_the_table_of_commands_names_all_there_are() -> None:
 
 
 def test_links_lead_to_files_and_headings() -> None:
+    followed = 0
     for page in PAGES:
         for target, heading in re.findall(r"\]\(([^)#:]*)(?:#([^)]+))?\)", page.read_text(encoding="utf-8")):
             file = (page.parent / target) if target else page
@@ -100,3 +106,5 @@ def test_links_lead_to_files_and_headings() -> None:
                 re.findall(r"^#+ (.+)$", file.read_text(encoding="utf-8"), re.MULTILINE) if heading else []
             )
             assert not heading or heading in [title.lower().replace(" ", "-") for title in titles], heading
+            followed += 1
+    assert followed >= len(PAGES)

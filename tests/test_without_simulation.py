@@ -39,6 +39,7 @@ def _topple(folder: Path, *arguments: str, code: int = 0) -> tuple[str, str]:
     return done.stdout, done.stderr
 
 
+@pytest.mark.slow
 def test_relations_orders_and_pages_need_no_engine(folder: Path) -> None:
     related, _ = _topple(folder, "relate", "scene.npz", "--json")
     touching = {
@@ -51,6 +52,7 @@ def test_relations_orders_and_pages_need_no_engine(folder: Path) -> None:
     assert (folder / "scene.html").stat().st_size > 10_000
 
 
+@pytest.mark.slow
 def test_an_arm_of_ones_own_plans_ranks_and_is_exported(folder: Path) -> None:
     models = pytest.importorskip("airo_models", reason="no URDF of an arm: airo-models is not installed")
     arm = (

@@ -157,6 +157,7 @@ def test_boxes_and_features_know_a_box_on_a_box() -> None:
         assert answer["top", "table"] is Relation.DISJOINT
 
 
+@pytest.mark.slow
 def test_contact_points_tell_touching_from_apart() -> None:
     pytest.importorskip("sklearn", reason="scikit-learn belongs to the bench extra")
     from topple.benchmarks.paper.learning import features, train

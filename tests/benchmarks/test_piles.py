@@ -20,6 +20,7 @@ def stack() -> Pile:
     return Pile((low, top, aside), {"low": _at(0, 0), "top": _at(0, 0.05), "aside": _at(0.3, 0)})
 
 
+@pytest.mark.slow
 def test_the_same_seed_makes_the_same_pile() -> None:
     first, again, other = make_pile(3), make_pile(3), make_pile(4)
     assert list(first.poses) == list(again.poses)

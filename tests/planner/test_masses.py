@@ -89,6 +89,7 @@ def test_a_plank_depends_on_the_heavy_cube_that_holds_it_down(pile: Pile) -> Non
 def test_what_is_taken_in_groups_moves_nothing_else(pile: Pile) -> None:
     found = order(overhanging(pile))
     left = list(found.order)
+    assert sorted(left) == ["block", "cube", "plank"]
     while left:
         now = next((group for group in found.groups if left[0] in group), (left[0],))
         left = [name for name in left if name not in now]

@@ -41,6 +41,7 @@ def options(request: pytest.FixtureRequest, tmp_path: Path) -> tuple[Path, Path 
     return place / "arms" / "ur5e" / "ur5e.urdf", tmp_path / "cup.toml"
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("options", ["panda", "ur5e"], indirect=True)
 def test_a_plan_holds_and_finds_its_arm_again(scene: Scene, options: tuple[Path, Path | None]) -> None:
     base = np.eye(4)
@@ -55,6 +56,7 @@ def test_a_plan_holds_and_finds_its_arm_again(scene: Scene, options: tuple[Path,
     assert any("accelerations" in words for words in found.assumptions)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("options", ["panda", "ur5e"], indirect=True)
 def test_a_run_in_pybullet_succeeds(scene: Scene, options: tuple[Path, Path | None]) -> None:
     base = np.eye(4)

@@ -111,6 +111,7 @@ def aside_first(scene: Scene, targets: Sequence[str], **_: object) -> Order:
     )
 
 
+@pytest.mark.slow
 def test_an_orderer_of_the_callers_own_is_asked_for_the_order() -> None:
     assert [step.object for step in plan(stacked(), ["lower"], "panda", base=BASE).steps] == [
         "upper",
@@ -137,6 +138,7 @@ def test_an_orderer_that_gives_no_order_is_refused() -> None:
         plan(stacked(), ["lower"], "panda", base=BASE, orderer=names)
 
 
+@pytest.mark.slow
 def test_relations_of_the_callers_own_are_what_the_order_is_asked_with() -> None:
     scene, seen = stacked(), list[Relations]()
     mine = relate(scene)
@@ -160,6 +162,7 @@ def test_relations_of_the_callers_own_are_what_the_order_is_asked_with() -> None
         plan(scene, ["lower"], "panda", base=BASE, relations=relate(scene.without("aside")))
 
 
+@pytest.mark.slow
 def test_a_run_takes_the_callers_grasps_and_order() -> None:
     scene, asked = stacked(), list[tuple[str, ...]]()
 

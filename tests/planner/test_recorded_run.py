@@ -55,10 +55,16 @@ def test_the_run_succeeds_and_says_what_it_did(played: Played) -> None:
     for step in played.record.steps:
         assert step.slip is not None and step.slip[0] < 0.01
         assert step.to_json()["slip"] == list(step.slip)
+    told = played.record.to_json()
+    assert (told["format"], told["format_version"], told["success"]) == ("topple.run", 1, True)
+    keys = {"object", "action", "success", "attempts", "disturbed", "relations_as_predicted", "seconds"}
+    assert len(told["steps"]) == 2
+    assert all(keys <= set(step) for step in told["steps"])
 
 
 def test_nothing_jumps(played: Played) -> None:
     times, poses = np.array(played.recording.times), played.recording.poses
+    assert set(played.world.movable) == {"plate", "block"}
     for name in played.world.movable:
         place = np.array([pose[name][:3, 3] for pose in poses])
         speed = np.linalg.norm(np.diff(place, axis=0), axis=1) / np.diff(times)
@@ -85,6 +91,8 @@ def test_every_link_still_collides_with_everything(played: Played) -> None:
     """PyBullet tells no collision filter, so each object is put into each link that has a shape."""
     world, arm = played.world, played.arm
     links = [link for link, hull in zip(arm.arm.links, arm.arm.hulls, strict=True) if len(hull)]
+    assert {"panda_hand", "panda_leftfinger", "suction_cup"} <= set(links[1:])
+    assert len(world.movable) == 2
     for name in world.movable:
         for link in links[1:]:  # the base stands on the table and is fixed to it
             world.place(name, arm.link_pose(link))

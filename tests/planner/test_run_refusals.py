@@ -57,6 +57,7 @@ def test_what_is_out_of_reach_is_named(world: World) -> None:
     assert "cannot move can" in record.violations[0] and "out of reach" in record.violations[0]
 
 
+@pytest.mark.slow
 def test_an_interrupted_demo_leaves_its_report(tmp_path: Path) -> None:
     with subprocess.Popen(
         [sys.executable, "-m", "topple.planner.cli.main", "demo", "dishes", "-o", str(tmp_path)],

@@ -65,12 +65,13 @@ def put(client: int, half: float, z: float, mass: float) -> int:
     return pybullet.createMultiBody(mass, shape, basePosition=[0, 0, z + half], physicsClientId=client)
 
 
-@pytest.mark.parametrize("thickness", [0.02, 0.04])
+@pytest.mark.parametrize("thickness", [pytest.param(0.02, marks=pytest.mark.slow), 0.04])
 def test_a_board_as_a_mesh_is_a_table(tmp_path: Path, thickness: float) -> None:
     found = plan(board(tmp_path, thickness), ["low"], "panda")
     assert [(step.object, step.action) for step in found.steps] == TAKEN
 
 
+@pytest.mark.slow
 def test_a_pybullet_box_is_a_table(client: int) -> None:
     size = [0.45, 0.35, 0.02]
     shape = pybullet.createCollisionShape(pybullet.GEOM_BOX, halfExtents=size, physicsClientId=client)
@@ -80,6 +81,7 @@ def test_a_pybullet_box_is_a_table(client: int) -> None:
     assert [(step.object, step.action) for step in found.steps] == TAKEN
 
 
+@pytest.mark.slow
 def test_the_stock_table_with_its_legs_is_a_table(client: int) -> None:
     path = str(Path(pybullet_data.getDataPath()) / "table" / "table.urdf")
     table = pybullet.loadURDF(path, useFixedBase=True, physicsClientId=client)
@@ -91,6 +93,7 @@ def test_the_stock_table_with_its_legs_is_a_table(client: int) -> None:
     assert found.pose_base_to_world[2][3] == pytest.approx(top, abs=0.005)
 
 
+@pytest.mark.slow
 def test_a_plane_without_a_cloud_reaches_as_far_as_the_arm(tmp_path: Path) -> None:
     clouds = {name: mesh.sample(3000, seed=0) for name, mesh in stack().items()}
     np.savez(tmp_path / "scene.npz", table_plane=[0.0, 0.0, 1.0, 0.0], **clouds)
@@ -119,6 +122,7 @@ def test_a_board_shields_what_stands_on_it(tmp_path: Path) -> None:
     assert {support.supporter for support in found.supports if support.supported == "above"} == {"shelf"}
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(("target", "steps"), [("low", TAKEN), ("above", [("above", "free")])])
 def test_objects_on_both_boards_of_a_shelf_are_planned(
     tmp_path: Path, target: str, steps: list[tuple[str, str]]
@@ -127,6 +131,7 @@ def test_objects_on_both_boards_of_a_shelf_are_planned(
     assert [(step.object, step.action) for step in found.steps] == steps
 
 
+@pytest.mark.slow
 def test_a_thick_table_is_acted_on(tmp_path: Path) -> None:
     record = run(board(tmp_path, 0.04), ["low"], "panda-suction")
     assert record.success, record.violations

@@ -67,6 +67,7 @@ def test_around_a_wall_the_tilt_holds_and_nothing_touches() -> None:
     assert checker.free(between).all()
 
 
+@pytest.mark.slow
 def test_what_lies_in_a_marked_container_goes_with_it() -> None:
     rng = np.random.default_rng(0)
     cup = mug().surface(3000, rng) + np.array([0.05, 0.1, 0.0])

@@ -34,7 +34,7 @@ def check(executor: Executor) -> None:
         assert together[0].updated("one", cloud).to_json() == alone[0].updated("one", cloud).to_json()
 
 
-@pytest.mark.parametrize("pool", ["threads", "processes"])
+@pytest.mark.parametrize("pool", ["threads", pytest.param("processes", marks=pytest.mark.slow)])
 def test_a_pool_of_two_relates_like_one_after_the_other(pool: str) -> None:
     if pool == "threads":
         with ThreadPoolExecutor(2) as threads:
@@ -44,6 +44,7 @@ def test_a_pool_of_two_relates_like_one_after_the_other(pool: str) -> None:
             check(processes)
 
 
+@pytest.mark.slow
 @pytest.mark.filterwarnings("default")  # those of the cluster's start and end are not topple's
 def test_a_dask_cluster_of_two_workers_relates_like_one_after_the_other() -> None:
     distributed = pytest.importorskip(

@@ -3,6 +3,7 @@
 from itertools import combinations
 
 import numpy as np
+import pytest
 from scipy.spatial.transform import Rotation
 
 from topple.topology.geometry.hull import Hull
@@ -146,10 +147,14 @@ def slow_default_relation(a, b):
     return classify(matrix)
 
 
-def test_the_plain_rule_equals_every_point_against_every_facet():
+SCENES = pytest.mark.parametrize("scenes", [60, pytest.param(1000, marks=pytest.mark.slow)])
+
+
+@SCENES
+def test_the_plain_rule_equals_every_point_against_every_facet(scenes):
     rng = np.random.default_rng(0)
     seen = set()
-    for number in range(1000):
+    for number in range(scenes):
         scene = random_scene(rng, 3000, 2) if number % 40 == 0 else random_scene(rng, 150, 3)
         relations = relate(scene, deviation=DEVIATION, plain=True)
         for a, b in combinations(scene.names, 2):
@@ -158,17 +163,18 @@ def test_the_plain_rule_equals_every_point_against_every_facet():
             assert pair.relation is classify(matrix), (number, a, b, matrix)
             assert number % 10 or pair.matrix.tolist() == matrix, (number, a, b)
             seen.add(pair.relation)
-    assert seen == set(Relation)
+    assert seen == set(Relation) or (scenes < 1000 and len(seen) >= 4)
 
 
-def test_the_default_rule_equals_every_point_against_every_point():
+@SCENES
+def test_the_default_rule_equals_every_point_against_every_point(scenes):
     rng = np.random.default_rng(1)
     seen = set()
-    for number in range(1000):
+    for number in range(scenes):
         scene = random_scene(rng, 100, 3)
         relations = relate(scene, deviation=DEVIATION)
         for a, b in combinations(scene.names, 2):
             expected = slow_default_relation(scene.clouds[a], scene.clouds[b])
             assert relations.between(a, b).relation is expected, (number, a, b)
             seen.add(expected)
-    assert seen == set(Relation)
+    assert seen == set(Relation) or (scenes < 1000 and len(seen) >= 4)

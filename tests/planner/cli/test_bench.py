@@ -3,6 +3,7 @@
 import json
 import subprocess
 import sys
+from itertools import combinations
 from pathlib import Path
 
 import numpy as np
@@ -123,6 +124,7 @@ def test_machines_are_told_apart_without_their_names() -> None:
     json.dumps(machine())
 
 
+@pytest.mark.slow
 def test_order_runs_on_one_small_pile(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(order, "QUICK", order.Extent(1, views=(0,)))
     monkeypatch.setattr(order, "FIRST_PILE", 502)
@@ -138,7 +140,9 @@ def test_order_runs_on_one_small_pile(monkeypatch: pytest.MonkeyPatch) -> None:
 
 def test_plain_numpy_leaves_no_point_out() -> None:
     scene = household(200, 1)
-    for (a, b), matrix in plain_numpy(scene.clouds, 0.002).items():
+    found = plain_numpy(scene.clouds, 0.002)
+    assert {frozenset(pair) for pair in found} == {frozenset(pair) for pair in combinations(scene.names, 2)}
+    for (a, b), matrix in found.items():
         assert matrix.sum(axis=1).tolist() == [len(scene.clouds[a]), len(scene.clouds[b])]
 
 
@@ -166,6 +170,7 @@ def test_the_unseen_is_left_out() -> None:
 
 
 def test_an_order_has_to_take_everything() -> None:
+    assert is_safe(Guess(frozenset(), ("b", "a", "c")), ABOVE, "abc")
     assert not is_safe(Guess(frozenset(), ("b", "a")), ABOVE, "abc")
 
 

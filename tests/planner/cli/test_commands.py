@@ -61,6 +61,7 @@ def test_relate_prints_the_contracts_keys(stack: Path, capsys: pytest.CaptureFix
     assert found["above", "beside"] == "disjoint"
 
 
+@pytest.mark.slow
 def test_an_order_checked_by_simulation_is_the_same_on_a_plain_stack(stack: Path) -> None:
     argv = [
         "order",
@@ -200,6 +201,7 @@ def test_show_without_up_draws_the_relations(tmp_path: Path, capsys: pytest.Capt
     assert "--up 0 0 1" in capsys.readouterr().out
 
 
+@pytest.mark.slow
 @real
 @pytest.mark.parametrize("path", FRAMES, ids=lambda path: path.stem)
 def test_on_real_frames_nothing_goes_before_what_stands_on_it(

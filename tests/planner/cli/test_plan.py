@@ -139,6 +139,7 @@ def test_yaw_turns_about_up() -> None:
     assert np.allclose(pose[:3, 0], [0, 1, 0], atol=1e-12)
 
 
+@pytest.mark.slow
 def test_a_drop_has_to_be_allowed_and_is_then_told(
     tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:

@@ -14,6 +14,7 @@ def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
     return tmp_path_factory.mktemp("demo")
 
 
+@pytest.mark.slow
 def test_what_is_printed_is_the_order_that_the_first_action_is_of(
     folder: Path, capfd: pytest.CaptureFixture[str]
 ) -> None:

@@ -48,12 +48,15 @@ def record(tower: Scene) -> RunRecord:
     return run(tower, ["base"], "panda", seed=1)
 
 
+@pytest.mark.slow
 def test_what_stands_on_the_target_goes_first_and_nothing_else_is_touched(record: RunRecord) -> None:
     assert record.success, record.violations
     assert [(step.object, step.action) for step in record.steps] == [("top", "remove"), ("base", "free")]
+    assert all(step.disturbed for step in record.steps)
     assert all(distance < 0.01 for step in record.steps for distance, _ in step.disturbed.values())
 
 
+@pytest.mark.slow
 def test_a_run_is_told_in_the_contracts_words(record: RunRecord) -> None:
     told = record.to_json()
     assert told["format"] == "topple.run" and told["format_version"] == 1 and told["success"] is True

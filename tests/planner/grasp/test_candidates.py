@@ -12,7 +12,7 @@ from topple.robots.world.bodies import Body
 from topple.topology.errors import InvalidInput, UnknownObject
 from topple.topology.scene import Scene
 
-ARM = robot("panda-suction")
+ARM, PANDA = robot("panda-suction"), robot("panda")
 VIEWS = [[0.5, 0.5, 0.7], [-0.5, 0.5, 0.7], [0.0, -0.6, 0.7]]
 
 
@@ -61,8 +61,10 @@ def test_a_spoon_in_the_air_is_pinched_across_its_handle_near_its_middle() -> No
 
 
 def test_fingers_never_go_below_the_table() -> None:
-    for grasp in grasp_candidates("spoon", on_table(spoon=seen(spoon(), (0.0, 0.0, 0.03))), ARM):
-        assert tips(grasp)[2] > 0.0
+    found = grasp_candidates("spoon", on_table(spoon=seen(spoon(), (0.0, 0.0, 0.03))), ARM)
+    pinching = [grasp for grasp in found if grasp.tool == "fingers"]
+    assert len(pinching) > 5
+    assert min(tips(grasp)[2] for grasp in pinching) > 0.0
 
 
 def test_a_plate_is_taken_by_suction_at_its_middle() -> None:
@@ -73,9 +75,19 @@ def test_a_plate_is_taken_by_suction_at_its_middle() -> None:
 
 
 def test_no_suction_where_something_lies_on_the_patch() -> None:
-    scene = on_table(plate=seen(plate()), can=seen(can(), (0.0, 0.0, 0.008)))
-    for grasp in grasp_candidates("plate", scene, ARM):
-        assert grasp.kind != "suction" or np.linalg.norm(grasp.pose_tool_to_world[:2, 3]) > 0.04
+    free = grasp_candidates("plate", on_table(plate=seen(plate())), ARM)
+    covered = on_table(plate=seen(plate()), can=seen(can(), (0.0, 0.0, 0.008)))
+    taken = grasp_candidates("plate", covered, ARM)
+    middle, beside = (
+        [float(np.linalg.norm(g.pose_tool_to_world[:2, 3])) for g in found if g.kind == "suction"]
+        for found in (free, taken)
+    )
+    assert min(middle) < 0.03, "where nothing lies on it, it is taken by its middle"
+    assert all(away > 0.04 for away in beside)
+
+
+def narrow(grasp: Grasp) -> bool:
+    return grasp.tool == "fingers" and grasp.opening < 0.06
 
 
 def test_walls_on_both_sides_leave_only_grasps_that_pass_between_them() -> None:
@@ -85,18 +97,25 @@ def test_walls_on_both_sides_leave_only_grasps_that_pass_between_them() -> None:
         left=seen(wide, (0.0, 0.036, 0.0)),
         right=seen(wide, (0.0, -0.036, 0.0)),
     )
-    assert not [g for g in grasp_candidates("bar", scene, ARM) if g.tool == "fingers" and g.opening < 0.06]
+    free = on_table(bar=scene.clouds["bar"])
+    assert any(narrow(grasp) for grasp in grasp_candidates("bar", free, PANDA))
+    dropped = Dropped()
+    assert not any(narrow(grasp) for grasp in grasp_candidates("bar", scene, PANDA, dropped=dropped))
+    assert {"left", "right"} <= set(dropped.barring)
 
 
 def test_a_thing_wider_than_the_hand_is_not_pinched() -> None:
     scene = on_table(block=seen(box("block", (0.12, 0.12, 0.12))))
-    assert all(grasp.kind == "suction" for grasp in grasp_candidates("block", scene, ARM))
+    assert {grasp.kind for grasp in grasp_candidates("block", scene, ARM)} == {"suction"}
+    assert grasp_candidates("block", scene, PANDA) == []
+    assert grasp_candidates("block", on_table(block=seen(box("block", (0.05, 0.05, 0.12)))), PANDA)
 
 
 def test_candidates_are_best_first_and_the_same_every_time() -> None:
     scene = on_table(can=seen(can()))
     first, again = (grasp_candidates("can", scene, ARM) for _ in range(2))
     scores = [grasp.score for grasp in first]
+    assert len(scores) == len(again) > 1
     assert scores == sorted(scores, reverse=True)
     assert all(
         np.array_equal(a.pose_tool_to_world, b.pose_tool_to_world) for a, b in zip(first, again, strict=True)

@@ -33,6 +33,9 @@ def clouds(**bodies: tuple[Body, tuple[float, float, float]]) -> Scene:
     return Scene(found, fixed=["table"], up=UP)
 
 
+PLATE, BOWL = plate("thing"), bowl("thing")
+
+
 def searched(scene: Scene, name: str) -> tuple[Surface, np.ndarray, list[list[Pinch]]]:
     around = surroundings(name, scene, UP)
     surface = surface_of(scene.clouds[name], UP, others=around.points)
@@ -76,14 +79,17 @@ def test_hollow_ware_is_taken_by_its_rim_with_one_finger_on_either_side_of_the_w
 
 
 def test_a_plate_flat_on_a_table_leaves_no_room_for_a_finger_below_its_rim() -> None:
-    _, _, found = searched(clouds(thing=(plate("thing"), (0.0, 0.0, 0.0))), "thing")
-    assert not any(found)
+    lying, bowls = (searched(clouds(thing=(body, (0.0, 0.0, 0.0))), "thing")[2] for body in (PLATE, BOWL))
+    assert any(bowls), "the rim of a bowl has room below it"
+    assert len(lying) == len(bowls) > 0
+    assert not any(lying)
 
 
 def test_directions_looked_at_together_give_what_each_gives_alone() -> None:
     scene = clouds(can=(can(), (0.0, 0.0, 0.0)), wall=(box("wall", (0.2, 0.03, 0.1)), (0.0, 0.08, 0.0)))
     around = surroundings("can", scene, UP)
     surface = surface_of(scene.clouds["can"], UP, others=around.points)
+    counts = list[int]()
     for many in frames(surface, UP, GRASP_TOLERANCES.tilts, count=3):
         together = pinches(many, surface, around, UP, HAND)
         alone = [
@@ -95,9 +101,11 @@ def test_directions_looked_at_together_give_what_each_gives_alone() -> None:
             )
         ]  # fmt: skip
         assert len(together) == len(alone)
+        counts.append(len(together))
         for a, b in zip(together, alone, strict=True):
             assert np.allclose(a.pose_tool_to_world, b.pose_tool_to_world)
             assert a.terms == pytest.approx(b.terms)
+    assert sum(counts) > 0
 
 
 def test_the_extent_between_pads_ends_at_a_gap_a_finger_could_enter() -> None:

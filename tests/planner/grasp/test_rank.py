@@ -154,6 +154,7 @@ def one_by_one(
     return sorted(found, key=lambda entry: (len(entry[2]) if entry[1] else np.inf, bool(entry[3]), entry[0]))
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("name", "arm"),
     [("osd_test42", "panda"), ("osd_test60", "iiwa"), ("osd_learn33", None)],

@@ -87,6 +87,7 @@ def test_no_part_moves_farther_than_its_bound() -> None:
     centres = frames.points(sets.frame, sets.centre)
     bounds = MotionBounds(model, arm.chain).of(frames, spans.astype(np.float32), centres)
     before = arm.chain.frames(middle)
+    assert {int(sets.frame[part]) for part in model.moving} >= set(range(1, 8)), "every joint moves one"
     for _ in range(8):
         after = arm.chain.frames(middle + rng.choice([-1.0, 1.0], (20, 7)) * spans)
         for part in model.moving:

@@ -67,6 +67,7 @@ def test_a_hollow_mesh_stays_open() -> None:
     down = np.diag([1.0, -1.0, -1.0, 1.0])
     down[:3, 3] = 0.5, 0.0, 0.2
     (q,) = (found[:1] for found in arm.inverse(down))
+    assert len(q) == 1
     assert Checker(arm, np.eye(4), {"tube": mesh_of(tube)}).free(q).all()
     assert not Checker(arm, np.eye(4), {"tube": [np.asarray(tube.vertices)]}).free(q).any()
 

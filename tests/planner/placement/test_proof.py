@@ -81,6 +81,7 @@ def test_what_stays_nowhere_is_no_plan_and_the_reason_says_so() -> None:
         plan(with_peg(), ["peg"], "panda", base=BASE)
 
 
+@pytest.mark.slow
 def test_an_allowed_drop_is_said_by_its_step_and_told_by_the_check(dropped: Plan) -> None:
     (step,) = dropped.steps
     assert step.placement.falls and "let go to fall" in step.reason

@@ -43,6 +43,7 @@ def test_who_stands_so_close_that_no_finger_fits_is_named() -> None:
     assert "leaves the hand no room" in bar["reason"]
 
 
+@pytest.mark.slow
 def test_both_are_named_where_only_together_they_leave_room() -> None:
     found = order(_scene(bar=BAR, left=LEFT, right=RIGHT), "bar", robot="panda")
     assert {bar["first"] for bar in found.access} <= {"left", "right"}

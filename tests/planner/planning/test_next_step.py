@@ -1,15 +1,176 @@
-"""The next step in scenes of a few clouds: how what one camera saw of a thing is put down again."""
+"""The next step in scenes of a few clouds: what goes next, why, and what follows once it is done."""
+
+from collections.abc import Sequence
+from dataclasses import replace
+from typing import Any
 
 import numpy as np
+import pytest
 
+from topple.planner.decide.dependency import Dependency, DependencyGraph
 from topple.planner.decide.goal import parse_goal
+from topple.planner.errors import NoSafePlan
 from topple.planner.planning.next_step import StepChooser
-from topple.planner.planning.step import Station
+from topple.planner.planning.order import Order, arrange
+from topple.planner.planning.step import FREE, PLACE, REMOVE, NextStep, Station
 from topple.robots.catalog import robot
 from topple.robots.scenarios.scenario import pose_at
+from topple.robots.shapes.boxes import box
+from topple.topology.arrays import FloatArray
+from topple.topology.errors import UnknownObject
 from topple.topology.scene import Scene
 
 PANDA = robot("panda")
+STATION = Station(PANDA, pose_at(-0.5, 0.0, 0.0), np.asarray(PANDA.home))
+SIDE = 0.05  # [m] of every block
+
+
+def blocks(**places: tuple[float, float, float]) -> Scene:
+    """Blocks on a table, each by the middle of its underside [m]."""
+    axis = np.arange(-0.4, 0.4, 0.008)
+    x, y = np.meshgrid(axis, axis)
+    clouds: dict[str, FloatArray] = {"table": np.column_stack([x.ravel(), y.ravel(), np.zeros(x.size)])}
+    surface = box("block", (SIDE, SIDE, SIDE)).surface(2500, np.random.default_rng(0))
+    clouds |= {name: surface + np.array(place) for name, place in places.items()}
+    return Scene(clouds, fixed=["table"], up=(0, 0, 1))
+
+
+ON = SIDE + 0.0005  # [m] height of what stands on a block
+STACK = blocks(low=(0.0, 0.0, 0.0), top=(0.0, 0.0, ON), aside=(0.0, 0.2, 0.0))
+APART = blocks(red=(0.0, 0.0, 0.0), green=(0.0, 0.2, 0.0), blue=(0.0, -0.2, 0.0))
+
+
+def chooser(scene: Scene, goal: str, **known: Any) -> StepChooser:
+    return StepChooser(scene, parse_goal(goal, scene), STATION, **{"observed": True, **known})
+
+
+def taken(step: NextStep | None) -> tuple[str, str]:
+    """What the step takes, and what for."""
+    assert step is not None
+    return step.transfer.grasp.object, step.action
+
+
+def test_what_stands_on_a_target_goes_first_and_says_why() -> None:
+    step = chooser(STACK, "free low").choose()
+    assert taken(step) == ("top", REMOVE)
+    assert step is not None
+    assert step.reason.startswith("it has to go before low")
+    assert step.order.order == ("top", "low")
+    assert step.against == ()
+
+
+def test_once_that_is_gone_the_target_is_freed_and_then_nothing_is_left() -> None:
+    gone = blocks(low=(0.0, 0.0, 0.0), top=(-0.1, -0.25, 0.0), aside=(0.0, 0.2, 0.0))
+    now = chooser(gone, "free low", done=[("top", REMOVE)])
+    assert now.unmet() == ("low is not free",)
+    step = now.choose()
+    assert taken(step) == ("low", FREE)
+    assert step is not None and step.reason == "nothing has to go before it"
+    after = chooser(gone, "free low", done=[("top", REMOVE), ("low", FREE)])
+    assert after.unmet() == ()
+    assert after.choose() is None
+
+
+def test_a_target_that_stands_on_another_one_is_freed_and_not_just_removed() -> None:
+    assert taken(chooser(STACK, "free low and free top").choose()) == ("top", FREE)
+
+
+def test_what_is_wanted_and_seen_nowhere_is_said_at_once() -> None:
+    goal = parse_goal("free top", STACK)
+    with pytest.raises(NoSafePlan, match="top: seen nowhere any more"):
+        StepChooser(STACK.without("top"), goal, STATION).choose()
+    found = StepChooser(STACK.without("top"), goal, STATION, done=[("top", FREE)])
+    assert found.choose() is None, "it was freed: wherever it is now, nothing is missing"
+
+
+def test_what_was_given_up_is_not_tried_and_the_reason_is_in_the_certificate() -> None:
+    with pytest.raises(NoSafePlan) as caught:
+        chooser(APART, "free red", given_up={"red": "it slipped twice"}).choose()
+    assert any("red" in words and "it slipped twice" in words for words in caught.value.certificate)
+
+
+def test_what_is_to_go_onto_another_thing_is_placed_there() -> None:
+    step = chooser(APART, "red on blue").choose()
+    assert taken(step) == ("red", PLACE)
+    assert step is not None and step.reason == "it shall be on blue"
+    moved = step.transfer.placement.pose_before_to_after @ np.append(APART.clouds["red"].mean(axis=0), 1.0)
+    assert moved[:2] == pytest.approx(APART.clouds["blue"].mean(axis=0)[:2], abs=0.015)
+    assert moved[2] == pytest.approx(1.5 * SIDE, abs=0.01)
+
+
+def test_a_tower_begins_below_and_goes_on_with_what_is_next() -> None:
+    assert taken(chooser(APART, "red on green on blue").choose()) == ("green", PLACE)
+    begun = blocks(red=(0.0, 0.0, 0.0), green=(0.0, -0.2, ON), blue=(0.0, -0.2, 0.0))
+    assert taken(chooser(begun, "red on green on blue", done=[("green", PLACE)]).choose()) == ("red", PLACE)
+    built = blocks(red=(0.0, -0.2, 2 * ON), green=(0.0, -0.2, ON), blue=(0.0, -0.2, 0.0))
+    assert chooser(built, "red on green on blue").choose() is None
+
+
+def test_what_stands_where_a_thing_shall_be_is_taken_away_first() -> None:
+    scene = blocks(red=(0.0, 0.2, 0.0), blue=(0.0, 0.0, 0.0), other=(0.0, 0.0, ON))
+    step = chooser(scene, "red on blue").choose()
+    assert taken(step) == ("other", REMOVE)
+    assert step is not None
+
+
+def test_what_stands_on_the_thing_to_be_placed_goes_first() -> None:
+    scene = blocks(red=(0.0, 0.0, 0.0), other=(0.0, 0.0, ON), blue=(0.0, 0.2, 0.0))
+    assert taken(chooser(scene, "red on blue").choose()) == ("other", REMOVE)
+
+
+def test_a_placement_is_made_again_only_where_a_look_shows_that_it_does_not_hold() -> None:
+    done = [("red", PLACE)]
+    assert chooser(APART, "red on blue", done=done, observed=False).choose() is None
+    assert chooser(APART, "red on blue", done=done).unmet() == ("red is not on blue",)
+    assert taken(chooser(APART, "red on blue", done=done).choose()) == ("red", PLACE)
+
+
+def of_edges(*edges: tuple[str, str]) -> Any:
+    """An orderer that knows the dependencies given, and takes all that is named in them."""
+
+    def orderer(scene: Scene, targets: Sequence[str], **_: object) -> Order:
+        graph = DependencyGraph(scene.movable, tuple(Dependency(a, b, "supported", 1.0) for a, b in edges))
+        return arrange(graph, targets, {name: np.zeros(3) for name in scene.movable})
+
+    return orderer
+
+
+def test_a_cycle_that_an_orderer_leaves_open_ends_the_plan() -> None:
+    def orderer(scene: Scene, targets: Sequence[str], **_: object) -> Order:
+        return replace(of_edges(("green", "red"))(scene, targets), unresolved=(("red", "green"),))
+
+    with pytest.raises(NoSafePlan, match="no safe order frees red") as caught:
+        chooser(APART, "free red", orderer=orderer).choose()
+    assert caught.value.certificate == ("cycle: red before green before red",)
+
+
+def test_an_order_of_what_is_not_there_is_refused_by_name() -> None:
+    def orderer(scene: Scene, targets: Sequence[str], **_: object) -> Order:
+        names = (*scene.movable, "ghost")
+        graph = DependencyGraph(names, (Dependency("ghost", targets[0], "supported", 1.0),))
+        return arrange(graph, targets, {name: np.zeros(3) for name in names})
+
+    with pytest.raises(UnknownObject, match="ghost"):
+        chooser(APART, "free red", orderer=orderer).choose()
+
+
+def test_an_orderers_first_that_waits_for_nobody_is_what_is_taken() -> None:
+    step = chooser(APART, "free red", orderer=of_edges(("green", "red"), ("blue", "green"))).choose()
+    assert taken(step) == ("blue", REMOVE)
+    assert step is not None and step.reason == "it has to go before green (supported)"
+
+
+def test_what_bars_the_hand_is_taken_away_once_and_only_once() -> None:
+    scene = blocks(red=(0.0, 0.0, 0.0))
+    wall = box("wall", (0.2, 0.03, 0.15)).surface(4000, np.random.default_rng(1))
+    for name, side in (("left", 1), ("right", -1)):
+        scene = scene.with_cloud(name, wall + np.array([0.0, 0.045 * side, 0.0]))
+    step = chooser(scene, "free red").choose()
+    assert step is not None and step.action == REMOVE
+    assert step.transfer.grasp.object in ("left", "right")
+    assert step.reason.startswith("it is in the way to red (cannot move red")
+    with pytest.raises(NoSafePlan, match="cannot move red"):
+        chooser(scene, "free red", done=[("left", REMOVE), ("right", REMOVE)]).choose()
 
 
 def test_a_box_seen_from_one_side_is_not_put_onto_its_open_side() -> None:

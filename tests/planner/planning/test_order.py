@@ -47,7 +47,7 @@ def _least(graph: DependencyGraph, target: str) -> int:
     raise AssertionError("taking everything is always allowed")
 
 
-@pytest.mark.parametrize("count", [1, 2, 3, 4])
+@pytest.mark.parametrize("count", [1, 2, 3, pytest.param(4, marks=pytest.mark.slow)])
 def test_the_order_is_least_on_every_graph_up_to_four_objects(count: int) -> None:
     # Of graphs of one shape it is enough to free the first object: the others are other names for it.
     names = NAMES[:count]
@@ -58,6 +58,7 @@ def test_the_order_is_least_on_every_graph_up_to_four_objects(count: int) -> Non
         assert len(arrange(graph, names[:1], {}).order) == _least(graph, names[0])
 
 
+@pytest.mark.slow
 def test_the_order_is_least_on_every_acyclic_graph_of_five_objects() -> None:
     # With its objects named in a possible order, an acyclic graph has edges from earlier to later names only.
     names = NAMES[:5]

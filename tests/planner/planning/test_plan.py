@@ -53,6 +53,7 @@ def test_what_lies_on_top_is_removed_first(found: Plan) -> None:
 
 def test_each_step_starts_where_the_last_one_ended(found: Plan) -> None:
     q = np.array(found.q_start)
+    assert [sum(segment.motion is not None for segment in step.segments) for step in found.steps] == [6, 6]
     for step in found.steps:
         for segment in step.segments:
             if segment.motion is not None:
@@ -149,6 +150,7 @@ def test_the_tree_is_well_formed_and_its_actions_are_declared(found: Plan) -> No
     assert root.get("BTCPP_format") == "4"
     declared = {node.get("ID") for node in root.find("TreeNodesModel") or []}
     used = {node.get("ID") for node in (root.find("BehaviorTree") or root).iter("Action")}
+    assert used
     assert used <= declared
 
 

@@ -44,6 +44,8 @@ def test_what_goes_first_stands_above(edges):
 @settings(max_examples=60, deadline=None)
 def test_no_label_covers_a_box(edges):
     layout = laid_out(edges)
+    assert set(layout.labels) <= edges  # one that finds no room is left out
+    assert bool(layout.labels) == bool(edges)
     for x, y in layout.labels.values():
         for name, (u, v) in layout.centres.items():
             assert abs(x - u) > layout.widths[name] / 2 or abs(y - v) > NODE_HEIGHT / 2

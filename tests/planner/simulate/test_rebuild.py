@@ -53,6 +53,7 @@ def test_a_thing_seen_from_above_stands_on_the_table(kind: str) -> None:
     assert _shifts(rebuilt)[kind] < 0.01
 
 
+@pytest.mark.slow
 def test_things_in_and_on_each_other_stay_where_they_are() -> None:
     stack: dict[Body, FloatArray] = {
         shapes.bowl("bowl"): np.eye(4),

@@ -58,6 +58,7 @@ def test_taking_the_plate_moves_the_can_on_it_and_not_the_one_beside(votes: Vote
     assert votes.steady("on", "plate")
 
 
+@pytest.mark.slow
 def test_the_same_seed_gives_the_same_votes(statics: Statics, votes: Votes) -> None:
     again = ask(statics, NOTHING, deadline=time.monotonic() + 300)
     assert again.moved == votes.moved

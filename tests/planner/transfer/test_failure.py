@@ -31,6 +31,7 @@ def hemmed_in() -> Scene:
     return Scene(clouds, fixed=["table"], up=[0, 0, 1])
 
 
+@pytest.mark.slow
 def test_what_bars_the_hand_is_taken_away_first_and_the_reason_says_so() -> None:
     found = plan(hemmed_in(), "free block", ARM, base=BASE)
     assert found.order[-1] == "block"

@@ -49,6 +49,7 @@ def test_segments_come_in_order_and_join(transfer: Transfer) -> None:
     assert np.allclose(q, transfer.q_end)
 
 
+@pytest.mark.slow
 def test_a_tool_that_failed_twice_gives_way_to_the_other() -> None:
     first = plan_transfer("can", scene(), None, ARM, BASE, np.array(ARM.home))
     assert isinstance(first, Transfer)

@@ -33,6 +33,7 @@ def test_forward_kinematics_agree_with_pybullet(name: str) -> None:
             pybullet.getJointInfo(body, j, physicsClientId=client)
             for j in range(pybullet.getNumJoints(body, physicsClientId=client))
         ]
+        assert len(infos) >= len(arm.joints)
         for q in random_states(arm, 20):
             poses = arm.forward(q, state)[0]
             values = arm.joint_values(q, state)
@@ -72,6 +73,7 @@ def test_jacobian_is_the_derivative_of_the_tool_pose() -> None:
 @pytest.mark.parametrize("name", names())
 def test_inverse_solutions_reach_the_pose_within_limits(name: str) -> None:
     arm = robot(name)
+    assert arm.tools
     for tool in arm.tools:
         targets = arm.tool_pose(random_states(arm, 10), tool)
         for target, solutions in zip(targets, arm.inverse(targets, tool), strict=True):

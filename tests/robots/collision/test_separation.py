@@ -64,6 +64,7 @@ def test_triangles_of_a_hull_look_outward() -> None:
     vertices, triangles = hull_of(np.random.default_rng(0).normal(size=(50, 3)))
     a, b, c = (vertices[triangles[:, k]] for k in range(3))
     outward = np.einsum("ij,ij->i", np.cross(b - a, c - a), a - vertices.mean(axis=0))
+    assert len(outward) == 2 * len(vertices) - 4, "as Euler counts the faces of a closed hull of triangles"
     assert (outward > 0).all()
 
 

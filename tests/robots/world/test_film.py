@@ -23,6 +23,7 @@ def _pictures(path: Path) -> list[np.ndarray]:
         return [frame.to_ndarray(format="rgb24").astype(float) for frame in film.decode(video=0)]
 
 
+@pytest.mark.slow
 def test_a_film_has_a_picture_for_every_tick_and_shows_the_motion(tmp_path: Path) -> None:
     with World() as world:
         world.add_table()

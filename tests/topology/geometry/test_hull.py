@@ -60,6 +60,9 @@ def test_a_hull_is_unchanged_by_a_turn_of_the_world(name):
 def test_faces_look_outward():
     hull = Hull.of(np.random.default_rng(1).normal(size=(100, 3)))
     corners = hull.vertices[hull.faces]
+    assert len(corners) == 2 * len(hull.vertices) - 4, (
+        "as Euler counts the faces of a closed hull of triangles"
+    )
     normal = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
     assert (np.einsum("ij,ij->i", normal, corners[:, 0] - hull.vertices.mean(axis=0)) > 0).all()
 

@@ -79,6 +79,8 @@ def test_a_box_stays_a_box() -> None:
 def test_a_dome_is_no_ball() -> None:
     points, outward = _seen(*_ball(0.07))
     above = points[:, 2] > 0.07  # a bowl upside down: the upper half of a ball, on the ground
+    assert np.count_nonzero(above) > 200
+    assert isinstance(round_body(points, outward, box_residual=0.02, floor=0.0), Spheroid), "the whole is one"
     found = round_body(points[above], outward[above], box_residual=0.02, floor=0.07)
     assert not isinstance(found, Spheroid)
 

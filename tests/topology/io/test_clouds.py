@@ -82,6 +82,22 @@ def test_a_table_plane_without_a_table_lays_one_under_everything(tmp_path: Path)
     assert any("not a measured one" in line for line in scene.assumptions)
 
 
+def test_a_laid_table_is_fine_around_the_objects_and_ends_a_metre_beyond_them(tmp_path: Path) -> None:
+    scene = load_scene(_save(tmp_path, mug=BOX, table_plane=[0, 0, 1, 0]))
+    mug, table = scene.clouds["mug"][:, :2], scene.clouds["table"][:, :2]
+    assert np.allclose(table.min(axis=0), mug.min(axis=0) - 1.0)
+    assert np.allclose(table.max(axis=0), mug.max(axis=0) + 1.0)
+
+    def spacing(beyond: float) -> float:
+        """Largest distance to the table's next point along a line so far beyond the mug [m]."""
+        y = np.linspace(mug[:, 1].min(), mug[:, 1].max(), 50)
+        line = np.column_stack([np.full(50, mug[:, 0].max() + beyond), y])
+        return float(np.linalg.norm(line[:, None] - table[None], axis=2).min(axis=1).max())
+
+    assert spacing(0.09) < 0.004
+    assert spacing(0.2) > 0.01
+
+
 def test_a_flat_thing_on_the_plane_is_not_taken_for_the_table(tmp_path: Path) -> None:
     spoon = RNG.uniform(0, 1, (300, 3)) * [0.2, 0.04, 0.003]
     tray = RNG.uniform(-1, 1, (300, 3)) * [0.19, 0.14, 0.002]

@@ -43,9 +43,12 @@ def test_the_underside_of_a_lifted_plate_is_seen_from_beside_and_not_from_above(
 def test_a_support_hidden_below_an_overhang_is_not_called_observed():
     block, lid = shapes.box("block", (0.1, 0.1, 0.05)), shapes.box("lid", (0.24, 0.24, 0.02))
     foot = shapes.box("foot", (0.2, 0.06, 0.02))
-    scene = rendered([(foot, (0.0, 0.0, 0.0)), (block, (0, 0, 0.02)), (lid, (0.0, 0, 0.07))], (0.35, 0, 0.8))
-    pair = relate(scene).between("lid", "table")
-    assert not pair.observed
+    bodies = [(foot, (0.0, 0.0, 0.0)), (block, (0, 0, 0.02)), (lid, (0.0, 0, 0.07))]
+    above, beside = (
+        relate(rendered(bodies, eye)).between("lid", "table") for eye in ((0.35, 0, 0.8), BESIDE)
+    )
+    assert not above.observed
+    assert beside.observed, "from beside one sees that there is none"
 
 
 def test_a_gap_in_plain_sight_is_observed():

@@ -52,7 +52,8 @@ def between(a, b, **options):
 def test_a_box_on_a_noisy_table_touches_it(noise):
     pair = between(box((0.06, 0.08, 0.1), [0, 0, 0.05], noise=noise), table(noise=noise))
     assert pair.relation is Relation.TOUCH
-    assert pair.gap < pair.confidence
+    assert abs(pair.gap) <= max(2 * noise, 1e-3)
+    assert 0.6 <= pair.confidence <= 0.99
 
 
 def test_a_stray_point_changes_the_plain_relation_only():
@@ -178,3 +179,24 @@ def test_what_stays_below_the_rim_is_within_and_what_shows_above_it_partly(top, 
     content = rng.uniform([-0.02, -0.02, 0.0005], [0.02, 0.02, top], (4000, 3))
     scene = Scene({"bowl": np.concatenate([wall, floor]), "content": content}, up=(0, 0, 1))
     assert relate(scene).between("content", "bowl").relation is expected
+
+
+@pytest.mark.parametrize(("gap", "confidence"), [(0.0, 0.99), (0.001, 0.795), (0.0019, 0.6195)])
+def test_a_touch_is_believed_less_the_closer_its_gap_is_to_the_deviation(gap, confidence):
+    axis = np.linspace(-0.2, 0.2, 81)
+    ground = np.stack(np.meshgrid(axis, axis, [0.0]), -1).reshape(-1, 3)
+    above = box((0.06, 0.06, 0.05), [0, 0, 0.025 + gap], noise=0.0)
+    pair = between(above, ground, deviation=0.002)
+    assert pair.relation is Relation.TOUCH
+    assert pair.gap == pytest.approx(gap, abs=1e-9)
+    assert pair.confidence == pytest.approx(confidence, abs=1e-6)
+
+
+def test_what_is_apart_is_believed_so_more_the_wider_its_gap():
+    ground, confidence = table(noise=0.0), list[float]()
+    for gap in (0.003, 0.006, 0.02):
+        above = box((0.06, 0.06, 0.05), [0, 0, 0.025 + gap], noise=0.0)
+        pair = relate(Scene({"a": above, "b": ground}), deviation=0.002).between("a", "b")
+        assert pair.relation is Relation.DISJOINT
+        confidence.append(pair.confidence)
+    assert 0.5 < confidence[0] < confidence[1] < confidence[2] <= 1.0

@@ -2,7 +2,7 @@ import numpy as np
 import pytest
 
 from topple.topology import InvalidInput, Scene
-from topple.topology.statics.contact import find_contacts
+from topple.topology.statics.contact import Plane, find_contacts
 from topple.topology.upright import Upright, upright_axes
 
 
@@ -61,3 +61,17 @@ def test_a_tilted_frame_finds_the_same_contacts() -> None:
 def test_without_up_the_message_says_how_to_give_it() -> None:
     with pytest.raises(InvalidInput, match="--up 0 0 1"):
         Upright.of(Scene({"a": box((0.1,) * 3, (0, 0, 0))}))
+
+
+@pytest.mark.parametrize(("beyond", "touching"), [(-0.05, True), (0.035, True), (0.06, False), (2.0, False)])
+def test_a_table_goes_on_a_little_beyond_what_was_seen_of_it(beyond: float, touching: bool) -> None:
+    """A thin bar along the edge of the table, its near side that far beyond the last point [m]."""
+    bar = box((0.02, 0.2, 0.02), (0.3 + beyond + 0.01, 0, 0.01))
+    found = {frozenset((c.a, c.b)) for c in find_contacts(Upright.of(scene(bar=bar)))}
+    assert (frozenset(("bar", "table")) in found) is touching
+
+
+@pytest.mark.parametrize(("beyond", "over"), [(0.015, True), (0.025, False), (1.0, False)])
+def test_a_top_whose_edge_was_seen_ends_there(beyond: float, over: bool) -> None:
+    plane = Plane(np.array([0, 0, 1.0]), 0.0, np.array([-0.3, -0.3, 0]), np.array([0.3, 0.3, 0]), ends=True)
+    assert plane.over(np.array([[0.3 + beyond, 0.0, 0.0]])).tolist() == [over]

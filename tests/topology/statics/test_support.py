@@ -82,3 +82,21 @@ def test_the_load_of_two_feet_is_the_weight() -> None:
     loads = balance({"body": Weight(2.0, np.array([0.05, 0, 0.1]), 0.03)}, [foot]).loads[0]
     assert loads.sum() == pytest.approx(2.0)
     assert loads[1] == pytest.approx(1.5)
+
+
+@pytest.mark.parametrize(("lower", "confidence"), [(0.0, 1.0), (0.004, 0.6), (0.0085, 0.2)])
+def test_a_support_is_believed_less_the_wider_its_gap_and_never_less_than_a_fifth(
+    lower: float, confidence: float
+) -> None:
+    """A bridge from a pier to a board, which lies lower than the pier is high [m]."""
+    x, y = np.meshgrid(np.linspace(0.05, 0.2, 40), np.linspace(-0.1, 0.1, 40))
+    clouds = {
+        "pier": box((0.06, 0.08, 0.08), (-0.08, 0, 0.04)),
+        "board": np.stack([x.ravel(), y.ravel(), np.full(x.size, 0.08 - lower)], axis=1),
+        "bridge": box((0.24, 0.05, 0.03), (0, 0, 0.095)),
+        "table": table(),
+    }
+    carried = supports(Scene(clouds, fixed=["table", "board"], up=(0, 0, 1)))
+    (found,) = (one for one in carried if (one.supporter, one.supported) == ("board", "bridge"))
+    assert not found.inferred
+    assert found.confidence == pytest.approx(confidence, abs=1e-6)

@@ -1,0 +1,190 @@
+"""What the arm reaches of a cube's grasps and places; its ways there and out are straight and free."""
+
+from collections.abc import Sequence
+
+import numpy as np
+import pytest
+
+from topple.planner.bodies.solids import Solids
+from topple.planner.grasp.grasp import Grasp
+from topple.planner.motion.shortcut import densely
+from topple.planner.placement.placement import Placement
+from topple.planner.transfer.failure import Tally
+from topple.planner.transfer.handling import Handling, Reached
+from topple.robots.arm.arm import Arm
+from topple.robots.catalog import robot
+from topple.robots.poses import angle_between
+from topple.topology.arrays import FloatArray
+from topple.topology.scene import Scene
+
+PANDA, CUP = robot("panda"), robot("panda-suction")
+BASE = np.eye(4)
+BASE[0, 3] = -0.5
+SIDE = 0.05  # [m] of the cube, which stands at the origin
+LENGTH = 0.08  # [m] of the straight ways here
+
+
+def block(x: tuple[float, float], y: tuple[float, float], z: tuple[float, float]) -> Sequence[FloatArray]:
+    """The one convex part of a block between limits [m]."""
+    return [np.array([[a, b, c] for a in x for b in y for c in z])]
+
+
+def handling(arm: Arm = PANDA, **others: Sequence[FloatArray]) -> tuple[Handling, Tally]:
+    """A cube on a table among others, to be handled, and a tally of it."""
+    half = SIDE / 2
+    bodies: Solids = {
+        "cube": block((-half, half), (-half, half), (0.0, SIDE)),
+        "table": block((-0.4, 0.8), (-0.6, 0.6), (-0.05, -0.002)),
+        **others,
+    }
+    clouds = {name: np.vstack(parts) for name, parts in bodies.items()}
+    scene = Scene(clouds, fixed=["table"], up=(0, 0, 1))
+    return Handling("cube", scene, bodies, arm, BASE), Tally(frozenset(others))
+
+
+def pinch(x: float = 0.0, y: float = 0.0) -> Grasp:
+    """A hand from above that closes along y, its tips 2 cm below the cube's top."""
+    pose = np.diag([1.0, -1.0, -1.0, 1.0])
+    pose[:3, 3] = [x, y, 0.03]
+    return Grasp("cube", "pinch", pose, SIDE, SIDE + 0.02, 1.0)
+
+
+def sucking() -> Grasp:
+    """A cup on the middle of the cube's top."""
+    pose = np.diag([1.0, -1.0, -1.0, 1.0])
+    pose[2, 3] = SIDE
+    return Grasp("cube", "suction", pose, 0.0, 0.0, 1.0)
+
+
+def moved_by(x: float, y: float, z: float = 0.0) -> Placement:
+    pose = np.eye(4)
+    pose[:3, 3] = [x, y, z]
+    return Placement(pose, 1.0)
+
+
+def tools(arm: Arm, path: FloatArray, tool: str = "fingers") -> FloatArray:
+    """(k, 4, 4) tool poses in the world along a path."""
+    return BASE @ arm.tool_pose(path, tool)
+
+
+def standing(made: Handling, tally: Tally) -> Reached:
+    """The cube's grasp as the arm makes it first."""
+    found = made.reached(made.hands([pinch()], np.array(PANDA.home), tally), False, tally)
+    assert found, tally.reasons
+    return found[0]
+
+
+@pytest.mark.parametrize(("arm", "grasp", "turns"), [(PANDA, pinch(), 2), (CUP, sucking(), 4)])
+def test_a_jaw_is_tried_both_ways_round_and_a_cup_in_quarters(arm: Arm, grasp: Grasp, turns: int) -> None:
+    made, tally = handling(arm)
+    hands = made.hands([grasp], np.array(arm.home), tally)
+    angles = sorted(
+        round(np.degrees(angle_between(grasp.pose_tool_to_world, hand.pose_tool_to_world)))
+        for hand, _ in hands
+    )
+    assert angles == {2: [0, 180], 4: [0, 90, 90, 180]}[turns]
+    for hand, states in hands:
+        assert len(states) > 0
+        assert np.abs(tools(arm, states, grasp.tool) - hand.pose_tool_to_world).max() < 1e-4
+    assert not tally.reasons
+
+
+def test_a_hand_that_meets_something_is_left_out_and_says_what_it_meets() -> None:
+    wall = block((-0.1, 0.1), (SIDE / 2 + 0.001, SIDE / 2 + 0.04), (0.0, 0.2))
+    made, tally = handling(wall=wall)
+    assert made.hands([pinch()], np.array(PANDA.home), tally) == []
+    assert tally.barring["wall"] == 2
+    assert tally.furthest is not None
+    assert (tally.furthest.step, tally.furthest.check) == ("grasp", "collision")
+    assert tally.furthest.pair is not None and tally.furthest.pair[1] == "wall"
+
+
+def test_a_grasp_out_of_reach_is_left_out_and_says_so() -> None:
+    made, tally = handling()
+    assert made.hands([pinch(x=2.0)], np.array(PANDA.home), tally) == []
+    assert dict(tally.reasons) == {"grasp out of reach": 2}
+
+
+def test_of_each_hand_at_most_two_free_states_are_kept() -> None:
+    made, tally = handling()
+    hands = made.hands([pinch()], np.array(PANDA.home), tally)
+    found = made.reached(hands, False, tally)
+    assert {id(state.grasp) for state in found} == {id(hand) for hand, _ in hands}
+    assert len(hands) <= len(found) <= 2 * len(hands)
+    for state in found:
+        assert made.approaching(state.grasp, False).free(state.q[None]).all()
+        assert np.abs(tools(PANDA, state.q[None])[0] - state.grasp.pose_tool_to_world).max() < 1e-4
+
+
+def test_the_way_in_comes_straight_along_the_approach_and_ends_in_the_grasp() -> None:
+    made, tally = handling()
+    state = standing(made, tally)
+    path = made.way_in(state, LENGTH, tally)
+    assert path is not None
+    assert np.array_equal(path[-1], state.q)
+    line = tools(PANDA, densely(path, 0.01))[:, :3, 3] - state.grasp.pose_tool_to_world[:3, 3]
+    assert line[0] == pytest.approx([0.0, 0.0, LENGTH], abs=1e-3)
+    assert np.abs(line[:, :2]).max() < 1e-3
+    assert (np.diff(line[:, 2]) < 1e-6).all()
+
+
+def test_the_way_up_starts_in_the_grasp_and_rises_straight() -> None:
+    made, tally = handling()
+    state = standing(made, tally)
+    path = made.way_up(state, LENGTH, tally)
+    assert path is not None
+    assert np.array_equal(path[0], state.q)
+    line = tools(PANDA, densely(path, 0.01))[:, :3, 3] - state.grasp.pose_tool_to_world[:3, 3]
+    assert line[-1] == pytest.approx([0.0, 0.0, LENGTH], abs=1e-3)
+    assert np.abs(line[:, :2]).max() < 1e-3
+
+
+def test_a_way_up_into_something_is_none_and_says_what_is_met() -> None:
+    bar = block((SIDE / 2 - 0.005, 0.2), (-0.03, 0.03), (SIDE + 0.02, SIDE + 0.04))
+    free, _ = handling()
+    made, tally = handling(bar=bar)
+    hands = free.hands([pinch()], np.array(PANDA.home), Tally(frozenset()))
+    state = free.reached(hands, False, Tally(frozenset()))[0]  # as if the bar were not there
+    assert made.way_up(state, LENGTH, tally) is None
+    assert tally.barring["bar"] == 1
+    assert tally.furthest is not None and tally.furthest.step == "lift"
+
+
+def test_a_way_beyond_the_reach_of_the_arm_is_none_and_says_so() -> None:
+    made, tally = handling()
+    state = standing(made, tally)
+    assert made.way_up(state, 2.0, tally) is None
+    assert dict(tally.reasons) == {"no straight lift within the arm's reach": 1}
+
+
+def test_only_places_where_object_and_hand_are_free_are_open() -> None:
+    post = block((0.02, 0.08), (0.22, 0.28), (0.0, 0.3))
+    made, tally = handling(post=post)
+    free, taken = moved_by(0.05, -0.25), moved_by(0.05, 0.25)
+    assert made.open_ends(pinch(), [taken, free], LENGTH, LENGTH, tally) == [free]
+    assert tally.barring["post"] >= 1
+    assert tally.furthest is not None and tally.furthest.step == "place"
+
+
+def test_an_end_comes_down_onto_its_place_and_draws_back_from_it() -> None:
+    made, tally = handling()
+    state = standing(made, tally)
+    place, far = moved_by(0.05, -0.25), moved_by(2.0, 0.0)
+    (end,) = made.ends(state, [far, place], state.q, LENGTH, LENGTH, 4, tally)
+    assert end.placement is place
+    assert tally.reasons["place out of reach"] == 1
+    wanted = place.pose_before_to_after @ state.grasp.pose_tool_to_world
+    lower, retreat = tools(PANDA, end.lower), tools(PANDA, end.retreat)
+    assert np.array_equal(end.lower[-1], end.retreat[0])
+    assert np.abs(lower[-1] - wanted).max() < 1e-3
+    assert lower[0, :3, 3] - wanted[:3, 3] == pytest.approx([0.0, 0.0, LENGTH], abs=1e-3)
+    assert retreat[-1, :3, 3] - wanted[:3, 3] == pytest.approx([0.0, 0.0, LENGTH], abs=1e-3)
+    assert made.carrying(state.grasp, 0.0).free(densely(end.lower, 0.02)).all()
+
+
+def test_no_more_ends_are_given_than_asked_for_and_the_first_places_come_first() -> None:
+    made, tally = handling()
+    state = standing(made, tally)
+    places = [moved_by(0.05, y) for y in (-0.25, 0.2, 0.28)]
+    found = made.ends(state, places, state.q, LENGTH, LENGTH, 2, tally)
+    assert [end.placement for end in found] == places[:2]

@@ -1,0 +1,90 @@
+"""A vacuum holds what pulls, shears and twists less than its limits, and lets go of what does more."""
+
+from collections.abc import Iterator
+
+import numpy as np
+import pybullet
+import pytest
+
+from topple.robots import shapes
+from topple.robots.catalog import robot
+from topple.robots.world.simulated_arm import SimulatedArm
+from topple.robots.world.world import World
+from topple.topology.arrays import FloatArray
+
+RAMP = 30  # steps until a load is whole: a load put on at once would be a knock
+
+
+class Way:
+    """Joint values, one after the other in equal times."""
+
+    def __init__(self, states: FloatArray, seconds: float = 1.0) -> None:
+        self.positions = states
+        self.times = np.linspace(0.0, seconds, len(states))
+        self.velocities = np.gradient(states, self.times, axis=0)
+
+
+@pytest.fixture
+def lifted() -> Iterator[SimulatedArm]:
+    """An arm whose cup holds a plate 5 cm above a table."""
+    with World() as world:
+        world.add_table()
+        place = np.eye(4)
+        place[0, 3] = 0.5
+        world.add(shapes.plate("plate"), place)
+        world.settle()
+        top = pybullet.rayTest([0.5, 0.0, 0.5], [0.5, 0.0, -0.1], physicsClientId=world.client)[0][3][2]
+        model = robot("panda-suction")
+        heights, states = np.linspace(top + 0.05, top, 12), list[FloatArray]()
+        for height in heights:
+            lip = np.diag([1.0, -1.0, -1.0, 1.0])
+            lip[:3, 3] = [0.5, 0.0, height]
+            near = states[-1] if states else None
+            states.append(model.inverse(lip, "suction", near=near)[0][0])
+        arm = SimulatedArm(world, model, np.eye(4), q=states[0])
+        assert arm.cup is not None
+        arm.extend(arm.cup.stroke)
+        arm.follow(Way(np.array(states)))
+        assert arm.suck("plate")
+        arm.follow(Way(np.array(states[::-1])))
+        assert arm.holds("plate")
+        yield arm
+
+
+def held_under(arm: SimulatedArm, force: FloatArray, twist: float) -> bool:
+    """Whether a cup still holds its plate under a force [N] at its lip and a moment [N m] about its axis."""
+    world = arm.world
+    plate, lip = world.ids["plate"], arm.link_pose("suction_cup")[:3, 3].tolist()
+    for step in range(2 * RAMP):
+        share = min(1.0, (step + 1) / RAMP)
+        pybullet.applyExternalForce(
+            plate, -1, (share * force).tolist(), lip, pybullet.WORLD_FRAME, physicsClientId=world.client
+        )
+        pybullet.applyExternalTorque(
+            plate, -1, [0.0, 0.0, share * twist], pybullet.WORLD_FRAME, physicsClientId=world.client
+        )
+        arm.step()
+    return arm.holds("plate")
+
+
+@pytest.mark.parametrize(
+    ("pull", "shear", "twist", "held"),
+    [
+        (0.7, 0.0, 0.0, True),
+        (1.2, 0.0, 0.0, False),
+        (0.0, 0.7, 0.0, True),
+        (0.0, 1.2, 0.0, False),
+        (0.5, 0.5, 0.0, True),
+        (0.8, 0.8, 0.0, False),  # each alone would be held
+        (0.0, 0.0, 0.7, True),
+        (0.0, 0.0, 1.3, False),  # as far beyond its moment as no force shows
+    ],
+)
+def test_a_cup_holds_up_to_its_force_and_its_moment(
+    lifted: SimulatedArm, pull: float, shear: float, twist: float, held: bool
+) -> None:
+    """Loads in shares of the cup's force, and of its force times its radius."""
+    assert lifted.cup is not None
+    most = lifted.cup.max_force
+    force = most * np.array([shear, 0.0, -pull])
+    assert held_under(lifted, force, twist * most * lifted.cup.radius) is held
