@@ -15,8 +15,9 @@ import numpy as np
 from topple.benchmarks.piles import make_pile, observe, truth
 from topple.benchmarks.scores import Labels
 from topple.planner.cli.console import print_json
+from topple.planner.decide.chances import standing
 from topple.planner.decide.dependency import dependencies, ways_found
-from topple.planner.decide.rates import Rates, standing
+from topple.planner.decide.rates import Rates
 from topple.planner.simulate.votes import Votes, ask
 from topple.topology.arrays import FloatArray
 from topple.topology.situation import Situation
@@ -36,7 +37,7 @@ class Counts:
         steady: (4, 2) by how many of three trials moved, both bodies standing still by themselves.
         shaky: (4, 2) the same where one of them did not.
         overlooked: (3, 2, 2) pairs for which reasoning found nothing, by
-            `topple.planner.decide.rates.standing`.
+            `topple.planner.decide.chances.standing`.
         found: (4, 2) pairs for which it found something, by `topple.planner.decide.rates.way_found`.
     """
 

@@ -3,6 +3,7 @@
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from functools import cached_property, partial
+from importlib import import_module
 from itertools import combinations
 from typing import TYPE_CHECKING, Any, Protocol
 
@@ -283,9 +284,8 @@ class Relations:
                 that is none.
             UnknownObject: A pair names an object that is not in the scene.
         """
-        from topple.topology.io.relations import relations_from  # it relates what is not told
-
-        found: Any = relations_from(document, scene)
+        read: Any = import_module("topple.topology.io.relations")  # it relates what is not told
+        found: Relations = read.relations_from(document, scene)
         return found
 
     def with_pair(self, pair: PairRelation) -> "Relations":

@@ -18,15 +18,7 @@ things), reasoned about and lifted with the code of 4208c70. What is found: the 
 the same maker and the seeds 7,400,025 to 7,400,044 by that of 3d582bb, with the code of 7371fa7.
 """
 
-from collections.abc import Mapping
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
-
-import networkx as nx
-
-if TYPE_CHECKING:
-    from topple.planner.decide.dependency import DependencyGraph
-    from topple.topology.statics.rest import Statics
 
 Likelihoods = tuple[tuple[float, float], ...]
 """For 0 to 3 of three trials in which it moved: how often that happens with a dependency, and without."""
@@ -87,9 +79,6 @@ WIDE = 0.02
 CERTAIN = 0.98
 """Reasoning is never believed more than this."""
 
-MEETING = 0.005
-"""Gap [m] up to which two surfaces count as one contact in a question of what would move."""
-
 
 def rates_for(cameras: int | None) -> Rates:
     """The error rates for what was seen.
@@ -115,53 +104,6 @@ def way_found(push: float | None, falls: bool) -> int:
     if push is None:
         return 3
     return 0 if falls else 1 if push > WIDE else 2
-
-
-def standing(statics: "Statics") -> Mapping[tuple[str, str], tuple[int, int]]:
-    """How objects stand to each other.
-
-    Args:
-        statics: The scene at rest.
-
-    Returns:
-        (first, then) -> row and column of `Overlooked`, for every ordered pair of movable objects.
-    """
-    names = statics.upright.movable
-    meeting: nx.Graph[str] = nx.Graph()
-    meeting.add_nodes_from(names)
-    movable = set(names)
-    for contact in statics.contacts:
-        if {contact.a, contact.b} <= movable and contact.gaps.min() <= MEETING:
-            meeting.add_edge(contact.a, contact.b)
-    island = {name: i for i, part in enumerate(nx.connected_components(meeting)) for name in part}
-    top = {name: float(statics.surfaces[name][:, 2].max()) for name in names}
-    return {
-        (first, then): (
-            0 if meeting.has_edge(first, then) else 1 if island[first] == island[then] else 2,
-            int(top[first] > top[then]),
-        )
-        for first in names
-        for then in names
-        if first != then
-    }
-
-
-def reasoned(
-    graph: "DependencyGraph", statics: "Statics", cameras: int | None
-) -> dict[tuple[str, str], float]:
-    """Chance of every dependency before any simulation.
-
-    Args:
-        graph: Dependencies by reasoning, with every edge, not reduced.
-        statics: The scene at rest.
-        cameras: How many cameras saw the scene; None for whole surfaces.
-
-    Returns:
-        (first, then) -> 0..1, for every ordered pair.
-    """
-    overlooked = rates_for(cameras).overlooked
-    chance = {pair: overlooked[row][column] for pair, (row, column) in standing(statics).items()}
-    return chance | {(edge.first, edge.then): edge.confidence for edge in graph.dependencies}
 
 
 def posterior(prior: float, moved: int, trials: int, steady: bool, rates: Rates) -> float:

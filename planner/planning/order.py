@@ -14,8 +14,8 @@ import numpy as np
 
 from topple.planner.decide.assumptions import assumptions as assumed
 from topple.planner.decide.beliefs import Beliefs
+from topple.planner.decide.chances import reasoned
 from topple.planner.decide.dependency import Dependency, DependencyGraph, dependencies
-from topple.planner.decide.rates import reasoned
 from topple.planner.decide.sequence import safest
 from topple.topology.arrays import FloatArray
 from topple.topology.errors import InvalidInput, UnknownObject

@@ -65,7 +65,7 @@ class Orderer(Protocol):
 
     def __call__(
         self,
-        scene: Situation,
+        situation: Situation,
         targets: Sequence[str],
         *,
         seed: int,
@@ -74,7 +74,7 @@ class Orderer(Protocol):
         """Order what has to be taken to free some targets.
 
         Args:
-            scene: What is seen, or what should be there by now, and what was read of it.
+            situation: What is seen, or what should be there by now, and what was read of it.
             targets: Names to free, each in the scene.
             seed: Of every search.
             beliefs: What earlier looks made of the same things, in a run.

@@ -6,8 +6,9 @@ import numpy as np
 import pytest
 
 from topple.benchmarks.rates import Counts
+from topple.planner.decide.chances import reasoned, standing
 from topple.planner.decide.dependency import Dependency, DependencyGraph
-from topple.planner.decide.rates import ONE, SEVERAL, WHOLE, Rates, posterior, reasoned, standing
+from topple.planner.decide.rates import ONE, SEVERAL, WHOLE, Rates, posterior
 from topple.planner.planning.order import order
 from topple.planner.simulate.votes import Votes, ask, chances, confirmed
 from topple.robots import shapes

@@ -96,7 +96,7 @@ def test_a_support_is_believed_less_the_wider_its_gap_and_never_less_than_a_fift
         "bridge": box((0.24, 0.05, 0.03), (0, 0, 0.095)),
         "table": table(),
     }
-    carried = supports(Scene(clouds, fixed=["table", "board"], up=(0, 0, 1)))
+    carried = Situation(Scene(clouds, fixed=["table", "board"], up=(0, 0, 1))).supports
     (found,) = (one for one in carried if (one.supporter, one.supported) == ("board", "bridge"))
     assert not found.inferred
     assert found.confidence == pytest.approx(confidence, abs=1e-6)
