@@ -13,8 +13,8 @@ from topple.benchmarks.rules import order_by
 from topple.planner.decide.goal import parse_goal
 from topple.planner.execution.demo import loop_in
 from topple.planner.execution.judge import LIMITS, truly_unmet
+from topple.planner.formats.run_record import RunRecord, StepRecord
 from topple.planner.planning.order import cautious
-from topple.planner.report.record import RunRecord, StepRecord
 from topple.robots.scenarios import Scenario, scenario_called
 from topple.topology.errors import ToppleError
 

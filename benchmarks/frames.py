@@ -8,7 +8,7 @@ import networkx as nx
 from topple.benchmarks.recorded import Frame, recorded_frames
 from topple.planner.execution.rehearsal import Rehearsal
 from topple.planner.execution.run import run
-from topple.planner.report.record import RunRecord
+from topple.planner.formats.run_record import RunRecord
 from topple.robots.catalog import robot
 
 ARM = "panda-suction"

@@ -6,9 +6,9 @@ from itertools import combinations
 import numpy as np
 
 from topple.benchmarks.guesses import Guess, naive, top_height
+from topple.planner.decide.arrange import Order, arrange
 from topple.planner.decide.beliefs import Beliefs
 from topple.planner.decide.dependency import Dependency, DependencyGraph
-from topple.planner.planning.order import Order, arrange
 from topple.planner.planning.step import Orderer
 from topple.topology.arrays import FloatArray
 from topple.topology.scene import Scene

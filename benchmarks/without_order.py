@@ -14,8 +14,8 @@ from PIL import Image, ImageDraw
 from topple.benchmarks.rules import order_by
 from topple.planner.execution.demo import loop_in
 from topple.planner.execution.judge import LIMITS
+from topple.planner.formats.run_record import RunRecord, StepRecord
 from topple.planner.planning.order import cautious
-from topple.planner.report.record import RunRecord, StepRecord
 from topple.robots.scenarios import scenario_called
 from topple.robots.world.camera import Camera
 

@@ -4,6 +4,7 @@ from importlib import import_module
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
+    from topple.planner.decide.arrange import Order, arrange
     from topple.planner.decide.dependency import Dependency, DependencyGraph, dependencies
     from topple.planner.errors import NoSafePlan
     from topple.planner.execution.demo import demo
@@ -12,7 +13,7 @@ if TYPE_CHECKING:
     from topple.planner.formats.plan_format import Plan
     from topple.planner.grasp.foreign import ForeignGrasps, grasps_from_array, read_grasps
     from topple.planner.grasp.rank import rank_grasps
-    from topple.planner.planning.order import Order, arrange, order
+    from topple.planner.planning.order import order
     from topple.planner.planning.plan import plan
     from topple.planner.report.run_page import run_page
 
@@ -45,10 +46,10 @@ _HOME = {
     "ForeignGrasps": "grasp.foreign",
     "NoSafePlan": "errors",
     "Observer": "execution.look",
-    "Order": "planning.order",
+    "Order": "decide.arrange",
     "Plan": "formats.plan_format",
     "RunLimits": "execution.run",
-    "arrange": "planning.order",
+    "arrange": "decide.arrange",
     "demo": "execution.demo",
     "dependencies": "decide.dependency",
     "grasps_from_array": "grasp.foreign",

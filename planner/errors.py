@@ -5,7 +5,7 @@ from typing import TYPE_CHECKING, Any
 from topple.topology.errors import ToppleError
 
 if TYPE_CHECKING:
-    from topple.planner.transfer.failure import TransferFailure
+    from topple.planner.failure import TransferFailure
 
 
 class NoSafePlan(ToppleError):

@@ -14,7 +14,7 @@ from topple.planner.files import check_writable, write_whole
 
 if TYPE_CHECKING:
     from topple.planner.formats.plan_format import Plan, Step
-    from topple.planner.verify.record import Verification
+    from topple.planner.formats.verification import Verification
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:

@@ -12,7 +12,7 @@ from topple.planner.files import check_writable, write_whole
 from topple.topology.errors import InvalidInput
 
 if TYPE_CHECKING:
-    from topple.planner.planning.order import Order
+    from topple.planner.decide.arrange import Order
     from topple.topology.relations import Relations
     from topple.topology.scene import Scene
 

@@ -3,8 +3,8 @@
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
+from topple.planner.decide.arrange import Order
 from topple.planner.decide.dependency import Dependency, DependencyGraph
-from topple.planner.planning.order import Order
 from topple.topology.statics.support import Support
 
 LIKELY = 0.5

@@ -14,10 +14,10 @@ from topple.planner.execution.look import Look
 from topple.planner.execution.run import ClosedLoop
 from topple.planner.files import make_folder, write_whole
 from topple.planner.formats.plan_format import plan_to_json
+from topple.planner.formats.run_record import INTERRUPTED, Document, RunRecord
 from topple.planner.planning.order import cautious
 from topple.planner.planning.plan import plan, plan_as_done
 from topple.planner.planning.step import Orderer, Station
-from topple.planner.report.record import INTERRUPTED, Document, RunRecord
 from topple.planner.report.rerun_file import RATE as RERUN_RATE
 from topple.planner.report.rerun_file import rerun_file
 from topple.planner.report.run_page import run_page

@@ -6,7 +6,7 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from topple.planner.bodies.solids import up_of
-from topple.planner.report.raster import picture
+from topple.planner.pictures import picture
 from topple.robots.world.camera import Camera
 from topple.robots.world.world import World
 from topple.topology.arrays import BoolArray, FloatArray

@@ -6,7 +6,7 @@ from types import TracebackType
 import numpy as np
 
 from topple.planner.bodies.solids import fixed_parts, up_of
-from topple.planner.planning.base import choose_base
+from topple.planner.placement.base import choose_base
 from topple.planner.report.palette import object_colours
 from topple.planner.simulate.rebuild import Rebuilt, rebuild
 from topple.robots.arm.arm import Arm

@@ -19,13 +19,13 @@ from topple.planner.execution.judge import LIMITS, displacements, tilts, truly_u
 from topple.planner.execution.look import Look, Observer, unexpected
 from topple.planner.execution.rehearsal import Rehearsal
 from topple.planner.files import write_whole
+from topple.planner.formats.run_record import INTERRUPTED, RunRecord, StepRecord
 from topple.planner.grasp.given import GraspsByObject, OwnGrasps, own_grasps
 from topple.planner.grasp.grasp import Grasp
 from topple.planner.motion.collision import Checker
 from topple.planner.planning.next_step import StepChooser
 from topple.planner.planning.order import cautious
 from topple.planner.planning.step import PLACE, NextStep, Orderer, Station
-from topple.planner.report.record import INTERRUPTED, RunRecord, StepRecord
 from topple.planner.report.rerun_file import RATE as RERUN_RATE
 from topple.planner.report.rerun_file import rerun_file
 from topple.planner.transfer.transfer import scene_after

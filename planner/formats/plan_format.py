@@ -12,7 +12,7 @@ from topple.topology.arrays import FloatArray
 from topple.topology.errors import InvalidInput
 
 if TYPE_CHECKING:
-    from topple.planner.verify.record import Verification
+    from topple.planner.formats.verification import Verification
     from topple.robots.arm.arm import Arm
     from topple.topology.scene import Scene
 

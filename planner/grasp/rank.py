@@ -7,19 +7,20 @@ import numpy as np
 from scipy.spatial import KDTree
 
 from topple.planner.bodies.solids import up_of
+from topple.planner.decide.dependency import dependencies
 from topple.planner.grasp.foreign import ForeignGrasps, grasps_from_array
 from topple.planner.grasp.grasp import Grasp
 from topple.planner.grasp.hand import HAND_REACH
 from topple.planner.grasp.reach import reachable
 from topple.planner.grasp.room import Room
 from topple.planner.grasp.tolerances import GRASP_TOLERANCES
-from topple.planner.planning.order import order
 from topple.robots.arm.arm import Arm
 from topple.robots.catalog import robot as robot_named
 from topple.topology.arrays import FloatArray
 from topple.topology.checks import as_pose
 from topple.topology.errors import InvalidInput, UnknownObject
 from topple.topology.scene import Scene
+from topple.topology.statics.gravity import check_up
 
 GivenGrasps = ForeignGrasps | Sequence[Grasp] | FloatArray
 """Grasps of `read_grasps`, of this project, or an (N, 4, 4) or (N, 17) array."""
@@ -88,7 +89,8 @@ def rank_grasps(
     if not given:
         return []
     _check(given, scene, arm)
-    graph = order(scene).graph
+    check_up(scene)
+    graph = dependencies(scene)
     room = Room.of(scene, up_of(scene), arm)
     found = _held(given, told, room)
     against = in_the_way([entry.grasp for entry in found], room)

@@ -11,9 +11,9 @@ from types import TracebackType
 import numpy as np
 
 from topple.planner.bodies.solids import Solids, level_axes
+from topple.planner.placement.drops import Drops, simulated
 from topple.planner.placement.placement import Placement
 from topple.planner.placement.stacking import inset
-from topple.planner.simulate.drops import Drops, simulated
 from topple.robots.poses import angle_between
 from topple.topology.arrays import FloatArray
 

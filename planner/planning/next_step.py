@@ -12,22 +12,23 @@ import numpy as np
 
 from topple.planner.bodies.samples import sampled
 from topple.planner.bodies.solids import GRAIN, Solids, apart, solids_of, up_of
+from topple.planner.decide.arrange import Order
 from topple.planner.decide.beliefs import Beliefs
 from topple.planner.decide.dependency import dependencies
 from topple.planner.decide.goal import Goal, Place, holds
 from topple.planner.decide.turn import may_go, out_of_turn, says, why_first
 from topple.planner.errors import NoSafePlan
+from topple.planner.failure import Setback, TransferFailure
 from topple.planner.grasp.given import GraspsByObject, doable
 from topple.planner.grasp.grasp import Grasp
+from topple.planner.placement.drops import standing, staying
 from topple.planner.placement.placement import Placement, placements
 from topple.planner.placement.proof import Proof
 from topple.planner.placement.shortage import shortage
 from topple.planner.placement.stacking import GENTLE, over, placements_on
 from topple.planner.placement.whole import whole_bodies
-from topple.planner.planning.order import Order, ordered
+from topple.planner.planning.order import ordered
 from topple.planner.planning.step import FREE, PLACE, REMOVE, NextStep, Orderer, Station
-from topple.planner.simulate.drops import standing, staying
-from topple.planner.transfer.failure import Setback, TransferFailure
 from topple.planner.transfer.transfer import (
     NO_PLACE,
     TRANSFER_LIMITS,

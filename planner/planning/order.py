@@ -1,27 +1,22 @@
 """In which order to take things: the fewest removals that free the targets, and why."""
 
-import math
 import time
-from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass, field, replace
+from collections.abc import Callable, Sequence
+from dataclasses import replace
 from functools import partial
-from itertools import pairwise, permutations
 from types import MappingProxyType
 from typing import TYPE_CHECKING, Any
 
-import networkx as nx
 import numpy as np
 
+from topple.planner.decide.arrange import Order, arrange
 from topple.planner.decide.assumptions import assumptions as assumed
 from topple.planner.decide.beliefs import Beliefs
 from topple.planner.decide.chances import reasoned
-from topple.planner.decide.dependency import Dependency, DependencyGraph, dependencies
-from topple.planner.decide.sequence import safest
-from topple.topology.arrays import FloatArray
+from topple.planner.decide.dependency import dependencies
 from topple.topology.errors import InvalidInput, UnknownObject
 from topple.topology.situation import Situation
 from topple.topology.statics.gravity import check_up
-from topple.topology.statics.support import Support
 
 if TYPE_CHECKING:
     from topple.robots.arm.arm import Arm
@@ -30,60 +25,6 @@ if TYPE_CHECKING:
 
 REMOVAL_RISK = 0.05
 """Chance that a grasp, a lift or a placement of an arm in simulation disturbs something by itself."""
-
-
-@dataclass(frozen=True, eq=False)
-class Order:
-    """A safe order, and everything it was derived from.
-
-    Attributes:
-        targets: What is to be freed; the last of `order`.
-        order: Names, first to take first; exactly the targets and all that must go before them.
-        graph: Dependencies among all movable objects.
-        supports: What carries what.
-        groups: Objects of one cycle that must be taken together or held.
-        unresolved: Cycles for which no group was found; empty where every cycle became one.
-        risk: name -> chance, 0..1, that taking it at its turn moves something that is still there.
-        access: With a robot, what bars the gripper's way: mappings with first, then, reason.
-        assumptions: What was assumed and not seen, in sentences.
-        explanation: One sentence per step.
-        verified: True where simulation has checked the order.
-        chances: (first, then) -> chance that taking `then` moves `first`, as this scene shows it.
-        notes: More entries of the JSON object.
-    """
-
-    targets: tuple[str, ...]
-    order: tuple[str, ...]
-    graph: DependencyGraph
-    supports: tuple[Support, ...]
-    groups: tuple[tuple[str, ...], ...]
-    unresolved: tuple[tuple[str, ...], ...]
-    risk: Mapping[str, float]
-    access: tuple[Mapping[str, str], ...] = ()
-    assumptions: tuple[str, ...] = ()
-    explanation: tuple[str, ...] = ()
-    verified: bool = False
-    chances: Mapping[tuple[str, str], float] = field(default_factory=lambda: MappingProxyType({}))
-    notes: Mapping[str, Any] = field(default_factory=lambda: MappingProxyType({}))
-
-    def to_json(self) -> dict[str, Any]:
-        """The object that `topple order --json` prints."""
-        return {
-            "format": "topple.order",
-            "format_version": 1,
-            "targets": list(self.targets),
-            "order": list(self.order),
-            "dependencies": [edge.to_json() for edge in self.graph.dependencies],
-            "supports": [support.to_json() for support in self.supports],
-            "groups": [list(group) for group in self.groups],
-            "unresolved": [list(cycle) for cycle in self.unresolved],
-            "risk": {name: round(risk, 3) for name, risk in self.risk.items()},
-            "access": [dict(entry) for entry in self.access],
-            "assumptions": list(self.assumptions),
-            "explanation": list(self.explanation),
-            "verified": self.verified,
-            **self.notes,
-        }
 
 
 def order(
@@ -196,142 +137,6 @@ def _with_access(found: Order, scene: "Scene", robot: "Arm | str") -> Order:
     return replace(found, access=ways.bars, assumptions=(*found.assumptions, *said))
 
 
-def arrange(
-    graph: DependencyGraph,
-    targets: Sequence[str],
-    tops: Mapping[str, FloatArray],
-    carried: tuple[Support, ...] = (),
-    assumptions: tuple[str, ...] = (),
-    chances: Mapping[tuple[str, str], float] | None = None,
-    removal_risk: float | None = None,
-) -> Order:
-    """Order the objects of a dependency graph.
-
-    Args:
-        graph: Who must go before whom.
-        targets: What is to be freed; all objects where empty.
-        tops: name -> (3,) highest point [m]. Of orders equally safe the one with the shortest level way from
-            top to top is taken, and of those equally short the one that takes the highest first.
-        carried: Supports to report.
-        assumptions: Sentences to report.
-        chances: (first, then) -> chance that there is a dependency, whatever the graph says: of all orders
-            that the graph allows, the safest is taken.
-        removal_risk: See `order`.
-
-    Returns:
-        The order with fewest removals: the targets and their ancestors, cycles as groups; or, where
-        `removal_risk` is given, the one with the least risk.
-    """
-    wanted = tuple(targets) or graph.names
-    needed = set(wanted).union(*(graph.before(name) for name in wanted)) if wanted else set[str]()
-    part = graph.graph().subgraph(needed if removal_risk is None else graph.names)
-    height = {name: float(top[2]) for name, top in tops.items()}
-    condensed = nx.condensation(part)
-    members = {c: _least_bad(part.subgraph(condensed.nodes[c]["members"]), height) for c in condensed}
-    ranked = sorted(
-        members, key=lambda c: (-max(height.get(name, 0.0) for name in members[c]), sorted(members[c]))
-    )
-    place = {c: i for i, c in enumerate(ranked)}
-    chances = {} if chances is None else chances
-    # How far down the arm reaches is the same in any order: the way between the takes is level.
-    level = {name: top[:2] for name, top in tops.items() if name in part}
-    ways = {(a, b): float(np.linalg.norm(level[a] - level[b])) for a, b in permutations(level, 2)}
-    chosen = safest(
-        [members[c] for c in ranked],
-        [frozenset(place[p] for p in condensed.predecessors(c)) for c in ranked],
-        chances,
-        ways,
-        frozenset(i for i, c in enumerate(ranked) if needed.intersection(members[c])),
-        removal_risk or 0.0,
-    )
-    units = [members[ranked[i]] for i in chosen]
-    steps = [name for unit in units for name in unit]
-    groups = tuple(tuple(unit) for unit in units if len(unit) > 1)
-    return Order(
-        targets=tuple(targets),
-        order=tuple(steps),
-        graph=graph,
-        supports=carried,
-        groups=groups,
-        unresolved=(),
-        risk=MappingProxyType(_risks(units, graph, chances)),
-        assumptions=assumptions,
-        explanation=_explain(steps, groups, graph, set(wanted), chances),
-    )
-
-
-def _least_bad(cycle: "nx.DiGraph[str]", heights: Mapping[str, float]) -> list[str]:
-    """Order the objects of a cycle so that the edges gone against are the least certain ones."""
-    left: nx.DiGraph[str] = nx.DiGraph(cycle)
-    steps: list[str] = []
-    while len(left):
-
-        def regret(name: str) -> tuple[float, float, str]:
-            against = sum(float(d["confidence"]) for _, _, d in left.in_edges(name, data=True))
-            return (round(against, 6), -heights.get(name, 0.0), name)
-
-        chosen = min(left.nodes, key=regret)
-        steps.append(chosen)
-        left.remove_node(chosen)
-    return steps
-
-
-def _risks(
-    units: Sequence[Sequence[str]], graph: DependencyGraph, chances: Mapping[tuple[str, str], float]
-) -> dict[str, float]:
-    """Chance that a step moves something that is still there, what is held with it apart from the others."""
-    risk: dict[str, float] = {}
-    left = set(graph.names)
-    for unit in units:
-        left -= set(unit)
-        for number, name in enumerate(unit, start=1):
-            safe = math.prod(1.0 - chances.get((other, name), 0.0) for other in sorted(left))
-            held = unit[number:]
-            against = [e.confidence for e in graph.dependencies if e.then == name and e.first in held]
-            risk[name] = max(1.0 - safe, *against, 0.0)
-    return risk
-
-
-def _explain(
-    steps: Sequence[str],
-    groups: Sequence[tuple[str, ...]],
-    graph: DependencyGraph,
-    wanted: set[str],
-    chances: Mapping[tuple[str, str], float],
-) -> tuple[str, ...]:
-    """One sentence per step: whom it frees, and why it had to go."""
-    sentences: list[str] = []
-    for number, name in enumerate(steps, start=1):
-        later = set(steps[number:])
-        edges = [e for e in graph.dependencies if e.first == name and e.then in later]
-        group = next((g for g in groups if name in g), None)
-        say = f"{number}. {name}"
-        if edges:
-            say += ": " + "; ".join(edge.sentence() for edge in edges)
-        elif name in wanted:
-            say += ": nothing that is left depends on it"
-        elif later:
-            doubted = max(sorted(later), key=lambda other: chances.get((name, other), 0.0))
-            say += f": taking {doubted} might move it ({chances.get((name, doubted), 0.0):.2f})"
-        if group is not None and name == group[0]:
-            say += f" ({_held(group, graph)})"
-        sentences.append(say)
-    return tuple(sentences)
-
-
-def _held(group: Sequence[str], graph: DependencyGraph) -> str:
-    """A cycle in words: who holds whom, the edge one would rather doubt, and what to do."""
-    inside = [e for e in graph.dependencies if e.first in group and e.then in group]
-    weakest = min(inside, key=lambda e: (e.confidence, e.first, e.then))
-    members: nx.DiGraph[str] = nx.DiGraph([(e.first, e.then) for e in inside])
-    ring = [edge[0] for edge in nx.find_cycle(members, group[0])]
-    return (
-        f"{' and '.join(group)} hold each other: take them together, or hold the others; the cycle is "
-        f"{' before '.join([*ring, ring[0]])}, and the least certain part of it that {weakest.sentence()} "
-        f"({weakest.confidence:.2f})"
-    )
-
-
 def _check_targets(scene: "Scene", targets: Sequence[str] | str | None) -> tuple[str, ...]:
     """The targets as a tuple without repeats, all of them known and movable."""
     if not scene.movable:
@@ -345,22 +150,3 @@ def _check_targets(scene: "Scene", targets: Sequence[str] | str | None) -> tuple
                 f"target {name!r} is fixed and never moves: name one of {', '.join(scene.movable)}"
             )
     return tuple(dict.fromkeys(given))
-
-
-def blame(graph: DependencyGraph, first: str, then: str) -> tuple[Dependency, ...]:
-    """The chain of dependencies by which one object must go before another.
-
-    Args:
-        graph: The dependency graph.
-        first: Who goes first.
-        then: Who must wait.
-
-    Returns:
-        The shortest chain, empty where there is none.
-    """
-    network = graph.graph()
-    if first not in network or then not in network or not nx.has_path(network, first, then):
-        return ()
-    path = nx.shortest_path(network, first, then)
-    found = (graph.between(a, b) for a, b in pairwise(path))
-    return tuple(edge for edge in found if edge is not None)

@@ -14,17 +14,17 @@ from topple.planner.errors import NoSafePlan
 from topple.planner.formats.plan_data import dependency_data, objects_data, step_data
 from topple.planner.formats.plan_format import DependencyData, Plan, Step
 from topple.planner.formats.plan_robot import arm_data
+from topple.planner.formats.verification import BROKEN
 from topple.planner.grasp.given import GraspsByObject, OwnGrasps, own_grasps
 from topple.planner.grasp.grasp import Grasp
+from topple.planner.placement.base import choose_base
+from topple.planner.placement.drops import simulated
 from topple.planner.placement.whole import on_feet, whole_bodies
-from topple.planner.planning.base import choose_base
 from topple.planner.planning.next_step import StepChooser
 from topple.planner.planning.order import ordered
 from topple.planner.planning.start import check_start, check_upright
 from topple.planner.planning.step import NextStep, Orderer, Station
-from topple.planner.simulate.drops import simulated
 from topple.planner.transfer.transfer import scene_after, solids_after
-from topple.planner.verify.record import BROKEN
 from topple.robots.arm.arm import Arm
 from topple.robots.arm.own_arm import check_tool
 from topple.robots.catalog import robot as robot_named

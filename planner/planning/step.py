@@ -4,9 +4,9 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Protocol
 
+from topple.planner.decide.arrange import Order
 from topple.planner.decide.beliefs import Beliefs
 from topple.planner.decide.dependency import Dependency
-from topple.planner.planning.order import Order
 from topple.planner.transfer.transfer import Transfer
 from topple.robots.arm.arm import Arm
 from topple.topology.arrays import FloatArray
@@ -67,6 +67,7 @@ class Orderer(Protocol):
         self,
         situation: Situation,
         targets: Sequence[str],
+        /,
         *,
         seed: int,
         beliefs: Beliefs | None = None,

@@ -5,11 +5,12 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from topple.planner.pictures import png
 from topple.planner.report.drawing import Drawing, DrawnObject
 from topple.planner.report.graph import DrawnGraph, arrow_head, shortened
 from topple.planner.report.layout import BADGE, NODE_HEIGHT, Point
 from topple.planner.report.palette import FIXED_COLOUR, RELATION_COLOURS, Colour, reason_colour
-from topple.planner.report.raster import Projection, png, render_clouds
+from topple.planner.report.raster import Projection, render_clouds
 from topple.planner.report.view import Document, Documented, document, object_index, view_data
 from topple.planner.report.words import order_in_words
 from topple.topology.arrays import FloatArray

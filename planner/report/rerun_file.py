@@ -10,9 +10,9 @@ from typing import Any
 
 import numpy as np
 
+from topple.planner.formats.run_record import RunRecord, StepRecord
+from topple.planner.pictures import picture, png
 from topple.planner.report.drawing import Drawing, DrawnObject
-from topple.planner.report.raster import picture, png
-from topple.planner.report.record import RunRecord, StepRecord
 from topple.planner.report.words import order_in_words
 from topple.robots.collision.convex import hull_of
 from topple.robots.world.recording import Recording

@@ -6,11 +6,11 @@ from collections.abc import Mapping
 from html import escape
 from typing import Any
 
+from topple.planner.formats.run_record import RunRecord, StepRecord
+from topple.planner.pictures import picture
 from topple.planner.report.drawing import Drawing
 from topple.planner.report.html import page, viewer
 from topple.planner.report.limits import LIMITS
-from topple.planner.report.raster import picture
-from topple.planner.report.record import RunRecord, StepRecord
 from topple.planner.report.show import dependency_section
 from topple.planner.report.tables import order_list, relation_changes, relation_table
 from topple.planner.report.view import object_index, view_data

@@ -5,13 +5,13 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
+from topple.planner.failure import Tally
 from topple.planner.grasp.grasp import Grasp
 from topple.planner.motion.cartesian import straight_lines
 from topple.planner.motion.collision import Checker
 from topple.planner.motion.shortcut import densely
 from topple.planner.placement.placement import Placement
 from topple.planner.transfer.checks import Checks
-from topple.planner.transfer.failure import Tally
 from topple.robots.poses import inverse
 from topple.topology.arrays import FloatArray
 

@@ -9,6 +9,7 @@ import numpy as np
 
 from topple.planner.bodies.samples import sampled
 from topple.planner.bodies.solids import GRAIN, Solids, moved, solids_of, standing_parts, up_of
+from topple.planner.failure import Setback, Tally, TransferFailure
 from topple.planner.grasp.candidates import grasp_candidates
 from topple.planner.grasp.grasp import Grasp
 from topple.planner.grasp.hand import hand_shape
@@ -19,7 +20,6 @@ from topple.planner.motion.planner import Motion, MotionFailure, plan_motion
 from topple.planner.motion.upright import plan_upright
 from topple.planner.placement.placement import Placement, placements
 from topple.planner.transfer.checks import MARGIN
-from topple.planner.transfer.failure import Setback, Tally, TransferFailure
 from topple.planner.transfer.handling import Handling, Reached
 from topple.planner.transfer.legs import Leg, segments_of
 from topple.planner.transfer.segments import Segment

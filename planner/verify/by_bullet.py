@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 
 from topple.planner.formats.plan_format import Plan
-from topple.planner.verify.record import Residual, Worst
+from topple.planner.formats.verification import Residual, Worst
 from topple.planner.verify.replay import Beat, parts_of
 from topple.robots.arm.arm import Arm
 from topple.robots.engine import pybullet

@@ -6,7 +6,7 @@ import numpy as np
 from scipy.spatial import ConvexHull
 
 from topple.planner.formats.plan_format import Plan
-from topple.planner.verify.record import Residual, Worst
+from topple.planner.formats.verification import Residual, Worst
 from topple.planner.verify.replay import Beat, parts_of, tool_poses
 from topple.robots.arm.arm import Arm
 from topple.topology.arrays import FloatArray

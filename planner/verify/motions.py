@@ -3,7 +3,7 @@
 import numpy as np
 
 from topple.planner.formats.plan_format import Plan, SegmentData
-from topple.planner.verify.record import Residual, Worst
+from topple.planner.formats.verification import Residual, Worst
 from topple.robots.arm.arm import Arm
 from topple.topology.arrays import FloatArray
 

@@ -5,7 +5,7 @@ import numpy as np
 
 from topple.planner.decide.goal import parse_goal
 from topple.planner.formats.plan_format import Plan, Step
-from topple.planner.verify.record import BROKEN, Residual, Worst
+from topple.planner.formats.verification import BROKEN, Residual, Worst
 from topple.topology.arrays import FloatArray
 from topple.topology.scene import Scene
 

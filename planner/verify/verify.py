@@ -4,12 +4,12 @@ import numpy as np
 
 from topple.planner.formats.plan_format import Plan
 from topple.planner.formats.plan_robot import arm_from
+from topple.planner.formats.verification import BROKEN, Residual, Verification, not_evaluated
 from topple.planner.verify.by_fcl import FclCheck
 from topple.planner.verify.clouds import CloudCheck
 from topple.planner.verify.handled import HandCheck
 from topple.planner.verify.motions import check_motions
 from topple.planner.verify.outcome import check_goal, check_precedence
-from topple.planner.verify.record import BROKEN, Residual, Verification, not_evaluated
 from topple.planner.verify.replay import Beat, replay
 from topple.planner.verify.rest import RestCheck
 from topple.robots.arm.arm import Arm

@@ -7,13 +7,14 @@ from typing import Any
 import numpy as np
 import pytest
 
+from topple.planner.decide.arrange import Order, arrange
 from topple.planner.decide.dependency import Dependency, DependencyGraph
 from topple.planner.errors import NoSafePlan
 from topple.planner.execution.run import run
 from topple.planner.grasp.foreign import grasps_from_array
 from topple.planner.grasp.grasp import Grasp
 from topple.planner.grasp.rank import rank_grasps
-from topple.planner.planning.order import Order, arrange, order
+from topple.planner.planning.order import order
 from topple.planner.planning.plan import plan
 from topple.robots.shapes.boxes import box
 from topple.topology.errors import InvalidInput, UnknownObject

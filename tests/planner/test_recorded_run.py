@@ -8,7 +8,7 @@ import pybullet
 import pytest
 
 from topple.planner.execution.run import ClosedLoop
-from topple.planner.report.record import RunRecord
+from topple.planner.formats.run_record import RunRecord
 from topple.robots import shapes
 from topple.robots.catalog import robot
 from topple.robots.scenarios.scenario import around, pose_at

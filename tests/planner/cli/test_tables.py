@@ -3,7 +3,7 @@
 import pytest
 
 from topple.planner.cli.tables import print_order, print_relations, print_run
-from topple.planner.report.record import RunRecord, StepRecord
+from topple.planner.formats.run_record import RunRecord, StepRecord
 
 
 def test_a_run_is_a_line_per_action_with_what_it_disturbed(capsys: pytest.CaptureFixture[str]) -> None:

@@ -1,6 +1,6 @@
+from topple.planner.decide.arrange import Order
 from topple.planner.decide.dependency import Dependency, DependencyGraph
 from topple.planner.decide.turn import Ahead, out_of_turn, says
-from topple.planner.planning.order import Order
 from topple.topology.statics.support import Support
 
 

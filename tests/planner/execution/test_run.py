@@ -8,7 +8,7 @@ import pytest
 from topple.planner import run
 from topple.planner.execution.judge import violations
 from topple.planner.execution.run import ClosedLoop
-from topple.planner.report.record import RunRecord
+from topple.planner.formats.run_record import RunRecord
 from topple.robots import shapes
 from topple.robots.catalog import robot
 from topple.robots.world.simulated_arm import SimulatedArm, Touch

@@ -7,11 +7,11 @@ from typing import Any
 import numpy as np
 import pytest
 
+from topple.planner.decide.arrange import Order, arrange
 from topple.planner.decide.dependency import Dependency, DependencyGraph
 from topple.planner.decide.goal import parse_goal
 from topple.planner.errors import NoSafePlan
 from topple.planner.planning.next_step import StepChooser
-from topple.planner.planning.order import Order, arrange
 from topple.planner.planning.step import FREE, PLACE, REMOVE, NextStep, Station
 from topple.robots.catalog import robot
 from topple.robots.scenarios.scenario import pose_at

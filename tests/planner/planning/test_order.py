@@ -6,9 +6,10 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
+from topple.planner.decide.arrange import arrange
 from topple.planner.decide.beliefs import Beliefs
 from topple.planner.decide.dependency import Dependency, DependencyGraph, dependencies
-from topple.planner.planning.order import arrange, order
+from topple.planner.planning.order import order
 from topple.topology import InvalidInput, Scene, UnknownObject, load_scene
 
 SHARED = Path(__file__).resolve().parents[3].parent / "shared"

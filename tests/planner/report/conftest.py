@@ -3,9 +3,9 @@
 import numpy as np
 import pytest
 
+from topple.planner.formats.run_record import RunRecord, StepRecord
+from topple.planner.pictures import picture
 from topple.planner.planning.order import order
-from topple.planner.report.raster import picture
-from topple.planner.report.record import RunRecord, StepRecord
 from topple.topology.rule.relate import relate
 from topple.topology.scene import Scene
 

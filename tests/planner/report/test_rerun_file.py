@@ -7,7 +7,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from topple.planner.report.record import RunRecord
+from topple.planner.formats.run_record import RunRecord
 from topple.planner.report.rerun_file import RATE, rerun_file
 from topple.robots.catalog import robot
 from topple.robots.poses import inverse

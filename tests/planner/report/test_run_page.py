@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 from PIL import Image
 
-from topple.planner.report.raster import picture
-from topple.planner.report.record import RunRecord, StepRecord
+from topple.planner.formats.run_record import RunRecord, StepRecord
+from topple.planner.pictures import picture
 from topple.planner.report.run_page import run_page
 from topple.planner.report.tables import relation_changes
 from topple.topology.errors import InvalidInput

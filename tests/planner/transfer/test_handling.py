@@ -6,10 +6,10 @@ import numpy as np
 import pytest
 
 from topple.planner.bodies.solids import Solids
+from topple.planner.failure import Tally
 from topple.planner.grasp.grasp import Grasp
 from topple.planner.motion.shortcut import densely
 from topple.planner.placement.placement import Placement
-from topple.planner.transfer.failure import Tally
 from topple.planner.transfer.handling import Handling, Reached
 from topple.robots.arm.arm import Arm
 from topple.robots.catalog import robot

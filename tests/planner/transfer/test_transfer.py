@@ -3,7 +3,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from topple.planner.planning.base import NoBase, choose_base
+from topple.planner.placement.base import NoBase, choose_base
 from topple.planner.transfer.handling import Handling
 from topple.planner.transfer.segments import KINDS, no_faster_than
 from topple.planner.transfer.transfer import Transfer, TransferFailure, plan_transfer, scene_after

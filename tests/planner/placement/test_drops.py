@@ -1,7 +1,7 @@
 import numpy as np
 
+from topple.planner.placement.drops import Drops, standing, staying
 from topple.planner.placement.placement import Placement
-from topple.planner.simulate.drops import Drops, standing, staying
 from topple.robots.shapes.boxes import box
 from topple.robots.shapes.fruit import lemon, strawberry
 from topple.robots.shapes.tableware import bowl

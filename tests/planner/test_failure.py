@@ -2,8 +2,8 @@ import numpy as np
 import pytest
 
 from topple.planner.errors import NoSafePlan
+from topple.planner.failure import STEPS, Tally, TransferFailure
 from topple.planner.planning.plan import plan
-from topple.planner.transfer.failure import STEPS, Tally, TransferFailure
 from topple.planner.transfer.transfer import plan_transfer
 from topple.robots.catalog import robot
 from topple.robots.shapes.boxes import box, can

@@ -1,0 +1,41 @@
+"""Pictures as PNG files."""
+
+import io
+from typing import TYPE_CHECKING
+
+import numpy as np
+from numpy.typing import NDArray
+
+from topple.topology.errors import InvalidInput
+
+if TYPE_CHECKING:
+    from PIL import Image
+
+Pixels = NDArray[np.uint8]
+
+
+def picture(rgb: Pixels) -> bytes:
+    """Write an image as PNG.
+
+    Args:
+        rgb: (H, W, 3) uint8.
+
+    Returns:
+        The bytes of the PNG file.
+
+    Raises:
+        InvalidInput: If the array is no such image.
+    """
+    from PIL import Image
+
+    rgb = np.ascontiguousarray(rgb)
+    if rgb.ndim != 3 or rgb.shape[2] != 3 or rgb.dtype != np.uint8 or rgb.size == 0:
+        raise InvalidInput(f"a picture needs (H, W, 3) uint8, got shape {rgb.shape} of {rgb.dtype}")
+    return png(Image.fromarray(rgb))
+
+
+def png(image: "Image.Image") -> bytes:
+    """The bytes of an image as a PNG file."""
+    buffer = io.BytesIO()
+    image.save(buffer, format="PNG")
+    return buffer.getvalue()
