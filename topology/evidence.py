@@ -50,7 +50,9 @@ class Evidence:
         """In words, without the names."""
         if self.swept:
             return f"lifted, {self.a} would {_MEETS.get(self.relation, 'pass')} it"
-        return f"{self.relation}, {_apart(self.gap)}, {'observed' if self.observed else 'inferred'}"
+        if not self.observed:
+            return f"{self.relation}, inferred"
+        return f"{self.relation}, {_apart(self.gap)}, observed"
 
 
 _MEETS = {Relation.CONTAIN: "sweep over all of", Relation.PARTIAL_CONTAIN: "sweep over a part of"}
@@ -58,4 +60,4 @@ _MEETS = {Relation.CONTAIN: "sweep over all of", Relation.PARTIAL_CONTAIN: "swee
 
 def _apart(gap: float) -> str:
     millimetres = 1e3 * gap
-    return f"{abs(millimetres):.1f} mm {'deep' if millimetres < -0.05 else 'apart'}"
+    return f"{abs(millimetres):.1f} mm{' deep' if millimetres < -0.05 else ''}"

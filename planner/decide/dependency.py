@@ -76,7 +76,8 @@ class Dependency:
             "blocking": f"{self.first} is over {self.then}, in the way of lifting it",
         }
         told = say.get(self.reason, f"taking {self.then} would move {self.first}")
-        return f"{told}: {'; '.join(map(str, self.evidence))}" if self.evidence else told
+        lying = [each for each in self.evidence if not each.swept] or self.evidence
+        return f"{told} ({'; '.join(map(str, lying))})" if lying else told
 
 
 @dataclass(frozen=True, eq=False)

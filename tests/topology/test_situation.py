@@ -95,7 +95,7 @@ def test_every_edge_says_what_it_rests_on(laid: Scene) -> None:
     ]
     assert edges["ball", "bowl"]["reason"] == "contained"
     assert "within" in {each["relation"] for each in edges["ball", "bowl"]["evidence"]}
-    assert any("touch, 0." in line and "observed" in line for line in found["explanation"])
+    assert any("(touch, 0." in line and "observed)" in line for line in found["explanation"])
 
 
 def test_what_a_lift_meets_is_a_relation_of_the_swept_body(laid: Scene) -> None:

@@ -8,8 +8,8 @@ from topple.topology.io import load_scene
 from topple.topology.rule.inferred import floating_objects
 from topple.topology.rule.relate import relate
 from topple.topology.scene import Scene
+from topple.topology.situation import Situation
 from topple.topology.sixim.table import Relation
-from topple.topology.statics.support import supports
 
 SHARED = Path(__file__).resolve().parents[3].parent / "shared"
 UP = np.array([0.0, 0, 1])
@@ -44,7 +44,7 @@ def test_a_box_with_a_hidden_foot_touches_the_table_by_inference():
     assert not pair.observed
     assert pair.gap > 0.01
     assert (pair.matrix[:, 1] >= 1).all()
-    (carried,) = supports(scene(up=UP))
+    (carried,) = Situation(scene(up=UP)).supports
     assert carried.inferred
     assert 0.5 < carried.confidence < 0.9
     assert pair.confidence == pytest.approx(carried.confidence), "no contact is surer than who carries whom"
