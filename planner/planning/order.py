@@ -13,7 +13,7 @@ from topple.planner.decide.arrange import Order, arrange
 from topple.planner.decide.assumptions import assumptions as assumed
 from topple.planner.decide.beliefs import Beliefs
 from topple.planner.decide.chances import reasoned
-from topple.planner.decide.dependency import dependencies
+from topple.planner.decide.dependency import DependencyGraph, dependencies
 from topple.topology.errors import InvalidInput, UnknownObject
 from topple.topology.situation import Situation
 from topple.topology.statics.gravity import check_up
@@ -84,7 +84,7 @@ def order(
 
         votes = ask(statics, full, seed, started + (BUDGET if budget is None else max(budget, 0.0)))
         chance = chances(chance, votes, len(scene.viewpoints) or None)
-        full = confirmed(full, chance, votes)
+        full = _witnessed(confirmed(full, chance, votes), situation)
         notes = {"trials": votes.trials, "budget_exhausted": not votes.complete}
         if not votes.complete:
             said = (*said, f"the budget ran out after {votes.trials} simulated lifts: the best answer so far")
@@ -99,6 +99,15 @@ def order(
 
 ordered: Callable[..., Order] = partial(order, check_gravity=False)
 """The order of a scene that is planned on, which was checked when the plan began."""
+
+
+def _witnessed(graph: DependencyGraph, situation: Situation) -> DependencyGraph:
+    """The graph with a relation for what simulation alone found: that of what is lifted to what moves."""
+    edges = (
+        edge if edge.evidence else replace(edge, evidence=(situation.swept(edge.then, edge.first),))
+        for edge in graph.dependencies
+    )
+    return DependencyGraph(graph.names, tuple(edges))
 
 
 def cautious(

@@ -5,7 +5,7 @@ import os
 import signal
 import time
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from multiprocessing.connection import Connection, wait
 
 import numpy as np
@@ -217,5 +217,6 @@ def confirmed(
         if known is None and not votes.steady(first, then):
             continue
         if value >= 0.5 or (known is not None and value >= known.confidence):
-            kept.append(Dependency(first, then, "blocking" if known is None else known.reason, value))
+            edge = Dependency(first, then, "blocking", value) if known is None else known
+            kept.append(replace(edge, confidence=value))
     return DependencyGraph.of(graph.names, kept)
