@@ -27,13 +27,15 @@ class PairRelation:
         a: Name of the first object.
         b: Name of the second object.
         relation: Relation of a to b.
-        counts: The matrix, or what counts it: rules that know the relation sooner leave it until asked for.
+        counts: The matrix as it was counted, or what counts it: rules that know the relation sooner leave it
+            until asked for.
         distance: The gap, or what measures it.
         gap_exact: False where `gap` is only a lower bound, the distance of the boxes of a far pair.
         confidence: How sure the relation is, 0 to 1.
         observed: False where no camera saw the space between the two, so that a gap proves nothing.
         kind: "one-sided contact" or "coincident" where the matrix shows one, else None.
         inferred: True where the relation was concluded from gravity and not from the clouds alone.
+        reason: What decided, where it was anything else than Table 1 on the matrix; None where it was that.
     """
 
     a: str
@@ -46,6 +48,7 @@ class PairRelation:
     observed: bool = True
     kind: str | None = None
     inferred: bool = False
+    reason: str | None = None
 
     @cached_property
     def matrix(self) -> IntArray:
@@ -81,6 +84,7 @@ class PairRelation:
             "confidence": round(float(self.confidence), 4),
             "observed": self.observed,
             "inferred": self.inferred,
+            "reason": self.reason,
         }
         if self.kind is not None:
             entry["kind"] = self.kind

@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from topple.topology.arrays import FloatArray, IntArray
+from topple.topology.arrays import FloatArray
 from topple.topology.geometry.outline import covers, outline
 from topple.topology.relations import PairRelation, Relations
 from topple.topology.scene import Scene
@@ -19,6 +19,8 @@ if TYPE_CHECKING:
 
 CLOSE = 0.02
 """Gap [m] from which objects carry each other no more: twice what a search for contacts allows."""
+FLOATS = "inferred: it floats otherwise"
+"""Why two objects touch of which no point shows it."""
 
 _HELD_BY = frozenset({Relation.WITHIN, Relation.PARTIAL_WITHIN, Relation.CROSS})
 
@@ -137,17 +139,13 @@ def _may_touch(pair: PairRelation) -> bool:
 
 
 def _touching(pair: PairRelation, confidence: float) -> PairRelation:
-    """The pair in contact at a place no point shows: each cloud is given that one on its boundary."""
-    matrix: IntArray = pair.matrix.copy()
-    for row in matrix:
-        if row[1] == 0:
-            row[1:] += (1, -1)
+    """The pair in contact, at a place that no point shows."""
     return replace(
         pair,
         relation=Relation.TOUCH,
-        counts=matrix,
         confidence=float(np.clip(confidence, 0.5, 0.9)),
         observed=False,
         kind=None,
         inferred=True,
+        reason=FLOATS,
     )

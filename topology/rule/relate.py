@@ -12,7 +12,7 @@ from topple.topology.geometry.broadphase import near_pairs
 from topple.topology.relations import PairRelation, Relations, Rule
 from topple.topology.rule.robust import RobustRule
 from topple.topology.scene import Scene
-from topple.topology.sixim.plain import PlainRule
+from topple.topology.sixim.fast.rule import PlainRule
 from topple.topology.tolerances import TOLERANCES
 from topple.topology.views.visibility import Visibility
 

@@ -6,11 +6,9 @@ from scipy.spatial.transform import Rotation
 
 from topple.topology.errors import InvalidInput, UnknownObject
 from topple.topology.geometry.broadphase import near_pairs
-from topple.topology.geometry.hull import Hull
 from topple.topology.rule.relate import relate, relate_all
 from topple.topology.scene import Scene
-from topple.topology.sixim.matrix import intersection_matrix
-from topple.topology.sixim.table import Relation, classify
+from topple.topology.sixim.table import Relation
 
 
 def box(rng, size, centre, count=300):
@@ -37,19 +35,6 @@ def standing_scene(rng):
         points = box(rng, size, [*at, size[2] / 2 + rng.choice([0.0, 0.05])], count=600)
         clouds[f"box {number}"] = points[points[:, 2] > points[:, 2].mean()]
     return Scene(clouds, fixed=["table"], up=[0, 0, 1], viewpoints=[[0.2, 0.1, 0.9]])
-
-
-def slow_plain_relation(a, b, deviation=0.002):
-    return classify(intersection_matrix(a, Hull.of(a), b, Hull.of(b), deviation))
-
-
-@given(st.integers(0, 10**6))
-@settings(max_examples=30, deadline=None)
-def test_the_fast_path_equals_the_plain_slow_path(seed):
-    scene = random_scene(seed)
-    relations = relate(scene, plain=True)
-    for pair in relations.pairs:
-        assert pair.relation is slow_plain_relation(scene.clouds[pair.a], scene.clouds[pair.b])
 
 
 @given(st.integers(0, 10**6))
