@@ -25,7 +25,8 @@ def relate(scene: Scene, deviation: float | None = None, plain: bool = False) ->
     Args:
         scene: The objects' clouds.
         deviation: The deviation factor δ [m]: points this close to a boundary lie on it. Estimated from
-            the clouds' noise and spacing where not given; 0.002 for the plain rule, as in the paper.
+            the clouds' noise and spacing where not given; 0.002 for the plain rule, of which the paper says
+            that it is "usually equal to the deviation of point clouds".
         plain: Use the paper's rule to the letter of Table 1 instead of the one that withstands noise,
             hidden surfaces and hollow objects.
 

@@ -48,9 +48,7 @@ def between(a: np.ndarray, b: np.ndarray, deviation: float | None = None) -> Pai
 
 def test_surfaces_that_meet_between_their_points_touch_within_the_deviation() -> None:
     grid = np.stack(np.meshgrid(np.linspace(-0.3, 0.3, 13), np.linspace(-0.3, 0.3, 13), [0.0]), -1)
-    pair = between(
-        np.array([[0.013, 0.021, 0.001], [0.013, 0.021, 0.05]]), grid.reshape(-1, 3), 0.002, up=False
-    )
+    pair = between(np.array([[0.013, 0.021, 0.001], [0.013, 0.021, 0.05]]), grid.reshape(-1, 3), 0.002)
     assert (pair.relation, pair.reason) == (Relation.TOUCH, CLOSE)
     assert pair.matrix[:, :2].sum() == 0
 
