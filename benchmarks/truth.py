@@ -2,7 +2,7 @@
 
 The data are not part of the project: a folder with `rgbd/*.gt.json` beside its frames and
 `sequences/*.gt.json` beside its recordings. No tolerance was chosen on them: those of the default rule come
-from the paper, from what a depth camera measures and from rendered piles (`topology/tolerances.py`).
+from what a depth camera measures and from rendered piles (`topology/tolerances.py`).
 """
 
 import json

@@ -8,7 +8,9 @@ class Tolerances:
     """Lengths in metres unless said otherwise.
 
     Attributes:
-        plain_deviation: The paper's deviation factor δ where none is given, its 2 mm (section 4).
+        plain_deviation: Deviation factor δ of the paper's rule where none is given. The paper gives no
+            number, "usually equal to the deviation of point clouds" (section 3.2): that of a depth camera
+            at a metre is about 2 mm.
         flat: A cloud thinner than this along an axis has no extent there. One micrometre is a
             thousand times finer than any depth sensor and well above float32 rounding at 10 m.
         least_deviation: Smallest estimated deviation: file formats round clouds to 0.1 mm, and two

@@ -8,7 +8,16 @@ from typing import Any
 import numpy as np
 
 from topple.benchmarks.clock import cpu_seconds
-from topple.benchmarks.paper.columns import LENIENT, PLAIN, TOPPLE, Answer, Column, cleaned, columns
+from topple.benchmarks.paper.columns import (
+    ESTIMATED,
+    LENIENT,
+    PLAIN,
+    TOPPLE,
+    Answer,
+    Column,
+    cleaned,
+    columns,
+)
 from topple.benchmarks.paper.layouts import LAYOUTS
 from topple.benchmarks.paper.looks import FEW, WHOLE, look, looks_at
 from topple.benchmarks.paper.stage import staged
@@ -122,7 +131,7 @@ def _answers(scene: Scene, task: Task, how: str) -> list[Outcome]:
     """All columns on whole surfaces and few views, topple and the paper's rule on the others."""
     methods: Mapping[str, Column] = columns(task.learned)
     if how not in (FEW, WHOLE):
-        methods = {name: methods[name] for name in (TOPPLE, PLAIN)}
+        methods = {name: methods[name] for name in (TOPPLE, PLAIN, ESTIMATED)}
     without_strays = cleaned(scene)
     found: list[Outcome] = []
     for name, method in methods.items():

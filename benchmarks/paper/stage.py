@@ -25,7 +25,7 @@ GROUND = (0.9, 0.9)
 CONTACT = 0.001
 """Largest gap [m] of bodies that count as touching: what the solver leaves, and twice the mesh error."""
 APART = 0.003
-"""Least gap [m] of things that count as disjoint: the paper's deviation of 2 mm, and noise on both sides."""
+"""Least gap [m] of things that count as disjoint: a plain deviation of 2 mm, and noise on both sides."""
 FLOOR = 0.002
 """The same for what is above the ground: the floor of the YCB bowl is 2.5 mm thick."""
 STICKS_OUT = 0.003

@@ -25,7 +25,9 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         help="distance in metres that still counts as touching (estimated)",
     )
     parser.add_argument(
-        "--plain", action="store_true", help="the paper's rule to the letter of its Table 1 (deviation 0.002)"
+        "--plain",
+        action="store_true",
+        help="the paper's rule to the letter of its Table 1 (deviation 0.002 unless given)",
     )
 
 

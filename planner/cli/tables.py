@@ -38,7 +38,7 @@ def print_relations(title: str, document: Document) -> None:
 def _pair(pair: Document) -> tuple[str, ...]:
     notes = (
         pair.get("kind"),
-        "inferred" if pair.get("inferred") else "",
+        pair.get("reason"),
         "" if pair["observed"] else "not observed",
     )
     gap = f"{'' if pair['gap_exact'] else '> '}{rounded(pair['gap'] * 1000, 1)}"

@@ -61,8 +61,8 @@ def _pair_row(pair: Mapping[str, Any], index: Mapping[str, int]) -> str:
     sure = "" if pair.get("confidence") is None else f"{float(pair['confidence']):.2f}"
     dot = f'<i class="dot" style="background:{css(relation_colour(relation))}"></i>'
     evidence = "inferred" if is_inferred(pair) else "observed"
-    kind = pair.get("kind")
-    note = f' <span class="kind">{escape(str(kind))}</span>' if kind else ""
+    notes = [str(pair[key]) for key in ("kind", "reason") if pair.get(key)]
+    note = f' <span class="kind">{escape(", ".join(notes))}</span>' if notes else ""
     matrix = pair.get("matrix")
     title = f' title="6IM matrix {escape(str(matrix))}"' if matrix is not None else ""
     return (

@@ -8,7 +8,7 @@ import pytest
 
 from topple.benchmarks.paper import truth
 from topple.benchmarks.paper.case import Outcome, Task, judged, solve
-from topple.benchmarks.paper.columns import BOXES, LENIENT, PLAIN, SUPPORT, TOPPLE, boxes
+from topple.benchmarks.paper.columns import BOXES, ESTIMATED, LENIENT, PLAIN, SUPPORT, TOPPLE, boxes
 from topple.benchmarks.paper.layouts import LAYOUTS
 from topple.benchmarks.paper.stage import APART, CONTACT, FLOOR, gap, staged
 from topple.benchmarks.paper.summary import report
@@ -111,7 +111,7 @@ def test_what_is_not_in_the_folder_of_models_is_procedural(tmp_path: Path) -> No
 
 def test_every_column_answers_every_pair(outcomes: tuple[list[Outcome], Path]) -> None:
     found, _ = outcomes
-    assert {one.column for one in found} == {TOPPLE, PLAIN, BOXES, SUPPORT}
+    assert {one.column for one in found} == {TOPPLE, PLAIN, ESTIMATED, BOXES, SUPPORT}
     for one in found:
         assert len(one.pairs) == 6
         assert all(pair.said is not None for pair in one.pairs)

@@ -95,8 +95,7 @@ def slow_interior(a, b):
     for up in (*axes, *-axes):
         under = roofed(a[deep], b, up, DEVIATION, spacing) & ~roofed(a[deep], b, -up, DEVIATION, spacing)
         held[deep] |= surrounded(a[deep], b, up, DEVIATION) & ~under
-    fewest = max(1 if len(a) < 30 else 3, int(np.ceil(TOLERANCES.interior_share * len(a))))
-    return held & (held.sum() >= fewest)
+    return held
 
 
 def slow_surface_distance(points, surface):
@@ -129,22 +128,21 @@ def slow_default_relation(a, b):
     a, b = (SurfaceCloud.of("", cloud).points for cloud in (a, b))
     apart = np.maximum(np.maximum(a.min(axis=0) - b.max(axis=0), b.min(axis=0) - a.max(axis=0)), 0)
     if (apart > TOLERANCES.reach).any():
-        return Relation.DISJOINT
+        return Relation.DISJOINT, np.array([[0, 0, len(a)], [0, 0, len(b)]])
     touching = slow_gap(a, b) <= DEVIATION
-    matrix = []
+    pattern, matrix = [], []
     for one, other in ((a, b), (b, a)):
         inside = slow_interior(one, other)
         table = np.linalg.norm(one[:, None] - other[None], axis=2)
-        boundary = ~inside & touching & (table.min(axis=1) <= DEVIATION)
-        outside = ~inside & ~boundary
-        if inside.any():
-            hull = Hull.of(other)
-            outside &= (one @ hull.normals.T + hull.offsets).max(axis=1) > 0
-            outside &= outside.sum() > TOLERANCES.exterior_share * len(one)
-            boundary = ~inside & ~outside
-        shown = boundary.any() or (touching and not inside.any())
-        matrix.append([inside.any(), shown, outside.any()])
-    return classify(matrix)
+        outside = ~inside & (table.min(axis=1) > DEVIATION)
+        matrix.append([inside.sum(), (~inside & ~outside).sum(), outside.sum()])
+        hull = Hull.of(other)
+        outside &= (one @ hull.normals.T + hull.offsets).max(axis=1) > 0
+        fewest = max(1 if len(one) < 30 else 3, int(np.ceil(TOLERANCES.interior_share * len(one))))
+        held = inside.sum() >= fewest
+        beyond = outside.sum() > TOLERANCES.exterior_share * len(one) if held else not touching
+        pattern.append([held, touching or not beyond, beyond])
+    return classify(pattern), np.array(matrix)
 
 
 SCENES = pytest.mark.parametrize("scenes", [60, pytest.param(1000, marks=pytest.mark.slow)])
@@ -174,7 +172,10 @@ def test_the_default_rule_equals_every_point_against_every_point(scenes):
         scene = random_scene(rng, 100, 3)
         relations = relate(scene, deviation=DEVIATION)
         for a, b in combinations(scene.names, 2):
-            expected = slow_default_relation(scene.clouds[a], scene.clouds[b])
-            assert relations.between(a, b).relation is expected, (number, a, b)
+            expected, matrix = slow_default_relation(scene.clouds[a], scene.clouds[b])
+            pair = relations.between(a, b)
+            assert pair.relation is expected, (number, a, b)
+            assert pair.matrix.tolist() == matrix.tolist(), (number, a, b)
+            assert (pair.reason is None) == (classify(matrix) is expected), (number, a, b, pair.reason)
             seen.add(expected)
     assert seen == set(Relation) or (scenes < 1000 and len(seen) >= 4)

@@ -53,6 +53,8 @@ def _pair(entry: Mapping[str, Any], relations: Relations, where: str) -> PairRel
         entry["a"], entry["b"]
     )
     told: dict[str, Any] = {"inferred": bool(entry.get("inferred", False)), "kind": entry.get("kind")}
+    if "matrix" in entry:
+        told["reason"] = entry.get("reason")
     if "gap" in entry:
         told["distance"] = _number(entry["gap"], f"{where}.gap")
         told["gap_exact"] = bool(entry.get("gap_exact", True))

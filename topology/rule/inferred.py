@@ -6,7 +6,8 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from topple.topology.arrays import FloatArray, IntArray
+from topple.topology.arrays import FloatArray
+from topple.topology.geometry.axes import upright_axes
 from topple.topology.geometry.outline import covers, outline
 from topple.topology.relations import PairRelation, Relations
 from topple.topology.scene import Scene
@@ -14,13 +15,16 @@ from topple.topology.sixim.table import Relation
 from topple.topology.statics.contact import TOLERANCES as CONTACT
 from topple.topology.statics.contact import find_contacts
 from topple.topology.tolerances import TOLERANCES
-from topple.topology.upright import Upright, upright_axes
+from topple.topology.upright import Upright
 
 if TYPE_CHECKING:
     from topple.topology.statics.support import Support
 
 CLOSE = 0.02
 """Gap [m] from which objects carry each other no more: twice what a search for contacts allows."""
+MEET = "inferred: their surfaces meet between the points"
+FLOATS = "inferred: it floats otherwise"
+"""Why two objects touch of which no point shows it."""
 
 _HELD_BY = frozenset({Relation.WITHIN, Relation.PARTIAL_WITHIN, Relation.CROSS})
 
@@ -60,7 +64,7 @@ def infer_contacts(
         for support in _uppermost(name, below, scene, relations):
             if frozenset((name, support.supporter)) in hidden:
                 pair = relations.between(support.supporter, name)
-                relations = relations.with_pair(_touching(pair, support.confidence))
+                relations = relations.with_pair(_touching(pair, support.confidence, FLOATS))
     return relations
 
 
@@ -79,7 +83,7 @@ def _meeting_between_points(scene: Scene, relations: Relations) -> Relations:
         return relations
     for contact in find_contacts(Upright.of(scene), among=narrow):
         if float(contact.gaps.min()) <= CONTACT.tight:
-            relations = relations.with_pair(_touching(relations.between(contact.a, contact.b), 0.5))
+            relations = relations.with_pair(_touching(relations.between(contact.a, contact.b), 0.5, MEET))
     return relations
 
 
@@ -158,18 +162,14 @@ def _may_touch(pair: PairRelation) -> bool:
     return pair.relation is Relation.DISJOINT and pair.gap <= TOLERANCES.reach
 
 
-def _touching(pair: PairRelation, confidence: float) -> PairRelation:
-    """The pair in contact at a place no point shows: each cloud is given that one on its boundary."""
-    matrix: IntArray = pair.matrix.copy()
-    for row in matrix:
-        if row[1] == 0:
-            row[1:] += (1, -1)
+def _touching(pair: PairRelation, confidence: float, reason: str) -> PairRelation:
+    """The pair in contact, at a place that no point shows."""
     return replace(
         pair,
         relation=Relation.TOUCH,
-        counts=matrix,
         confidence=float(np.clip(confidence, 0.5, 0.9)),
         observed=False,
         kind=None,
         inferred=True,
+        reason=reason,
     )

@@ -1,11 +1,13 @@
 """The default rule: relations that withstand noise, hidden surfaces and hollow objects.
 
 Where the paper asks whether any point lies in a hull (equation 4), this rule asks how many, and of the
-surface
-instead of its hull: a point is interior to an object that surrounds it, on its boundary near it, else
-exterior. Shares that noise alone explains count as none. The relation then follows from Table 1 as before.
+surface instead of its hull: a point is interior to an object that surrounds it, on its boundary near it,
+else exterior. The relation follows from Table 1 as before, but for counts that noise alone explains and for
+contacts, which the distance of the surfaces decides: it is finer than counts of mean points. Where the
+answer then differs from what Table 1 reads in the matrix, the pair says why.
 """
 
+from collections.abc import Collection
 from dataclasses import dataclass, field, replace
 
 import numpy as np
@@ -20,12 +22,24 @@ from topple.topology.rule.surface import SurfaceCloud, closest
 from topple.topology.scene import Scene
 from topple.topology.sixim.table import Relation, classify, kind_of
 from topple.topology.tolerances import TOLERANCES
-from topple.topology.views.visibility import Visibility
+from topple.topology.views.free_space import FreeSpace
 
 WALL = 600
 """Points that stand for a container's wall: 24 directions, some 25 each."""
 CONTENT = 400
 """Points of the content that are looked at: one in a hundred still shows."""
+RAYS = 10_000
+"""Points of a cloud that end lines of sight where there is no image: a table's every 5 mm."""
+CLOSE = "surfaces within the deviation"
+"""Why two touch although no mean point of either is near the other: the contact lies between them."""
+APART = "surfaces further apart than the deviation"
+"""Why two are disjoint although mean points of either are near the other: they speak for whole cells."""
+FEW = "too few points inside to count"
+"""Why one is not in the other although points are: noise explains them."""
+HOLLOW = "held in its hollow"
+"""Why one is within the other although points seem outside: none but a few lie beyond the hull."""
+
+_HELD = frozenset({Relation.WITHIN, Relation.CONTAIN})
 
 
 @dataclass(frozen=True, eq=False)
@@ -41,7 +55,7 @@ class RobustRule:
 
     deviation: float
     up: FloatArray | None = None
-    sight: Visibility | None = field(default=None, repr=False)
+    sight: FreeSpace | None = field(default=None, repr=False)
     reach: float = TOLERANCES.reach
 
     def prepare(self, name: str, cloud: FloatArray) -> SurfaceCloud:
@@ -51,30 +65,47 @@ class RobustRule:
     def relate(self, a: SurfaceCloud, b: SurfaceCloud) -> PairRelation:
         """Relate two prepared clouds."""
         near = closest(a, b)
-        inner_a, inner_b = self._interior(a, b), self._interior(b, a)
         touching = near.gap <= self.deviation
-        matrix = np.stack(
-            [self._row(a, b, inner_a, touching), self._row(b, a, inner_b, touching)],
-        )
-        relation = classify(matrix)
-        depth = self._overlap(a, b, inner_a, inner_b) if relation is Relation.CROSS else 0.0
+        one, other = self._counted(a, b), self._counted(b, a)
+        matrix = np.stack([one.counts, other.counts])
+        relation = self._relation(one, other, touching)
+        depth = max(one.depth, other.depth) if relation is Relation.CROSS else 0.0
+        reason = _reason(matrix, relation)
+        # A patch reaches half its spacing beyond the last sample; what is apart is not that close.
+        distance = -depth if depth > 0 else near.gap if touching else max(near.gap, box_distance(a, b))
         # What is in something, or on it, was seen there; what seems apart may meet where nobody looked.
-        observed = relation is not Relation.DISJOINT or self.sight is None or facing_seen(a, b, self.sight)
+        observed = relation is not Relation.DISJOINT or self._seen_apart(a, b, near.gap)
         return PairRelation(
             a=a.name,
             b=b.name,
             relation=relation,
             counts=matrix,
-            # A patch reaches half its spacing beyond the last sample; what is apart is not that close.
-            distance=-depth if depth > 0 else near.gap if touching else max(near.gap, box_distance(a, b)),
-            confidence=self._confidence(relation, near.gap, matrix, observed),
+            distance=distance,
+            confidence=self._confidence(relation, distance, matrix, observed),
             observed=observed,
-            kind=kind_of(matrix),
+            kind=kind_of(matrix) if reason is None else None,
+            reason=reason,
         )
 
-    def after(self, name: str, cloud: FloatArray) -> "RobustRule":
-        """The rule that knows what the cameras see once one object's cloud is another."""
-        return self if self.sight is None else replace(self, sight=self.sight.after(name, cloud))
+    def _seen_apart(self, a: SurfaceCloud, b: SurfaceCloud, gap: float) -> bool:
+        """Whether two disjoint objects were seen not to meet, or are too far apart to meet unseen."""
+        return self.sight is None or gap > self.reach or facing_seen(a, b, self.sight)
+
+    def after(self, scene: Scene, changed: Collection[str], looked_again: bool) -> "RobustRule":
+        """The rule that knows what the cameras see now."""
+        if self.sight is None and not looked_again:
+            return self
+        if self.sight is None or looked_again:
+            return replace(self, sight=seen_in(scene))
+        return replace(self, sight=self.sight.replaced({name: seen_points(scene, name) for name in changed}))
+
+    def look_again(self, pair: PairRelation, a: SurfaceCloud, b: SurfaceCloud) -> PairRelation:
+        """Whether a gap between two that stayed is still in sight."""
+        if pair.relation is not Relation.DISJOINT or self.sight is None:
+            return pair
+        observed = self._seen_apart(a, b, pair.gap)
+        confidence = self._confidence(pair.relation, pair.gap, pair.matrix, observed)
+        return replace(pair, observed=observed, confidence=confidence)
 
     def conclude(self, scene: Scene, relations: Relations) -> Relations:
         """Add the hidden contacts that gravity demands of the objects without their stray points."""
@@ -93,7 +124,7 @@ class RobustRule:
             return inside
         candidates = np.flatnonzero(_in_box(a.coarse, b.hull.lower, b.hull.upper))
         candidates = candidates[b.hull.facet_distance(a.coarse[candidates]) < -self.deviation]
-        if len(candidates) < self._least(a.size):
+        if len(candidates) == 0:
             return inside
         step = -(-len(candidates) // CONTENT)
         chosen = candidates[::step]
@@ -107,8 +138,6 @@ class RobustRule:
         if step > 1:  # the points between follow the nearest one that was looked at
             nearest = KDTree(a.coarse[chosen]).query(a.coarse[candidates])[1]
             inside[candidates] = held[nearest]
-        if np.count_nonzero(inside) < self._least(a.size):
-            inside[:] = False
         return inside
 
     def _under(self, places: FloatArray, b: SurfaceCloud, up: FloatArray) -> BoolArray:
@@ -125,36 +154,31 @@ class RobustRule:
         _, axes = np.linalg.eigh(centred.T @ centred)
         return [sign * axis for axis in axes.T for sign in (1.0, -1.0)]
 
-    @staticmethod
-    def _least(size: int) -> int:
-        """Fewest interior points that count."""
-        return max(1 if size < 30 else 3, int(np.ceil(TOLERANCES.interior_share * size)))
-
-    def _row(self, a: SurfaceCloud, b: SurfaceCloud, interior: BoolArray, touching: bool) -> IntArray:
-        """(interior, boundary, exterior) counts of A's mean points, without what noise explains."""
+    def _counted(self, a: SurfaceCloud, b: SurfaceCloud) -> "_Counted":
+        """Where the mean points of A lie in B."""
+        interior = self._interior(a, b)
         rest = np.flatnonzero(~interior)
         reach = self.deviation + max(a.cell, b.cell)
         distance = np.asarray(b.tree.query(a.coarse[rest], distance_upper_bound=reach)[0])
-        boundary = int(np.count_nonzero(distance <= reach)) if touching else 0
-        inner = int(np.count_nonzero(interior))
-        if touching and boundary == 0 and inner == 0:
-            boundary = 1  # the contact itself lies on both boundaries, between the mean points
-        outer = a.size - inner - boundary
-        if inner:  # who is in B is outside only beyond the hull: no wall stands higher than the rim
-            free = rest[~(distance <= reach)] if touching else rest
-            outer = int(np.count_nonzero(b.hull.facet_distance(a.coarse[free]) > 0))
-            boundary = a.size - inner - outer
-        if inner and outer <= TOLERANCES.exterior_share * a.size:
-            boundary, outer = boundary + outer, 0
-        return np.array([inner, boundary, outer], dtype=np.int64)
+        exterior = rest[~(distance <= reach)]
+        counts = np.array([a.size - len(rest), len(rest) - len(exterior), len(exterior)], dtype=np.int64)
+        if counts[0] < _least(a.size):
+            return _Counted(counts, False, True, 0.0)
+        # What is in B is outside only beyond the hull: no wall stands higher than the rim.
+        beyond = int(np.count_nonzero(b.hull.facet_distance(a.coarse[exterior]) > 0))
+        depth = float(np.median(b.tree.query(a.coarse[interior])[0]))
+        return _Counted(counts, True, beyond > TOLERANCES.exterior_share * a.size, depth)
 
-    def _overlap(self, a: SurfaceCloud, b: SurfaceCloud, inner_a: BoolArray, inner_b: BoolArray) -> float:
-        """How deep two crossing objects lie in each other [m]."""
-        depths = [
-            float(np.median(other.tree.query(one.coarse[inner])[0]))
-            for one, other, inner in ((a, b, inner_a), (b, a, inner_b))
-        ]
-        return max(depths)
+    @staticmethod
+    def _relation(one: "_Counted", other: "_Counted", touching: bool) -> Relation:
+        """What Table 1 says of the counts that noise does not explain, and of the surfaces' distance."""
+        if one.held and other.held:
+            return Relation.CROSS
+        if one.held:
+            return Relation.PARTIAL_WITHIN if one.stands_out else Relation.WITHIN
+        if other.held:
+            return Relation.PARTIAL_CONTAIN if other.stands_out else Relation.CONTAIN
+        return Relation.TOUCH if touching else Relation.DISJOINT
 
     def _confidence(self, relation: Relation, gap: float, matrix: IntArray, observed: bool) -> float:
         """How far the evidence is from where the relation would change, as a number from 0.5 to 1."""
@@ -169,5 +193,53 @@ class RobustRule:
         return float(1 - 0.5 * np.exp(-share / (4 * TOLERANCES.interior_share)))
 
 
+@dataclass(frozen=True, eq=False)
+class _Counted:
+    """Where the mean points of one cloud lie in another.
+
+    Attributes:
+        counts: (3,) (interior, boundary, exterior): in its solid or hollow, near its surface, else.
+        held: Whether more lie in the interior than noise puts there.
+        stands_out: Whether more lie beyond its hull than noise puts there.
+        depth: How deep those in the interior lie [m].
+    """
+
+    counts: IntArray
+    held: bool
+    stands_out: bool
+    depth: float
+
+
+def _least(size: int) -> int:
+    """Fewest interior points of so many that count."""
+    return max(1 if size < 30 else 3, int(np.ceil(TOLERANCES.interior_share * size)))
+
+
+def _reason(matrix: IntArray, relation: Relation) -> str | None:
+    """Why the relation is another than Table 1 reads in the matrix, None where it is the same."""
+    if classify(matrix) is relation:
+        return None
+    interior = matrix[:, 0] > 0
+    if relation in _HELD and interior.sum() == 1:
+        return HOLLOW
+    if interior.any():
+        return FEW
+    return CLOSE if relation is Relation.TOUCH else APART
+
+
 def _in_box(points: FloatArray, lower: FloatArray, upper: FloatArray) -> BoolArray:
     return np.asarray(((points >= lower) & (points <= upper)).all(axis=1))
+
+
+def seen_in(scene: Scene) -> FreeSpace | None:
+    """What the cameras of a scene saw to be empty, None where no camera is known."""
+    if not scene.images and len(scene.viewpoints) == 0:
+        return None
+    clouds = {name: seen_points(scene, name) for name in scene.names}
+    return FreeSpace(clouds, scene.viewpoints, scene.images)
+
+
+def seen_points(scene: Scene, name: str) -> FloatArray:
+    """(N, 3) points of an object that end lines of sight [m]: a spread of them, of a dense cloud."""
+    cloud = scene.clouds[name]
+    return cloud if scene.images else cloud[:: -(-len(cloud) // RAYS)]

@@ -1,186 +1,78 @@
-"""The paper's rule to the letter: hulls, facet-plane distances, any point counts (section 3.2).
+"""The paper's whole rule, to be held against its section 3: hulls, equations 1 to 4, Table 1.
 
-The relation needs six bits, not six counts, and few bits need a hull: bounds of both hulls settle most, the
-hulls the rest. Counts and gap are worked out when somebody asks for them.
+Two things differ from what is printed. Algorithm 1, read literally, never answers touch or disjoint, so
+Table 1 decides. And its box is enlarged by δ: as printed, a point just outside the box would be exterior.
+
+Everything is compared with everything. `relate(scene, plain=True)` gives the same answers sooner, by
+`topple.topology.sixim.fast`.
 """
 
-from dataclasses import dataclass
-from functools import cached_property, partial
+from collections.abc import Mapping
+from itertools import combinations
 
 import numpy as np
 
 from topple.topology.arrays import FloatArray, IntArray
 from topple.topology.geometry.hull import Hull
-from topple.topology.relations import PairRelation, Relations
-from topple.topology.scene import Scene
-from topple.topology.sixim.fast.bracket import SLACK, Bracket
-from topple.topology.sixim.matrix import Regions, in_box
-from topple.topology.sixim.table import classify, kind_of
-
-PROBES = 256
-"""Points in the other's box that are looked at before all: most contacts show in a few."""
+from topple.topology.sixim.table import Relation, classify
 
 
-@dataclass(frozen=True, eq=False)
-class PlainCloud:
-    """One object's cloud, with what is derived from it when first needed.
-
-    Attributes:
-        name: Name of the object.
-        columns: (3, N) points [m], each axis contiguous: box tests read one at a time.
-        lower: (3,) least corner of the box [m].
-        upper: (3,) greatest corner of the box [m].
-        deviation: The deviation factor δ [m].
-    """
-
-    name: str
-    columns: FloatArray
-    lower: FloatArray
-    upper: FloatArray
-    deviation: float
-
-    @property
-    def size(self) -> int:
-        """Number of points."""
-        return self.columns.shape[1]
-
-    @cached_property
-    def bracket(self) -> Bracket:
-        """Bounds of the hull."""
-        return Bracket(self.columns)
-
-    @cached_property
-    def regions(self) -> Regions:
-        """Interior, boundary and exterior of the hull."""
-        return Regions(Hull.of(self.columns.T), self.deviation)
-
-    def within_box(self, other: "PlainCloud", margin: float) -> FloatArray:
-        """(3, n) points [m] in another's box, enlarged by a margin [m]."""
-        inside = in_box(self.columns, other.lower - margin, other.upper + margin)
-        return self.columns[:, np.flatnonzero(inside)]
+def directed_distances(points: FloatArray, hull: Hull) -> FloatArray:
+    """(N, F) distances of points (N, 3) to each facet's plane [m], positive outside (equation 2)."""
+    return points @ hull.normals.T + hull.offsets
 
 
-@dataclass(frozen=True)
-class PlainRule:
-    """Relations by Table 1 on the counts of equation (4).
-
-    Attributes:
-        deviation: The deviation factor δ [m].
-    """
-
-    deviation: float
-
-    @property
-    def reach(self) -> float:
-        """Boxes further apart than δ leave every point exterior [m]."""
-        return self.deviation
-
-    def prepare(self, name: str, cloud: FloatArray) -> PlainCloud:
-        """Take in a cloud (N, 3)."""
-        columns = np.ascontiguousarray(cloud.T)
-        return PlainCloud(name, columns, columns.min(axis=1), columns.max(axis=1), self.deviation)
-
-    def relate(self, a: PlainCloud, b: PlainCloud) -> PairRelation:
-        """Relate two clouds."""
-        bits = pattern(a, b)
-        return PairRelation(
-            a=a.name,
-            b=b.name,
-            relation=classify(bits),
-            counts=partial(_counts, a, b),
-            distance=partial(_hull_gap, a, b),
-            kind=kind_of(bits),
-        )
-
-    def after(self, name: str, cloud: FloatArray) -> "PlainRule":
-        """The same rule: it looks at two clouds and nothing else."""
-        return self
-
-    def conclude(self, scene: Scene, relations: Relations) -> Relations:
-        """Nothing follows from all pairs together."""
-        return relations
-
-
-def pattern(a: PlainCloud, b: PlainCloud) -> list[list[bool]]:
-    """Which cells of R(A, B) have points, as far as Table 1 asks.
-
-    Once a point lies in an interior no relation depends on the boundaries any more: they count as reached.
+def counts(points: FloatArray, hull: Hull, deviation: float) -> IntArray:
+    """How many points lie in a hull's interior, on its boundary and in its exterior (equations 3 and 4).
 
     Args:
-        a: Cloud A.
-        b: Cloud B.
+        points: (N, 3) points [m].
+        hull: The hull.
+        deviation: The deviation factor δ [m], > 0.
 
     Returns:
-        [[A∩B°, A∩∂B, A∩B⁻], [A°∩B, ∂A∩B, A⁻∩B]], non-empty or not.
+        (3,) counts (interior, boundary, exterior).
     """
-    inside = [_has_interior(a, b), _has_interior(b, a)]
-    reaches = [True, True] if any(inside) else [_reaches(a, b), _reaches(b, a)]
-    # A point is somewhere: a cloud that is neither in nor on the other is outside.
-    outside = [not reaches[0] or _sticks_out(a, b), not reaches[1] or _sticks_out(b, a)]
-    return [[inside[row], reaches[row], outside[row]] for row in (0, 1)]
+    in_box = (points >= hull.lower - deviation) & (points <= hull.upper + deviation)
+    d = directed_distances(points[in_box.all(axis=1)], hull)
+    interior = int((d < -deviation).all(axis=1).sum())
+    boundary = int((d <= deviation).all(axis=1).sum()) - interior
+    return np.array([interior, boundary, len(points) - interior - boundary])
 
 
-def _has_interior(a: PlainCloud, b: PlainCloud) -> bool:
-    """Whether a point of A lies deeper than δ below every facet of B."""
-    depth = a.deviation
-    if b.bracket.nowhere_deeper(a.bracket, depth):
-        return False
-    if b.bracket.surely_deeper(a.bracket.extremes, depth):
-        return True
-    near = a.within_box(b, SLACK - depth)
-    if b.bracket.surely_deeper(_few(near), depth):
-        return True
-    near = b.bracket.maybe_deeper(near, depth)
-    known = b.bracket.deeper(near, depth)
-    return b.regions.holds(near) if known is None else known
-
-
-def _reaches(a: PlainCloud, b: PlainCloud) -> bool:
-    """Whether a point of A lies in B's hull enlarged by δ, as far as B's box enlarged by δ reaches."""
-    if b.bracket.surely_deeper(a.bracket.extremes, 0.0):
-        return True
-    near = a.within_box(b, a.deviation)
-    return b.bracket.surely_near(_few(near), a.deviation) or b.regions.meets(near)
-
-
-def _sticks_out(a: PlainCloud, b: PlainCloud) -> bool:
-    """Whether a point of A lies outside B's enlarged box, or beyond δ from a facet of B.
-
-    The enlarged hull is convex: it holds all of A where it holds the corners of A's hull.
-    """
-    if (a.lower < b.lower - a.deviation).any() or (a.upper > b.upper + a.deviation).any():
-        return True
-    outermost = b.regions.hull.facet_distance(a.bracket.extremes).max()
-    return bool(max(outermost, b.regions.hull.facet_distance(a.regions.hull.vertices).max()) > a.deviation)
-
-
-def _few(columns: FloatArray) -> FloatArray:
-    """(n, 3) some of the points (3, N)."""
-    return columns[:, :: max(1, columns.shape[1] // PROBES)].T
-
-
-def _counts(a: PlainCloud, b: PlainCloud) -> IntArray:
-    """The matrix R(A, B)."""
-    return np.stack([b.regions.counts(a.columns.T), a.regions.counts(b.columns.T)])
-
-
-def _hull_gap(a: PlainCloud, b: PlainCloud) -> float:
-    return hull_gap(a.regions.hull, b.regions.hull)
-
-
-def hull_gap(a: Hull, b: Hull) -> float:
-    """Distance of two hulls along the best facet normal of either [m], negative by the depth of overlap.
-
-    Where an edge faces an edge the hulls are further apart than this.
+def intersection_matrix(
+    a: FloatArray, hull_a: Hull, b: FloatArray, hull_b: Hull, deviation: float
+) -> IntArray:
+    """R(A, B), how many points of each cloud are where in the other (equation 1).
 
     Args:
-        a: One hull.
-        b: The other.
+        a: (N, 3) points of A [m].
+        hull_a: Hull of A, its boundary ∂A (Definition 1).
+        b: (M, 3) points of B [m].
+        hull_b: Hull of B.
+        deviation: The deviation factor δ [m], > 0.
+
+    Returns:
+        (2, 3) counts [[A∩B°, A∩∂B, A∩B⁻], [A°∩B, ∂A∩B, A⁻∩B]].
     """
-    gaps: list[float] = []
-    for facets, other in ((a, b), (b, a)):
-        step = max(1, (1 << 19) // len(other.vertices))
-        for start in range(0, len(facets.normals), step):
-            table = other.vertices @ facets.normals[start : start + step].T
-            gaps.append(float((table.min(axis=0) + facets.offsets[start : start + step]).max()))
-    return max(gaps)
+    return np.stack([counts(a, hull_b, deviation), counts(b, hull_a, deviation)])
+
+
+def plain_relations(
+    clouds: Mapping[str, FloatArray], deviation: float
+) -> dict[tuple[str, str], tuple[Relation, IntArray]]:
+    """The relation of every pair of clouds, and the matrix it was read from by Table 1.
+
+    Args:
+        clouds: Points (N, 3) [m] by name.
+        deviation: The deviation factor δ [m], > 0.
+
+    Returns:
+        (a, b) -> "a relation b" and R(A, B), each unordered pair once.
+    """
+    hulls = {name: Hull.of(cloud) for name, cloud in clouds.items()}
+    found: dict[tuple[str, str], tuple[Relation, IntArray]] = {}
+    for a, b in combinations(clouds, 2):
+        matrix = intersection_matrix(clouds[a], hulls[a], clouds[b], hulls[b], deviation)
+        found[a, b] = classify(matrix), matrix
+    return found

@@ -43,11 +43,13 @@ def test_a_box_with_a_hidden_foot_touches_the_table_by_inference():
     assert pair.inferred
     assert not pair.observed
     assert pair.gap > 0.01
-    assert (pair.matrix[:, 1] >= 1).all()
+    assert pair.matrix[:, :2].sum() == 0  # of the contact no point shows anything
+    assert pair.reason == "inferred: it floats otherwise"
+    assert pair.to_json()["reason"] == pair.reason
     (carried,) = Situation(scene(up=UP)).supports
     assert carried.inferred
     assert 0.5 < carried.confidence < 0.9
-    assert pair.confidence == pytest.approx(carried.confidence), "no contact is surer than who carries whom"
+    assert pair.confidence == pytest.approx(carried.confidence, abs=0.05), "no contact is surer than who carries whom"
 
 
 def test_a_lid_with_a_hidden_underside_touches_the_box_below_by_inference():

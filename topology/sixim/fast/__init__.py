@@ -1,1 +1,1 @@
-"""Shortcuts that count the same matrix sooner."""
+"""The paper's rule sooner: the same relations and counts, by bounds, tables and early exits."""

@@ -1,10 +1,10 @@
 import numpy as np
 import pytest
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 
 from topple.topology.geometry.hull import Hull
-from topple.topology.sixim.matrix import Regions, intersection_matrix
+from topple.topology.sixim.plain import directed_distances, intersection_matrix, plain_relations
 from topple.topology.sixim.table import Relation, classify
 
 DEVIATION = 0.002
@@ -26,21 +26,32 @@ def relation_of(a, b):
     return classify(matrix_of(a, b))
 
 
-@given(st.integers(0, 10**6), st.sampled_from([1, 5, 300, 20000]))
-@settings(max_examples=30, deadline=None)
-def test_prepared_regions_count_like_the_plain_way(seed, count):
-    rng = np.random.default_rng(seed)
-    a, b = surface(rng), surface(rng, count)
-    expected = matrix_of(a, b)
-    np.testing.assert_array_equal(Regions(Hull.of(b), DEVIATION).counts(a), expected[0])
-    np.testing.assert_array_equal(Regions(Hull.of(a), DEVIATION).counts(b), expected[1])
-
-
 @given(st.integers(0, 10**6))
 def test_rows_add_up_to_the_sizes_of_the_clouds(seed):
     rng = np.random.default_rng(seed)
     a, b = surface(rng, 200), surface(rng, 300)
     assert matrix_of(a, b).sum(axis=1).tolist() == [200, 300]
+
+
+def test_directed_distances_are_those_of_equation_2():
+    """n.(a - b1) / |n| for the outward normal n of the facet through b1, b2, b3."""
+    rng = np.random.default_rng(0)
+    hull, points = Hull.of(rng.normal(size=(30, 3))), rng.normal(size=(20, 3))
+    first, second, third = (hull.vertices[hull.faces[:, k]] for k in range(3))
+    normal = np.cross(second - first, third - first)
+    expected = ((points[:, None] - first) * normal).sum(axis=2) / np.linalg.norm(normal, axis=1)
+    found = directed_distances(points, hull)
+    np.testing.assert_allclose(np.sort(found, axis=1), np.sort(expected, axis=1), atol=1e-9)
+
+
+def test_every_pair_is_told_once_with_the_matrix_it_follows_from():
+    rng = np.random.default_rng(1)
+    clouds = {name: surface(rng) for name in "abcd"}
+    found = plain_relations(clouds, DEVIATION)
+    assert list(found) == [("a", "b"), ("a", "c"), ("a", "d"), ("b", "c"), ("b", "d"), ("c", "d")]
+    for (a, b), (relation, matrix) in found.items():
+        assert relation is classify(matrix)
+        np.testing.assert_array_equal(matrix, matrix_of(clouds[a], clouds[b]))
 
 
 UP = np.array([0.0, 0, 1])

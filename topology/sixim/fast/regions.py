@@ -1,4 +1,4 @@
-"""The 6-intersection matrix of two clouds: as the paper counts it, and the same counts sooner."""
+"""Interior, boundary and exterior of a hull, counted without trying every facet for every point."""
 
 import numpy as np
 
@@ -12,45 +12,11 @@ WORTH_A_TABLE = 2_000_000
 """Facet distances above which a gauge table (about 1 ms per 100 facets) pays for itself."""
 
 
-def intersection_matrix(
-    a: FloatArray, hull_a: Hull, b: FloatArray, hull_b: Hull, deviation: float
-) -> IntArray:
-    """Count the points of each cloud in the other's interior, boundary and exterior (equations 1 and 4).
-
-    A point is interior where every directed facet distance is below -δ, exterior where one exceeds δ,
-    else on the boundary. The paper's box test comes first, with the box enlarged by δ: as printed it
-    would call points within δ of the boundary exterior.
-
-    Args:
-        a: (N, 3) points of A [m].
-        hull_a: Hull of A.
-        b: (M, 3) points of B [m].
-        hull_b: Hull of B.
-        deviation: The deviation factor δ [m], > 0.
-
-    Returns:
-        (2, 3) counts [[A∩B°, A∩∂B, A∩B⁻], [A°∩B, ∂A∩B, A⁻∩B]].
-
-    See Also:
-        Regions: The same counts, faster where a hull meets several clouds.
-    """
-    return np.stack([_counts(a, hull_b, deviation), _counts(b, hull_a, deviation)])
-
-
-def _counts(points: FloatArray, hull: Hull, deviation: float) -> IntArray:
-    """(interior, boundary, exterior) counts of points, every facet for every point in the box."""
-    near = points[in_box(points.T, hull.lower - deviation, hull.upper + deviation)]
-    distance = hull.facet_distance(near)
-    interior = int(np.count_nonzero(distance < -deviation))
-    boundary = int(np.count_nonzero(distance <= deviation)) - interior
-    return np.array([interior, boundary, len(points) - interior - boundary], dtype=np.int64)
-
-
 class Regions:
     """Interior, boundary and exterior of one hull at one deviation, prepared for many points.
 
-    Exact like `intersection_matrix`. Most points are settled by a few facets that bar their way or by a
-    table of the hull enlarged and shrunk by δ; only what is left is tested against every facet.
+    Exact like `topple.topology.sixim.plain.counts`. Most points are settled by a few facets that bar their
+    way or by a table of the hull enlarged and shrunk by δ; only the rest is tested against every facet.
     """
 
     def __init__(self, hull: Hull, deviation: float) -> None:
