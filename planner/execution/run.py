@@ -30,8 +30,8 @@ from topple.planner.report.rerun_file import RATE as RERUN_RATE
 from topple.planner.report.rerun_file import rerun_file
 from topple.planner.transfer.transfer import scene_after
 from topple.robots.arm.arm import Arm
-from topple.robots.arm.own_arm import check_tool
 from topple.robots.catalog import robot as robot_named
+from topple.robots.catalog.own_arm import check_tool
 from topple.robots.world.camera import Camera
 from topple.robots.world.film import filmed
 from topple.robots.world.recording import Recording

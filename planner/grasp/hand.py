@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from topple.robots.hands.gripper import ParallelJaw, ToolState
+from topple.robots.arm.gripper import ParallelJaw, ToolState
 from topple.topology.arrays import FloatArray
 from topple.topology.errors import InvalidInput
 

@@ -11,8 +11,8 @@ from topple.planner.motion.exact import ExactPhase
 from topple.planner.motion.model import Attachment, CollisionModel
 from topple.planner.motion.obstacles import Obstacle
 from topple.robots.arm.arm import Arm
+from topple.robots.arm.gripper import ToolState
 from topple.robots.collision.separation import Candidates, Float32Array, Frames, gaps
-from topple.robots.hands.gripper import ToolState
 from topple.topology.arrays import BoolArray, FloatArray, IntArray
 
 BATCH = 1024  # states per batch: the arrays of one batch stay within the processor's cache

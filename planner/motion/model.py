@@ -8,9 +8,9 @@ import numpy as np
 
 from topple.planner.motion.obstacles import Obstacle, parts_of
 from topple.robots.arm.arm import Arm
+from topple.robots.arm.gripper import ToolState
 from topple.robots.collision.convex import hull_of
 from topple.robots.collision.separation import ConvexSets
-from topple.robots.hands.gripper import ToolState
 from topple.robots.poses import inverse
 from topple.topology.arrays import BoolArray, FloatArray, IntArray, frozen
 from topple.topology.errors import InvalidInput

@@ -26,8 +26,8 @@ from topple.planner.simulate.drops import simulated
 from topple.planner.transfer.transfer import scene_after, solids_after
 from topple.planner.verify.record import BROKEN
 from topple.robots.arm.arm import Arm
-from topple.robots.arm.own_arm import check_tool
 from topple.robots.catalog import robot as robot_named
+from topple.robots.catalog.own_arm import check_tool
 from topple.topology.arrays import FloatArray
 from topple.topology.errors import InvalidInput
 from topple.topology.rule.relate import Relations, relate

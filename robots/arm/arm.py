@@ -8,11 +8,11 @@ from pathlib import Path
 
 import numpy as np
 
+from topple.robots.arm.gripper import ParallelJaw, SuctionCup, Tool, ToolState
+from topple.robots.arm.gripper_file import Gripper
 from topple.robots.arm.inverse import distinct, solve
 from topple.robots.arm.kinematics import Chain
 from topple.robots.arm.urdf import Joint, Model, read_urdf
-from topple.robots.hands.gripper import ParallelJaw, SuctionCup, Tool, ToolState
-from topple.robots.hands.gripper_file import Gripper
 from topple.topology.arrays import BoolArray, FloatArray, frozen
 from topple.topology.errors import InvalidInput
 

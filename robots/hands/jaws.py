@@ -11,10 +11,10 @@ from typing import NoReturn
 import numpy as np
 
 from topple.robots.arm.arm import joint_value, pose_of_joint
+from topple.robots.arm.gripper import ParallelJaw, Tool, ToolState
+from topple.robots.arm.gripper_file import Jaw, pose_of_offset
 from topple.robots.arm.urdf import Joint, Model
 from topple.robots.collision.convex import hull_of
-from topple.robots.hands.gripper import ParallelJaw, Tool, ToolState
-from topple.robots.hands.gripper_file import Jaw, pose_of_offset
 from topple.robots.poses import inverse
 from topple.topology.arrays import FloatArray
 from topple.topology.errors import InvalidInput

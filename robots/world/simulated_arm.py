@@ -8,12 +8,12 @@ from typing import Any, Protocol
 import numpy as np
 
 from topple.robots.arm.arm import Arm
+from topple.robots.arm.gripper import ToolState
 from topple.robots.engine import pybullet
-from topple.robots.hands.compliance import Compliance
-from topple.robots.hands.gripper import ToolState
-from topple.robots.hands.vacuum import Vacuum
 from topple.robots.poses import inverse, pose_from, position_and_quaternion
+from topple.robots.world.compliance import Compliance
 from topple.robots.world.control import Control
+from topple.robots.world.vacuum import Vacuum
 from topple.robots.world.world import World
 from topple.topology.arrays import FloatArray
 from topple.topology.errors import InvalidInput

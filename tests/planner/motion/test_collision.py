@@ -8,9 +8,9 @@ import pytest
 
 from topple.planner.motion.collision import Checker
 from topple.planner.motion.model import Attachment
+from topple.robots.arm.gripper import ToolState
 from topple.robots.catalog import robot
 from topple.robots.collision.convex import hull_of
-from topple.robots.hands.gripper import ToolState
 from topple.topology.errors import InvalidInput
 
 sys.path.insert(0, str(Path(__file__).parent))

@@ -1,8 +1,8 @@
 import numpy as np
 import pytest
 
+from topple.robots.arm.gripper import ToolState
 from topple.robots.catalog import names, robot
-from topple.robots.hands.gripper import ToolState
 from topple.topology.errors import InvalidInput
 
 

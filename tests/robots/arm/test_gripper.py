@@ -3,8 +3,8 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
+from topple.robots.arm.gripper import SuctionCup, ToolState
 from topple.robots.catalog import names, robot
-from topple.robots.hands.gripper import SuctionCup, ToolState
 
 
 @pytest.mark.parametrize("name", names())

@@ -5,8 +5,8 @@ from typing import Any
 
 import numpy as np
 
+from topple.robots.arm.gripper import SuctionCup
 from topple.robots.engine import pybullet
-from topple.robots.hands.gripper import SuctionCup
 from topple.robots.poses import inverse, pose_from, position_and_quaternion
 from topple.robots.world.world import World
 from topple.topology.arrays import FloatArray

@@ -10,10 +10,10 @@ import pytest
 
 from topple.planner.motion.collision import Checker
 from topple.robots.arm.arm import Arm
-from topple.robots.arm.own_arm import check_tool
+from topple.robots.arm.gripper import ParallelJaw, SuctionCup, ToolState
+from topple.robots.arm.gripper_file import Cup, Gripper, Jaw
 from topple.robots.catalog import data_path, robot
-from topple.robots.hands.gripper import ParallelJaw, SuctionCup, ToolState
-from topple.robots.hands.gripper_file import Cup, Gripper, Jaw
+from topple.robots.catalog.own_arm import check_tool
 from topple.robots.world.simulated_arm import SimulatedArm
 from topple.robots.world.world import World
 from topple.topology.errors import InvalidInput
