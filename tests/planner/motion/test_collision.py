@@ -145,7 +145,7 @@ def test_a_margin_keeps_that_distance(gap: float) -> None:
     arm = robot("panda")
     q = arm.inverse(top_down(0.5, 0.0, 0.2))[0][:1]
     lowest = min(
-        float((arm.hulls[i] @ pose[:3, :3].T + pose[:3, 3])[:, 2].min())
+        float((np.vstack(arm.parts[i]) @ pose[:3, :3].T + pose[:3, 3])[:, 2].min())
         for i, pose in enumerate(arm.forward(q)[0])
         if "finger" in arm.links[i]
     )

@@ -29,7 +29,7 @@ def test_finger_links_move_along_the_closing_direction(name: str) -> None:
     def middles(opening: float) -> np.ndarray:
         poses = arm.forward(q, ToolState(opening))[0, index]
         centres = [
-            pose[:3, :3] @ arm.hulls[i].mean(axis=0) + pose[:3, 3]
+            pose[:3, :3] @ np.vstack(arm.parts[i]).mean(axis=0) + pose[:3, 3]
             for i, pose in zip(index, poses, strict=True)
         ]
         return np.array([to_tool[:3, :3] @ c + to_tool[:3, 3] for c in centres])
