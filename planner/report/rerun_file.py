@@ -104,7 +104,7 @@ def _log_motion(rr: Any, stream: Any, recording: Recording) -> None:
     times = [rr.TimeColumn("time", duration=recording.times)]
     for link, parts in zip(arm.links, arm.parts, strict=True):
         if parts:
-            shape = trimesh.util.concatenate([trimesh.Trimesh(*hull_of(part)) for part in parts])
+            shape: Any = trimesh.util.concatenate([trimesh.Trimesh(*hull_of(part)) for part in parts])
             mesh = rr.Mesh3D(vertex_positions=shape.vertices, triangle_indices=shape.faces, albedo_factor=ARM)
             path = rr.new_entity_path(["world", "arm", link])
             stream.log(path, mesh, static=True)
