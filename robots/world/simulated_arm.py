@@ -76,7 +76,7 @@ class SimulatedArm:
         self._reset()
         self._couple_fingers()
         self.wrist = Wrist(
-            world.client, self.id, self._arm_joints[-1], world.physics.gravity, world.time_step
+            world.client, self.id, arm, self._arm_joints, world.physics.gravity, world.time_step
         )
         self.vacuum: Vacuum | None = None
         self.touched: dict[str, Touch] = {}
