@@ -19,7 +19,7 @@ from topple.topology.arrays import FloatArray
 def handed_over(folder: Path, problems: Sequence[Problem], seed: int, budget: float) -> None:
     """Write `arm.urdf`, `arm.srdf` and `problems.json`.
 
-    The arm has the hulls, joint limits and self-collision pairs of ours, its hand fixed as it stands open.
+    The arm has the collision parts, joint limits and self-collision pairs of ours, its hand fixed open.
 
     Args:
         folder: An empty folder.
@@ -56,8 +56,8 @@ def _write_arm(folder: Path, arm: Arm) -> None:
     offsets = dict(zip(arm.links, arm.offsets(arm.open_hand), strict=True))
     driven = {name: k for k, name in enumerate(arm.joints)}
     lines = ['<robot name="arm">']
-    for link, hull in zip(arm.links, arm.hulls, strict=True):
-        shape = _collision(folder / f"{link}.obj", hull) if len(hull) else ""
+    for link, parts in zip(arm.links, arm.parts, strict=True):
+        shape = "".join(_collision(folder / f"{link}_{k}.obj", part) for k, part in enumerate(parts))
         lines.append(f'<link name="{link}">{_INERTIA}{shape}</link>')
     for joint in arm.model.joints.values():
         ends = f'<parent link="{joint.parent}"/><child link="{joint.child}"/>'

@@ -91,8 +91,8 @@ def arm_of(args: argparse.Namespace) -> "Arm":
     Raises:
         InvalidInput: The name is unknown, the URDF or the gripper file cannot be used, or there is no tool.
     """
-    from topple.robots.arm.own_arm import check_tool
     from topple.robots.catalog import robot
+    from topple.robots.catalog.own_arm import check_tool
 
     arm = robot(args.robot, gripper=args.gripper)
     check_tool(arm)

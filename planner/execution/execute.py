@@ -13,20 +13,25 @@ from topple.planner.motion.trajectory import retime
 from topple.planner.transfer.checks import MARGIN, RELEASE_GAP
 from topple.planner.transfer.segments import Segment
 from topple.planner.transfer.transfer import Transfer
-from topple.robots.poses import angle_between
-from topple.robots.world.simulated_arm import SimulatedArm
+from topple.robots.driver import Driver
 from topple.topology.arrays import FloatArray
 
 WATCHED = ("lift", "transfer", "place")  # segments during which the object must be in the hand
+GUARDED = ("approach", "place")  # segments that a force at the wrist ends
 TOUCHDOWN = 1.0  # [N] an object that presses this much on what is below stands on it: the arm goes no further
-TOUCHED = 2.0  # [N] fingers that press so much on their way in push: less does not move a can
-SEATED = 8.0  # [N] seat a cup's lip: the arm goes no further
+TOUCHED = {"fingers": 2.0, "suction": 8.0}  # [N] moves no can yet; seats a cup's lip
+STILL = 0.1  # [s] before the force at the wrist is taken for the weight of the hand and of what it holds
 SHALLOW = 0.005  # [m] before the end of the way in that a grasp still holds: a third of a pad
 OFF_COURSE = 0.03  # [rad] an arm this far from its goal is held up by something
 NOTHING = 0.001  # [m] pads closer than this have nothing between them
 AT_HOME = 0.01  # [rad]
 SPEED = 0.5  # share of the joints' velocity limits on the way home
 SAMPLES = 40  # of the tool's path per segment, for pictures
+
+
+TAKEN, LET_GO, MISSED = "taken", "let go", "missed"
+Watch = Callable[[str, str], None]
+"""Called when an object was taken, is about to be let go, or is missed, with that and the tool's name."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -37,19 +42,14 @@ class Outcome:
         success: The object was taken, carried and let go where it should be.
         text: What happened, in one sentence.
         tool_path: (k, 3) planned positions of the tool in the world [m], of the segments that were driven.
-        slip: Distance [m] and angle [rad] by which the object moved in the hand while it was held, measured
-            on true poses; None where it was never held.
-        lost_at: (3,) where in the world [m] the object was when it was missed; None where it was not.
     """
 
     success: bool
     text: str
     tool_path: FloatArray
-    slip: tuple[float, float] | None = None
-    lost_at: FloatArray | None = None
 
 
-def execute(transfer: Transfer, robot: SimulatedArm) -> Outcome:
+def execute(transfer: Transfer, robot: Driver, watch: Watch | None = None) -> Outcome:
     """Drives the segments one after the other.
 
     A grasp that closes on nothing, a cup that does not seal or an object lost on the way ends it: the hand
@@ -57,35 +57,33 @@ def execute(transfer: Transfer, robot: SimulatedArm) -> Outcome:
 
     Args:
         transfer: What to do; it should start where the arm is.
-        robot: The arm in its world.
+        robot: The arm.
+        watch: Who looks on, if anybody.
     """
     done: list[Segment] = []
-    name = transfer.object
-    held: FloatArray | None = None  # pose_object_to_hand once it was taken
-    slip: tuple[float, float] | None = None
+    watch = watch or _nobody
     for segment in transfer.segments:
-        if held is not None and segment.kind == "release":
-            slip = _shift(held, robot.pose_in_hand(name, segment.tool))
-        problem = _drive(segment, transfer, robot)
+        if segment.kind == "release":
+            watch(LET_GO, segment.tool)
+        problem = _drive(segment, transfer.object, robot)
         if segment.trajectory is not None:
             done.append(segment)
         if problem is not None:
-            in_hand = robot.pose_in_hand(name, segment.tool)
-            lost = None if held is None else robot.world.pose(name)[:3, 3]
-            retreat(transfer, done, robot)
-            slip = None if held is None else _shift(held, in_hand)
-            return Outcome(False, problem, _tool_path(done, robot), slip, lost)
+            watch(MISSED, segment.tool)
+            retreat(done, robot)
+            return Outcome(False, problem, _tool_path(done, robot))
         if segment.kind == "grasp":
-            held = robot.pose_in_hand(name, segment.tool)
-    return Outcome(True, f"{name} was put down, {transfer.placement.rest}.", _tool_path(done, robot), slip)
+            watch(TAKEN, segment.tool)
+    return Outcome(
+        True, f"{transfer.object} was put down, {transfer.placement.rest}.", _tool_path(done, robot)
+    )
 
 
-def _shift(before: FloatArray, after: FloatArray) -> tuple[float, float]:
-    """Distance [m] and angle [rad] between two poses (4, 4)."""
-    return float(np.linalg.norm(after[:3, 3] - before[:3, 3])), angle_between(before, after)
+def _nobody(_moment: str, _tool: str) -> None:
+    """Nobody looks on."""
 
 
-def withdraw(robot: SimulatedArm, solids: Solids, seed: int) -> None:
+def withdraw(robot: Driver, solids: Solids, seed: int) -> None:
     """Brings the arm home, out of the cameras' view, where there is a free way.
 
     Args:
@@ -106,7 +104,7 @@ def withdraw(robot: SimulatedArm, solids: Solids, seed: int) -> None:
         robot.follow(retime(robot.arm, found.path, SPEED))
 
 
-def retreat(transfer: Transfer, done: list[Segment], robot: SimulatedArm) -> None:
+def retreat(done: list[Segment], robot: Driver) -> None:
     """Lets go, no wider than the hand was open on its way in, and backs out along that way."""
     if not done:
         robot.release()
@@ -127,11 +125,10 @@ def retreat(transfer: Transfer, done: list[Segment], robot: SimulatedArm) -> Non
     robot.open()
 
 
-def _drive(segment: Segment, transfer: Transfer, robot: SimulatedArm) -> str | None:
+def _drive(segment: Segment, name: str, robot: Driver) -> str | None:
     """Drives one segment; a sentence where it went wrong."""
-    name = transfer.object
     if segment.kind == "grasp":
-        return _take(segment, transfer, robot)
+        return _take(segment, name, robot)
     if segment.kind == "release":
         # what is held may be wider than it looked
         robot.release(max(segment.hand.opening, robot.opening + RELEASE_GAP))
@@ -144,32 +141,22 @@ def _drive(segment: Segment, transfer: Transfer, robot: SimulatedArm) -> str | N
             robot.extend(segment.hand.cup_extension)
         if segment.kind != "retreat":
             robot.open(segment.hand.opening)
-    guard = _guard(segment, name, robot)
-    # a hand that gave way as it closed lifts straight up from where it is
-    error = robot.follow(segment.trajectory, guard, keep_offset=segment.kind == "lift")
+    guard = TOUCHDOWN if segment.kind == "place" else TOUCHED.get(segment.tool)
+    if segment.kind in GUARDED and guard is not None:
+        robot.wait(STILL)
+        error = robot.follow_until(segment.trajectory, guard)
+    else:  # a hand that gave way as it closed lifts straight up from where it is
+        error = robot.follow(segment.trajectory, keep_offset=segment.kind == "lift")
     if segment.kind == "approach" and segment.tool == "fingers" and _way_left(segment, robot) > SHALLOW:
-        touched = robot.strongest_touch()
-        return f"the fingers met {touched[0] if touched else 'something'} on their way in."
-    if segment.kind in WATCHED and not robot.holds(name):
+        return f"the fingers met something on their way to {name}."
+    if segment.kind in WATCHED and not robot.holding:
         return f"{name} slipped out of the hand during the {segment.kind}."
     if error > OFF_COURSE:
-        touched = robot.strongest_touch(ignoring=(name,))
-        what = f" against {touched[0]}" if touched else ""
-        return f"the arm was held up during the {segment.kind}{what}."
+        return f"the arm was held up during the {segment.kind}."
     return None
 
 
-def _guard(segment: Segment, name: str, robot: SimulatedArm) -> Callable[[], bool] | None:
-    """What stops a segment before its end: an object that stands, a hand that meets something."""
-    if segment.kind == "place":
-        return lambda: robot.load_on(name) > TOUCHDOWN
-    if segment.kind == "approach":
-        most = TOUCHED if segment.tool == "fingers" else SEATED
-        return lambda: robot.press() > most
-    return None
-
-
-def _way_left(segment: Segment, robot: SimulatedArm) -> float:
+def _way_left(segment: Segment, robot: Driver) -> float:
     """How far the tool stopped before the end of a segment [m]."""
     assert segment.trajectory is not None
     states = np.stack([robot.q_target, segment.trajectory.positions[-1]])
@@ -177,20 +164,19 @@ def _way_left(segment: Segment, robot: SimulatedArm) -> float:
     return float(np.linalg.norm(there - here))
 
 
-def _take(segment: Segment, transfer: Transfer, robot: SimulatedArm) -> str | None:
-    name = transfer.object
+def _take(segment: Segment, name: str, robot: Driver) -> str | None:
     if segment.tool == "suction":
         robot.wait(0.2)
-        return None if robot.suck(name) else f"the cup found no seal on {name}."
+        return None if robot.suck() else f"the cup found no seal on {name}."
     jaw = robot.arm.tools[segment.tool].gripper
     opening = robot.close(PRESS * getattr(jaw, "force", 0.0))
     robot.wait(0.2)
-    if opening < NOTHING or not robot.holds(name):
+    if opening < NOTHING or not robot.holding:
         return f"the fingers closed {'on nothing' if opening < NOTHING else f'without holding {name}'}."
     return None
 
 
-def _tool_path(done: list[Segment], robot: SimulatedArm) -> FloatArray:
+def _tool_path(done: list[Segment], robot: Driver) -> FloatArray:
     """(k, 3) in the world [m]."""
     pieces = [np.zeros((0, 3))]
     for segment in done:

@@ -6,8 +6,9 @@ from dataclasses import dataclass
 import numpy as np
 
 from topple.planner.decide.goal import Goal
+from topple.planner.execution.execute import MISSED, TAKEN
 from topple.robots.poses import angle_between
-from topple.robots.world.simulated_arm import Touch
+from topple.robots.world.simulated_arm import SimulatedArm, Touch
 from topple.robots.world.world import World
 from topple.topology.arrays import FloatArray
 from topple.topology.scene import Scene
@@ -39,6 +40,35 @@ class Limits:
 
 
 LIMITS = Limits()
+
+
+@dataclass
+class HandWitness:
+    """Sees, on true poses, what becomes of an object in a simulated hand; to be given to `execute`.
+
+    Attributes:
+        robot: The arm.
+        name: The object.
+        slip: Distance [m] and angle [rad] by which it moved in the hand while it was held; None where it was
+            never held.
+        lost_at: (3,) where in the world [m] it was when it was missed; None where it was not.
+    """
+
+    robot: SimulatedArm
+    name: str
+    slip: tuple[float, float] | None = None
+    lost_at: FloatArray | None = None
+    _taken: FloatArray | None = None
+
+    def __call__(self, moment: str, tool: str) -> None:
+        """Look at the hand at a moment of `topple.planner.execution.execute`."""
+        now = self.robot.pose_in_hand(self.name, tool)
+        if moment == TAKEN:
+            self._taken = now
+        elif self._taken is not None:
+            way = float(np.linalg.norm(now[:3, 3] - self._taken[:3, 3]))
+            self.slip = way, angle_between(self._taken, now)
+            self.lost_at = self.robot.world.pose(self.name)[:3, 3] if moment == MISSED else None
 
 
 def displacements(

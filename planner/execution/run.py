@@ -15,7 +15,7 @@ from topple.planner.decide.goal import Goal, parse_goal
 from topple.planner.decide.turn import Ahead
 from topple.planner.errors import NoSafePlan
 from topple.planner.execution.execute import Outcome, execute, withdraw
-from topple.planner.execution.judge import LIMITS, displacements, tilts, truly_unmet, violations
+from topple.planner.execution.judge import LIMITS, HandWitness, displacements, tilts, truly_unmet, violations
 from topple.planner.execution.look import Look, Observer, unexpected
 from topple.planner.execution.rehearsal import Rehearsal
 from topple.planner.files import write_whole
@@ -30,8 +30,8 @@ from topple.planner.report.rerun_file import RATE as RERUN_RATE
 from topple.planner.report.rerun_file import rerun_file
 from topple.planner.transfer.transfer import scene_after
 from topple.robots.arm.arm import Arm
-from topple.robots.arm.own_arm import check_tool
 from topple.robots.catalog import robot as robot_named
+from topple.robots.catalog.own_arm import check_tool
 from topple.robots.world.camera import Camera
 from topple.robots.world.film import filmed
 from topple.robots.world.recording import Recording
@@ -287,7 +287,8 @@ class ClosedLoop:
         events = self._decided(chosen)
         before = self.world.poses()
         self.robot.touched.clear()
-        outcome = execute(transfer, self.robot)
+        witness = HandWitness(self.robot, name)
+        outcome = execute(transfer, self.robot, witness)
         expected = scene_after(look.scene, transfer) if outcome.success else look.scene
         withdraw(self.robot, solids_of(expected), self.seed)
         self.robot.wait(self.limits.settle)
@@ -308,8 +309,8 @@ class ClosedLoop:
             events.append("the next step is planned from what is seen")
         handled = (name, *self.fixed)
         wrong = violations(before, after, self.robot.touched, handled)
-        if outcome.lost_at is not None and outcome.lost_at[2] - after[name][2, 3] > LIMITS.drop:
-            wrong.append(f"it was dropped by {100 * (outcome.lost_at[2] - after[name][2, 3]):.0f} cm")
+        if witness.lost_at is not None and witness.lost_at[2] - after[name][2, 3] > LIMITS.drop:
+            wrong.append(f"it was dropped by {100 * (witness.lost_at[2] - after[name][2, 3]):.0f} cm")
         touched = {other: touch for other, touch in self.robot.touched.items() if other not in handled}
         step = StepRecord(
             object=name,
@@ -331,7 +332,7 @@ class ClosedLoop:
             observed=seen.relations.to_json(),
             tool_path=outcome.tool_path,
             tilts=tilts(before, after, handled),
-            slip=outcome.slip,
+            slip=witness.slip,
             forces={other: touch.force for other, touch in touched.items()},
             impulses={other: touch.impulse for other, touch in touched.items()},
         )

@@ -20,7 +20,7 @@ from topple.planner.formats.plan_format import (
 from topple.planner.motion.trajectory import Trajectory
 from topple.planner.transfer.segments import Segment
 from topple.planner.transfer.transfer import Transfer
-from topple.robots.hands.gripper import ToolState
+from topple.robots.arm.gripper import ToolState
 from topple.topology.arrays import FloatArray
 from topple.topology.scene import Scene
 

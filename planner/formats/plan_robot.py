@@ -8,8 +8,8 @@ from typing import TYPE_CHECKING
 
 import msgspec
 
-from topple.robots.hands.gripper import ParallelJaw, SuctionCup, Tool
-from topple.robots.hands.gripper_file import Gripper
+from topple.robots.arm.gripper import ParallelJaw, SuctionCup, Tool
+from topple.robots.arm.gripper_file import Gripper
 from topple.topology.errors import InvalidInput
 
 if TYPE_CHECKING:

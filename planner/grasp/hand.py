@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from topple.robots.hands.gripper import ParallelJaw, ToolState
+from topple.robots.arm.gripper import ParallelJaw, ToolState
 from topple.topology.arrays import FloatArray
 from topple.topology.errors import InvalidInput
 
@@ -92,15 +92,14 @@ def hand_shape(arm: "Arm") -> HandShape:
     if not isinstance(jaw, ParallelJaw):
         raise InvalidInput(f"robot {arm.name!r}: its tool 'fingers' is no parallel jaw")
     bodies = hand_bodies(arm, "fingers", ToolState(opening=0.0))
-    moving = [vertices for link, vertices in bodies if link in jaw.links]
-    finger = max(moving, key=lambda vertices: float(vertices[:, 1].mean()))
-    palm = [prism for link, vertices in bodies if link not in jaw.links for prism in prisms(vertices, ())]
+    finger = max(_by_link(bodies, jaw.links), key=lambda parts: float(np.vstack(parts)[:, 1].mean()))
+    palm = [prism for link, part in bodies if link not in jaw.links for prism in prisms(part, ())]
     return HandShape(
         max_opening=jaw.max_opening,
         pad_width=jaw.pad_size[0],
         pad_length=jaw.pad_size[1],
-        tip=float(finger[:, 2].max()),
-        finger=prisms(finger, FINGER_SLABS),
+        tip=max(float(part[:, 2].max()) for part in finger),
+        finger=tuple(prism for part in finger for prism in prisms(part, FINGER_SLABS)),
         palm=tuple(palm),
         force=PRESS * jaw.force,
         give=jaw.give,
@@ -122,13 +121,17 @@ def hand_bodies(arm: "Arm", tool: str, state: ToolState) -> list[tuple[str, Floa
     poses = arm.forward(q, state)[0]
     to_tool = np.linalg.inv(arm.tool_pose(q, tool)[0])
     found: list[tuple[str, FloatArray]] = []
-    for link, pose, hull in zip(arm.links, poses, arm.hulls, strict=True):
-        if len(hull) == 0:
-            continue
-        vertices = hull @ (to_tool @ pose)[:3, :3].T + (to_tool @ pose)[:3, 3]
-        if vertices[:, 2].max() > -HAND_REACH and np.linalg.norm(vertices, axis=1).min() < HAND_REACH:
-            found.append((link, vertices))
+    for link, pose, parts in zip(arm.links, poses, arm.parts, strict=True):
+        for part in parts:
+            vertices = part @ (to_tool @ pose)[:3, :3].T + (to_tool @ pose)[:3, 3]
+            if vertices[:, 2].max() > -HAND_REACH and np.linalg.norm(vertices, axis=1).min() < HAND_REACH:
+                found.append((link, vertices))
     return found
+
+
+def _by_link(bodies: list[tuple[str, FloatArray]], links: tuple[str, ...]) -> list[list[FloatArray]]:
+    """The parts of each of some links."""
+    return [[part for link, part in bodies if link == wanted] for wanted in links]
 
 
 def prisms(vertices: FloatArray, slabs: tuple[float, ...]) -> tuple[Prism, ...]:

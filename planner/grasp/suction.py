@@ -10,7 +10,7 @@ from topple.planner.grasp.hand import FINGER_SLABS, Prism, hand_bodies, prisms
 from topple.planner.grasp.surface import Surface
 from topple.planner.grasp.surroundings import ITSELF, Dropped, Surroundings
 from topple.planner.grasp.tolerances import GRASP_TOLERANCES, GraspTolerances
-from topple.robots.hands.gripper import SuctionCup
+from topple.robots.arm.gripper import SuctionCup
 from topple.topology.arrays import BoolArray, FloatArray
 from topple.topology.errors import InvalidInput
 

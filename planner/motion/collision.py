@@ -11,8 +11,8 @@ from topple.planner.motion.exact import ExactPhase
 from topple.planner.motion.model import Attachment, CollisionModel
 from topple.planner.motion.obstacles import Obstacle
 from topple.robots.arm.arm import Arm
+from topple.robots.arm.gripper import ToolState
 from topple.robots.collision.separation import Candidates, Float32Array, Frames, gaps
-from topple.robots.hands.gripper import ToolState
 from topple.topology.arrays import BoolArray, FloatArray, IntArray
 
 BATCH = 1024  # states per batch: the arrays of one batch stay within the processor's cache
@@ -169,10 +169,10 @@ class Checker:
         self.exact.load(self.arm.chain.poses(q[:1]))
         self.exact.place(0, *a.tolist(), *b.tolist())
         names = self.model.names
-        found = {
-            (names[i], names[j]): self.exact.distance(i, j)
-            for i, j in zip(a.tolist(), b.tolist(), strict=True)
-        }
+        found: dict[tuple[str, str], float] = {}
+        for i, j in zip(a.tolist(), b.tolist(), strict=True):
+            pair = names[i], names[j]
+            found[pair] = min(self.exact.distance(i, j), found.get(pair, np.inf))
         return tuple(
             sorted((Contact(*pair, d) for pair, d in found.items()), key=lambda c: (c.distance, c.a, c.b))
         )

@@ -8,9 +8,9 @@ import numpy as np
 
 from topple.planner.motion.obstacles import Obstacle, parts_of
 from topple.robots.arm.arm import Arm
+from topple.robots.arm.gripper import ToolState
 from topple.robots.collision.convex import hull_of
 from topple.robots.collision.separation import ConvexSets
-from topple.robots.hands.gripper import ToolState
 from topple.robots.poses import inverse
 from topple.topology.arrays import BoolArray, FloatArray, IntArray, frozen
 from topple.topology.errors import InvalidInput
@@ -111,9 +111,9 @@ class _Parts:
 
     def add_links(self, arm: Arm, tool_state: ToolState) -> None:
         offsets = arm.offsets(tool_state)
-        for i, (link, hull) in enumerate(zip(arm.links, arm.hulls, strict=True)):
-            if len(hull):
-                self._add(link, _moved(offsets[i], hull), arm.frame_of_link[i], i)
+        for i, (link, parts) in enumerate(zip(arm.links, arm.parts, strict=True)):
+            for part in parts:
+                self._add(link, _moved(offsets[i], part), arm.frame_of_link[i], i)
 
     def add_attached(self, arm: Arm, attached: Attachment) -> None:
         pose = arm.tool_to_flange(attached.tool)

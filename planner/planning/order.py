@@ -136,8 +136,8 @@ def cautious(
 def _with_access(found: Order, scene: "Scene", robot: "Arm | str") -> Order:
     """An order that also says what bars the gripper's way."""
     from topple.planner.planning.access import access  # arms are not wanted without a robot
-    from topple.robots.arm.own_arm import check_tool
     from topple.robots.catalog import robot as robot_named
+    from topple.robots.catalog.own_arm import check_tool
 
     arm = robot_named(robot) if isinstance(robot, str) else robot
     check_tool(arm)

@@ -26,8 +26,8 @@ from topple.planner.planning.start import check_start, check_upright
 from topple.planner.planning.step import NextStep, Orderer, Station
 from topple.planner.transfer.transfer import scene_after, solids_after
 from topple.robots.arm.arm import Arm
-from topple.robots.arm.own_arm import check_tool
 from topple.robots.catalog import robot as robot_named
+from topple.robots.catalog.own_arm import check_tool
 from topple.topology.arrays import FloatArray
 from topple.topology.errors import InvalidInput
 from topple.topology.rule.relate import Relations, relate

@@ -98,12 +98,14 @@ def _moments(record: RunRecord, begun: float) -> list[_Moment]:
 
 def _log_motion(rr: Any, stream: Any, recording: Recording) -> None:
     """Links of the arm and true bodies: shapes once, poses (4, 4) in the world over time."""
+    import trimesh
+
     arm, world = recording.robot.arm, recording.robot.world
     times = [rr.TimeColumn("time", duration=recording.times)]
-    for link, corners in zip(arm.links, arm.hulls, strict=True):
-        if len(corners):
-            vertices, triangles = hull_of(corners)
-            mesh = rr.Mesh3D(vertex_positions=vertices, triangle_indices=triangles, albedo_factor=ARM)
+    for link, parts in zip(arm.links, arm.parts, strict=True):
+        if parts:
+            shape: Any = trimesh.util.concatenate([trimesh.Trimesh(*hull_of(part)) for part in parts])
+            mesh = rr.Mesh3D(vertex_positions=shape.vertices, triangle_indices=shape.faces, albedo_factor=ARM)
             path = rr.new_entity_path(["world", "arm", link])
             stream.log(path, mesh, static=True)
             stream.send_columns(path, times, _transforms(rr, [sample[link] for sample in recording.links]))

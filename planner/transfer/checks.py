@@ -11,7 +11,7 @@ from topple.planner.motion.collision import Checker
 from topple.planner.motion.model import Attachment
 from topple.planner.placement.placement import Placement
 from topple.robots.arm.arm import Arm
-from topple.robots.hands.gripper import ToolState
+from topple.robots.arm.gripper import ToolState
 from topple.topology.arrays import FloatArray
 from topple.topology.scene import Scene
 

@@ -6,7 +6,7 @@ import numpy as np
 
 from topple.planner.motion.certificate import Certificate
 from topple.planner.motion.trajectory import Trajectory
-from topple.robots.hands.gripper import ToolState
+from topple.robots.arm.gripper import ToolState
 from topple.topology.arrays import FloatArray
 
 KINDS = ("move", "approach", "grasp", "lift", "transfer", "place", "release", "retreat")

@@ -53,9 +53,10 @@ class FclCheck:
         self._fcl: Any = fcl
         self._base = np.array(self.plan.pose_base_to_world)
         self._links = [
-            (link, _piece(self.arm.links[link], hull))
-            for link, hull in enumerate(self.arm.hulls)
-            if len(hull) and self.arm.frame_of_link[link] > 0  # what does not move stands where it stands
+            (link, _piece(self.arm.links[link], part))
+            for link, parts in enumerate(self.arm.parts)
+            for part in parts
+            if self.arm.frame_of_link[link] > 0  # what does not move stands where it stands
         ]
         self._objects = {
             name: [_piece(name, part) for part in parts] for name, parts in parts_of(self.plan).items()

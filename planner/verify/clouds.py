@@ -42,9 +42,9 @@ class CloudCheck:
             for name, parts in parts_of(self.plan).items()
         }
         self._links = {
-            name: ConvexHull(hull, qhull_options="QJ").equations
-            for name, hull in zip(self.arm.links, self.arm.hulls, strict=True)
-            if len(hull) > 3
+            name: [ConvexHull(part, qhull_options="QJ").equations for part in parts]
+            for name, parts in zip(self.arm.links, self.arm.parts, strict=True)
+            if parts
         }
 
     def look(self, beat: Beat) -> None:
@@ -60,7 +60,7 @@ class CloudCheck:
             (other,) = pair - {seen[0]}
             if other in self._links:
                 poses = links[:, self.arm.links.index(other)]
-                solids = [self._links[other]]
+                solids = self._links[other]
             elif other in beat.held and beat.step.placement.into == seen[0]:
                 poses, solids = np.matmul(tools, beat.held[other]), self._parts[other]
             else:

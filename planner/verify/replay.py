@@ -7,7 +7,7 @@ import numpy as np
 
 from topple.planner.formats.plan_format import Plan, SegmentData, Step
 from topple.robots.arm.arm import Arm
-from topple.robots.hands.gripper import ToolState
+from topple.robots.arm.gripper import ToolState
 from topple.topology.arrays import FloatArray
 
 

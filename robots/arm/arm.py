@@ -8,11 +8,11 @@ from pathlib import Path
 
 import numpy as np
 
+from topple.robots.arm.gripper import ParallelJaw, SuctionCup, Tool, ToolState
+from topple.robots.arm.gripper_file import Gripper
 from topple.robots.arm.inverse import distinct, solve
 from topple.robots.arm.kinematics import Chain
 from topple.robots.arm.urdf import Joint, Model, read_urdf
-from topple.robots.hands.gripper import ParallelJaw, SuctionCup, Tool, ToolState
-from topple.robots.hands.gripper_file import Gripper
 from topple.topology.arrays import BoolArray, FloatArray, frozen
 from topple.topology.errors import InvalidInput
 
@@ -34,8 +34,6 @@ class Arm:
         acceleration: (n,) acceleration limits in [rad/s2] or [m/s2].
         home: (n,) a state to rest in.
         links: Names of all links, base first.
-        hulls: Per link the (V, 3) vertices of its convex collision hull in the link frame; (0, 3) without
-            geometry.
         tools: The tools by name: "fingers", "suction".
         model: The tree as read from the file.
         chain: The driven joints as a chain.
@@ -54,7 +52,6 @@ class Arm:
     acceleration: FloatArray
     home: FloatArray
     links: tuple[str, ...]
-    hulls: tuple[FloatArray, ...]
     tools: Mapping[str, Tool]
     model: Model
     chain: Chain
@@ -132,7 +129,6 @@ class Arm:
             frozen(np.broadcast_to(np.asarray(acceleration, dtype=float), (n,))),
             frozen((lower + upper) / 2 if home is None else home),
             tuple(model.links),
-            tuple(_hull_vertices(link.vertices) for link in model.links.values()),
             tools,
             model,
             Chain.of(joints, before, lower, upper),
@@ -158,6 +154,11 @@ class Arm:
         """The hand between objects: the fingers at an opening in [m], the cup drawn in where it can be."""
         return ToolState(opening, self.cup.stowed if self.cup else 0.0)
 
+    @property
+    def parts(self) -> tuple[tuple[FloatArray, ...], ...]:
+        """Per link the (V, 3) vertices of its convex collision parts in the link frame, one an element."""
+        return tuple(self.model.links[link].parts for link in self.links)
+
     @cached_property
     def frame_of_link(self) -> tuple[int, ...]:
         """Per link the index of the chain frame it moves with: 0 for the base, k behind joint k."""
@@ -180,7 +181,7 @@ class Arm:
                     pair
                     for hand in hands
                     for pair in colliding_pairs(
-                        self.chain, self.hulls, self.frame_of_link, self.offsets(hand), self.home
+                        self.chain, self.parts, self.frame_of_link, self.offsets(hand), self.home
                     )
                 }
             )
@@ -395,11 +396,3 @@ def pose_of_joint(joint: Joint, value: float) -> FloatArray:
         (joint,), (joint.pose_child_to_parent,), np.array([joint.lower]), np.array([joint.upper])
     )
     return chain.frames(np.array([[value]]))[0, 1]
-
-
-def _hull_vertices(points: FloatArray) -> FloatArray:
-    from scipy.spatial import ConvexHull
-
-    if len(points) < 5:
-        return frozen(points)
-    return frozen(points[ConvexHull(points).vertices])

@@ -1,10 +1,12 @@
 """A state for an arm of one's own to rest in: the hand in front, pointing down, free of itself."""
 
+from itertools import combinations
+
 import numpy as np
 
 from topple.robots.arm.arm import Arm
-from topple.robots.arm.self_collision import colliding_pairs
-from topple.robots.collision.separation import Candidates, ConvexSets, Frames, gaps
+from topple.robots.arm.self_collision import colliding_pairs, parts_in_frames
+from topple.robots.collision.separation import Candidates, Frames, gaps
 from topple.topology.arrays import FloatArray
 
 SHARES = (0.4, 0.5, 0.6)  # of the arm's reach, how far in front the tool is
@@ -80,22 +82,21 @@ def _room(arm: Arm, states: FloatArray) -> FloatArray:
     offsets = arm.offsets(arm.open_hand)
     frames = arm.chain.frames(states)
     room = np.full(len(states), np.inf)
-    for link, hull in enumerate(arm.hulls):
-        if len(hull) and arm.frame_of_link[link] > 0:
+    for link, parts in enumerate(arm.parts):
+        for part in parts if arm.frame_of_link[link] > 0 else ():
             poses = np.matmul(frames[:, arm.frame_of_link[link]], offsets[link])
-            heights = poses[:, 2, :3] @ hull.T + poses[:, 2, 3:]
+            heights = poses[:, 2, :3] @ part.T + poses[:, 2, 3:]
             room[heights.min(axis=1) < ABOVE] = -np.inf
-    pairs = colliding_pairs(arm.chain, arm.hulls, arm.frame_of_link, offsets, None)
+    pairs = colliding_pairs(arm.chain, arm.parts, arm.frame_of_link, offsets, None)
     if not pairs or not len(states):
         return room
-    links = sorted({link for pair in pairs for link in pair})
-    placed = [arm.hulls[i] @ offsets[i][:3, :3].T + offsets[i][:3, 3] for i in links]
-    sets = ConvexSets.of(placed, [arm.frame_of_link[i] for i in links])
+    sets, owner = parts_in_frames(arm.parts, arm.frame_of_link, offsets)
     moving = Frames.of(arm.chain.poses(states))
     centres = moving.points(sets.frame, sets.centre).transpose(2, 1, 0)
     every = np.arange(len(states))
-    for a, b in pairs:
-        i, j = links.index(a), links.index(b)
+    for i, j in combinations(range(len(owner)), 2):
+        if (owner[i], owner[j]) not in pairs:
+            continue
         many = np.full(len(states), i), np.full(len(states), j)
         need = np.full(len(states), CLEAR[0], dtype=np.float32)
         asked = Candidates(every, *many, centres[:, i] - centres[:, j], need)

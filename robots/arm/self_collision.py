@@ -7,7 +7,7 @@ import numpy as np
 
 from topple.robots.arm.kinematics import Chain
 from topple.robots.collision.separation import Candidates, ConvexSets, Frames, gaps
-from topple.topology.arrays import FloatArray
+from topple.topology.arrays import BoolArray, FloatArray
 
 SAMPLES = 4096  # a pair that meets in 0.1 % of the states is then missed once in sixty
 NEAR = 0.005  # [m] pairs that come this close are kept too, which makes missing one rarer still
@@ -16,7 +16,7 @@ ALWAYS = 0.9  # share of states above which two links overlap by construction of
 
 def colliding_pairs(
     chain: Chain,
-    hulls: Sequence[FloatArray],
+    parts: Sequence[Sequence[FloatArray]],
     frame_of_link: Sequence[int],
     offsets: FloatArray,
     home: FloatArray | None,
@@ -28,7 +28,7 @@ def colliding_pairs(
 
     Args:
         chain: The driven joints.
-        hulls: Per link its (V, 3) hull vertices in the link frame; empty without geometry.
+        parts: Per link the (V, 3) vertices of its convex parts in the link frame.
         frame_of_link: Per link the chain frame that carries it.
         offsets: (L, 4, 4) poses of the links in those frames.
         home: (n,) a state that is free; None where none is known.
@@ -36,18 +36,17 @@ def colliding_pairs(
     Returns:
         Pairs of link indices.
     """
-    with_hull = [i for i, hull in enumerate(hulls) if len(hull)]
-    frame = [frame_of_link[i] for i in with_hull]
-    placed = [hulls[i] @ offsets[i][:3, :3].T + offsets[i][:3, 3] for i in with_hull]
-    sets = ConvexSets.of(placed, frame)
-    pairs = np.array([(i, j) for i, j in combinations(range(len(frame)), 2) if abs(frame[i] - frame[j]) > 1])
+    sets, owner = parts_in_frames(parts, frame_of_link, offsets)
     states = np.random.default_rng(0).uniform(chain.lower, chain.upper, (SAMPLES, chain.size))
     if home is not None:
         states[0] = home
     frames = Frames.of(chain.poses(states))
     centres = frames.points(sets.frame, sets.centre).transpose(2, 1, 0)
-    found: list[tuple[int, int]] = []
-    for i, j in pairs.tolist():
+    meets: dict[tuple[int, int], BoolArray] = {}
+    built_so: set[tuple[int, int]] = set()
+    for i, j in combinations(range(len(owner)), 2):
+        if abs(sets.frame[i] - sets.frame[j]) < 2:
+            continue
         apart = centres[:, i] - centres[:, j]
         near = np.flatnonzero(
             np.einsum("ij,ij->i", apart, apart) < (sets.radius[i] + sets.radius[j] + NEAR) ** 2
@@ -55,8 +54,25 @@ def colliding_pairs(
         many = np.full(len(near), i), np.full(len(near), j)
         need = np.full(len(near), NEAR, dtype=np.float32)
         gap = gaps(sets, frames, Candidates(near, *many, apart[near], need), iterations=12)
-        meets = near[gap <= NEAR]
-        built_so = home is not None and bool((gap[near == 0] <= 0.0).any())
-        if 0 < len(meets) < ALWAYS * SAMPLES and not built_so:
-            found.append((with_hull[i], with_hull[j]))
-    return tuple(found)
+        links = owner[i], owner[j]
+        meets.setdefault(links, np.zeros(SAMPLES, dtype=np.bool_))[near[gap <= NEAR]] = True
+        if home is not None and (gap[near == 0] <= 0.0).any():
+            built_so.add(links)
+    return tuple(
+        links for links, met in meets.items() if 0 < met.sum() < ALWAYS * SAMPLES and links not in built_so
+    )
+
+
+def parts_in_frames(
+    parts: Sequence[Sequence[FloatArray]], frame_of_link: Sequence[int], offsets: FloatArray
+) -> tuple[ConvexSets, list[int]]:
+    """The parts of all links in the chain frames that carry them, and the link of each.
+
+    Args:
+        parts: Per link the (V, 3) vertices of its convex parts in the link frame.
+        frame_of_link: Per link the chain frame that carries it.
+        offsets: (L, 4, 4) poses of the links in those frames.
+    """
+    owner = [i for i, own in enumerate(parts) for _ in own]
+    placed = [part @ offsets[i][:3, :3].T + offsets[i][:3, 3] for i, own in enumerate(parts) for part in own]
+    return ConvexSets.of(placed, [frame_of_link[i] for i in owner]), owner

@@ -7,14 +7,17 @@ planner that promises collision-free motion has to refuse such a file, and say w
 import math
 import re
 import xml.etree.ElementTree as ElementTree
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
+from functools import lru_cache
 from pathlib import Path
 from typing import Any
 from xml.parsers import expat
 
 import numpy as np
 
+from topple.robots.collision.convex import hull_of
+from topple.robots.collision.pieces import convex_pieces
 from topple.topology.arrays import FloatArray, frozen
 from topple.topology.errors import InvalidInput
 
@@ -72,12 +75,10 @@ class Link:
 
     Attributes:
         name: Name in the file.
-        vertices: (V, 3) vertices of all its collision geometry in the link frame in [m].
-        parts: The same for each collision element, (V, 3) each.
+        parts: (V, 3) hull vertices of each collision element in the link frame in [m].
     """
 
     name: str
-    vertices: FloatArray
     parts: tuple[FloatArray, ...] = ()
 
 
@@ -144,7 +145,7 @@ def read_urdf(path: str | Path) -> Model:
             joint has no axis, or collision meshes are missing or unreadable. Every missing mesh is named.
     """
     path = Path(path).expanduser().resolve()
-    return model_of(urdf_root(path), path)
+    return model_of(urdf_root(path), path, cut=False)
 
 
 def urdf_root(path: Path) -> ElementTree.Element:
@@ -186,12 +187,13 @@ def _parsed(data: bytes) -> ElementTree.Element:
     return ElementTree.fromstring(re.sub(rb"<robot\b", b"<robot" + declared.encode(), data, count=1))
 
 
-def model_of(robot: ElementTree.Element, path: Path) -> Model:
+def model_of(robot: ElementTree.Element, path: Path, *, cut: bool = True) -> Model:
     """Read a `<robot>` element with the meshes it names.
 
     Args:
         robot: The element.
         path: The file it is from: mesh names are relative to it, and messages name it.
+        cut: Make several convex parts of a concave mesh; else each is its hull, as PyBullet has it.
 
     Returns:
         The tree, as `read_urdf` gives it.
@@ -201,7 +203,7 @@ def model_of(robot: ElementTree.Element, path: Path) -> Model:
     """
     joints = _read_joints(robot, path)
     missing: list[str] = []
-    links = {str(e.get("name")): _read_link(e, path, missing) for e in robot.findall("link")}
+    links = {str(e.get("name")): _read_link(e, path, missing, cut) for e in robot.findall("link")}
     if missing:
         raise InvalidInput(f"{path.name}: missing or unreadable collision meshes: {'; '.join(missing)}")
     return Model(str(robot.get("name", path.stem)), path, _parents_first(links, joints, path), joints)
@@ -288,61 +290,62 @@ def _read_mimic(element: ElementTree.Element, where: str) -> Mimic | None:
     return Mimic(str(mimic.get("joint")), factor, offset)
 
 
-def _read_link(element: ElementTree.Element, path: Path, missing: list[str]) -> Link:
+def _read_link(element: ElementTree.Element, path: Path, missing: list[str], cut: bool) -> Link:
     name = str(element.get("name"))
     parts: list[FloatArray] = []
     for collision in element.findall("collision"):
         where = f"{path.name}: link {name!r}"
-        vertices = _geometry_vertices(collision.find("geometry"), path, where, missing)
         pose = _origin(collision, where)
-        parts.append(vertices @ pose[:3, :3].T + pose[:3, 3])
-    return Link(name, frozen(np.concatenate([np.empty((0, 3)), *parts])), tuple(map(frozen, parts)))
+        for vertices in _geometry_parts(collision.find("geometry"), path, where, missing, cut):
+            parts.append(frozen(hull_of(vertices @ pose[:3, :3].T + pose[:3, 3])[0]))
+    return Link(name, tuple(parts))
 
 
-def _geometry_vertices(
-    geometry: ElementTree.Element | None, path: Path, where: str, missing: list[str]
-) -> FloatArray:
+def _geometry_parts(
+    geometry: ElementTree.Element | None, path: Path, where: str, missing: list[str], cut: bool
+) -> Sequence[FloatArray]:
     shape = next(iter(geometry), None) if geometry is not None else None
     if shape is None:
         raise InvalidInput(f"{where} has a collision element without geometry")
     if shape.tag == "box":
         half = _numbers(shape.get("size"), 3, None, f"{where} box") / 2
-        return np.array([[x, y, z] for x in (-1, 1) for y in (-1, 1) for z in (-1, 1)]) * half
+        return [np.array([[x, y, z] for x in (-1, 1) for y in (-1, 1) for z in (-1, 1)]) * half]
     if shape.tag in ("cylinder", "capsule"):
         radius, length = _number(shape.get("radius"), None, where), _number(shape.get("length"), None, where)
-        return _prism(radius, length + (2 * radius if shape.tag == "capsule" else 0.0))
+        return [_prism(radius, length + (2 * radius if shape.tag == "capsule" else 0.0))]
     if shape.tag == "sphere":
         import trimesh
 
         radius = _number(shape.get("radius"), None, where)
         # the icosphere lies inside the ball: scale it so that its faces do not
-        return np.asarray(trimesh.creation.icosphere(subdivisions=2, radius=radius * 1.02).vertices)
+        return [np.asarray(trimesh.creation.icosphere(subdivisions=2, radius=radius * 1.02).vertices)]
     if shape.tag != "mesh":
         raise InvalidInput(
             f"{where} has a collision shape <{shape.tag}>; expected mesh, box, cylinder or sphere"
         )
-    return _mesh_vertices(shape, path, where, missing)
-
-
-def _mesh_vertices(shape: ElementTree.Element, path: Path, where: str, missing: list[str]) -> FloatArray:
-    import trimesh
-
     name = str(shape.get("filename"))
     scale = _numbers(shape.get("scale"), 3, (1.0, 1.0, 1.0), f"{where} scale")
     file = find_mesh(name, path)
     if file is None:
         missing.append(name)
-        return np.empty((0, 3))
+        return []
     try:
-        mesh: Any = trimesh.load(file, force="mesh", process=False, skip_materials=True)
-        vertices = np.asarray(mesh.vertices, dtype=float).reshape(-1, 3)
+        return [part * scale for part in _mesh_parts(file, file.stat().st_mtime_ns, cut)]
     except Exception as error:  # trimesh raises whatever its format readers raise
         missing.append(f"{name} ({error})")
-        return np.empty((0, 3))
+        return []
+
+
+@lru_cache(maxsize=256)  # an arm's meshes are read more than once on the way to PyBullet
+def _mesh_parts(file: Path, _changed: int, cut: bool) -> tuple[FloatArray, ...]:
+    """Vertices (V, 3) of the convex parts of a mesh file."""
+    import trimesh
+
+    mesh: Any = trimesh.load(file, force="mesh", process=False, skip_materials=True)
+    vertices = np.asarray(mesh.vertices, dtype=float).reshape(-1, 3)
     if not len(vertices) or not np.isfinite(vertices).all():
-        missing.append(f"{name} (no finite vertices)")
-        return np.empty((0, 3))
-    return vertices * scale
+        raise ValueError("no finite vertices")
+    return tuple(convex_pieces(np.array(mesh.triangles))) if cut and len(mesh.faces) else (vertices,)
 
 
 def find_mesh(name: str, path: Path) -> Path | None:

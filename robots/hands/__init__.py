@@ -1,1 +1,1 @@
-"""What arms hold with: parallel jaws and suction cups."""
+"""What arms hold with: parallel jaws found in their files, grippers and suction cups to mount on them."""

@@ -11,10 +11,9 @@ from typing import NoReturn
 import numpy as np
 
 from topple.robots.arm.arm import joint_value, pose_of_joint
+from topple.robots.arm.gripper import ParallelJaw, Tool, ToolState
+from topple.robots.arm.gripper_file import Jaw, pose_of_offset
 from topple.robots.arm.urdf import Joint, Model
-from topple.robots.collision.convex import hull_of
-from topple.robots.hands.gripper import ParallelJaw, Tool, ToolState
-from topple.robots.hands.gripper_file import Jaw, pose_of_offset
 from topple.robots.poses import inverse
 from topple.topology.arrays import FloatArray
 from topple.topology.errors import InvalidInput
@@ -152,29 +151,27 @@ class _Hand:
             f"they move {', '.join(self._groups)}"
         )
 
-    def _shape(self, carrier: str) -> FloatArray:
-        """Collision vertices (V, 3) of a rigid group in the frame of its moving link."""
+    def _shape(self, carrier: str) -> list[FloatArray]:
+        """Vertices (V, 3) of the convex parts of a rigid group in the frame of its moving link."""
         poses = {carrier: np.eye(4)}
-        found = [self._model.links[carrier].vertices]
+        found = [*self._model.links[carrier].parts]
         for link in self._groups[carrier][1:]:
             joint = self._model.joints[link]
             poses[link] = poses[joint.parent] @ joint.pose_child_to_parent
-            found.append(_moved(poses[link], self._model.links[link].vertices))
-        points = np.concatenate(found)
-        return hull_of(points)[0] if len(points) else points
+            found += [_moved(poses[link], part) for part in self._model.links[link].parts]
+        return found
 
-    def vertices(self, carrier: str, values: Mapping[str, float]) -> FloatArray:
-        """Vertices (V, 3) of a rigid group in the palm's frame at values of the driven joints."""
+    def _parts(self, carrier: str, values: Mapping[str, float]) -> list[FloatArray]:
+        """The parts of a rigid group in the palm's frame at values of the driven joints."""
         pose, link = np.eye(4), carrier
         while link != self._fingers.palm:
             joint = self._model.joints[link]
             pose, link = pose_of_joint(joint, joint_value(joint, values)) @ pose, joint.parent
-        return _moved(pose, self._shape(carrier))
+        return [_moved(pose, part) for part in self._shape(carrier)]
 
     def _middle(self, carrier: str, values: Mapping[str, float]) -> FloatArray:
         """Middle of a group's extent (3,) in the palm's frame."""
-        points = self.vertices(carrier, values)
-        return (points.min(axis=0) + points.max(axis=0)) / 2.0
+        return _middle_of(self._parts(carrier, values))
 
     def _corners(self) -> list[dict[str, float]]:
         """The driven joints at their limits, in all combinations."""
@@ -212,8 +209,7 @@ class _Hand:
         return link
 
     def _palm_middle(self) -> FloatArray:
-        vertices = self._model.links[self._fingers.palm].vertices
-        return np.zeros(3) if not len(vertices) else (vertices.min(axis=0) + vertices.max(axis=0)) / 2.0
+        return _middle_of(self._model.links[self._fingers.palm].parts)
 
     def ends(self, links: tuple[str, str], given: Jaw) -> tuple[dict[str, float], dict[str, float]] | None:
         """Values of the driven joints with the fingers together and apart; None where they do not close."""
@@ -283,9 +279,9 @@ class _Hand:
         """Vertices of the outer part of both fingers, along the axes of the tool frame."""
         found: list[FloatArray] = []
         for carrier in (first, second):
-            points = self.vertices(carrier, values) @ turn
-            low, high = points[:, 2].min(), points[:, 2].max()
-            found.append(_above(points, high - TIP * (high - low)))
+            parts = [part @ turn for part in self._parts(carrier, values)]
+            low, high = min(part[:, 2].min() for part in parts), max(part[:, 2].max() for part in parts)
+            found.append(np.concatenate([_above(part, high - TIP * (high - low)) for part in parts]))
         return found[0], found[1]
 
     def _frame(
@@ -357,6 +353,12 @@ class _Hand:
             f"{self._model.path.name}: the fingers moved by {', '.join(self._fingers.drivers)} {words}: "
             "see `closed`, `open`, `opening` and `links` of [jaw]"
         )
+
+
+def _middle_of(parts: Sequence[FloatArray]) -> FloatArray:
+    """Middle (3,) of the extent of some parts; the origin where there are none."""
+    points = np.concatenate([np.zeros((0 if parts else 1, 3)), *parts])
+    return (points.min(axis=0) + points.max(axis=0)) / 2.0
 
 
 def _gap(inner: FloatArray, outer: FloatArray) -> float:

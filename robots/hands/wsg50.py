@@ -5,7 +5,7 @@ from pathlib import Path
 
 import numpy as np
 
-from topple.robots.hands.gripper import ParallelJaw, Tool, ToolState
+from topple.robots.arm.gripper import ParallelJaw, Tool, ToolState
 from topple.topology.arrays import FloatArray
 
 PALM = "wsg50_palm"

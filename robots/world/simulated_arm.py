@@ -1,41 +1,24 @@
 """An arm in the PyBullet world: torque-limited joints, a jaw that holds by friction, a cup with a vacuum."""
 
 import math
-from collections.abc import Callable, Collection
+from collections.abc import Callable
 from dataclasses import dataclass, field
-from typing import Any, Protocol
+from typing import Any
 
 import numpy as np
 
 from topple.robots.arm.arm import Arm
+from topple.robots.arm.gripper import ToolState
+from topple.robots.driver import Motion
 from topple.robots.engine import pybullet
-from topple.robots.hands.compliance import Compliance
-from topple.robots.hands.gripper import ToolState
-from topple.robots.hands.vacuum import Vacuum
 from topple.robots.poses import inverse, pose_from, position_and_quaternion
+from topple.robots.world.compliance import Compliance
 from topple.robots.world.control import Control
+from topple.robots.world.vacuum import Vacuum
 from topple.robots.world.world import World
+from topple.robots.world.wrist import Wrist
 from topple.topology.arrays import FloatArray
 from topple.topology.errors import InvalidInput
-
-
-class Motion(Protocol):
-    """A joint trajectory: times (t,) in [s], positions (t, n) in [rad], velocities (t, n) in [rad/s]."""
-
-    @property
-    def times(self) -> FloatArray:
-        """(t,) in [s], starting at zero."""
-        ...
-
-    @property
-    def positions(self) -> FloatArray:
-        """(t, n) in [rad]."""
-        ...
-
-    @property
-    def velocities(self) -> FloatArray:
-        """(t, n) in [rad/s]."""
-        ...
 
 
 @dataclass
@@ -48,7 +31,7 @@ class Touch:
 
 
 class SimulatedArm:
-    """Drives one arm in a world and records everything it touches.
+    """A `Driver` of one arm in a world; records everything it touches, for a judge to see.
 
     Args:
         world: The world it stands in.
@@ -92,6 +75,9 @@ class SimulatedArm:
         self._grip_force = self.jaw.force if self.jaw else 0.0
         self._reset()
         self._couple_fingers()
+        self.wrist = Wrist(
+            world.client, self.id, arm, self._arm_joints, world.physics.gravity, world.time_step
+        )
         self.vacuum: Vacuum | None = None
         self.touched: dict[str, Touch] = {}
         self.on_step: list[Callable[[], None]] = []
@@ -157,32 +143,19 @@ class SimulatedArm:
         """How the hand is told to stand."""
         return ToolState(self._opening, self._extension)
 
-    def holds(self, name: str) -> bool:
-        """Whether both fingers touch the object, or the vacuum holds it."""
-        if self.vacuum is not None and self.vacuum.name == name:
+    @property
+    def holding(self) -> bool:
+        """Whether both pads press on something, or the cup's vacuum stands."""
+        if self.vacuum is not None:
             return self.vacuum.sealed
-        if not self.jaw or name not in self.world.ids:
-            return False
-        points: Any = pybullet.getContactPoints(
-            self.id, self.world.ids[name], physicsClientId=self.world.client
-        )
-        touching = {self._names[point[3]] for point in points if point[9] > 0.0}
-        return all(link in touching for link in self.jaw.links)
+        points: Any = pybullet.getContactPoints(bodyA=self.id, physicsClientId=self.world.client)
+        pressing = {self._names[point[3]] for point in points if point[9] > 0.0 and point[2] != self.id}
+        return self.jaw is not None and all(link in pressing for link in self.jaw.links)
 
     def pose_in_hand(self, name: str, tool: str) -> FloatArray:
         """(4, 4) pose_object_to_tool of an object: how it moves in the hand is what a judge asks."""
         frame = self.arm.tool(tool)
         return inverse(self.link_pose(frame.link) @ frame.pose_tool_to_link) @ self.world.pose(name)
-
-    def load_on(self, name: str) -> float:
-        """Force in [N] with which everything but the robot presses on an object, taking it off the hand."""
-        points: Any = pybullet.getContactPoints(self.world.ids[name], physicsClientId=self.world.client)
-        return float(sum(point[9] for point in points if point[2] != self.id))
-
-    def press(self) -> float:
-        """Largest force in [N] with which the robot presses on anything now: what a wrist's sensor feels."""
-        points: Any = pybullet.getContactPoints(bodyA=self.id, physicsClientId=self.world.client)
-        return max((float(point[9]) for point in points if point[2] != self.id), default=0.0)
 
     # -- what it does
 
@@ -196,21 +169,34 @@ class SimulatedArm:
         """Holds still for a time in [s]."""
         self.step(max(1, round(seconds / self.world.time_step)))
 
-    def follow(
-        self, trajectory: Motion, until: Callable[[], bool] | None = None, *, keep_offset: bool = False
-    ) -> float:
-        """Follows a joint trajectory and waits until its end is reached.
+    def follow(self, trajectory: Motion, *, keep_offset: bool = False) -> float:
+        """Follow a joint trajectory and wait until its end is reached.
 
         An arm that is not where the trajectory starts does not jump there: it joins on the way.
 
         Args:
             trajectory: Times, positions and velocities; it should start where the arm is, or near.
-            until: Asked after every step; as soon as it says yes the arm stops (a guarded motion).
             keep_offset: Stay as far beside the trajectory as the arm is at its start instead of joining it.
 
         Returns:
             The largest joint error at the end in [rad]: above `Control.settled` something is in the way.
         """
+        return self._follow(trajectory, keep_offset=keep_offset)
+
+    def follow_until(self, trajectory: Motion, force: float) -> float:
+        """Follow a joint trajectory, and stop where something holds the hand up: a guarded motion.
+
+        Args:
+            trajectory: It should start where the arm is.
+            force: In [N], what the wrist feels more than at the start when the arm stops.
+
+        Returns:
+            The largest joint error at the end in [rad], or 0 where it stopped before.
+        """
+        self.wrist.zero()
+        return self._follow(trajectory, force)
+
+    def _follow(self, trajectory: Motion, force: float = math.inf, keep_offset: bool = False) -> float:
         times, steps = trajectory.times, int(np.ceil(trajectory.times[-1] / self.world.time_step))
         short = self.q_target - trajectory.positions[0]
         for k in range(1, steps + 1):
@@ -221,7 +207,7 @@ class SimulatedArm:
             v -= 0.0 if keep_offset else short / times[-1]
             self._drive(q, v)
             self._advance()
-            if until is not None and until():
+            if force < math.inf and self.wrist.force() > force:
                 self.q_target = q
                 return 0.0
         self.q_target = trajectory.positions[-1] + (short if keep_offset else 0.0)
@@ -239,7 +225,7 @@ class SimulatedArm:
             self._grip_force = self.jaw.force
             self._wait_for_hand()
 
-    def close(self, force: float | None = None) -> float:
+    def close(self, force: float) -> float:
         """Closes the jaw with a force in [N] until it stalls.
 
         The pad that comes first does not push the object to the other one, and pads that meet it askew do not
@@ -255,7 +241,7 @@ class SimulatedArm:
             raise InvalidInput(f"{self.arm.name} has no fingers to close: use a robot with a parallel jaw")
         self.world.solve_contacts(closely=True)
         self._opening = 0.0
-        force = self.jaw.force if force is None else min(force, self.jaw.force)
+        force = min(force, self.jaw.force)
         self._grip_force = min(force, self.control.gentle)
         compliance = Compliance(
             self.arm,
@@ -275,14 +261,11 @@ class SimulatedArm:
             self._extension = extension
             self._wait_for_hand()
 
-    def suck(self, name: str) -> bool:
+    def suck(self) -> bool:
         """Switches the vacuum on.
 
-        Args:
-            name: The object the cup should take.
-
         Returns:
-            Whether the lip seals on that object; if not, the vacuum is off again.
+            Whether the lip seals on an object; if not, the vacuum is off again.
 
         Raises:
             InvalidInput: If the hand has no cup.
@@ -292,9 +275,7 @@ class SimulatedArm:
         self.world.solve_contacts(closely=True)
         tool = self.arm.tool("suction")
         pose_lip_to_world = self.link_pose(tool.link) @ tool.pose_tool_to_link
-        self.vacuum = Vacuum.on(
-            self.world, self.id, self._link[self.cup.link], pose_lip_to_world, self.cup, name
-        )
+        self.vacuum = Vacuum.on(self.world, self.id, self._link[self.cup.link], pose_lip_to_world, self.cup)
         if self.cup.joint is not None:  # what gave way as the lip was seated does not push back
             index, client = self._index[self.cup.joint], self.world.client
             self._extension = float(pybullet.getJointState(self.id, index, physicsClientId=client)[0])
@@ -308,11 +289,6 @@ class SimulatedArm:
             self.vacuum = None
         else:
             self.open(opening)
-
-    def strongest_touch(self, ignoring: Collection[str] = ()) -> tuple[str, Touch] | None:
-        """What was touched hardest since `touched` was last emptied, apart from the names to ignore."""
-        others = [(name, touch) for name, touch in self.touched.items() if name not in ignoring]
-        return max(others, key=lambda item: item[1].force, default=None)
 
     def link_pose(self, link: str) -> FloatArray:
         """(4, 4) measured pose of a link's frame in the world."""

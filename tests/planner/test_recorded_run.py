@@ -90,7 +90,7 @@ def test_nothing_is_glued(played: Played) -> None:
 def test_every_link_still_collides_with_everything(played: Played) -> None:
     """PyBullet tells no collision filter, so each object is put into each link that has a shape."""
     world, arm = played.world, played.arm
-    links = [link for link, hull in zip(arm.arm.links, arm.arm.hulls, strict=True) if len(hull)]
+    links = [link for link, parts in zip(arm.arm.links, arm.arm.parts, strict=True) if parts]
     assert {"panda_hand", "panda_leftfinger", "suction_cup"} <= set(links[1:])
     assert len(world.movable) == 2
     for name in world.movable:

@@ -106,10 +106,10 @@ def test_a_step_is_judged_by_what_moved_fell_or_was_hit() -> None:
 def test_nothing_in_the_loop_places_objects_or_switches_collisions_off() -> None:
     import topple.planner.execution.execute
     import topple.planner.execution.run
-    import topple.robots.hands.vacuum
     import topple.robots.world.simulated_arm
+    import topple.robots.world.vacuum
 
-    for module in (topple.robots.world.simulated_arm, topple.robots.hands.vacuum):
+    for module in (topple.robots.world.simulated_arm, topple.robots.world.vacuum):
         text = Path(str(module.__file__)).read_text(encoding="utf-8")
         assert "resetBasePositionAndOrientation" not in text and "setCollisionFilter" not in text
     loop = Path(str(topple.planner.execution.execute.__file__)).read_text(encoding="utf-8")

@@ -91,7 +91,7 @@ def turned(share: float) -> float:
         before = world.pose("bar")
         straight(hand, arm, low, high)
         hand.wait(0.3)
-        assert hand.holds("bar")
+        assert hand.holding
         return float(np.degrees(angle_between(before, world.pose("bar"))))
 
 

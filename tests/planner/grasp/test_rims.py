@@ -70,7 +70,7 @@ def test_a_plate_is_held_by_its_rim_and_lifted(name: str, height: float) -> None
         straight(hand, arm, pose, at(0.0, 0.0, 0.05) @ pose)
         hand.wait(0.3)
         after = world.pose("plate")
-        assert hand.holds("plate")
+        assert hand.holding
         assert after[2, 3] - before[2, 3] > 0.04
         assert np.degrees(angle_between(before, after)) < 5.0
 

@@ -123,14 +123,15 @@ def test_a_passage_narrower_than_the_clearance_is_passed_before_there_is_no_plan
     assert ring.free(np.stack([arm.home, turned])).all()
     states = arm.home + np.linspace(0.0, 1.2, 200)[:, None] * np.eye(7)[0]
     top = max(
-        float((hull @ pose[:3, :3].T + pose[:3, 3])[:, 2].max())
-        for hull, pose in zip(arm.hulls, arm.forward(arm.home)[0], strict=True)
-        if len(hull)
+        float((part @ pose[:3, :3].T + pose[:3, 3])[:, 2].max())
+        for parts, pose in zip(arm.parts, arm.forward(arm.home)[0], strict=True)
+        for part in parts
     )
     bottom = min(
-        float((hull @ pose[:3, :3].T + pose[:3, 3])[:, 2].min())
-        for link, hull, pose in zip(arm.links, arm.hulls, arm.forward(arm.home)[0], strict=True)
-        if len(hull) and arm.frame_of_link[arm.links.index(link)] > 1
+        float((part @ pose[:3, :3].T + pose[:3, 3])[:, 2].min())
+        for link, parts, pose in zip(arm.links, arm.parts, arm.forward(arm.home)[0], strict=True)
+        for part in parts
+        if arm.frame_of_link[arm.links.index(link)] > 1
     )
     across = np.array([np.cos(0.6), np.sin(0.6), 0.0])
     lid = box((0.55 * across[0], 0.55 * across[1], top + 0.002 + 0.25), (1.4, 0.3, 0.5), yaw=0.6)

@@ -8,9 +8,9 @@ import pytest
 
 from topple.planner.motion.collision import Checker
 from topple.planner.motion.model import Attachment
+from topple.robots.arm.gripper import ToolState
 from topple.robots.catalog import robot
 from topple.robots.collision.convex import hull_of
-from topple.robots.hands.gripper import ToolState
 from topple.topology.errors import InvalidInput
 
 sys.path.insert(0, str(Path(__file__).parent))
@@ -148,7 +148,7 @@ def test_a_margin_keeps_that_distance(gap: float) -> None:
     arm = robot("panda")
     q = arm.inverse(top_down(0.5, 0.0, 0.2))[0][:1]
     lowest = min(
-        float((arm.hulls[i] @ pose[:3, :3].T + pose[:3, 3])[:, 2].min())
+        float((np.vstack(arm.parts[i]) @ pose[:3, :3].T + pose[:3, 3])[:, 2].min())
         for i, pose in enumerate(arm.forward(q)[0])
         if "finger" in arm.links[i]
     )

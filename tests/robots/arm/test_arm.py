@@ -5,8 +5,8 @@ import pybullet
 import pytest
 
 from topple.robots.arm.arm import Arm
+from topple.robots.arm.gripper import ToolState
 from topple.robots.catalog import names, robot
-from topple.robots.hands.gripper import ToolState
 from topple.topology.errors import InvalidInput
 
 

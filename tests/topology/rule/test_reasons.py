@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from topple.topology.relations import PairRelation
-from topple.topology.rule.inferred import FLOATS
+from topple.topology.rule.inferred import FLOATS, MEET
 from topple.topology.rule.relate import relate
 from topple.topology.rule.robust import APART, CLOSE, FEW, HOLLOW
 from topple.topology.scene import Scene
@@ -37,7 +37,7 @@ def test_only_a_reason_parts_the_relation_from_the_matrix(cameras: int, plain: b
         for pair in relations:
             check(pair, sizes[pair.a], sizes[pair.b])
             assert not plain or pair.reason is None
-            assert pair.inferred == (pair.reason == FLOATS)
+            assert pair.inferred == (pair.reason in (FLOATS, MEET))
 
 
 def between(a: np.ndarray, b: np.ndarray, deviation: float | None = None) -> PairRelation:

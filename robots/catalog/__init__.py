@@ -9,9 +9,9 @@ import numpy as np
 
 from topple.robots.arm.arm import Arm
 from topple.robots.arm.compose import composed
-from topple.robots.arm.own_arm import arm_from_file
-from topple.robots.hands.gripper import ParallelJaw, SuctionCup, Tool, ToolState
-from topple.robots.hands.gripper_file import Cup, Gripper, Jaw
+from topple.robots.arm.gripper import ParallelJaw, SuctionCup, Tool, ToolState
+from topple.robots.arm.gripper_file import Cup, Gripper, Jaw
+from topple.robots.catalog.own_arm import arm_from_file
 from topple.robots.hands.suction_hand import CUP_JOINT, CUP_LINK, PANDA_CUP, panda_with_cup
 from topple.robots.hands.wsg50 import wsg50_fingers, wsg50_xml
 from topple.topology.arrays import FloatArray
@@ -52,7 +52,7 @@ def robot(name: str | Path, gripper: str | Path | Gripper | Jaw | Cup | None = N
     Args:
         name: One of `names()`, or the path of a URDF.
         gripper: With a URDF: a gripper file (TOML), or what it would hold, see
-            `topple.robots.hands.gripper_file`. A parallel jaw of the URDF is recognised where it is
+            `topple.robots.arm.gripper_file`. A parallel jaw of the URDF is recognised where it is
             not named here.
 
     Returns:

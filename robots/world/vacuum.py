@@ -5,8 +5,8 @@ from typing import Any
 
 import numpy as np
 
+from topple.robots.arm.gripper import SuctionCup
 from topple.robots.engine import pybullet
-from topple.robots.hands.gripper import SuctionCup
 from topple.robots.poses import inverse, pose_from, position_and_quaternion
 from topple.robots.world.world import World
 from topple.topology.arrays import FloatArray
@@ -52,9 +52,9 @@ class Vacuum:
 
     @classmethod
     def on(
-        cls, world: World, robot: int, link: int, pose_lip_to_world: FloatArray, cup: SuctionCup, name: str
+        cls, world: World, robot: int, link: int, pose_lip_to_world: FloatArray, cup: SuctionCup
     ) -> "Vacuum | None":
-        """Switches the vacuum on; None where the lip does not seal on `name`.
+        """Switches the vacuum on; None where the lip seals on nothing that can be moved.
 
         Args:
             world: The world the robot stands in.
@@ -62,13 +62,13 @@ class Vacuum:
             link: Index of the cup's link.
             pose_lip_to_world: (4, 4) where the lip is, z out of the hand.
             cup: Radius, force and lip depth.
-            name: The object to take.
         """
+        name = _under(world, pose_lip_to_world, cup)
+        if name not in world.movable:
+            return None
         state: Any = pybullet.getLinkState(
             robot, link, computeForwardKinematics=1, physicsClientId=world.client
         )
-        if not _seals(world, pose_lip_to_world, cup, world.ids[name]):
-            return None
         pose_object = pose_from(
             *pybullet.getBasePositionAndOrientation(world.ids[name], physicsClientId=world.client)
         )
@@ -106,19 +106,18 @@ class Vacuum:
             self.constraint = None
 
 
-def _seals(world: World, pose_lip_to_world: FloatArray, cup: SuctionCup, body: int) -> bool:
-    """Whether rays just outside the lip all meet `body` in a plane that the lip can follow."""
+def _under(world: World, pose_lip_to_world: FloatArray, cup: SuctionCup) -> str | None:
+    """The body that rays just outside the lip all meet in a plane that the lip can follow."""
     angle = np.linspace(0.0, 2 * np.pi, RAYS, endpoint=False)
     ring = (cup.radius + CLEAR) * np.column_stack([np.cos(angle), np.sin(angle)])
     ends = [np.column_stack([ring, np.full(RAYS, z)]) for z in (-REACH, REACH)]
     start, end = (points @ pose_lip_to_world[:3, :3].T + pose_lip_to_world[:3, 3] for points in ends)
     hits: Any = pybullet.rayTestBatch(start.tolist(), end.tolist(), physicsClientId=world.client)
-    if any(hit[0] != body for hit in hits):
-        return False
+    if len({hit[0] for hit in hits}) > 1:
+        return None
     height = np.array([hit[2] * 2 * REACH - REACH for hit in hits])
     plane = np.column_stack([ring, np.ones(RAYS)])
     slope, *_ = np.linalg.lstsq(plane, height, rcond=None)
     uneven = np.abs(plane @ slope - height).max()
-    return bool(
-        uneven <= cup.lip_depth and abs(slope[2]) <= cup.lip_depth and np.hypot(*slope[:2]) <= np.tan(TILT)
-    )
+    follows = uneven <= cup.lip_depth and abs(slope[2]) <= cup.lip_depth
+    return world.name_of(hits[0][0]) if follows and np.hypot(*slope[:2]) <= np.tan(TILT) else None

@@ -7,11 +7,8 @@ from xml.etree import ElementTree
 import numpy as np
 
 from topple.robots.arm.arm import Arm
-from topple.robots.arm.home import home_of
-from topple.robots.arm.prepared import prepared
-from topple.robots.arm.urdf import Model, model_of, urdf_root
-from topple.robots.hands.gripper import SuctionCup, Tool, ToolState
-from topple.robots.hands.gripper_file import (
+from topple.robots.arm.gripper import SuctionCup, Tool, ToolState
+from topple.robots.arm.gripper_file import (
     Cup,
     Gripper,
     Jaw,
@@ -20,6 +17,9 @@ from topple.robots.hands.gripper_file import (
     pose_of_offset,
     read_gripper,
 )
+from topple.robots.arm.home import home_of
+from topple.robots.arm.prepared import prepared
+from topple.robots.arm.urdf import Model, model_of, urdf_root
 from topple.robots.hands.jaws import FORCE, Fingers, find_fingers, measured_jaw, palm_of, rigid_groups
 from topple.robots.hands.suction_hand import CUP_JOINT, CUP_LINK, CupDesign, cup_xml
 from topple.topology.errors import InvalidInput

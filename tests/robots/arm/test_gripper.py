@@ -3,8 +3,8 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
+from topple.robots.arm.gripper import SuctionCup, ToolState
 from topple.robots.catalog import names, robot
-from topple.robots.hands.gripper import SuctionCup, ToolState
 
 
 @pytest.mark.parametrize("name", names())
@@ -29,7 +29,7 @@ def test_finger_links_move_along_the_closing_direction(name: str) -> None:
     def middles(opening: float) -> np.ndarray:
         poses = arm.forward(q, ToolState(opening))[0, index]
         centres = [
-            pose[:3, :3] @ arm.hulls[i].mean(axis=0) + pose[:3, 3]
+            pose[:3, :3] @ np.vstack(arm.parts[i]).mean(axis=0) + pose[:3, 3]
             for i, pose in zip(index, poses, strict=True)
         ]
         return np.array([to_tool[:3, :3] @ c + to_tool[:3, 3] for c in centres])

@@ -1,8 +1,8 @@
 import numpy as np
 import pytest
 
+from topple.robots.arm.gripper import ToolState
 from topple.robots.catalog import names, robot
-from topple.robots.hands.gripper import ToolState
 from topple.topology.errors import InvalidInput
 
 
@@ -14,7 +14,7 @@ def test_every_arm_is_complete(name: str) -> None:
     assert (arm.velocity > 0).all()
     assert (arm.acceleration > 0).all()
     assert ((arm.home >= arm.lower) & (arm.home <= arm.upper)).all()
-    assert len(arm.links) == len(arm.hulls)
+    assert len(arm.links) == len(arm.parts)
     assert arm.jaw is not None
     assert robot(name) is arm
 
@@ -38,7 +38,7 @@ def test_the_cup_stands_out_beyond_the_fingers_and_goes_back_behind_them() -> No
 
         def end(link: str) -> float:
             i = arm.links.index(link)
-            return float(((arm.hulls[i] @ poses[i, :3, :3].T + poses[i, :3, 3]) @ approach).max())
+            return float(((np.vstack(arm.parts[i]) @ poses[i, :3, :3].T + poses[i, :3, 3]) @ approach).max())
 
         return end("suction_cup"), end("panda_leftfinger")
 
@@ -66,7 +66,7 @@ def test_the_cup_passes_between_open_fingers() -> None:
 
     def extent(link: str) -> tuple[float, float]:
         i = arm.links.index(link)
-        along = (arm.hulls[i] @ poses[i, :3, :3].T + poses[i, :3, 3]) @ closing
+        along = (np.vstack(arm.parts[i]) @ poses[i, :3, :3].T + poses[i, :3, 3]) @ closing
         return float(along.min()), float(along.max())
 
     cup_low, cup_high = extent("suction_cup")

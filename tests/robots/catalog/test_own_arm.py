@@ -10,10 +10,10 @@ import pytest
 
 from topple.planner.motion.collision import Checker
 from topple.robots.arm.arm import Arm
-from topple.robots.arm.own_arm import check_tool
+from topple.robots.arm.gripper import ParallelJaw, SuctionCup, ToolState
+from topple.robots.arm.gripper_file import Cup, Gripper, Jaw
 from topple.robots.catalog import data_path, robot
-from topple.robots.hands.gripper import ParallelJaw, SuctionCup, ToolState
-from topple.robots.hands.gripper_file import Cup, Gripper, Jaw
+from topple.robots.catalog.own_arm import check_tool
 from topple.robots.world.simulated_arm import SimulatedArm
 from topple.robots.world.world import World
 from topple.topology.errors import InvalidInput
@@ -56,8 +56,8 @@ def test_fingers_with_pads_fixed_to_them_become_one_body_each(tmp_path: Path) ->
     assert set(jaw.links) == {"left", "right"}
     assert jaw.openings[[0, -1]] == pytest.approx([0.0, 0.08], abs=1e-6)  # pads stand 2 mm before the fingers
     assert tool.pose_tool_to_link[:3, 3] == pytest.approx([0.0, 0.0, 0.07], abs=0.003)
-    assert len(arm.hulls[arm.links.index("left_pad")]) == 0
-    assert arm.hulls[arm.links.index("left")][:, 1].min() == pytest.approx(-0.002)
+    assert arm.parts[arm.links.index("left_pad")] == ()
+    assert np.vstack(arm.parts[arm.links.index("left")])[:, 1].min() == pytest.approx(-0.002)
 
 
 def test_a_urdf_that_says_little_makes_an_arm_and_says_what_was_assumed(tmp_path: Path) -> None:
@@ -103,7 +103,7 @@ def test_pybullet_loads_what_was_read(tmp_path: Path) -> None:
             )
             assert found[4] == pytest.approx(poses[arm.links.index(link)][:3, 3], abs=1e-6)
             shapes = pybullet.getCollisionShapeData(body, info[0], physicsClientId=client)
-            assert bool(shapes) == bool(len(arm.hulls[arm.links.index(link)])), link
+            assert bool(shapes) == bool(arm.parts[arm.links.index(link)]), link
             assert (
                 pybullet.getDynamicsInfo(body, info[0], physicsClientId=client)[0] < 3.0
             )  # not 1 kg a screw

@@ -1,0 +1,116 @@
+"""What topple asks of an arm that carries a plan out: a simulated one, another simulator's, or a real one.
+
+Nothing here tells what the arm is about to take or what it meets: a driver moves joints and a hand, and feels
+a force, the pads' distance and the vacuum.
+"""
+
+from typing import Protocol
+
+from topple.robots.arm.arm import Arm
+from topple.robots.arm.gripper import ToolState
+from topple.topology.arrays import FloatArray
+
+
+class Motion(Protocol):
+    """A joint trajectory: times (t,) in [s], positions (t, n) in [rad], velocities (t, n) in [rad/s]."""
+
+    @property
+    def times(self) -> FloatArray:
+        """(t,) in [s], starting at zero."""
+        ...
+
+    @property
+    def positions(self) -> FloatArray:
+        """(t, n) in [rad]."""
+        ...
+
+    @property
+    def velocities(self) -> FloatArray:
+        """(t, n) in [rad/s]."""
+        ...
+
+
+class Driver(Protocol):
+    """An arm with its hand.
+
+    Every method returns when what it asks for is done, or cannot be done. Forces are in [N], lengths in [m].
+    """
+
+    @property
+    def arm(self) -> Arm:
+        """Its kinematics, limits and tools."""
+        ...
+
+    @property
+    def pose_base_to_world(self) -> FloatArray:
+        """(4, 4) where it stands."""
+        ...
+
+    @property
+    def q_target(self) -> FloatArray:
+        """(n,) joint values that it holds, in [rad] or [m]."""
+        ...
+
+    @property
+    def tool_state(self) -> ToolState:
+        """How the hand is told to stand."""
+        ...
+
+    @property
+    def opening(self) -> float:
+        """Measured distance of the pads; 0 without a jaw."""
+        ...
+
+    @property
+    def holding(self) -> bool:
+        """Whether both pads press on something, or the cup's vacuum stands."""
+        ...
+
+    def follow(self, trajectory: Motion, *, keep_offset: bool = False) -> float:
+        """Follow a joint trajectory to its end.
+
+        Args:
+            trajectory: It should start where the arm is, or near.
+            keep_offset: Stay as far beside the trajectory as the arm is at its start, instead of joining it.
+
+        Returns:
+            The largest joint error at the end in [rad] or [m].
+        """
+        ...
+
+    def follow_until(self, trajectory: Motion, force: float) -> float:
+        """Follow a joint trajectory, and stop where something holds the hand up: a guarded motion.
+
+        Args:
+            trajectory: It should start where the arm is.
+            force: What the wrist feels more than at the start when it stops: the hand's weight and that of
+                what it holds are none of it.
+
+        Returns:
+            The largest joint error at the end, or 0 where it stopped before.
+        """
+        ...
+
+    def open(self, opening: float | None = None) -> None:
+        """Open the jaw to a pad distance, fully if not given; nothing without a jaw."""
+        ...
+
+    def close(self, force: float) -> float:
+        """Close the jaw with a force until it stalls; returns the pads' distance."""
+        ...
+
+    def extend(self, extension: float) -> None:
+        """Push the suction cup out of the palm by a distance; nothing without a cup."""
+        ...
+
+    def suck(self) -> bool:
+        """Switch the vacuum on; returns whether the lip seals on something. If not it is off again."""
+        ...
+
+    def release(self, opening: float | None = None) -> None:
+        """Switch the vacuum off, or open the jaw to a pad distance, fully if not given."""
+        ...
+
+    def wait(self, seconds: float) -> None:
+        """Hold still for a time in [s]."""
+        ...

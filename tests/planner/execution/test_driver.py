@@ -1,0 +1,174 @@
+"""A transfer is carried out by anything that is a `Driver`: here by an arm without physics."""
+
+from dataclasses import dataclass, field
+
+import numpy as np
+import pytest
+
+from topple.planner.execution.execute import LET_GO, MISSED, TAKEN, execute
+from topple.planner.transfer.transfer import Transfer, plan_transfer, scene_after
+from topple.robots import shapes
+from topple.robots.arm.arm import Arm
+from topple.robots.arm.gripper import ToolState
+from topple.robots.catalog import robot
+from topple.robots.driver import Driver, Motion
+from topple.robots.scenarios.scenario import pose_at
+from topple.topology.arrays import FloatArray
+from topple.topology.scene import Scene
+
+BASE = pose_at(-0.5, 0.0, 0.0)
+HEIGHT = 0.12
+
+
+def moved(points: FloatArray, pose: FloatArray) -> FloatArray:
+    return points @ pose[:3, :3].T + pose[:3, 3]
+
+
+@dataclass
+class Ghost:
+    """Goes where it is told at once; what is between its pads or below its lip hangs on it rigidly.
+
+    It knows nothing of physics but that solid points do not pass through the table at z = 0.
+    """
+
+    arm: Arm
+    pose_base_to_world: FloatArray
+    clouds: dict[str, FloatArray]
+    q_target: FloatArray = field(default_factory=lambda: np.empty(0))
+    tool_state: ToolState = field(default_factory=ToolState)
+    hung: tuple[str, str, FloatArray] | None = None  # name, tool, points in the tool's frame
+
+    def __post_init__(self) -> None:
+        self.q_target, self.tool_state = np.asarray(self.arm.home), self.arm.open_hand
+
+    def _tool(self, tool: str) -> FloatArray:
+        return self.pose_base_to_world @ self.arm.tool_pose(self.q_target, tool)[0]
+
+    @property
+    def opening(self) -> float:
+        return self.tool_state.opening
+
+    @property
+    def holding(self) -> bool:
+        return self.hung is not None
+
+    def _go(self, q: FloatArray) -> None:
+        self.q_target = q
+        if self.hung is not None:
+            name, tool, points = self.hung
+            self.clouds[name] = moved(points, self._tool(tool))
+
+    def follow(self, trajectory: Motion, *, keep_offset: bool = False) -> float:
+        self._go(trajectory.positions[-1])
+        return 0.0
+
+    def follow_until(self, trajectory: Motion, force: float) -> float:
+        assert force > 0.0
+        for q in trajectory.positions:
+            self._go(q)
+            if self.hung is not None and self.clouds[self.hung[0]][:, 2].min() <= 0.0:
+                break
+            if (
+                self.hung is None
+                and self.tool_state.cup_extension
+                and self._near("suction", -0.001) is not None
+            ):
+                break
+        return 0.0
+
+    def _near(self, tool: str, depth: float) -> str | None:
+        """The object whose points are between the pads, or behind the lip by more than a depth."""
+        for name, points in self.clouds.items():
+            local = moved(points, np.linalg.inv(self._tool(tool)))
+            if tool == "suction":
+                met = (np.hypot(local[:, 0], local[:, 1]) < 0.015) & (local[:, 2] < -depth)
+            else:
+                met = (np.abs(local) < [0.01, self.opening / 2.0, 0.009]).all(axis=1)
+            if np.count_nonzero(met) > 5:
+                return name
+        return None
+
+    def _hang(self, tool: str, name: str | None) -> bool:
+        if name is not None:
+            self.hung = name, tool, moved(self.clouds[name], np.linalg.inv(self._tool(tool)))
+        return name is not None
+
+    def open(self, opening: float | None = None) -> None:
+        assert self.arm.jaw is not None
+        opening = self.arm.jaw.max_opening if opening is None else opening
+        self.tool_state = ToolState(opening, self.tool_state.cup_extension)
+
+    def close(self, force: float) -> float:
+        width = 0.0
+        if self._hang("fingers", self._near("fingers", 0.0)):
+            assert self.hung is not None
+            held = self.hung[2]
+            between = (np.abs(held[:, [0, 2]]) < [0.01, 0.009]).all(axis=1)
+            width = float(np.ptp(held[between, 1]))
+        self.tool_state = ToolState(width, self.tool_state.cup_extension)
+        return width
+
+    def extend(self, extension: float) -> None:
+        self.tool_state = ToolState(self.opening, extension)
+
+    def suck(self) -> bool:
+        return self._hang("suction", self._near("suction", -0.003))
+
+    def release(self, opening: float | None = None) -> None:
+        tool = "fingers" if self.hung is None else self.hung[1]
+        self.hung = None
+        if tool == "fingers":
+            self.open(opening)
+
+    def wait(self, seconds: float) -> None:
+        assert seconds > 0.0
+
+
+def seen(height: float = HEIGHT) -> Scene:
+    points = shapes.box("box", (0.05, 0.05, height)).surface(6000, np.random.default_rng(0))
+    grid = np.stack(np.meshgrid(np.arange(-0.6, 0.6, 0.008), np.arange(-0.6, 0.6, 0.008)), -1).reshape(-1, 2)
+    return Scene(
+        {"box": points, "table": np.column_stack([grid, np.zeros(len(grid))])}, fixed=["table"], up=(0, 0, 1)
+    )
+
+
+def planned(name: str) -> Transfer:
+    arm = robot(name)
+    found = plan_transfer("box", seen(), None, arm, BASE, np.asarray(arm.home))
+    assert isinstance(found, Transfer)
+    return found
+
+
+@pytest.mark.parametrize(
+    ("name", "tool"), [("panda", "fingers"), ("panda-suction", "suction"), ("xarm6", "fingers")]
+)
+def test_another_driver_carries_a_transfer_out(name: str, tool: str) -> None:
+    transfer, moments = planned(name), []
+    ghost = Ghost(robot(name), BASE, {"box": seen().clouds["box"].copy()})
+    driver: Driver = ghost
+    outcome = execute(transfer, driver, lambda moment, with_what: moments.append((moment, with_what)))
+    assert outcome.success, outcome.text
+    assert moments == [(TAKEN, tool), (LET_GO, tool)]
+    there, wanted = ghost.clouds["box"], scene_after(seen(), transfer).clouds["box"]
+    assert np.abs(there.mean(axis=0) - wanted.mean(axis=0)).max() < 0.005
+    assert -1e-3 <= there[:, 2].min() < 0.006, "it was let go on the table, as high as its place is safe"
+    assert np.abs(ghost.q_target - transfer.q_end).max() < 1e-6 and not ghost.holding
+
+
+def test_another_driver_stops_where_what_it_holds_stands() -> None:
+    """What reaches 8 mm deeper than it looked stands sooner."""
+    transfer = planned("panda")
+    points = seen().clouds["box"]
+    foot = points[points[:, 2] < 1e-6] - [0.0, 0.0, 0.008]
+    ghost = Ghost(robot("panda"), BASE, {"box": np.concatenate([points, foot])})
+    assert execute(transfer, ghost).success
+    assert ghost.clouds["box"][:, 2].min() == pytest.approx(0.0, abs=1e-3)
+
+
+def test_a_hand_that_closes_on_nothing_goes_back() -> None:
+    moments: list[str] = []
+    ghost = Ghost(robot("panda"), BASE, {})
+    outcome = execute(planned("panda"), ghost, lambda moment, _: moments.append(moment))
+    assert (outcome.success, outcome.text) == (False, "the fingers closed on nothing.")
+    assert moments == [MISSED]
+    assert ghost.opening == pytest.approx(0.08)
