@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 
 import msgspec
 
-from topple.robots.arm.gripper import ParallelJaw, SuctionCup, Tool
+from topple.robots.arm.gripper import CUP_FRICTION, ParallelJaw, SuctionCup, Tool
 from topple.robots.arm.gripper_file import Gripper
 from topple.topology.errors import InvalidInput
 
@@ -50,6 +50,7 @@ class CupData(msgspec.Struct, frozen=True):
         radius: Of the lip [m].
         force: Pull at which it lets go [N].
         lip_depth: Unevenness under the lip that its rubber bridges [m].
+        friction: Between the lip and what it takes.
     """
 
     link: str
@@ -58,6 +59,7 @@ class CupData(msgspec.Struct, frozen=True):
     radius: float
     force: float
     lip_depth: float
+    friction: float = CUP_FRICTION
 
 
 class ToolData(msgspec.Struct, frozen=True):
@@ -159,7 +161,9 @@ def _tool_data(tool: Tool) -> ToolData:
         )  # fmt: skip
         return ToolData(tool.name, tool.link, pose, jaw=jaw)
     assert isinstance(held, SuctionCup)
-    cup = CupData(held.link, held.joint, held.stroke, held.radius, held.max_force, held.lip_depth)
+    cup = CupData(
+        held.link, held.joint, held.stroke, held.radius, held.max_force, held.lip_depth, held.friction
+    )
     return ToolData(tool.name, tool.link, pose, cup=cup)
 
 

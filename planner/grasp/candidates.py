@@ -213,7 +213,8 @@ def _suction_grasps(
     for patch in patches(surface, cloud, around, up, cup, tolerances=tolerances, dropped=dropped):
         arm = surface.centre - patch.pose_tool_to_world[:3, 3]
         lever = float(np.linalg.norm(arm - up * float(arm @ up)))
-        load = cup_load(lever, weight_of(surface.volume, surface.mass), cup)
+        tilt = float(np.arccos(np.clip(-patch.pose_tool_to_world[:3, 2] @ up, -1.0, 1.0)))
+        load = cup_load(lever, weight_of(surface.volume, surface.mass), cup, tilt)
         reason = f"seal within {1e3 * patch.residual:.1f} mm; " + ", ".join(
             f"{term} {value:.2f}" for term, value in patch.terms.items()
         )

@@ -5,6 +5,7 @@ from scipy.special import ndtr
 
 from topple.planner.grasp.hand import HandShape
 from topple.planner.grasp.suction import CupShape
+from topple.robots.arm.gripper import vacuum_load
 from topple.topology.arrays import FloatArray
 from topple.topology.statics.matter import DENSITY
 
@@ -72,18 +73,21 @@ def jaw_load(
     return np.asarray(np.maximum(turning, np.hypot(moment[:, 0], moment[:, 2]) / across), dtype=np.float64)
 
 
-def cup_load(lever: float, weight: float, cup: CupShape) -> float:
-    """How much of what a cup holds a weight takes: its lip peels off about the edge away from the weight.
+def cup_load(lever: float, weight: float, cup: CupShape, tilt: float = 0.0) -> float:
+    """How much of what a cup holds a weight takes, by the model that lets go in simulation.
 
     Args:
         lever: Level distance between the cup's axis and the centre of mass [m].
         weight: In [N].
-        cup: Its force and radius.
+        cup: Its force, radius and friction.
+        tilt: Angle between its axis and the vertical [rad]: what hangs aslant shears.
 
     Returns:
         The share; above 1 the lip opens.
     """
-    return weight / cup.max_force * (1.0 + lever / cup.radius)
+    pull, shear = weight * np.cos(tilt), weight * np.sin(tilt)
+    model = {"force": cup.max_force, "radius": cup.radius, "friction": cup.friction}
+    return vacuum_load(pull, shear, weight * lever, 0.0, **model)
 
 
 def chance_to_hold(load: FloatArray | float, weighed: bool = False) -> FloatArray:

@@ -35,6 +35,7 @@ class CupShape:
         radius: Of the lip [m].
         max_force: Largest pull along its axis [N].
         lip_depth: Unevenness that its rubber bridges [m].
+        friction: Coefficient between its lip and the object.
         body: Prisms of the hand with the cup out.
         opening: Opening of the fingers beside it [m].
     """
@@ -42,6 +43,7 @@ class CupShape:
     radius: float
     max_force: float
     lip_depth: float
+    friction: float
     body: tuple[Prism, ...]
     opening: float = 0.0
 
@@ -72,7 +74,7 @@ def cup_shape(arm: "Arm") -> CupShape:
     body = tuple(
         prism for link, vertices in bodies if link != cup.link for prism in prisms(vertices, FINGER_SLABS)
     )
-    return CupShape(cup.radius, cup.max_force, cup.lip_depth, body, tool.ready.opening)
+    return CupShape(cup.radius, cup.max_force, cup.lip_depth, cup.friction, body, tool.ready.opening)
 
 
 @dataclass(frozen=True, eq=False)

@@ -1,5 +1,6 @@
 """What a hand holds with: a parallel jaw by friction, a suction cup by vacuum; how its joints stand."""
 
+import math
 from collections.abc import Mapping
 from dataclasses import dataclass
 
@@ -75,6 +76,30 @@ class ParallelJaw:
         return float(np.mean(found))
 
 
+CUP_FRICTION = 0.5  # of a cup on dry wood, metal, glass or stone; 0.2 to 0.3 where they are wet (Schmalz)
+
+
+def vacuum_load(
+    pull: float, shear: float, bending: float, twist: float, *, force: float, radius: float, friction: float
+) -> float:
+    """Share of what holds a cup's lip that a load on it takes: at 1 it lets go.
+
+    The vacuum presses the lip on. What pulls takes from that; what shears needs as much of it as friction
+    takes to bear it, as in the theoretical holding force m (g + a / mu) of Schmalz ("The Vacuum System and
+    its Components", load cases I to III); a moment takes as much as its pull on the lip's edge.
+
+    Args:
+        pull: Along the axis, away from the cup in [N]; negative presses.
+        shear: Across the axis in [N].
+        bending: Moment across the axis in [N m].
+        twist: Moment about the axis in [N m].
+        force: Of the vacuum on the lip's area in [N].
+        radius: Of the lip in [m].
+        friction: Coefficient between lip and surface.
+    """
+    return (pull + math.hypot(shear, twist / radius) / friction + bending / radius) / force
+
+
 @dataclass(frozen=True)
 class SuctionCup:
     """A vacuum cup: holds where its whole lip seals, and below its force limit.
@@ -87,6 +112,7 @@ class SuctionCup:
         max_force: Pull at which it lets go in [N]: vacuum times lip area.
         lip_depth: How much unevenness under the lip the rubber bridges in [m].
         speed: Speed of the stroke in [m/s].
+        friction: Coefficient between its lip and what it takes.
         retracts: Whether a drive draws it in on the way; a sprung plunger stands out unless it is pressed.
     """
 
@@ -98,6 +124,7 @@ class SuctionCup:
     lip_depth: float = 0.002
     speed: float = 0.2
     retracts: bool = True
+    friction: float = CUP_FRICTION
 
     @property
     def stowed(self) -> float:

@@ -9,6 +9,7 @@ from typing import Any
 import msgspec
 import numpy as np
 
+from topple.robots.arm.gripper import CUP_FRICTION
 from topple.robots.arm.urdf import Model, pose_from_xyz_rpy
 from topple.topology.arrays import FloatArray
 from topple.topology.errors import InvalidInput
@@ -57,6 +58,7 @@ class Cup(msgspec.Struct, frozen=True, forbid_unknown_fields=True, kw_only=True)
         radius: Of the lip [m].
         force: Pull at which it lets go [N]; 60 kPa on the lip's area where left out.
         stroke: How far the plunger gives way [m].
+        friction: Between lip and common goods, dry.
     """
 
     link: str
@@ -64,6 +66,7 @@ class Cup(msgspec.Struct, frozen=True, forbid_unknown_fields=True, kw_only=True)
     radius: float
     force: float | None = None
     stroke: float = 0.02
+    friction: float = CUP_FRICTION
 
 
 class Gripper(msgspec.Struct, frozen=True, forbid_unknown_fields=True, kw_only=True):
@@ -140,8 +143,8 @@ def checked(gripper: Gripper, where: str) -> None:
             _positive(value, f"{where}: `$.jaw.{key}`")
     if cup is not None:
         _offset(cup.offset, f"{where}: `$.cup.offset`")
-        for key, value in (("radius", cup.radius), ("force", cup.force), ("stroke", cup.stroke)):
-            _positive(value, f"{where}: `$.cup.{key}`")
+        for key in ("radius", "force", "stroke", "friction"):
+            _positive(getattr(cup, key), f"{where}: `$.cup.{key}`")
 
 
 def check_names(gripper: Gripper, model: Model, where: str) -> None:

@@ -147,6 +147,7 @@ def _suction(cup: Cup, design: CupDesign, jaw: Tool | None) -> Tool:
         radius=cup.radius,
         max_force=design.holding_force,
         retracts=jaw is not None,
+        friction=cup.friction,
     )
     ready = ToolState(opening, cup.stroke)
     return Tool("suction", cup.link, pose_of_offset(cup.offset), made, (CUP_LINK,), ready)

@@ -5,7 +5,7 @@ from typing import Any
 
 import numpy as np
 
-from topple.robots.arm.gripper import SuctionCup
+from topple.robots.arm.gripper import SuctionCup, vacuum_load
 from topple.robots.engine import pybullet
 from topple.robots.poses import inverse, pose_from, position_and_quaternion
 from topple.robots.world.world import World
@@ -24,25 +24,22 @@ PEEL_STEPS = 3  # in a row at the limit until the lip is off: rubber gives way, 
 class Vacuum:
     """A cup that has taken an object.
 
-    The hold is a constraint whose forces are read after every step: pull, shear and moment beyond what the
-    vacuum gives break it; pressing does not. A lip of radius r under a force F resists a moment of about F r
-    before it peels.
+    The hold is a constraint whose forces are read after every step: what `vacuum_load` says the lip does not
+    hold breaks it.
 
     Attributes:
         world: The world both are in.
         name: The object it holds.
         constraint: PyBullet's number of the constraint; None once it has let go.
         axis: (3,) unit, out of the cup, in the object's frame.
-        max_force: Limit of pull and shear in [N].
-        max_moment: Limit of the moment in [N m].
+        cup: Force, radius and friction.
     """
 
     world: World
     name: str
     constraint: int | None
     axis: FloatArray
-    max_force: float
-    max_moment: float
+    cup: SuctionCup
     _over: int = 0
 
     @property
@@ -82,7 +79,7 @@ class Vacuum:
         )  # fmt: skip
         pybullet.changeConstraint(constraint, maxForce=cup.max_force, physicsClientId=world.client)
         axis = world.pose(name)[:3, :3].T @ pose_lip_to_world[:3, 2]
-        return cls(world, name, constraint, axis, cup.max_force, cup.max_force * cup.radius)
+        return cls(world, name, constraint, axis, cup)
 
     def check(self) -> None:
         """Reads the forces of the last step and lets go where they were too much for too long."""
@@ -91,11 +88,14 @@ class Vacuum:
         state = np.array(pybullet.getConstraintState(self.constraint, physicsClientId=self.world.client))
         out = self.world.pose(self.name)[:3, :3] @ self.axis
         pull = float(state[:3] @ out)
+        twist = float(state[3:6] @ out)
         shear = float(np.linalg.norm(state[:3] - pull * out))
-        force = float(np.hypot(max(pull, 0.0), shear))
-        moment = float(np.linalg.norm(state[3:6]))
-        over = force >= AT_LIMIT * self.max_force or moment >= self.max_moment
-        self._over = self._over + 1 if over else 0
+        bending = float(np.linalg.norm(state[3:6] - twist * out))
+        cup = self.cup
+        load = vacuum_load(
+            pull, shear, bending, twist, force=cup.max_force, radius=cup.radius, friction=cup.friction
+        )
+        self._over = self._over + 1 if load >= AT_LIMIT else 0
         if self._over >= PEEL_STEPS:
             self.off()
 

@@ -28,9 +28,11 @@ class Way:
         self.velocities = np.gradient(states, self.times, axis=0)
 
 
-def straight(robot: SimulatedArm, arm: Arm, start: FloatArray, end: FloatArray) -> None:
+def straight(
+    robot: SimulatedArm, arm: Arm, start: FloatArray, end: FloatArray, tool: str = "fingers"
+) -> None:
     """Drive the tool straight from one pose to another without turning it."""
     states = [robot.q_target]
     for share in np.linspace(0.0, 1.0, 12):
-        states.append(arm.inverse(start + share * (end - start), "fingers", near=states[-1])[0][0])
+        states.append(arm.inverse(start + share * (end - start), tool, near=states[-1])[0][0])
     robot.follow(Way(np.array(states[1:])))

@@ -3,12 +3,14 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from trimesh.transformations import euler_matrix
 
 from topple.planner.grasp import grasp_candidates
 from topple.planner.grasp.hand import hand_shape
 from topple.planner.grasp.load import chance_to_hold, cup_load, jaw_load, weight_of
 from topple.planner.grasp.suction import cup_shape
 from topple.planner.grasp.surroundings import Dropped
+from topple.robots.arm.gripper import vacuum_load
 from topple.robots.catalog import robot
 from topple.robots.poses import angle_between
 from topple.robots.shapes.boxes import box
@@ -18,10 +20,11 @@ from topple.topology.scene import Scene
 from topple.topology.statics.matter import DENSITY
 
 sys.path.insert(0, str(Path(__file__).parent))
-from lifting import at, straight, table
+from lifting import Way, at, straight, table
 
 HAND, CUP = hand_shape(robot("panda")), cup_shape(robot("panda-suction"))
 DOWN = np.array([[0.0, 0.0, 1.0]])  # a hand from above comes in along gravity
+FLIP = np.diag([1.0, -1.0, -1.0, 1.0])
 SIZE = (0.24, 0.05, 0.06)
 
 
@@ -46,6 +49,53 @@ def test_a_cup_peels_off_with_its_force_or_its_moment() -> None:
     assert CUP.max_force == pytest.approx(42.4, abs=0.1)
     assert cup_load(0.0, CUP.max_force, CUP) == pytest.approx(1.0)
     assert cup_load(CUP.radius, CUP.max_force / 2.0, CUP) == pytest.approx(1.0)
+
+
+def test_a_cup_holds_across_its_axis_what_friction_bears() -> None:
+    """The load cases of a cup: lifting, moving aside, and holding a wall."""
+    weight = 8.0
+    assert cup_load(0.0, weight, CUP) == pytest.approx(weight / CUP.max_force)
+    assert cup_load(0.0, weight, CUP, np.pi / 2) == pytest.approx(weight / 0.5 / CUP.max_force)
+    for pull, shear in ((8.0, 0.0), (8.0, 4.0), (-10.0, 15.0)):
+        held = vacuum_load(pull, shear, 0.0, 0.0, force=42.0, radius=0.015, friction=0.5)
+        assert held == pytest.approx((pull + shear / 0.5) / 42.0)
+    assert vacuum_load(0.0, 0.0, 0.0, 0.1, force=42.0, radius=0.015, friction=0.5) > 0.3, (
+        "turning shears the lip"
+    )
+
+
+@pytest.mark.parametrize("tilt", [0.0, 12.0, 50.0, 90.0])
+def test_a_cup_drops_in_simulation_what_the_planner_says_it_does_not_hold(tilt: float) -> None:
+    """A slab of 2 kg, lifted level and then turned."""
+    arm, mass, thick = robot("panda-suction"), 2.0, 0.02
+    turn = np.radians(tilt)
+    load = cup_load(thick / 2.0 * np.sin(turn), 9.81 * mass, CUP, turn)
+    assert not 0.85 < load < 1.15, "neither is sure"
+    with World() as world:
+        world.add_table()
+        world.add(box("slab", (0.08, 0.08, thick), mass=mass), at(0.5, 0.0, 0.0))
+        world.settle()
+        hand = SimulatedArm(world, arm, np.eye(4), q=arm.inverse(at(0.5, 0.0, 0.15) @ FLIP, "suction")[0][0])
+        assert arm.cup is not None
+        hand.extend(arm.cup.stroke)
+        straight(hand, arm, at(0.5, 0.0, 0.15) @ FLIP, at(0.5, 0.0, thick) @ FLIP, "suction")
+        assert hand.suck()
+        gently(hand, [at(0.5, 0.0, z) @ FLIP for z in np.linspace(thick, 0.4, 20)])
+        assert hand.holding, "level it holds"
+        tilts = np.linspace(0.0, turn, 20)
+        gently(hand, [at(0.5, 0.0, 0.4) @ euler_matrix(0.0, -angle, 0.0) @ FLIP for angle in tilts])
+        hand.wait(0.5)
+        assert hand.holding == (load < 1.0)
+
+
+def gently(hand: SimulatedArm, poses: list[np.ndarray]) -> None:
+    """Lead the cup through poses in three seconds, without a jerk."""
+    states = [hand.q_target]
+    for pose in poses:
+        states.append(hand.arm.inverse(pose, "suction", near=states[-1])[0][0])
+    u = np.linspace(0.0, 1.0, 60)
+    where = (3.0 - 2.0 * u) * u * u * (len(states) - 1)
+    hand.follow(Way(np.array([np.interp(where, range(len(states)), q) for q in np.array(states).T]).T, 3.0))
 
 
 def test_what_cannot_hold_scores_below_what_can() -> None:
