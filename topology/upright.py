@@ -131,7 +131,8 @@ def _axes(scene: "Scene", up: FloatArray) -> FloatArray:
     longest = max(ground or long, key=long.__getitem__)
     if long[longest] <= 0.0:
         return upright_axes(up)
-    return own_axes(scene.clouds[longest], up)
+    along = own_axes(scene.clouds[longest] @ level.T @ level)[0]
+    return np.asarray(np.stack([along, np.cross(up, along), up]), dtype=np.float64)
 
 
 def _box(clouds: list[FloatArray]) -> tuple[FloatArray, FloatArray]:
