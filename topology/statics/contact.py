@@ -8,9 +8,8 @@ from scipy.spatial import KDTree
 
 from topple.topology.arrays import BoolArray, FloatArray, IntArray, bounds, frozen
 from topple.topology.geometry.broadphase import near_pairs
-from topple.topology.geometry.thin import voxel_means
 from topple.topology.statics.matter import FRICTION, friction_between
-from topple.topology.upright import SPACING, Upright
+from topple.topology.upright import SPACING, Upright, thin
 
 
 @dataclass(frozen=True)
@@ -327,7 +326,7 @@ def _between(
     if not close.any():
         return None
     middles = (candidates[close] + first[nearest[close]]) / 2
-    spots = voxel_means(middles, TOLERANCES.footprint)
+    spots = thin(middles, TOLERANCES.footprint)
     return _patch(a, b, spots, surfaces, trees, reach)
 
 

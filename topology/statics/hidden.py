@@ -9,7 +9,7 @@ from topple.topology.arrays import FloatArray
 from topple.topology.statics.contact import TOLERANCES, Contact, Plane, planes_and_rest, rubbing
 from topple.topology.statics.equilibrium import Weight, balance
 from topple.topology.upright import Upright
-from topple.topology.views.free_space import FreeSpace
+from topple.topology.views.sight import Sight
 
 CELL = 0.012
 """Edge [m] of the plan cells in which an underside is held against what lies below it."""
@@ -33,7 +33,7 @@ def hidden_contacts(
     contacts: Sequence[Contact],
     weights: Mapping[str, Weight],
     wanting: Sequence[str],
-    sight: FreeSpace | None,
+    sight: Sight | None,
     among: Collection[frozenset[str]] | None = None,
 ) -> tuple[Contact, ...]:
     """The cheapest contacts that put everything at rest.
@@ -108,7 +108,7 @@ class _Tops:
         return top, other
 
 
-def _below(name: str, surface: FloatArray, tops: _Tops, sight: FreeSpace | None) -> list[Contact]:
+def _below(name: str, surface: FloatArray, tops: _Tops, sight: Sight | None) -> list[Contact]:
     """For each object under `name`, the cells in which its underside faces the highest top below it."""
     under = _plan(surface, np.minimum)
     spots = np.array([((i + 0.5) * CELL, (j + 0.5) * CELL, z) for (i, j), z in under.items()])

@@ -1,1 +1,1 @@
-"""Free space: what the cameras saw to be empty, and what they could not see."""
+"""What the cameras saw to be empty, and what they could not see."""

@@ -49,9 +49,7 @@ def test_a_box_with_a_hidden_foot_touches_the_table_by_inference():
     (carried,) = Situation(scene(up=UP)).supports
     assert carried.inferred
     assert 0.5 < carried.confidence < 0.9
-    assert pair.confidence == pytest.approx(carried.confidence, abs=0.05), (
-        "no contact is surer than who carries whom"
-    )
+    assert pair.confidence == pytest.approx(carried.confidence, abs=0.05), "as sure as what it carries"
 
 
 def test_a_lid_with_a_hidden_underside_touches_the_box_below_by_inference():

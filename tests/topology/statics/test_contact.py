@@ -2,9 +2,8 @@ import numpy as np
 import pytest
 
 from topple.topology import InvalidInput, Scene
-from topple.topology.geometry.axes import upright_axes
 from topple.topology.statics.contact import Plane, find_contacts
-from topple.topology.upright import Upright
+from topple.topology.upright import Upright, upright_axes
 
 
 def box(
