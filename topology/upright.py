@@ -10,7 +10,7 @@ import numpy as np
 from topple.topology.arrays import FloatArray, bounds, frozen
 from topple.topology.bodies.tops import SUNK, Tops, tops_of
 from topple.topology.errors import InvalidInput
-from topple.topology.geometry.axes import own_axes, upright_axes
+from topple.topology.geometry.axes import level_axes, own_axes
 from topple.topology.geometry.thin import voxel_means
 
 if TYPE_CHECKING:
@@ -123,14 +123,14 @@ def _axes(scene: "Scene", up: FloatArray) -> FloatArray:
 
     What is fixed tells whatever else comes into the scene, if it is longer than wide.
     """
-    level = upright_axes(up)[:2]
+    level = np.stack(level_axes(up))
     flat = {name: (cloud - cloud.mean(axis=0)) @ level.T for name, cloud in scene.clouds.items()}
     spreads = {name: np.linalg.eigvalsh(points.T @ points / len(points)) for name, points in flat.items()}
     long = {name: float(spread[1] - spread[0]) for name, spread in spreads.items()}
     ground = {name: long[name] for name in scene.fixed if long[name] > LONG * spreads[name][1]}
     longest = max(ground or long, key=long.__getitem__)
     if long[longest] <= 0.0:
-        return upright_axes(up)
+        return np.stack([*level_axes(up), up])
     return own_axes(scene.clouds[longest], up)
 
 

@@ -7,10 +7,11 @@ import numpy as np
 from scipy.ndimage import distance_transform_edt
 from scipy.spatial import ConvexHull, QhullError
 
-from topple.planner.bodies.solids import Solids, level_axes, up_of
+from topple.planner.bodies.solids import Solids, up_of
 from topple.planner.placement.resting import PLACEMENT_TOLERANCES, PlacementTolerances
 from topple.topology.arrays import BoolArray, FloatArray, IntArray
 from topple.topology.bodies.tops import Top, tops_of
+from topple.topology.geometry.axes import level_axes
 from topple.topology.scene import Scene
 
 SKIN = 0.01  # what reaches no further above a top is the top itself, or below it: depth noise [m]

@@ -10,12 +10,13 @@ from types import TracebackType
 
 import numpy as np
 
-from topple.planner.bodies.solids import Solids, level_axes
+from topple.planner.bodies.solids import Solids
 from topple.planner.placement.placement import Placement
 from topple.planner.placement.stacking import inset
 from topple.planner.simulate.drops import Drops, simulated
 from topple.robots.poses import angle_between
 from topple.topology.arrays import FloatArray
+from topple.topology.geometry.axes import level_axes
 
 SHIFT = 0.015  # [m] a thing may move until it rests: its body is a guess from noisy points
 TURN = 0.35  # [rad] and turn: it lies down on the face next to the one that was meant

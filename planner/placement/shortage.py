@@ -2,13 +2,14 @@
 
 import numpy as np
 
-from topple.planner.bodies.solids import Solids, level_axes, up_of
+from topple.planner.bodies.solids import Solids, up_of
 from topple.planner.placement.placement import Placement, placements
 from topple.planner.placement.resting import PLACEMENT_TOLERANCES
 from topple.planner.planning.base import NoBase, choose_base
 from topple.robots.arm.arm import Arm
 from topple.topology.arrays import FloatArray
 from topple.topology.bodies.tops import tops_of
+from topple.topology.geometry.axes import level_axes
 from topple.topology.scene import Scene
 
 

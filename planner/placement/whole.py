@@ -11,8 +11,9 @@ import numpy as np
 from scipy.spatial import ConvexHull, QhullError
 
 from topple.planner.bodies.samples import sampled
-from topple.planner.bodies.solids import Solids, hull_vertices, level_axes
+from topple.planner.bodies.solids import Solids, hull_vertices
 from topple.topology.arrays import FloatArray
+from topple.topology.geometry.axes import level_axes
 from topple.topology.scene import Scene
 from topple.topology.statics.rest import Statics
 
