@@ -61,7 +61,7 @@ class Situation:
         Raises:
             InvalidInput: The scene has no `up`.
         """
-        return Statics.of(self.scene, relations=self.relations if self.scene.up is not None else None)
+        return Statics.of(self.scene, relations=self.relations)
 
     @property
     def movable(self) -> tuple[str, ...]:
@@ -100,6 +100,10 @@ class Situation:
         seen = self.relations.between(name, other).observed
         return Evidence(name, other, classify(swept_matrix(body, met)), gap, seen, swept=True)
 
+    def hang_together(self, a: str, b: str) -> bool:
+        """Whether two movable objects are in contact, or each with others that are."""
+        return bool(nx.has_path(self._meeting, a, b))
+
     def chain(self, a: str, b: str) -> tuple[Evidence, ...]:
         """The relations by which two movable objects hang together, through as few others as possible.
 
@@ -110,7 +114,7 @@ class Situation:
         Returns:
             The relation of each to the next, from a to b; empty where they do not.
         """
-        if not nx.has_path(self._meeting, a, b):
+        if not self.hang_together(a, b):
             return ()
         path = nx.shortest_path(self._meeting, a, b)
         return tuple(self.between(one, other) for one, other in pairwise(path))

@@ -3,12 +3,8 @@
 from collections.abc import Mapping
 from types import MappingProxyType
 
-from topple.benchmarks.paper import rgbd_layouts, ycb_layouts
+from topple.benchmarks.paper.rgbd_layouts import LAYOUTS as OF_BOXES
 from topple.benchmarks.paper.stage import Layout
+from topple.benchmarks.paper.ycb_layouts import LAYOUTS as OF_YCB
 
-LAYOUTS: Mapping[int, Layout] = MappingProxyType(
-    {
-        number: getattr(rgbd_layouts if number < 8 else ycb_layouts, f"scene_{number}")
-        for number in range(1, 15)
-    }
-)
+LAYOUTS: Mapping[int, Layout] = MappingProxyType({**OF_BOXES, **OF_YCB})

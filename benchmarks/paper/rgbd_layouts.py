@@ -174,3 +174,6 @@ def scene_7(world: World, rng: np.random.Generator, things: Things) -> None:
     boards = {"leaning_1": ((0.04, 0.10, 0.18), 0, 0.0), "leaning_2": ((0.03, 0.12, 0.17), 90, 0.0)}
     pose = _lying_with(world, rng, lying, boards, (RED, GREEN))
     _upright(world, rng, (0.10, 0.07, 0.13), pose, (-0.26, -0.06), 0.0, name="apart")
+
+
+LAYOUTS = {1: scene_1, 2: scene_2, 3: scene_3, 4: scene_4, 5: scene_5, 6: scene_6, 7: scene_7}

@@ -214,3 +214,6 @@ def _stand(world: World, body: Body, at: FloatArray, azimuth: float) -> None:
     middle = (low + top) / 2
     place = (float(at[0] - middle[0]), float(at[1] - middle[1]), DROP - float(low[2]))
     world.add(body, pose_at(*place, turn))
+
+
+LAYOUTS = {8: scene_8, 9: scene_9, 10: scene_10, 11: scene_11, 12: scene_12, 13: scene_13, 14: scene_14}

@@ -222,7 +222,7 @@ def _lost(situation: Situation, touching: Mapping[tuple[str, str], float]) -> di
         (first, then): missing
         for then in situation.movable
         for first, missing in _fallen(then, touching, situation.statics).items()
-        if situation.chain(first, then)
+        if situation.hang_together(first, then)
     }
 
 
