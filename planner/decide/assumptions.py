@@ -8,7 +8,7 @@ from scipy.spatial import ConvexHull, QhullError
 
 from topple.topology.arrays import FloatArray, bounds
 from topple.topology.bodies.complete import is_hollow
-from topple.topology.statics.contact import planes_and_rest
+from topple.topology.statics.grounds import planes_and_rest
 from topple.topology.statics.matter import DENSEST, DENSITY, FRICTION
 from topple.topology.statics.rest import Statics, hull_volume
 

@@ -13,7 +13,7 @@ from topple.robots.world.body_clouds import Piece, shell, solid
 from topple.robots.world.world import TABLE_FRICTION, World
 from topple.topology.arrays import FloatArray
 from topple.topology.bodies.complete import is_hollow
-from topple.topology.statics.contact import planes_and_rest
+from topple.topology.statics.grounds import planes_and_rest
 from topple.topology.statics.rest import Statics
 from topple.topology.upright import Upright
 

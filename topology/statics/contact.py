@@ -6,8 +6,9 @@ from dataclasses import dataclass, replace
 import numpy as np
 from scipy.spatial import KDTree
 
-from topple.topology.arrays import BoolArray, FloatArray, IntArray, bounds, frozen
+from topple.topology.arrays import BoolArray, FloatArray, IntArray, bounds
 from topple.topology.geometry.broadphase import near_pairs
+from topple.topology.statics.grounds import Plane, planes_and_rest
 from topple.topology.statics.matter import FRICTION, friction_between
 from topple.topology.upright import SPACING, Upright, thin
 
@@ -26,7 +27,6 @@ class ContactTolerances:
         patch: A surface is flat over this radius when its normal is taken; the radius of a spoon.
         footprint: Edge of the cells in which a patch keeps one point.
         smooth: A patch that spreads further across its plane (standard deviation) has an edge in it.
-        flat: A fixed cloud this thin (standard deviation) is a table top, and is treated as a plane.
     """
 
     search: float = 0.009
@@ -34,7 +34,6 @@ class ContactTolerances:
     catch: float = 0.005
     patch: float = 0.012
     footprint: float = 0.012
-    flat: float = 0.003
     smooth: float = 0.0015
 
 
@@ -42,12 +41,6 @@ TOLERANCES = ContactTolerances()
 
 SOLE = 0.03
 """Height [m] above the table up to which an underside is looked at."""
-
-MARGIN = 0.05
-"""A table goes on this far [m] beyond what was seen of it: one camera sees it cut off by objects."""
-
-EDGE = 0.02
-"""The same for a top whose edges were seen: the spacing of its points."""
 
 BELOW = 0.01
 """Noise [m] by which the middle of something thin may lie below the top it stands on."""
@@ -89,82 +82,6 @@ class Contact:
             gaps=self.gaps[keep],
             turns=self.turns[keep],
         )
-
-
-@dataclass(frozen=True, eq=False)
-class Plane:
-    """A flat fixed surface: `normal @ x + offset` is the height above it [m], `normal` points up.
-
-    Attributes:
-        normal: (3,) unit normal.
-        offset: See above [m].
-        lower: (3,) lowest corner of the box around what was seen of it [m].
-        upper: (3,) highest corner [m].
-        ends: Whether it ends there, as the boards of a shelf do; a table seen from above may just be cut off.
-    """
-
-    normal: FloatArray
-    offset: float
-    lower: FloatArray
-    upper: FloatArray
-    ends: bool = False
-
-    @staticmethod
-    def of(points: FloatArray) -> "Plane | None":
-        """Fit a plane to a cloud, robustly.
-
-        Args:
-            points: (N, 3) upright points [m].
-
-        Returns:
-            The plane, or None where the cloud is not flat or stands upright (a wall).
-        """
-        if len(points) < 3:
-            return None
-        centre, normal, spread = _fit(points, points)
-        for _ in range(2):
-            near = points[np.abs((points - centre) @ normal) < 3 * spread]
-            centre, normal, spread = _fit(near if len(near) >= 3 else points, points)
-        if spread > TOLERANCES.flat or abs(normal[2]) < 0.5:
-            return None
-        normal = normal if normal[2] > 0 else -normal
-        return Plane(frozen(normal), -float(normal @ centre), points.min(axis=0), points.max(axis=0))
-
-    def heights(self, points: FloatArray) -> FloatArray:
-        """(N,) heights of (N, 3) points above the plane [m]."""
-        return points @ self.normal + self.offset
-
-    def over(self, points: FloatArray) -> BoolArray:
-        """Which of (N, 3) points [m] are over it, or over where it goes on behind the objects."""
-        margin = EDGE if self.ends else MARGIN
-        low, high = self.lower[:2] - margin, self.upper[:2] + margin
-        return np.asarray(((points[:, :2] > low) & (points[:, :2] < high)).all(axis=1))
-
-
-def planes_and_rest(upright: Upright, name: str) -> tuple[tuple[Plane, ...], FloatArray]:
-    """Take a fixed body apart into the planes of its tops and what else can be touched of it.
-
-    Args:
-        upright: The upright scene.
-        name: The body.
-
-    Returns:
-        One plane a top, the highest first, and (M, 3) points on none of them [m].
-    """
-    tops, rest, cloud = upright.tops[name], upright.rest[name], upright.clouds[name]
-    if len(rest) == 0 or not tops:  # one surface, or what so few points show as one
-        plane = Plane.of(cloud)
-        return ((), cloud) if plane is None else ((plane,), np.empty((0, 3)))
-    planes = (Plane.of(top) for top in tops)
-    return tuple(replace(plane, ends=True) for plane in planes if plane is not None), rest
-
-
-def _fit(kept: FloatArray, points: FloatArray) -> tuple[FloatArray, FloatArray, float]:
-    """Centre and normal of the plane through `kept`, and the robust spread [m] of `points` about it."""
-    centre = kept.mean(axis=0)
-    normal = np.linalg.eigh(np.cov((kept - centre).T))[1][:, 0]
-    heights = (points - centre) @ normal
-    return centre, normal, max(1.4826 * float(np.median(np.abs(heights))), 1e-4)
 
 
 def find_contacts(

@@ -6,8 +6,9 @@ from dataclasses import replace
 import numpy as np
 
 from topple.topology.arrays import FloatArray
-from topple.topology.statics.contact import TOLERANCES, Contact, Plane, planes_and_rest, rubbing
+from topple.topology.statics.contact import TOLERANCES, Contact, rubbing
 from topple.topology.statics.equilibrium import Weight, balance
+from topple.topology.statics.grounds import Plane, planes_and_rest
 from topple.topology.upright import Upright
 from topple.topology.views.sight import Sight
 

@@ -2,7 +2,8 @@ import numpy as np
 import pytest
 
 from topple.topology import InvalidInput, Scene
-from topple.topology.statics.contact import Plane, find_contacts
+from topple.topology.statics.contact import find_contacts
+from topple.topology.statics.grounds import Plane
 from topple.topology.upright import Upright, upright_axes
 
 
