@@ -6,13 +6,13 @@ straight way in, and whether the finger tips are over the ground. Nothing is thi
 
 import numpy as np
 
-from topple.planner.bodies.solids import up_of
 from topple.planner.grasp.grasp import Grasp
 from topple.planner.grasp.hand import HandShape
 from topple.planner.grasp.room import ASIDE, PAST_PADS
 from topple.planner.grasp.suction import CupShape
 from topple.planner.grasp.tolerances import GRASP_TOLERANCES
 from topple.topology.arrays import FloatArray
+from topple.topology.bodies.solids import up_of
 from topple.topology.scene import Scene
 
 

@@ -1,15 +1,19 @@
 """Situation: a scene, and what is read of it, each part worked out once and only when it is asked for."""
 
-from collections.abc import Mapping
-from dataclasses import dataclass
+from collections.abc import Collection, Mapping
+from dataclasses import dataclass, field, replace
 from functools import cached_property
 from itertools import pairwise
 from typing import TYPE_CHECKING
 
 import networkx as nx
+import numpy as np
 
 from topple.topology.arrays import FloatArray
+from topple.topology.bodies.solids import GRAIN, Solids, moved, solids_of, up_of
+from topple.topology.bodies.whole import on_feet, whole_bodies
 from topple.topology.evidence import Evidence
+from topple.topology.geometry.samples import sampled
 from topple.topology.relations import Relations
 from topple.topology.rule.relate import relate
 from topple.topology.sixim.table import classify
@@ -32,10 +36,16 @@ class Situation:
     Attributes:
         scene: What was seen; it knows where up is where contacts are asked for.
         given: Relations that are known already, ours or somebody else's; None to work them out.
+        parts: Convex parts of the objects where they are known already.
+        complete: The same with the sides that nobody saw, likewise.
+        origin: What it came of by taking objects away or moving them: the other bodies are those still.
     """
 
     scene: "Scene"
     given: Relations | None = None
+    parts: Solids | None = field(default=None, repr=False)
+    complete: Solids | None = field(default=None, repr=False)
+    origin: "Change | None" = field(default=None, repr=False)
 
     @staticmethod
     def of(scene: "Scene | Situation", relations: Relations | None = None) -> "Situation":
@@ -46,13 +56,26 @@ class Situation:
             relations: Relations that are known already.
         """
         if isinstance(scene, Situation):
-            return scene if relations is None else Situation(scene.scene, relations)
+            return scene if relations is None else replace(scene, given=relations)
         return Situation(scene, relations)
+
+    @cached_property
+    def up(self) -> FloatArray:
+        """(3,) unit vector against gravity.
+
+        Raises:
+            InvalidInput: The scene has no `up`.
+        """
+        return up_of(self.scene)
 
     @cached_property
     def relations(self) -> Relations:
         """The relation of every pair."""
-        return relate(self.scene) if self.given is None else self.given
+        if self.given is not None:
+            return self.given
+        if self.origin is None or self.origin.pose is None:
+            return relate(self.scene)
+        return self.origin.before.relations.followed(self.scene)
 
     @cached_property
     def statics(self) -> Statics:
@@ -73,6 +96,29 @@ class Situation:
         """The completed bodies: name -> (N, 3) upright points [m] of the whole surface."""
         return self.statics.surfaces
 
+    @cached_property
+    def solids(self) -> Solids:
+        """Convex parts of every object in the world, as far as it was seen: what is kept clear of."""
+        if self.parts is not None:
+            return self.parts
+        return solids_of(self.scene) if self.origin is None else self.origin.of(self.origin.before.solids)
+
+    @cached_property
+    def whole(self) -> Solids:
+        """Convex parts with the sides that nobody saw: how things stand and fall.
+
+        Where nobody says from where the scene was seen nothing is hidden.
+        """
+        if self.complete is not None:
+            return self.complete
+        if self.origin is not None:
+            return self.origin.of(self.origin.before.whole)
+        if not len(self.scene.viewpoints):
+            return self.solids
+        to_world = self.statics.upright.rotation  # of rows
+        surfaces = {name: self.surfaces[name] @ to_world for name in self.movable}
+        return whole_bodies(self.scene.clouds, self.solids, surfaces)
+
     @property
     def contacts(self) -> tuple[Contact, ...]:
         """Patches between bodies that meet."""
@@ -82,6 +128,53 @@ class Situation:
     def supports(self) -> tuple[Support, ...]:
         """What carries what: see `topple.topology.statics.support.supports`."""
         return supports(self.statics, self.relations)
+
+    def without(self, *names: str) -> "Situation":
+        """What is left once objects are taken away; the bodies of the others stay as they are.
+
+        Args:
+            names: The objects.
+        """
+        scene = self.scene
+        for name in names:
+            scene = scene.without(name)
+        return Situation(scene, origin=Change(self, frozenset(names)))
+
+    def standing(self, name: str) -> "Situation":
+        """The same with the sides of an object that nobody saw: how it stands.
+
+        Args:
+            name: The object.
+        """
+        body = self.whole[name]
+        cloud = np.vstack([self.scene.clouds[name], sampled(body, 2.0 * GRAIN)])
+        bodies = {**self.solids, name: body}
+        return Situation(self.scene.with_cloud(name, cloud), parts=bodies, complete=self.whole)
+
+    def moved(self, names: Collection[str], pose: FloatArray, more: FloatArray | None = None) -> "Situation":
+        """The situation once objects were moved: they are rigid, and all else is where it was.
+
+        Args:
+            names: The objects.
+            pose: (4, 4) rigid transform in the world.
+            more: (N, 3) points of the first of them where it was [m] that will be seen besides.
+        """
+        scene = self.scene
+        for name in names:
+            cloud = scene.clouds[name]
+            if more is not None:
+                cloud, more = np.vstack([cloud, more]), None
+            scene = scene.with_cloud(name, moved((cloud,), pose)[0])
+        return Situation(scene, origin=Change(self, frozenset(names), pose))
+
+    def on_feet(self) -> "Situation":
+        """The same with the undersides of what stands levelled: see `topple.topology.bodies.whole.on_feet`.
+
+        Where nothing is hidden it stays as it is.
+        """
+        if not len(self.scene.viewpoints):
+            return self
+        return replace(self, parts=self.solids, complete=on_feet(self.whole, self.movable, self.up))
 
     def between(self, a: str, b: str) -> Evidence:
         """The relation of two objects as they lie."""
@@ -128,3 +221,24 @@ class Situation:
             if a in graph and b in graph:
                 graph.add_edge(a, b)
         return graph
+
+
+@dataclass(frozen=True, eq=False)
+class Change:
+    """How a situation came of another one.
+
+    Attributes:
+        before: The other one.
+        names: What was taken away or moved.
+        pose: (4, 4) rigid transform in the world by which they were moved; None where they were taken away.
+    """
+
+    before: Situation
+    names: frozenset[str]
+    pose: FloatArray | None = None
+
+    def of(self, bodies: Solids) -> Solids:
+        """Bodies from before as they are now."""
+        if self.pose is None:
+            return {name: parts for name, parts in bodies.items() if name not in self.names}
+        return {n: moved(parts, self.pose) if n in self.names else parts for n, parts in bodies.items()}

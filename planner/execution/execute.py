@@ -5,7 +5,6 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from topple.planner.bodies.solids import Solids
 from topple.planner.grasp.hand import PRESS
 from topple.planner.motion.collision import Checker
 from topple.planner.motion.planner import MotionFailure, plan_motion
@@ -15,6 +14,7 @@ from topple.planner.transfer.segments import Segment
 from topple.planner.transfer.transfer import Transfer
 from topple.robots.driver import Driver
 from topple.topology.arrays import FloatArray
+from topple.topology.bodies.solids import Solids
 
 WATCHED = ("lift", "transfer", "place")  # segments during which the object must be in the hand
 GUARDED = ("approach", "place")  # segments that a force at the wrist ends

@@ -5,17 +5,18 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
-from topple.planner.bodies.solids import up_of
 from topple.planner.pictures import picture
 from topple.robots.world.camera import Camera
 from topple.robots.world.world import World
 from topple.topology.arrays import BoolArray, FloatArray
+from topple.topology.bodies.solids import up_of
 from topple.topology.bodies.tops import tops_of
 from topple.topology.cloud import clean, thinned
 from topple.topology.errors import InvalidInput
 from topple.topology.image import DepthImage
-from topple.topology.rule.relate import Relations, relate
+from topple.topology.relations import Relations
 from topple.topology.scene import Scene
+from topple.topology.situation import Situation
 from topple.topology.sixim.table import Relation
 
 FINE = 0.002  # [m] between the points kept of an object: what three cameras at a metre see apart
@@ -31,17 +32,25 @@ class Look:
 
     Attributes:
         images: What the cameras took.
-        scene: Clouds of what is seen, and of what was seen before and may be hidden now.
-        relations: Of that scene.
+        situation: What is seen, and what was seen before and may be hidden now, and what was read of it.
         picture: PNG bytes of the first camera's view, or None.
         surprises: What was not as expected, by name, in sentences: newly seen, moved, hidden or gone.
     """
 
     images: tuple[DepthImage, ...]
-    scene: Scene
-    relations: Relations
+    situation: Situation
     picture: bytes | None
     surprises: Mapping[str, str] = field(default_factory=dict[str, str])
+
+    @property
+    def scene(self) -> Scene:
+        """The clouds."""
+        return self.situation.scene
+
+    @property
+    def relations(self) -> Relations:
+        """The relations of the clouds."""
+        return self.situation.relations
 
 
 @dataclass
@@ -90,7 +99,7 @@ class Observer:
         if expected is not None:
             scene, surprises = _joined(scene, expected)
         scene = scene.weighed(_among(self.masses, scene), _among(self.friction, scene))
-        return Look(images, scene, relate(scene), _seen(images[0]), surprises)
+        return Look(images, Situation(scene), _seen(images[0]), surprises)
 
 
 def _joined(seen: Scene, expected: Scene) -> tuple[Scene, dict[str, str]]:

@@ -5,7 +5,6 @@ from types import TracebackType
 
 import numpy as np
 
-from topple.planner.bodies.solids import fixed_parts, up_of
 from topple.planner.placement.base import choose_base
 from topple.planner.report.palette import object_colours
 from topple.planner.simulate.rebuild import Rebuilt, rebuild
@@ -15,6 +14,7 @@ from topple.robots.scenarios.scenario import around
 from topple.robots.world.camera import Camera
 from topple.robots.world.world import TABLE_FRICTION, World
 from topple.topology.arrays import FloatArray
+from topple.topology.bodies.solids import fixed_parts, up_of
 from topple.topology.bodies.tops import lowest_in_use, tops_of
 from topple.topology.cloud import clean
 from topple.topology.errors import InvalidInput

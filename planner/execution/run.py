@@ -9,7 +9,6 @@ from pathlib import Path
 
 import numpy as np
 
-from topple.planner.bodies.solids import solids_of
 from topple.planner.decide.beliefs import Beliefs
 from topple.planner.decide.goal import Goal, parse_goal
 from topple.planner.decide.turn import Ahead
@@ -28,7 +27,7 @@ from topple.planner.planning.order import cautious
 from topple.planner.planning.step import PLACE, NextStep, Orderer, Station
 from topple.planner.report.rerun_file import RATE as RERUN_RATE
 from topple.planner.report.rerun_file import rerun_file
-from topple.planner.transfer.transfer import scene_after
+from topple.planner.transfer.transfer import after
 from topple.robots.arm.arm import Arm
 from topple.robots.catalog import robot as robot_named
 from topple.robots.catalog.own_arm import check_tool
@@ -40,6 +39,7 @@ from topple.robots.world.world import World
 from topple.topology.arrays import FloatArray
 from topple.topology.errors import ToppleError
 from topple.topology.scene import Scene
+from topple.topology.situation import Situation
 from topple.topology.statics.gravity import check_up
 
 log = logging.getLogger(__name__)
@@ -257,7 +257,7 @@ class ClosedLoop:
         checker = Checker(
             self.robot.arm,
             self.robot.pose_base_to_world,
-            solids_of(look.scene),
+            look.situation.solids,
             tool_state=self.robot.tool_state,
         )
         deep = [contact for contact in checker.contacts(self.robot.q_target) if contact.distance < -STUCK]
@@ -274,7 +274,7 @@ class ClosedLoop:
         given_up = {name: f"{n} attempts failed" for name, n in self._attempts.items() if n >= most}
         own = {name: some for name, some in self.grasps.items() if name not in self._tried}
         return StepChooser(
-            look.scene, goal, station, done=self._done, relations=look.relations, observed=True,
+            look.situation, goal, station, done=self._done, observed=True,
             given_up=given_up, avoid=self._failed, beliefs=self._beliefs, orderer=self.orderer, grasps=own,
             seed=self.seed + self._attempts.total(),
         )  # fmt: skip
@@ -289,10 +289,10 @@ class ClosedLoop:
         self.robot.touched.clear()
         witness = HandWitness(self.robot, name)
         outcome = execute(transfer, self.robot, witness)
-        expected = scene_after(look.scene, transfer) if outcome.success else look.scene
-        withdraw(self.robot, solids_of(expected), self.seed)
+        expected = after(look.situation, transfer).scene if outcome.success else look.scene
+        withdraw(self.robot, Situation(expected).solids, self.seed)
         self.robot.wait(self.limits.settle)
-        after = self.world.poses()
+        now = self.world.poses()
         self._tried.add(name)
         self._attempts[name] += 1
         attempts = self._attempts[name]
@@ -308,16 +308,16 @@ class ClosedLoop:
         if different or seen.surprises:
             events.append("the next step is planned from what is seen")
         handled = (name, *self.fixed)
-        wrong = violations(before, after, self.robot.touched, handled)
-        if witness.lost_at is not None and witness.lost_at[2] - after[name][2, 3] > LIMITS.drop:
-            wrong.append(f"it was dropped by {100 * (witness.lost_at[2] - after[name][2, 3]):.0f} cm")
+        wrong = violations(before, now, self.robot.touched, handled)
+        if witness.lost_at is not None and witness.lost_at[2] - now[name][2, 3] > LIMITS.drop:
+            wrong.append(f"it was dropped by {100 * (witness.lost_at[2] - now[name][2, 3]):.0f} cm")
         touched = {other: touch for other, touch in self.robot.touched.items() if other not in handled}
         step = StepRecord(
             object=name,
             action=chosen.action,
             success=outcome.success,
             attempts=attempts,
-            disturbed=displacements(before, after, handled),
+            disturbed=displacements(before, now, handled),
             relations_as_predicted=not different,
             seconds=time.perf_counter() - started,
             reason=f"{chosen.reason}; {outcome.text}",
@@ -331,7 +331,7 @@ class ClosedLoop:
             predicted=predicted.to_json(),
             observed=seen.relations.to_json(),
             tool_path=outcome.tool_path,
-            tilts=tilts(before, after, handled),
+            tilts=tilts(before, now, handled),
             slip=witness.slip,
             forces={other: touch.force for other, touch in touched.items()},
             impulses={other: touch.impulse for other, touch in touched.items()},

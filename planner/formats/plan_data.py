@@ -4,7 +4,6 @@ from collections.abc import Mapping, Sequence
 
 import numpy as np
 
-from topple.planner.bodies.solids import Solids
 from topple.planner.decide.dependency import Dependency
 from topple.planner.formats.plan_format import (
     AttachmentData,
@@ -22,7 +21,7 @@ from topple.planner.transfer.segments import Segment
 from topple.planner.transfer.transfer import Transfer
 from topple.robots.arm.gripper import ToolState
 from topple.topology.arrays import FloatArray
-from topple.topology.scene import Scene
+from topple.topology.situation import Situation
 
 DIGITS = 6  # micrometres and microradians: below what any arm can tell
 
@@ -89,17 +88,9 @@ def dependency_data(edge: Dependency) -> DependencyData:
     return DependencyData(edge.first, edge.then, str(edge.reason), round(float(edge.confidence), 4))
 
 
-def objects_data(scene: Scene, solids: Solids, whole: Solids) -> list[ObjectData]:
-    """The objects of a scene as a plan keeps them.
-
-    Args:
-        scene: The scene.
-        solids: Their convex parts.
-        whole: The same with the sides that nobody saw.
-
-    Returns:
-        One entry for each object.
-    """
+def objects_data(situation: Situation) -> list[ObjectData]:
+    """The objects of a situation as a plan keeps them."""
+    scene, solids, whole = situation.scene, situation.solids, situation.whole
     return [
         ObjectData(
             name,

@@ -1,12 +1,11 @@
 """Grasp candidates of one object of a scene, best first."""
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from dataclasses import replace
 from typing import TYPE_CHECKING
 
 import numpy as np
 
-from topple.planner.bodies.solids import parts_of
 from topple.planner.grasp.frames import frames
 from topple.planner.grasp.grasp import Grasp
 from topple.planner.grasp.hand import HandShape, hand_shape
@@ -23,6 +22,7 @@ from topple.topology.errors import InvalidInput, UnknownObject
 from topple.topology.geometry.hull import Hull
 from topple.topology.rounded import rounded
 from topple.topology.scene import Scene
+from topple.topology.situation import Situation
 
 if TYPE_CHECKING:
     from topple.robots.arm.arm import Arm
@@ -39,13 +39,11 @@ CUP_TURNS: tuple[FloatArray, ...] = tuple(
 
 def grasp_candidates(
     name: str,
-    scene: Scene,
+    scene: Scene | Situation,
     arm: "Arm | None" = None,
     *,
     hand: HandShape | None = None,
     cup: CupShape | None = None,
-    solids: Mapping[str, Sequence[FloatArray]] | None = None,
-    whole: Sequence[FloatArray] | None = None,
     wide: bool = False,
     limit: int = 60,
     tolerances: GraspTolerances = GRASP_TOLERANCES,
@@ -61,13 +59,10 @@ def grasp_candidates(
 
     Args:
         name: The object.
-        scene: Everything around it, with `up`.
+        scene: Everything around it, with `up`, or the situation it was read as.
         arm: The arm whose tools are measured; or give `hand` and `cup`.
         hand: Fingers to grasp with; measured from the arm where not given.
         cup: Suction cup to grasp with; measured from the arm where not given.
-        solids: Convex parts of the objects in the world.
-        whole: Those of the object with the sides that nobody saw, for its mass and for fingers to keep clear
-            of; its `solids` where not given.
         wide: Come in with the fingers as far apart as there is room: the object is larger than it looks.
         limit: At most so many, spread over the object.
         tolerances: Clearances and limits.
@@ -80,20 +75,24 @@ def grasp_candidates(
         UnknownObject: The scene has no such object.
         InvalidInput: The scene has no up direction, or the arm has no tool.
     """
+    situation = Situation.of(scene)
+    scene, up = situation.scene, situation.up
     if name not in scene.clouds:
         raise UnknownObject(name, scene.names)
-    if scene.up is None:
-        raise InvalidInput("grasps need to know where up is: give --up X Y Z or a fixed table")
     if arm is not None:
         hand = hand_shape(arm) if hand is None and "fingers" in arm.tools else hand
         cup = cup_shape(arm) if cup is None and "suction" in arm.tools else cup
     if hand is None and cup is None:
         raise InvalidInput("nothing to grasp with: give an arm with tools, a hand or a cup")
-    up = np.asarray(scene.up, dtype=np.float64)
-    solid = parts_of(scene.clouds[name], scene) if solids is None else solids.get(name, ())
     around = surroundings(name, scene, up, tolerances)
     surface = surface_of(
-        scene.clouds[name], up, scene.viewpoints, whole or solid, around.points, scene.images, tolerances
+        scene.clouds[name],
+        up,
+        scene.viewpoints,
+        situation.whole[name],
+        around.points,
+        scene.images,
+        tolerances,
     )
     mass, friction = scene.masses.get(name), scene.friction.get(name)
     surface = replace(surface, mass=mass)
@@ -112,7 +111,7 @@ def grasp_candidates(
     sealed = sum(grasp.score >= tolerances.sure for grasp in found)
     if hand is not None and sealed < tolerances.enough_sealed:
         pinched = _pinch_grasps(name, surface, around, up, hand, tolerances, dropped)
-        hulls = [Hull.of(part) for part in solid]
+        hulls = [Hull.of(part) for part in situation.solids[name]]
         pierced = _pierced(pinched, hand, hulls, tolerances)
         clear = [grasp for grasp, bad in zip(pinched, pierced, strict=True) if not bad]
         dropped.note("fingers would stand in what it fills", len(pinched) - len(clear))

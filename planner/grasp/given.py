@@ -5,7 +5,6 @@ from dataclasses import replace
 
 import numpy as np
 
-from topple.planner.bodies.solids import up_of
 from topple.planner.grasp.candidates import varied
 from topple.planner.grasp.grasp import Grasp
 from topple.planner.grasp.hand import HandShape
@@ -15,6 +14,7 @@ from topple.planner.grasp.room import PAST_PADS, Room
 from topple.planner.grasp.tolerances import GRASP_TOLERANCES
 from topple.robots.arm.arm import Arm
 from topple.topology.arrays import FloatArray
+from topple.topology.bodies.solids import up_of
 from topple.topology.errors import InvalidInput, UnknownObject
 from topple.topology.scene import Scene
 

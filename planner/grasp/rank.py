@@ -6,7 +6,6 @@ from dataclasses import dataclass, replace
 import numpy as np
 from scipy.spatial import KDTree
 
-from topple.planner.bodies.solids import up_of
 from topple.planner.decide.dependency import dependencies
 from topple.planner.grasp.foreign import ForeignGrasps, grasps_from_array
 from topple.planner.grasp.grasp import Grasp
@@ -17,6 +16,7 @@ from topple.planner.grasp.tolerances import GRASP_TOLERANCES
 from topple.robots.arm.arm import Arm
 from topple.robots.catalog import robot as robot_named
 from topple.topology.arrays import FloatArray
+from topple.topology.bodies.solids import up_of
 from topple.topology.checks import as_pose
 from topple.topology.errors import InvalidInput, UnknownObject
 from topple.topology.scene import Scene

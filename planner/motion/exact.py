@@ -6,7 +6,7 @@ from typing import Any
 import numpy as np
 
 from topple.planner.motion.model import CollisionModel
-from topple.robots.collision.convex import hull_of
+from topple.robots.collision.fcl_bodies import fcl_convex
 from topple.topology.arrays import FloatArray
 
 
@@ -66,8 +66,4 @@ class ExactPhase:
 
 @lru_cache(maxsize=4096)
 def _convex(data: bytes) -> Any:
-    import fcl
-
-    vertices, triangles = hull_of(np.frombuffer(data).reshape(-1, 3))
-    faces = np.concatenate([np.full((len(triangles), 1), 3), triangles], axis=1).ravel()
-    return fcl.Convex(vertices, len(triangles), faces)
+    return fcl_convex(np.frombuffer(data).reshape(-1, 3))

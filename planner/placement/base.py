@@ -5,17 +5,18 @@ from collections.abc import Sequence
 import numpy as np
 from scipy.spatial import KDTree
 
-from topple.planner.bodies.samples import voxel_means
-from topple.planner.bodies.solids import Solids, level_axes, solids_of, up_of
 from topple.planner.motion.collision import Checker
 from topple.planner.placement.free_space import FreeSpace, free_spaces
 from topple.planner.placement.placement import reachable
 from topple.planner.placement.resting import PLACEMENT_TOLERANCES
 from topple.robots.arm.arm import Arm
 from topple.topology.arrays import FloatArray
+from topple.topology.bodies.solids import level_axes
 from topple.topology.bodies.tops import lowest_in_use, tops_of
 from topple.topology.errors import ToppleError
+from topple.topology.geometry.samples import voxel_means
 from topple.topology.scene import Scene
+from topple.topology.situation import Situation
 
 DISTANCES = (
     0.45,
@@ -33,9 +34,7 @@ class NoBase(ToppleError):
     """No place for the arm from which it reaches anything."""
 
 
-def choose_base(
-    scene: Scene, arm: Arm, targets: "tuple[str, ...]" = (), solids: Solids | None = None
-) -> FloatArray:
+def choose_base(scene: Scene | Situation, arm: Arm, targets: "tuple[str, ...]" = ()) -> FloatArray:
     """Search for a place of the arm's base.
 
     Places on circles around what is to be handled, on the level of the top under it, are compared by how many
@@ -43,10 +42,9 @@ def choose_base(
     distance.
 
     Args:
-        scene: The scene, with `up`.
+        scene: The scene, with `up`, or the situation it was read as.
         arm: The arm.
         targets: What it has to handle; everything that can move where empty.
-        solids: Convex parts of the objects; made from the scene where not given.
 
     Returns:
         (4, 4) pose_base_to_world, z along up, x towards the objects: the best at which the arm's home touches
@@ -55,12 +53,12 @@ def choose_base(
     Raises:
         NoBase: Nothing is reachable from anywhere.
     """
-    up = up_of(scene)
-    solids = solids_of(scene) if solids is None else solids
+    situation = Situation.of(scene)
+    scene, up = situation.scene, situation.up
     names = targets or scene.movable
     axes = np.stack(level_axes(up))
     middle = np.mean([scene.clouds[name].mean(axis=0) for name in names], axis=0)
-    spaces = free_spaces(scene, solids)
+    spaces = free_spaces(situation)
     level = _level(scene, up)
     poses = [
         _pose(axes, up, axes @ middle, level, distance, 2.0 * np.pi * k / DIRECTIONS)
@@ -78,7 +76,7 @@ def choose_base(
             f"no place for {arm.name} from which it reaches {', '.join(names)}: give --base X Y Z YAW"
         )
     reached.sort(key=lambda item: -item[0])
-    free = (pose for _, pose in reached if not Checker(arm, pose, solids).contacts(arm.home))
+    free = (pose for _, pose in reached if not Checker(arm, pose, situation.solids).contacts(arm.home))
     return next(free, reached[0][1])
 
 

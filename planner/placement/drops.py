@@ -7,12 +7,13 @@ from types import TracebackType
 
 import numpy as np
 
-from topple.planner.bodies.solids import Solids, apart, moved, up_of
 from topple.planner.placement.placement import Placement
+from topple.robots.collision.fcl_bodies import apart
 from topple.robots.poses import angle_between
 from topple.topology.arrays import FloatArray
-from topple.topology.relations import Relations
+from topple.topology.bodies.solids import Solids, moved
 from topple.topology.scene import Scene
+from topple.topology.situation import Situation
 from topple.topology.sixim.table import Relation
 
 SECONDS = 1.5  # of simulation: a fall of 4 cm takes 0.1, rolling down a bowl and back half a second
@@ -139,8 +140,7 @@ def staying(
     places: Sequence[Placement],
     name: str,
     where: str,
-    relations: Relations,
-    bodies: Solids,
+    situation: Situation,
     contents: Collection[str] = (),
 ) -> tuple[list[Placement], list[Placement]]:
     """The placements from which an object comes to rest in a container, by the relation of what is seen.
@@ -151,16 +151,15 @@ def staying(
         places: Placements into the container.
         name: The object.
         where: The container.
-        relations: Of the scene, with `up`.
-        bodies: Convex parts of its objects.
+        situation: Where they are.
         contents: What lies in the container.
 
     Returns:
         Those that hold and disturb nothing that lies there, and all that hold; clear of the contents first,
         then what pushes them least, falls least far, and rolls least.
     """
-    scene, rule = relations.scene, relations.rule
-    up, container = up_of(scene), rule.prepare(where, scene.clouds[where])
+    scene, rule, bodies, up = situation.scene, situation.relations.rule, situation.solids, situation.up
+    container = rule.prepare(where, scene.clouds[where])
 
     def inside(pose: FloatArray) -> bool:
         (cloud,) = moved((scene.clouds[name],), pose)
@@ -191,7 +190,7 @@ def _quietest(found: Sequence[tuple[tuple[float, ...], Placement]]) -> list[Plac
     return [place for _, place in sorted(found, key=lambda each: each[0])]
 
 
-def standing(places: Sequence[Placement], name: str, scene: Scene, whole: Solids) -> list[Placement]:
+def standing(places: Sequence[Placement], name: str, situation: Situation) -> list[Placement]:
     """Placements on a table, those marked that an object does not keep when it is let go there.
 
     Each attitude is tried once in simulation; what tips over is put down as it came to lie. A hand may not
@@ -200,15 +199,15 @@ def standing(places: Sequence[Placement], name: str, scene: Scene, whole: Solids
     Args:
         places: Placements on something fixed.
         name: The object.
-        scene: The scene, with `up`.
-        whole: Convex parts of its objects, with the sides that nobody saw.
+        situation: Where it is now.
 
     Returns:
         The placements in their order, with `rolls` where it does not stay, and those that it falls from.
     """
     if not places or not simulated():
         return list(places)
-    up, ground = up_of(scene), {other: whole[other] for other in scene.fixed}
+    up, scene, whole = situation.up, situation.scene, situation.whole
+    ground = {other: whole[other] for other in scene.fixed}
     known: dict[tuple[float, ...], tuple[FloatArray, float] | None] = {}
     found: list[Placement] = []
     falls: list[Placement] = []

@@ -7,11 +7,11 @@ import numpy as np
 from scipy.ndimage import distance_transform_edt
 from scipy.spatial import ConvexHull, QhullError
 
-from topple.planner.bodies.solids import Solids, level_axes, up_of
 from topple.planner.placement.resting import PLACEMENT_TOLERANCES, PlacementTolerances
 from topple.topology.arrays import BoolArray, FloatArray, IntArray
+from topple.topology.bodies.solids import level_axes
 from topple.topology.bodies.tops import Top, tops_of
-from topple.topology.scene import Scene
+from topple.topology.situation import Situation
 
 SKIN = 0.01  # what reaches no further above a top is the top itself, or below it: depth noise [m]
 
@@ -62,8 +62,7 @@ class FreeSpace:
 
 
 def free_spaces(
-    scene: Scene,
-    solids: Solids,
+    situation: Situation,
     *,
     leave_out: Collection[str] = (),
     avoid: Sequence[FloatArray] = (),
@@ -77,8 +76,7 @@ def free_spaces(
     under a fixed board is free where there is room below it for what is put down and for the hand.
 
     Args:
-        scene: The scene.
-        solids: Convex parts of its objects.
+        situation: Where everything is.
         leave_out: Objects that do not count, for they are to be moved.
         avoid: (N, 3) points each, of places to keep free besides.
         remaining: Objects that are still to be taken, or put something on or into.
@@ -89,20 +87,18 @@ def free_spaces(
         One map a top; none where the scene has no fixed level surface. The floor of a bin is only among them
         where there is no other.
     """
-    up = up_of(scene)
+    scene, up = situation.scene, situation.up
     tops = [(name, top) for name in sorted(scene.fixed) for top in tops_of(scene.clouds[name], up).tops]
     tops = [(name, top) for name, top in tops if not top.walled] or tops
     return tuple(
-        _free_space(name, top, scene, solids, leave_out, avoid, remaining, tall, tolerances)
-        for name, top in tops
+        _free_space(name, top, situation, leave_out, avoid, remaining, tall, tolerances) for name, top in tops
     )
 
 
 def _free_space(
     owner: str,
     top: Top,
-    scene: Scene,
-    solids: Solids,
+    situation: Situation,
     leave_out: Collection[str],
     avoid: Sequence[FloatArray],
     remaining: Collection[str],
@@ -110,7 +106,8 @@ def _free_space(
     tolerances: PlacementTolerances,
 ) -> FreeSpace:
     """The map of one top."""
-    axes = np.stack(level_axes(up_of(scene)))
+    scene, solids = situation.scene, situation.solids
+    axes = np.stack(level_axes(situation.up))
     ground = top.points @ axes.T
     origin = ground.min(axis=0)
     shape = np.ceil((ground.max(axis=0) - origin) / tolerances.cell).astype(int) + 1

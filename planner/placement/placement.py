@@ -5,8 +5,6 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from topple.planner.bodies.samples import voxel_means
-from topple.planner.bodies.solids import Solids, level_axes, solids_of, up_of
 from topple.planner.placement.free_space import FreeSpace, free_spaces
 from topple.planner.placement.resting import (
     PLACEMENT_TOLERANCES,
@@ -16,8 +14,11 @@ from topple.planner.placement.resting import (
     resting_poses,
 )
 from topple.topology.arrays import BoolArray, FloatArray, frozen
+from topple.topology.bodies.solids import level_axes
 from topple.topology.errors import UnknownObject
+from topple.topology.geometry.samples import voxel_means
 from topple.topology.scene import Scene
+from topple.topology.situation import Situation
 
 KEPT = 80  # best places of each attitude and heading that are compared
 BARRING = 0.1  # share of its score that a place in the way of what remains keeps: below any that is not
@@ -73,8 +74,7 @@ class Placement:
 
 def placements(
     name: str,
-    scene: Scene,
-    solids: Solids | None = None,
+    scene: Scene | Situation,
     *,
     pose_base_to_world: FloatArray | None = None,
     avoid: Sequence[FloatArray] = (),
@@ -86,8 +86,7 @@ def placements(
 
     Args:
         name: The object.
-        scene: The scene, with `up` and a fixed body that has a top.
-        solids: Convex parts of the objects; made from the scene where not given.
+        scene: The scene, with `up` and a fixed body that has a top, or the situation it was read as.
         pose_base_to_world: (4, 4) the arm's base: places within its reach and off its foot.
         avoid: (N, 3) points each: places to keep free besides.
         remaining: Objects that are still to be taken, or put something on or into.
@@ -100,15 +99,15 @@ def placements(
     Raises:
         UnknownObject: The scene has no such object.
     """
+    situation = Situation.of(scene)
+    scene, up = situation.scene, situation.up
     if name not in scene.clouds:
         raise UnknownObject(name, scene.names)
-    up = up_of(scene)
-    solids = solids_of(scene) if solids is None else solids
-    cloud, parts = scene.clouds[name], solids[name]
+    cloud, parts = scene.clouds[name], situation.solids[name]
     rests = resting_poses(cloud, parts, up, tolerances)
     tall = max(float(np.ptp(cloud @ (rest.rotation.T @ up))) for rest in rests)
     spaces = free_spaces(
-        scene, solids, leave_out={name}, avoid=avoid, remaining=remaining, tall=tall, tolerances=tolerances
+        situation, leave_out={name}, avoid=avoid, remaining=remaining, tall=tall, tolerances=tolerances
     )
     middle = cloud.mean(axis=0)
     found = [

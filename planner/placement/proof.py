@@ -10,12 +10,13 @@ from types import TracebackType
 
 import numpy as np
 
-from topple.planner.bodies.solids import Solids, level_axes
 from topple.planner.placement.drops import Drops, simulated
 from topple.planner.placement.placement import Placement
 from topple.planner.placement.stacking import inset
 from topple.robots.poses import angle_between
 from topple.topology.arrays import FloatArray
+from topple.topology.bodies.solids import level_axes
+from topple.topology.situation import Situation
 
 SHIFT = 0.015  # [m] a thing may move until it rests: its body is a guess from noisy points
 TURN = 0.35  # [rad] and turn: it lies down on the face next to the one that was meant
@@ -60,18 +61,14 @@ class Proof:
 
     Args:
         name: The object.
-        bodies: Convex parts of all objects where they are, in the world [m].
-        whole: Of the object alone, with the sides that nobody saw.
-        up: (3,) unit vector.
+        situation: Where it is now.
         riding: What lies in the object and goes with it.
     """
 
-    def __init__(
-        self, name: str, bodies: Solids, whole: Solids, up: FloatArray, riding: tuple[str, ...] = ()
-    ) -> None:
-        self.name, self._up = name, up
+    def __init__(self, name: str, situation: Situation, riding: tuple[str, ...] = ()) -> None:
+        self.name, self._up, bodies = name, situation.up, situation.solids
         self._others = {other: parts for other, parts in bodies.items() if other not in (name, *riding)}
-        self._own = {False: bodies[name], True: whole[name]}
+        self._own = {False: bodies[name], True: situation.whole[name]}
         self._drops: dict[bool, Drops] = {}
         self._known: dict[Placement, Settled] = {}
         self._worlds = ExitStack()

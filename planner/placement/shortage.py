@@ -2,23 +2,22 @@
 
 import numpy as np
 
-from topple.planner.bodies.solids import Solids, level_axes, up_of
 from topple.planner.placement.base import NoBase, choose_base
 from topple.planner.placement.placement import Placement, placements
 from topple.planner.placement.resting import PLACEMENT_TOLERANCES
 from topple.robots.arm.arm import Arm
 from topple.topology.arrays import FloatArray
+from topple.topology.bodies.solids import level_axes
 from topple.topology.bodies.tops import tops_of
-from topple.topology.scene import Scene
+from topple.topology.situation import Situation
 
 
-def shortage(name: str, scene: Scene, solids: Solids, arm: Arm, pose_base_to_world: FloatArray) -> str:
+def shortage(name: str, situation: Situation, arm: Arm, pose_base_to_world: FloatArray) -> str:
     """Say in a sentence why an object has no place to go.
 
     Args:
         name: The object.
-        scene: The scene, with `up`.
-        solids: Convex parts of its objects.
+        situation: Where everything is.
         arm: The arm.
         pose_base_to_world: (4, 4) where it stands.
 
@@ -26,16 +25,15 @@ def shortage(name: str, scene: Scene, solids: Solids, arm: Arm, pose_base_to_wor
         Whether there is no table, none large enough, none with room left (and what stands there), or only one
         out of reach (how far it is, and which base would do).
     """
-    up = up_of(scene)
+    scene, up = situation.scene, situation.up
     tops = [(other, top) for other in sorted(scene.fixed) for top in tops_of(scene.clouds[other], up).tops]
     if not tops:
         return f"no fixed object has a level surface to put {name} on: name the table with --fixed NAME"
-    if places := placements(name, scene, solids):
-        return _out_of_reach(name, places, scene, solids, arm, pose_base_to_world)
+    if places := placements(name, situation):
+        return _out_of_reach(name, places, situation, arm, pose_base_to_world)
     others = [other for other in scene.movable if other != name]
-    alone = _without(scene, others)
-    if others and placements(name, alone, solids):
-        freeing = [other for other in others if placements(name, _without(scene, [other]), solids)]
+    if others and placements(name, situation.without(*others)):
+        freeing = [other for other in others if placements(name, situation.without(other))]
         who = f"{' or '.join(freeing)} taken away" if freeing else f"all of {', '.join(others)} taken away"
         return f"every place that is large enough for {name} is taken: with {who} there would be room"
     axes = np.stack(level_axes(up), axis=1)
@@ -50,11 +48,11 @@ def shortage(name: str, scene: Scene, solids: Solids, arm: Arm, pose_base_to_wor
 
 
 def _out_of_reach(
-    name: str, places: list[Placement], scene: Scene, solids: Solids, arm: Arm, pose_base_to_world: FloatArray
+    name: str, places: list[Placement], situation: Situation, arm: Arm, pose_base_to_world: FloatArray
 ) -> str:
     """How far the nearest free place is, and which base would do."""
     near, far = PLACEMENT_TOLERANCES.reach
-    middle = np.append(scene.clouds[name].mean(axis=0), 1.0)
+    middle = np.append(situation.scene.clouds[name].mean(axis=0), 1.0)
     spots = np.array([(place.pose_before_to_after @ middle)[:3] for place in places])
     distances = np.linalg.norm(spots - pose_base_to_world[:3, 3], axis=1)
     nearest = distances[int(np.argmin(np.maximum(distances - far, near - distances)))]
@@ -63,19 +61,13 @@ def _out_of_reach(
         f"{arm.name} puts things down {near:.2f} to {far:.2f} m from it"
     )
     try:
-        base = choose_base(scene, arm, (name,), solids)
+        base = choose_base(situation, arm, (name,))
     except NoBase:
         return f"{words}; no base was found that reaches {name} at all"
-    if not placements(name, scene, solids, pose_base_to_world=base):
+    if not placements(name, situation, pose_base_to_world=base):
         return f"{words}; no base was found that reaches both {name} and a place for it"
     x, y, z = base[:3, 3]
     yaw = float(np.arctan2(base[1, 0], base[0, 0]))
     upright = base[2, 2] > 1.0 - 1e-9
     where = f"--base {x:.2f} {y:.2f} {z:.2f} {yaw:.2f}" if upright else f"a base at {x:.2f} {y:.2f} {z:.2f}"
     return f"{words}; {where} would do"
-
-
-def _without(scene: Scene, names: list[str]) -> Scene:
-    for name in names:
-        scene = scene.without(name)
-    return scene

@@ -6,8 +6,6 @@ import numpy as np
 from scipy.ndimage import binary_closing, distance_transform_edt
 from scipy.spatial import ConvexHull, QhullError
 
-from topple.planner.bodies.samples import centre_of_mass, sampled, voxel_means
-from topple.planner.bodies.solids import Solids, hull_vertices, level_axes, solids_of, up_of
 from topple.planner.placement.placement import Placement
 from topple.planner.placement.resting import (
     PLACEMENT_TOLERANCES,
@@ -17,9 +15,12 @@ from topple.planner.placement.resting import (
     resting_poses,
 )
 from topple.topology.arrays import FloatArray, IntArray
+from topple.topology.bodies.solids import hull_vertices, level_axes
 from topple.topology.bodies.tops import tops_of
 from topple.topology.errors import UnknownObject
+from topple.topology.geometry.samples import centre_of_mass, sampled, voxel_means
 from topple.topology.scene import Scene
+from topple.topology.situation import Situation
 
 CELL = 0.005  # grid of heights: half a finger's thickness [m]
 CONTACT = 0.005  # cells this close to touching carry: depth noise of both surfaces [m]
@@ -58,10 +59,9 @@ class Heights:
 
 def placements_on(
     name: str,
-    scene: Scene,
+    scene: Scene | Situation,
     where: str,
     how: str = "on",
-    solids: Solids | None = None,
     *,
     limit: int = 24,
     tolerances: PlacementTolerances = PLACEMENT_TOLERANCES,
@@ -74,10 +74,9 @@ def placements_on(
 
     Args:
         name: The object.
-        scene: The scene; what else lies on or in `where` stays there.
+        scene: The scene, or the situation it was read as; what else lies on or in `where` stays there.
         where: Who is to carry it.
         how: "on" or "within".
-        solids: Convex parts of the objects; made from the scene where not given.
         limit: At most so many.
         tolerances: Height above contact at which it is let go.
 
@@ -87,11 +86,11 @@ def placements_on(
     Raises:
         UnknownObject: The scene has no such object.
     """
+    situation = Situation.of(scene)
+    scene, up, solids = situation.scene, situation.up, situation.solids
     for known in (name, where):
         if known not in scene.clouds:
             raise UnknownObject(known, scene.names)
-    up = up_of(scene)
-    solids = solids_of(scene) if solids is None else solids
     axes = np.stack(level_axes(up))
     ceiling = float((scene.clouds[where] @ up).max() + np.ptp(scene.clouds[name], axis=0).max())
     heights = heights_of(scene, up, leave_out=name, ceiling=ceiling + tolerances.headroom)
@@ -268,14 +267,14 @@ def inset(outline: FloatArray, points: FloatArray) -> FloatArray:
     return -(points @ hull.equations[:, :2].T + hull.equations[:, 2]).max(axis=1)
 
 
-def over(scene: Scene, upper: str, lower: str) -> bool:
+def over(situation: Situation, upper: str, lower: str) -> bool:
     """Whether the middle of what leans on an object is over it: it is then on it, not at its side.
 
     Args:
-        scene: The scene, with `up`.
+        situation: Where they are.
         upper: What leans.
         lower: On what.
     """
-    axes = np.stack(level_axes(up_of(scene)))
-    middle, outline = scene.clouds[upper].mean(axis=0) @ axes.T, scene.clouds[lower] @ axes.T
+    axes, clouds = np.stack(level_axes(situation.up)), situation.scene.clouds
+    middle, outline = clouds[upper].mean(axis=0) @ axes.T, clouds[lower] @ axes.T
     return inset(outline, middle[None])[0] > 0.0

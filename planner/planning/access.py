@@ -6,15 +6,13 @@ from itertools import combinations
 
 import numpy as np
 
-from topple.planner.bodies.solids import solids_of
 from topple.planner.decide.dependency import DependencyGraph
 from topple.planner.grasp.candidates import grasp_candidates
-from topple.planner.grasp.grasp import Grasp
 from topple.planner.grasp.reach import reachable
 from topple.planner.grasp.tolerances import GRASP_TOLERANCES
 from topple.robots.arm.arm import Arm
 from topple.topology.arrays import FloatArray
-from topple.topology.scene import Scene
+from topple.topology.situation import Situation
 
 TOGETHER = 2
 """At most so many are looked for that only together leave room; more are all said to be in the way."""
@@ -33,7 +31,7 @@ class Access:
     graspless: tuple[str, ...]
 
 
-def access(scene: Scene, names: Sequence[str], graph: DependencyGraph, arm: Arm) -> Access:
+def access(situation: Situation, names: Sequence[str], graph: DependencyGraph, arm: Arm) -> Access:
     """Find what bars every grasp of some objects.
 
     Each object is looked at as it is when its turn comes: what must go before it is gone. Where no grasp is
@@ -41,7 +39,7 @@ def access(scene: Scene, names: Sequence[str], graph: DependencyGraph, arm: Arm)
     where the arm stands; the way of the arm itself is a matter for `plan`.
 
     Args:
-        scene: What is seen, with `up`.
+        situation: What is seen.
         names: The objects that are to be taken.
         graph: Who must go before whom.
         arm: The arm.
@@ -49,7 +47,7 @@ def access(scene: Scene, names: Sequence[str], graph: DependencyGraph, arm: Arm)
     Returns:
         What bars the way.
     """
-    hand = _Hand(scene, arm)
+    hand = _Hand(situation, arm)
     bars: list[Mapping[str, str]] = []
     graspless: list[str] = []
     for name in names:
@@ -81,8 +79,8 @@ def _fewest(name: str, gone: Collection[str], around: Sequence[str], hand: "_Han
 class _Hand:
     """An arm's tools in a scene from which objects are taken."""
 
-    def __init__(self, scene: Scene, arm: Arm) -> None:
-        self._scene, self._arm, self._solids = scene, arm, solids_of(scene)
+    def __init__(self, situation: Situation, arm: Arm) -> None:
+        self._situation, self._scene, self._arm = situation, situation.scene, arm
 
     def near(self, name: str) -> list[str]:
         """Movable objects a hand at an object could meet, the nearest first."""
@@ -92,10 +90,7 @@ class _Hand:
 
     def holds(self, name: str, gone: Collection[str]) -> bool:
         """Whether an object can be grasped once others are gone."""
-        left = self._scene
-        for other in gone:
-            left = left.without(other)
-        grasps: list[Grasp] = grasp_candidates(name, left, self._arm, solids=self._solids)
+        grasps = grasp_candidates(name, self._situation.without(*gone), self._arm)
         if self._scene.robot_base is None:
             return bool(grasps)
         return any(reachable(grasps, self._arm, self._scene.robot_base))

@@ -6,12 +6,10 @@ should be by then, and of the scene as it is seen.
 
 from collections.abc import Collection, Mapping, Sequence
 from dataclasses import replace
-from functools import cached_property, partial
+from functools import partial
 
 import numpy as np
 
-from topple.planner.bodies.samples import sampled
-from topple.planner.bodies.solids import GRAIN, Solids, apart, solids_of, up_of
 from topple.planner.decide.arrange import Order
 from topple.planner.decide.beliefs import Beliefs
 from topple.planner.decide.dependency import dependencies
@@ -26,7 +24,6 @@ from topple.planner.placement.placement import Placement, placements
 from topple.planner.placement.proof import Proof
 from topple.planner.placement.shortage import shortage
 from topple.planner.placement.stacking import GENTLE, over, placements_on
-from topple.planner.placement.whole import whole_bodies
 from topple.planner.planning.order import ordered
 from topple.planner.planning.step import FREE, PLACE, REMOVE, NextStep, Orderer, Station
 from topple.planner.transfer.transfer import (
@@ -36,12 +33,11 @@ from topple.planner.transfer.transfer import (
     TransferLimits,
     plan_transfer,
 )
+from topple.robots.collision.fcl_bodies import apart
 from topple.topology.errors import InvalidInput, UnknownObject
-from topple.topology.rule.relate import Relations, relate
 from topple.topology.scene import Scene
 from topple.topology.situation import Situation
 from topple.topology.sixim.table import Relation
-from topple.topology.statics.support import Support
 
 INSIDE = (Relation.WITHIN, Relation.PARTIAL_WITHIN)
 CHOICE = 48  # placements on or into a thing to choose from: a dozen spots, four headings each
@@ -54,19 +50,16 @@ class StepChooser:
     """Chooses the next step in one scene.
 
     Args:
-        scene: What is seen, or what should be there by now, with `up`.
+        situation: What is seen, or what should be there by now.
         goal: What shall hold in the end.
         station: The arm as it stands.
         done: Steps that were done, as (object, action): a freed target stays free, and nobody is taken out
             of the way twice.
-        relations: The scene's relations where they are known.
         observed: Whether the scene was looked at after what was done: a placement that is not seen to hold
             is then made again.
         given_up: Objects that are not to be tried again, with the reason.
         avoid: Grasps that failed, by object.
         beliefs: What earlier looks made of the same things.
-        solids: Convex parts of the objects; made from the scene where not given.
-        whole: The same with the sides that nobody saw; made from the scene where not given.
         upright: Objects that are kept upright, with what is in them.
         allow_drop: Whether what stays nowhere the arm can put it may be let go to fall. Where the scene is
             observed it always may: the next look shows where it lies.
@@ -77,54 +70,33 @@ class StepChooser:
 
     def __init__(
         self,
-        scene: Scene,
+        situation: Situation,
         goal: Goal,
         station: Station,
         *,
         done: Collection[tuple[str, str]] = (),
-        relations: Relations | None = None,
         observed: bool = False,
         given_up: Mapping[str, str] | None = None,
         avoid: Mapping[str, Sequence[Grasp]] | None = None,
         beliefs: Beliefs | None = None,
-        solids: Solids | None = None,
-        whole: Solids | None = None,
         upright: Collection[str] = (),
         allow_drop: bool = False,
         orderer: Orderer = ordered,
         grasps: GraspsByObject | None = None,
         seed: int = 0,
     ) -> None:
-        self.scene, self.goal, self.station, self.done, self.seed = scene, goal, station, done, seed
+        self.situation, self.scene = situation, situation.scene
+        self.goal, self.station, self.done, self.seed = goal, station, done, seed
         self._orderer, self._grasps = orderer, grasps or {}
-        self.relations = relate(scene) if relations is None else relations
         self.observed, self.given_up, self.avoid = observed, given_up or {}, avoid or {}
         self._beliefs = beliefs
-        self.upright, self._given_solids, self._given_whole = upright, solids, whole
-        self._allow_drop = allow_drop
+        self.upright, self._allow_drop = upright, allow_drop
         self._needed: set[str] = set()  # what orders said has to be taken
-
-    @cached_property
-    def _solids(self) -> Solids:
-        return solids_of(self.scene) if self._given_solids is None else self._given_solids
-
-    @cached_property
-    def _whole(self) -> Solids:
-        given = self._given_whole
-        return whole_bodies(self.scene, self._solids, self._situation.statics) if given is None else given
-
-    @cached_property
-    def _situation(self) -> Situation:
-        return Situation(self.scene, self.relations)
-
-    @property
-    def _supports(self) -> tuple[Support, ...]:
-        return self._situation.supports
 
     def unmet(self) -> tuple[str, ...]:
         """What is still missing for the goal, in words."""
         free = [f"{name} is not free" for name in self._not_free()]
-        return (*free, *self.goal.unmet(self.relations, self.scene.fixed, self._supports))
+        return (*free, *self.goal.unmet(self.situation.relations, self.scene.fixed, self.situation.supports))
 
     def choose(self) -> NextStep | None:
         """The next step; None where nothing is left to do.
@@ -141,7 +113,7 @@ class StepChooser:
             return self._take_off(held, FREE)
         for place in self.goal.places:
             planned = not self.observed and (place.object, PLACE) in self.done
-            if not planned and not holds(place, self.relations, self._supports):
+            if not planned and not holds(place, self.situation.relations, self.situation.supports):
                 return self._place(place)
         return None
 
@@ -149,7 +121,7 @@ class StepChooser:
         return [name for name in self.goal.free if (name, FREE) not in self.done]
 
     def _contents(self) -> dict[str, tuple[str, ...]]:
-        return self.goal.contents(self.relations, self.scene.fixed)
+        return self.goal.contents(self.situation.relations, self.scene.fixed)
 
     def _take_off(
         self, targets: Sequence[str], action: str, why: str = "", doubting: bool = True
@@ -176,8 +148,8 @@ class StepChooser:
     def _out_of_turn(self, targets: Sequence[str], action: str) -> NextStep | None:
         """The step that goes against the least likely dependencies: hand and order wait for each other."""
         chosen = self._ordered(targets)
-        graph = dependencies(self._situation, direct=False)
-        for name, against in out_of_turn(chosen.order, graph, self._supports).items():
+        graph = dependencies(self.situation, direct=False)
+        for name, against in out_of_turn(chosen.order, graph, self.situation.supports).items():
             found = self._transfer(name, None)
             if isinstance(found, Transfer):
                 role = action if name in targets else REMOVE
@@ -216,9 +188,11 @@ class StepChooser:
 
         What reaches down least comes first: least may lean on it that was not seen to.
         """
-        own, up = self._solids[failure.object], up_of(self.scene)
+        own, up = self.situation.solids[failure.object], self.situation.up
         movable = set(self.scene.movable) - {failure.object, *self.given_up}
-        near = [n for n in movable if n in failure.barring or not apart(own, self._solids[n], BESIDE)]
+        near = [
+            n for n in movable if n in failure.barring or not apart(own, self.situation.solids[n], BESIDE)
+        ]
         bottom = {name: round(float((self.scene.clouds[name] @ up).min()), 2) for name in near}
         return sorted(near, key=lambda name: (-bottom[name], name))
 
@@ -287,11 +261,11 @@ class StepChooser:
     def _spots(self, place: Place, limit: int) -> tuple[list[Placement], list[Placement], list[Placement]]:
         """Where an object could go, where it stays there and pushes nothing, and all where it stays."""
         name, where = place.object, place.where
-        found = placements_on(name, self.scene, where, place.how, self._solids, limit=limit)
+        found = placements_on(name, self.situation, where, place.how, limit=limit)
         if place.how != "within":
             return found, found, found
         lying = [other for other in self._inside(where) if other != name]
-        return found, *staying(found, name, where, self.relations, self._solids, lying)
+        return found, *staying(found, name, where, self.situation, lying)
 
     def _stands_on_later(self, place: Place) -> str | None:
         """An object that a later placement moves and that comes out only once the base is off: base first."""
@@ -311,10 +285,10 @@ class StepChooser:
         settled = {other.object for other in self.goal.places if other.where == place.where}
         return tuple(
             support.supported
-            for support in self._supports
+            for support in self.situation.supports
             if support.supporter == place.where
             and support.supported not in settled
-            and (support.kind == "rests" or over(self.scene, support.supported, place.where))
+            and (support.kind == "rests" or over(self.situation, support.supported, place.where))
         )
 
     def _ordered(self, targets: Sequence[str]) -> Order:
@@ -336,10 +310,10 @@ class StepChooser:
                 cloud = np.vstack([scene.clouds[name], scene.clouds[rider]])
                 together: dict[str, float] = {}
                 if name in scene.masses or rider in scene.masses:
-                    guessed = {one: self._situation.statics.weights[one].mass for one in (name, rider)}
+                    guessed = {one: self.situation.statics.weights[one].mass for one in (name, rider)}
                     together = {name: sum({**guessed, **scene.masses}[one] for one in (name, rider))}
                 scene = scene.without(rider).with_cloud(name, cloud).weighed(together)
-        return self._situation if scene is self.scene else Situation(scene)
+        return self.situation if scene is self.scene else Situation(scene)
 
     def _transfer(
         self, name: str, places: list[Placement] | None, limits: TransferLimits = TRANSFER_LIMITS
@@ -349,36 +323,30 @@ class StepChooser:
             return TransferFailure(name, {self.given_up[name]: 1}, None)
         base = self.station.pose_base_to_world
         if places is None:
-            (scene, solids), own, left = self._standing(name), self.scene.clouds[name], self._remaining(name)
-            elsewhere = placements(name, scene, solids, pose_base_to_world=base, avoid=[own], remaining=left)
-            places = elsewhere or placements(name, scene, solids, pose_base_to_world=base, remaining=left)
-            places = standing(places, name, self.scene, self._whole)
+            seen, own, left = self.situation.standing(name), self.scene.clouds[name], self._remaining(name)
+            elsewhere = placements(name, seen, pose_base_to_world=base, avoid=[own], remaining=left)
+            places = elsewhere or placements(name, seen, pose_base_to_world=base, remaining=left)
+            places = standing(places, name, self.situation)
         transfer = partial(
-            plan_transfer, name, self.scene, self._solids, self.station.arm, base, self.station.q, places,
-            grasps=self._own_grasps(name), whole=self._whole[name], avoid=self.avoid.get(name, ()),
+            plan_transfer, name, self.situation, self.station.arm, base, self.station.q, places,
+            grasps=self._own_grasps(name), avoid=self.avoid.get(name, ()),
             riding=self._riding(name), upright=name in self.upright, seed=self.seed, limits=limits,
         )  # fmt: skip
         if self.observed:
             return transfer()
-        with Proof(name, self._solids, self._whole, up_of(self.scene), self._riding(name)) as proof:
+        with Proof(name, self.situation, self._riding(name)) as proof:
             found = transfer(holds=proof.holds)
             if isinstance(found, TransferFailure) and self._allow_drop:
                 found = transfer()
                 return found if isinstance(found, TransferFailure) else _falling(found, proof)
             return found
 
-    def _standing(self, name: str) -> tuple[Scene, Solids]:
-        """The scene and its bodies with the sides of an object that nobody saw: how it stands."""
-        own, whole = self.scene.clouds[name], self._whole[name]
-        scene = self.scene.with_cloud(name, np.vstack([own, sampled(whole, 2.0 * GRAIN)]))
-        return scene, {**self._solids, name: whole}
-
     def _explained(self, failure: TransferFailure) -> TransferFailure:
         """A failure for want of a place with its reason; any other as it is."""
         if NO_PLACE not in failure.reasons:
             return failure
         station, name = self.station, failure.object
-        why = shortage(name, *self._standing(name), station.arm, station.pose_base_to_world)
+        why = shortage(name, self.situation.standing(name), station.arm, station.pose_base_to_world)
         return TransferFailure(name, {why: 1}, None, Setback("place", "room", why))
 
     def _own_grasps(self, name: str) -> list[Grasp] | None:
@@ -399,7 +367,7 @@ class StepChooser:
 
     def _inside(self, name: str) -> tuple[str, ...]:
         """What lies in an object."""
-        between = self.relations.between
+        between = self.situation.relations.between
         return tuple(n for n in self.scene.movable if n != name and between(n, name).relation in INSIDE)
 
 

@@ -94,7 +94,7 @@ def order(
     found = arrange(full.reduced(), wanted, tops, situation.supports, said, risked, removal_risk)
     checked = verify and not notes["budget_exhausted"]
     found = replace(found, verified=checked, chances=MappingProxyType(chance), notes=MappingProxyType(notes))
-    return found if robot is None else _with_access(found, scene, robot)
+    return found if robot is None else _with_access(found, situation, robot)
 
 
 ordered: Callable[..., Order] = partial(order, check_gravity=False)
@@ -133,7 +133,7 @@ def cautious(
     )  # fmt: skip
 
 
-def _with_access(found: Order, scene: "Scene", robot: "Arm | str") -> Order:
+def _with_access(found: Order, situation: Situation, robot: "Arm | str") -> Order:
     """An order that also says what bars the gripper's way."""
     from topple.planner.planning.access import access  # arms are not wanted without a robot
     from topple.robots.catalog import robot as robot_named
@@ -141,7 +141,7 @@ def _with_access(found: Order, scene: "Scene", robot: "Arm | str") -> Order:
 
     arm = robot_named(robot) if isinstance(robot, str) else robot
     check_tool(arm)
-    ways = access(scene, found.order, found.graph, arm)
+    ways = access(situation, found.order, found.graph, arm)
     said = [f"{arm.name} finds no grasp of {name}, whatever is taken away" for name in ways.graspless]
     return replace(found, access=ways.bars, assumptions=(*found.assumptions, *said))
 

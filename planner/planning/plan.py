@@ -7,7 +7,6 @@ from dataclasses import dataclass, field, replace
 
 import numpy as np
 
-from topple.planner.bodies.solids import Solids, solids_of, up_of
 from topple.planner.decide.goal import Goal, parse_goal
 from topple.planner.decide.turn import LIKELY
 from topple.planner.errors import NoSafePlan
@@ -19,19 +18,19 @@ from topple.planner.grasp.given import GraspsByObject, OwnGrasps, own_grasps
 from topple.planner.grasp.grasp import Grasp
 from topple.planner.placement.base import choose_base
 from topple.planner.placement.drops import simulated
-from topple.planner.placement.whole import on_feet, whole_bodies
 from topple.planner.planning.next_step import StepChooser
 from topple.planner.planning.order import ordered
 from topple.planner.planning.start import check_start, check_upright
 from topple.planner.planning.step import NextStep, Orderer, Station
-from topple.planner.transfer.transfer import scene_after, solids_after
+from topple.planner.transfer.transfer import after
 from topple.robots.arm.arm import Arm
 from topple.robots.catalog import robot as robot_named
 from topple.robots.catalog.own_arm import check_tool
 from topple.topology.arrays import FloatArray
 from topple.topology.errors import InvalidInput
-from topple.topology.rule.relate import Relations, relate
+from topple.topology.relations import Relations
 from topple.topology.scene import Scene
+from topple.topology.situation import Situation
 from topple.topology.statics.gravity import check_up
 
 Progress = Callable[[str], None]
@@ -97,15 +96,20 @@ def plan(
     check_tool(arm)
     wanted = parse_goal(goal, scene)
     check_up(scene)
+    situation = Situation(scene)
     given = base if base is not None else scene.robot_base
-    pose = choose_base(scene, arm) if given is None else np.asarray(given, dtype=np.float64)
+    pose = choose_base(situation, arm) if given is None else np.asarray(given, dtype=np.float64)
     start = np.asarray(arm.home if q_start is None else q_start, dtype=np.float64)
-    check_start(scene, arm, pose, start)
+    check_start(situation, arm, pose, start)
     level = check_upright(scene, upright)
-    planning = _Planning(scene, wanted, arm, pose, start, level, seed, progress, allow_drop)
+    asked = None if relations is None or isinstance(relations, Relations) else relations
+    first = _fitting(relations if isinstance(relations, Relations) else asked and asked(scene), scene)
+    planning = _Planning(
+        Situation.of(situation, first).on_feet(), wanted, arm, pose, start, level, seed, progress, allow_drop
+    )
     planning.grasps = {} if grasps is None else own_grasps(grasps, scene, arm)
     planning.orderer = orderer
-    planning.run(relations)
+    planning.run(asked)
     said = () if simulated() else (UNPROVEN,)
     found = planning.plan(start, given is None, (*scene.assumptions, *arm.assumptions, *said))
     if check and simulated():
@@ -137,16 +141,16 @@ def plan_as_done(scene: Scene, goal: Goal, station: Station, steps: Sequence[Nex
         The plan; an assumption says that the arm goes home between the steps.
     """
     arm, pose, start = station.arm, station.pose_base_to_world, station.q
-    planning = _Planning(scene, goal, arm, pose, start, frozenset(), seed, None)
+    planning = _Planning(Situation(scene).on_feet(), goal, arm, pose, start, frozenset(), seed, None)
     for chosen in steps:
         planning.take(chosen)
     note = "each step was planned from a look of its own; between steps the arm goes home"
     return planning.plan(start, False, (*scene.assumptions, *arm.assumptions, note))
 
 
-def _fitting(relations: Relations, scene: Scene) -> Relations:
+def _fitting(relations: Relations | None, scene: Scene) -> Relations | None:
     """Refuse relations of other objects than the scene's."""
-    if tuple(relations.objects) != tuple(scene.names):
+    if relations is not None and tuple(relations.objects) != tuple(scene.names):
         told = ", ".join(relations.objects)
         raise InvalidInput(f"the relations are of {told}, expected {', '.join(scene.names)}")
     return relations
@@ -154,12 +158,12 @@ def _fitting(relations: Relations, scene: Scene) -> Relations:
 
 @dataclass
 class _Planning:
-    """A plan in the making: the scene as it should be by now, and the steps that lead there.
+    """A plan in the making: the situation as it should be by now, and the steps that lead there.
 
     `reasons` has each dependency with the index of the step it was first seen at.
     """
 
-    scene: Scene
+    situation: Situation
     goal: Goal
     arm: Arm
     pose_base_to_world: FloatArray
@@ -179,32 +183,26 @@ class _Planning:
 
     def __post_init__(self) -> None:
         self.started = self.last = time.perf_counter()
-        self.up = up_of(self.scene)
-        self.solids: Solids = solids_of(self.scene)  # bodies are rigid: they move with the plan
-        self.whole: Solids = self.solids
-        if len(self.scene.viewpoints):
-            self.whole = on_feet(whole_bodies(self.scene, self.solids), self.scene.movable, self.up)
-        self.objects = objects_data(self.scene, self.solids, self.whole)
+        self.up = self.situation.up
+        self.objects = objects_data(self.situation)
         self.moved: dict[str, FloatArray] = {}
 
-    def run(self, given: Relations | Callable[[Scene], Relations] | None) -> None:
+    def run(self, asked: Callable[[Scene], Relations] | None) -> None:
+        """Choose one step after the other; `asked` gives the relations before each where there is one."""
         done: list[tuple[str, str]] = []
-        asked = given if callable(given) else None
-        first = given if isinstance(given, Relations) else (asked or relate)(self.scene)
-        relations = _fitting(first, self.scene)
-        for _ in range(MOST_STEPS * len(self.scene.movable)):
+        for _ in range(MOST_STEPS * len(self.situation.movable)):
             station = Station(self.arm, self.pose_base_to_world, self.q)
             chosen = StepChooser(
-                self.scene, self.goal, station, done=done, relations=relations, solids=self.solids,
-                whole=self.whole, upright=self.upright, allow_drop=self.allow_drop, orderer=self.orderer,
-                grasps=self.own(), seed=self.seed,
+                self.situation, self.goal, station, done=done, upright=self.upright,
+                allow_drop=self.allow_drop, orderer=self.orderer, grasps=self.own(), seed=self.seed,
             ).choose()  # fmt: skip
             if chosen is None:
                 return
             self.take(chosen)
             done.append((chosen.transfer.object, chosen.action))
-            after = asked(self.scene) if asked is not None else relations.followed(self.scene)
-            relations = _fitting(after, self.scene)
+            if asked is not None:
+                scene = self.situation.scene
+                self.situation = Situation.of(self.situation, _fitting(asked(scene), scene))
         again = ", ".join(sorted({step.object for step in self.steps[-3:]}))
         words = f"no end after {len(self.steps)} steps: the last ones move {again} again and again"
         raise NoSafePlan(words, (words,))
@@ -279,17 +277,15 @@ class _Planning:
         for edge in against:
             self.reasons.pop((edge.first, edge.then), None)
         below = {first for first, then in self.reasons if then == transfer.object}
-        after = [index for index, name in enumerate(names) if name in below or name == transfer.object]
+        since = [index for index, name in enumerate(names) if name in below or name == transfer.object]
         before, self.last = self.last, time.perf_counter()
         spent = self.last - before
         falls = transfer.placement.falls
         reason = f"{chosen.reason}; it is let go to fall as it will" if falls else chosen.reason
-        self.steps.append(step_data(transfer, chosen.action, reason, after, self.moved, spent, against))
+        self.steps.append(step_data(transfer, chosen.action, reason, since, self.moved, spent, against))
         self.tried.update(transfer.tried)
         self.seconds += transfer.seconds
-        self.scene, self.q = scene_after(self.scene, transfer, self.solids), transfer.q_end
-        self.solids = solids_after(self.solids, transfer, self.up)
-        self.whole = solids_after(self.whole, transfer, self.up)
+        self.situation, self.q = after(self.situation, transfer), transfer.q_end
         pose = transfer.placement.pose_at_rest(self.up)
         for name in (transfer.object, *transfer.riding):
             self.moved[name] = pose @ self.moved.get(name, np.eye(4))

@@ -4,20 +4,20 @@ from collections.abc import Collection
 
 import numpy as np
 
-from topple.planner.bodies.solids import solids_of
 from topple.planner.motion.collision import Checker
 from topple.robots.arm.arm import Arm
 from topple.topology.arrays import FloatArray
 from topple.topology.errors import InvalidInput, UnknownObject
 from topple.topology.rounded import rounded
 from topple.topology.scene import Scene
+from topple.topology.situation import Situation
 
 
-def check_start(scene: Scene, arm: Arm, pose_base_to_world: FloatArray, q_start: FloatArray) -> None:
+def check_start(situation: Situation, arm: Arm, pose_base_to_world: FloatArray, q_start: FloatArray) -> None:
     """Refuse a start from which nothing can be planned.
 
     Args:
-        scene: The scene, with `up`.
+        situation: What is seen.
         arm: The arm.
         pose_base_to_world: (4, 4) where it stands.
         q_start: (n,) joint values [rad].
@@ -34,7 +34,7 @@ def check_start(scene: Scene, arm: Arm, pose_base_to_world: FloatArray, q_start:
     for name, value, low, high in zip(arm.joints, q_start, arm.lower, arm.upper, strict=True):
         if not low - 1e-6 <= value <= high + 1e-6:
             raise InvalidInput(f"q_start: {name} is {value:.3f}: expected {low:.3f} to {high:.3f}")
-    contacts = Checker(arm, pose_base_to_world, solids_of(scene)).contacts(q_start)
+    contacts = Checker(arm, pose_base_to_world, situation.solids).contacts(q_start)
     if contacts:
         worst = contacts[0]
         deep = 1e3 * max(-worst.distance, 0.0)

@@ -5,15 +5,16 @@ from functools import cached_property
 
 import numpy as np
 
-from topple.planner.bodies.solids import Solids, apart, moved, up_of
 from topple.planner.grasp.grasp import Grasp
 from topple.planner.motion.collision import Checker
 from topple.planner.motion.model import Attachment
 from topple.planner.placement.placement import Placement
 from topple.robots.arm.arm import Arm
 from topple.robots.arm.gripper import ToolState
+from topple.robots.collision.fcl_bodies import apart
 from topple.topology.arrays import FloatArray
-from topple.topology.scene import Scene
+from topple.topology.bodies.solids import Solids, moved
+from topple.topology.situation import Situation
 
 MARGIN = 0.004  # what is carried keeps this to everything, if any way does: depth noise and tracking [m]
 RELEASE_GAP = 0.01  # pads this much wider than what they held let go of it [m]
@@ -26,8 +27,7 @@ class Checks:
 
     Args:
         name: The object.
-        scene: The scene.
-        bodies: Convex parts of all objects, in the world.
+        situation: Where everything is.
         arm: The arm.
         pose_base_to_world: (4, 4) where it stands.
         riding: What lies in the object and goes with it.
@@ -37,15 +37,14 @@ class Checks:
     def __init__(
         self,
         name: str,
-        scene: Scene,
-        bodies: Solids,
+        situation: Situation,
         arm: Arm,
         pose_base_to_world: FloatArray,
         riding: tuple[str, ...] = (),
         seed: int = 0,
     ) -> None:
-        self.name, self.scene, self.arm, self.riding, self.seed = name, scene, arm, riding, seed
-        self.bodies, self.up = bodies, up_of(scene)
+        self.name, self.arm, self.riding, self.seed = name, arm, riding, seed
+        self.scene, self.bodies, self.up = situation.scene, situation.solids, situation.up
         self.pose_base_to_world = pose_base_to_world
         self.world_to_base = np.linalg.inv(pose_base_to_world)
         self._checkers: dict[tuple[object, ...], Checker] = {}

@@ -7,8 +7,6 @@ from functools import partial
 
 import numpy as np
 
-from topple.planner.bodies.samples import sampled
-from topple.planner.bodies.solids import GRAIN, Solids, moved, solids_of, standing_parts, up_of
 from topple.planner.failure import Setback, Tally, TransferFailure
 from topple.planner.grasp.candidates import grasp_candidates
 from topple.planner.grasp.grasp import Grasp
@@ -25,8 +23,11 @@ from topple.planner.transfer.legs import Leg, segments_of
 from topple.planner.transfer.segments import Segment
 from topple.robots.arm.arm import Arm
 from topple.topology.arrays import FloatArray, frozen
+from topple.topology.bodies.solids import GRAIN
 from topple.topology.errors import UnknownObject
+from topple.topology.geometry.samples import sampled
 from topple.topology.scene import Scene
+from topple.topology.situation import Situation
 
 
 @dataclass(frozen=True)
@@ -106,15 +107,13 @@ class Transfer:
 
 def plan_transfer(
     name: str,
-    scene: Scene,
-    bodies: Solids | None,
+    scene: Scene | Situation,
     arm: Arm,
     pose_base_to_world: FloatArray,
     q_start: FloatArray,
     places: Sequence[Placement] | None = None,
     *,
     grasps: Sequence[Grasp] | None = None,
-    whole: Sequence[FloatArray] | None = None,
     avoid: Sequence[Grasp] = (),
     riding: Sequence[str] = (),
     upright: bool | None = None,
@@ -126,14 +125,12 @@ def plan_transfer(
 
     Args:
         name: The object.
-        scene: What is seen now, with `up`.
-        bodies: Convex parts of every object in the world; made from the scene where None.
+        scene: What is seen now, with `up`, or the situation it was read as.
         arm: The arm.
         pose_base_to_world: (4, 4) where it stands.
         q_start: (n,) joint values now [rad].
         places: Where it may go, best first; free places on the table where None.
         grasps: How it may be held, best first; found from the clouds where None.
-        whole: Convex parts of the object with the sides that nobody saw, which fingers keep clear of as well.
         avoid: Grasps that failed: none near them is tried while there are others.
         riding: What lies in the object and goes with it.
         upright: Whether it is kept upright on the way; where something rides in it, if None.
@@ -147,11 +144,12 @@ def plan_transfer(
     Raises:
         UnknownObject: The scene has no such object.
     """
+    situation = Situation.of(scene)
+    scene = situation.scene
     if name not in scene.clouds:
         raise UnknownObject(name, scene.names)
-    bodies = solids_of(scene) if bodies is None else bodies
     searched, dropped = grasps is None, Dropped()
-    find = partial(grasp_candidates, name, scene, solids=bodies, whole=whole, wide=bool(avoid))
+    find = partial(grasp_candidates, name, situation, wide=bool(avoid))
     if grasps is None:
         grasps = _others(find(arm, dropped=dropped), avoid)
         if grasps and "fingers" in arm.tools and all(grasp.tool in _tired(avoid) for grasp in grasps):
@@ -159,15 +157,15 @@ def plan_transfer(
     else:
         grasps = _others(list(grasps), avoid)
     if places is None:
-        places = placements(name, scene, bodies, pose_base_to_world=pose_base_to_world)
+        places = placements(name, situation, pose_base_to_world=pose_base_to_world)
     level = bool(riding) if upright is None else upright
     if level:
-        places = [place for place in places if place.tilt(up_of(scene)) < LEVEL]
+        places = [place for place in places if place.tilt(situation.up) < LEVEL]
     if not grasps:
         return _no_grasp(name, dropped, scene)
     if not places:
         return TransferFailure(name, {NO_PLACE: 1}, None, Setback("place", "room", NO_PLACE))
-    handling = Handling(name, scene, bodies, arm, np.asarray(pose_base_to_world), tuple(riding), seed)
+    handling = Handling(name, situation, arm, np.asarray(pose_base_to_world), tuple(riding), seed)
     search = _Search(handling, tuple(places), np.asarray(q_start), level, seed, limits, holds)
     found = search.run(grasps)
     by_cup_alone = searched and all(grasp.tool == "suction" for grasp in grasps) and "fingers" in arm.tools
@@ -347,41 +345,24 @@ class _Search:
         return found
 
 
-def scene_after(scene: Scene, transfer: Transfer, solids: Solids | None = None) -> Scene:
-    """Predict the scene once a transfer is done.
+def after(situation: Situation, transfer: Transfer) -> Situation:
+    """Predict the situation once a transfer is done.
 
     What was put down on a table rests there on its underside, which cameras will see the edge of: where its
     cloud ends above that, points of its body are added below.
 
     Args:
-        scene: The scene before it.
+        situation: Before it.
         transfer: The transfer.
-        solids: Convex parts of the objects before it; of the object alone they are made where not given.
 
     Returns:
-        The scene with the object and what rides in it at its place; all else is where it was.
+        The situation with the object and what rides in it at its place; all else is where it was.
     """
-    up, name = up_of(scene), transfer.object
+    up, name = situation.up, transfer.object
     pose = transfer.placement.pose_at_rest(up)
-    parts = standing_parts(name, scene) if solids is None else solids[name]
-    body = sampled(parts, 2.0 * GRAIN)
-    hidden = body[body @ pose[:3, :3].T @ up < float((scene.clouds[name] @ pose[:3, :3].T @ up).min())]
-    for other in (name, *transfer.riding):
-        cloud = scene.clouds[other]
-        if other == name and transfer.placement.into is None:
-            cloud = np.vstack([cloud, hidden])
-        scene = scene.with_cloud(other, moved((cloud,), pose)[0])
-    return scene
-
-
-def solids_after(solids: Solids, transfer: Transfer, up: FloatArray) -> dict[str, Sequence[FloatArray]]:
-    """Bodies once a transfer is done: rigid, as `scene_after` moves the clouds.
-
-    Args:
-        solids: Convex parts before it.
-        transfer: The transfer.
-        up: (3,) unit vector.
-    """
-    pose = transfer.placement.pose_at_rest(up)
-    away = (transfer.object, *transfer.riding)
-    return {name: moved(parts, pose) if name in away else parts for name, parts in solids.items()}
+    hidden = None
+    if transfer.placement.into is None:
+        body = sampled(situation.solids[name], 2.0 * GRAIN)
+        seen_above = float((situation.scene.clouds[name] @ pose[:3, :3].T @ up).min())
+        hidden = body[body @ pose[:3, :3].T @ up < seen_above]
+    return situation.moved((name, *transfer.riding), pose, hidden)

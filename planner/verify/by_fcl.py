@@ -9,7 +9,7 @@ from topple.planner.formats.plan_format import Plan
 from topple.planner.formats.verification import Residual, Worst
 from topple.planner.verify.replay import Beat, parts_of, tool_poses
 from topple.robots.arm.arm import Arm
-from topple.robots.collision.convex import hull_of
+from topple.robots.collision.fcl_bodies import fcl_body
 from topple.topology.arrays import FloatArray
 
 SLACK = 2e-5  # [m] what writing joint values and vertices with six digits moves an arm's hand
@@ -134,12 +134,7 @@ class FclCheck:
 
 
 def _piece(name: str, vertices: FloatArray) -> _Piece:
-    import fcl
-
-    corners, faces = hull_of(vertices)
-    packed = np.column_stack([np.full(len(faces), 3), faces]).ravel()
-    thing = fcl.CollisionObject(fcl.Convex(corners, len(faces), packed))
-    return _Piece(name, corners.min(axis=0), corners.max(axis=0), thing)
+    return _Piece(name, vertices.min(axis=0), vertices.max(axis=0), fcl_body(vertices))
 
 
 def _put(piece: _Piece, pose: FloatArray) -> None:

@@ -8,6 +8,7 @@ from topple.planner.formats.plan_format import Plan
 from topple.planner.formats.verification import Residual, Worst
 from topple.planner.verify.replay import Beat, parts_of, tool_poses
 from topple.robots.arm.arm import Arm
+from topple.robots.collision.fcl_bodies import fcl_body
 from topple.topology.arrays import FloatArray
 
 OFF = 0.001  # [m] and [rad] / 10 that a tool may be off a grasp or a place: inverse kinematics and rounding
@@ -123,13 +124,7 @@ class HandCheck:
 
 
 def _placed(part: FloatArray, pose: FloatArray) -> object:
-    import fcl
-
-    from topple.robots.collision.convex import hull_of
-
-    corners, faces = hull_of(part @ pose[:3, :3].T + pose[:3, 3])
-    packed = np.column_stack([np.full(len(faces), 3), faces]).ravel()
-    return fcl.CollisionObject(fcl.Convex(corners, len(faces), packed))
+    return fcl_body(part @ pose[:3, :3].T + pose[:3, 3])
 
 
 def _apart(a: FloatArray, b: FloatArray) -> float:
@@ -142,11 +137,6 @@ def _box_to_hull(half: FloatArray, points: FloatArray) -> float:
     """Distance of a box about the origin, or of the origin where it is none, to the hull of points [m]."""
     import fcl
 
-    from topple.robots.collision.convex import hull_of
-
-    corners, faces = hull_of(points)
-    packed = np.column_stack([np.full(len(faces), 3), faces]).ravel()
-    hull = fcl.CollisionObject(fcl.Convex(corners, len(faces), packed))
     size = np.maximum(2.0 * half, 1e-4)
     box = fcl.CollisionObject(fcl.Box(*size.tolist()))
-    return max(0.0, float(fcl.distance(box, hull, fcl.DistanceRequest())))
+    return max(0.0, float(fcl.distance(box, fcl_body(points), fcl.DistanceRequest())))

@@ -5,12 +5,12 @@ from dataclasses import dataclass, field
 import numpy as np
 from scipy.spatial import ConvexHull
 
-from topple.planner.bodies.solids import moved
 from topple.planner.formats.plan_format import Plan
 from topple.planner.formats.verification import Residual, Worst
 from topple.planner.placement.drops import Drops
 from topple.planner.placement.proof import SHIFT, TURN, settled
 from topple.planner.verify.replay import Beat, parts_of, whole_of
+from topple.topology.bodies.solids import moved
 
 ROUNDED = 1e-4  # [m] what six digits and joggled hulls are off
 

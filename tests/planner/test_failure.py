@@ -49,7 +49,7 @@ def test_a_failure_says_step_check_configuration_and_who_bars() -> None:
     from topple.planner.grasp.candidates import grasp_candidates
 
     grasps = grasp_candidates("block", lone, ARM)  # found as if nothing stood beside
-    found = plan_transfer("block", scene, None, ARM, BASE, np.array(ARM.home), grasps=grasps)
+    found = plan_transfer("block", scene, ARM, BASE, np.array(ARM.home), grasps=grasps)
     assert isinstance(found, TransferFailure)
     assert found.blocking in ("left", "right")
     assert set(found.barring) <= {"left", "right", "table"}
@@ -63,7 +63,7 @@ def test_a_failure_says_step_check_configuration_and_who_bars() -> None:
 
 
 def test_where_no_grasp_has_room_the_failure_says_beside_what() -> None:
-    found = plan_transfer("block", hemmed_in(), None, ARM, BASE, np.array(ARM.home))
+    found = plan_transfer("block", hemmed_in(), ARM, BASE, np.array(ARM.home))
     assert isinstance(found, TransferFailure)
     assert found.furthest is not None
     assert (found.furthest.step, found.furthest.check) == ("grasp", "room")

@@ -10,9 +10,9 @@ import pytest
 import trimesh
 
 from topple.planner import NoSafePlan, order, plan, run
-from topple.planner.bodies.solids import hidden_depth, solids_of
 from topple.robots import scene_from_world
 from topple.robots.catalog import robot
+from topple.topology.bodies.solids import hidden_depth, solids_of
 from topple.topology.errors import InvalidInput
 from topple.topology.io.load import load_scene
 from topple.topology.scene import Scene

@@ -43,7 +43,7 @@ def tilts(transfer: Transfer) -> FloatArray:
 
 def test_what_is_marked_stays_within_the_tilt_all_along() -> None:
     wall = box("wall", (0.3, 0.04, 0.3)).surface(4000, np.random.default_rng(1))
-    found = plan_transfer("can", kitchen(wall=wall), None, ARM, BASE, np.array(ARM.home), upright=True)
+    found = plan_transfer("can", kitchen(wall=wall), ARM, BASE, np.array(ARM.home), upright=True)
     assert isinstance(found, Transfer), str(found)
     assert found.upright
     assert tilts(found).max() <= TRANSFER_LIMITS.tilt

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from topple.planner.execution.execute import LET_GO, MISSED, TAKEN, execute
-from topple.planner.transfer.transfer import Transfer, plan_transfer, scene_after
+from topple.planner.transfer.transfer import Transfer, after, plan_transfer
 from topple.robots import shapes
 from topple.robots.arm.arm import Arm
 from topple.robots.arm.gripper import ToolState
@@ -15,6 +15,7 @@ from topple.robots.driver import Driver, Motion
 from topple.robots.scenarios.scenario import pose_at
 from topple.topology.arrays import FloatArray
 from topple.topology.scene import Scene
+from topple.topology.situation import Situation
 
 BASE = pose_at(-0.5, 0.0, 0.0)
 HEIGHT = 0.12
@@ -134,7 +135,7 @@ def seen(height: float = HEIGHT) -> Scene:
 
 def planned(name: str) -> Transfer:
     arm = robot(name)
-    found = plan_transfer("box", seen(), None, arm, BASE, np.asarray(arm.home))
+    found = plan_transfer("box", seen(), arm, BASE, np.asarray(arm.home))
     assert isinstance(found, Transfer)
     return found
 
@@ -149,7 +150,7 @@ def test_another_driver_carries_a_transfer_out(name: str, tool: str) -> None:
     outcome = execute(transfer, driver, lambda moment, with_what: moments.append((moment, with_what)))
     assert outcome.success, outcome.text
     assert moments == [(TAKEN, tool), (LET_GO, tool)]
-    there, wanted = ghost.clouds["box"], scene_after(seen(), transfer).clouds["box"]
+    there, wanted = ghost.clouds["box"], after(Situation(seen()), transfer).scene.clouds["box"]
     assert np.abs(there.mean(axis=0) - wanted.mean(axis=0)).max() < 0.005
     assert -1e-3 <= there[:, 2].min() < 0.006, "it was let go on the table, as high as its place is safe"
     assert np.abs(ghost.q_target - transfer.q_end).max() < 1e-6 and not ghost.holding

@@ -37,7 +37,7 @@ def test_a_cup_that_meets_the_object_early_is_not_pressed_on() -> None:
         world.add_table(size=(1.4, 1.2))
         world.add(shapes.box("box", (0.05, 0.05, 0.124), mass=0.2), pose_at(0.0, 0.0, 0.0))
         world.settle()
-        found = plan_transfer("box", _seen(0.12), None, hand, BASE, np.asarray(hand.home))
+        found = plan_transfer("box", _seen(0.12), hand, BASE, np.asarray(hand.home))
         assert isinstance(found, Transfer)
         assert found.grasp.tool == "suction"
         arm = SimulatedArm(world, hand, BASE)
@@ -50,7 +50,7 @@ def test_fingers_that_meet_the_object_stop_and_go_back() -> None:
         world.add_table(size=(1.4, 1.2))
         world.add(shapes.box("box", (0.05, 0.05, 0.12), mass=0.2), pose_at(0.0, 0.0, 0.0))
         world.settle()
-        found = plan_transfer("box", _seen(0.12), None, PANDA, BASE, np.asarray(PANDA.home))
+        found = plan_transfer("box", _seen(0.12), PANDA, BASE, np.asarray(PANDA.home))
         assert isinstance(found, Transfer)
         across = found.grasp.pose_tool_to_world[:3, 1]  # a finger now comes down on top of it
         pose = world.pose("box")
@@ -95,9 +95,7 @@ def test_in_a_vessel_the_hand_opens_no_wider_than_letting_go_takes() -> None:
             world.add(body, pose)
         world.settle()
         before = world.poses()
-        found = plan_transfer(
-            "cube", scene, None, PANDA, BASE, np.asarray(PANDA.home), [between], grasps=[hold]
-        )
+        found = plan_transfer("cube", scene, PANDA, BASE, np.asarray(PANDA.home), [between], grasps=[hold])
         assert isinstance(found, Transfer), found
         outcome = execute(found, SimulatedArm(world, PANDA, BASE))
         assert outcome.success, outcome.text

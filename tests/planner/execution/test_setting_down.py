@@ -54,7 +54,7 @@ def _from_above(points: np.ndarray) -> np.ndarray:
 def test_what_is_set_down_is_not_pressed_on(name: str, make: Callable[[], Body], lower: float) -> None:
     """Also where the table is nearer than it looked: the plan would press by that much."""
     arm, body = robot(name), make()
-    found = plan_transfer("thing", _scene(body), None, arm, BASE, np.asarray(arm.home), [PLACE])
+    found = plan_transfer("thing", _scene(body), arm, BASE, np.asarray(arm.home), [PLACE])
     assert isinstance(found, Transfer)
     with World() as world:
         world.add_table(size=(1.4, 1.2))

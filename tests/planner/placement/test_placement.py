@@ -1,7 +1,6 @@
 import numpy as np
 import pytest
 
-from topple.planner.bodies.solids import fixed_parts, hidden_depth, solids_of
 from topple.planner.placement.placement import placements
 from topple.planner.placement.resting import resting_poses
 from topple.planner.placement.stacking import placements_on
@@ -10,6 +9,7 @@ from topple.robots.shapes.cutlery import spoon
 from topple.robots.shapes.fruit import lemon
 from topple.robots.shapes.tableware import bowl
 from topple.robots.world.bodies import Body
+from topple.topology.bodies.solids import fixed_parts, hidden_depth, solids_of
 from topple.topology.bodies.tops import tops_of
 from topple.topology.errors import UnknownObject
 from topple.topology.scene import Scene

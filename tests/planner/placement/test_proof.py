@@ -10,13 +10,15 @@ from topple.planner.errors import NoSafePlan
 from topple.planner.formats.plan_format import Plan, plan_from_json, plan_to_json
 from topple.planner.placement.placement import Placement
 from topple.planner.placement.proof import Proof
-from topple.planner.placement.whole import on_feet
 from topple.planner.planning.plan import plan
 from topple.robots.shapes.boxes import box
 from topple.robots.shapes.fruit import orange
 from topple.robots.shapes.tableware import bowl
 from topple.robots.world.bodies import Body
+from topple.topology.bodies.solids import Solids
+from topple.topology.bodies.whole import on_feet
 from topple.topology.scene import Scene
+from topple.topology.situation import Situation
 
 UP = np.array([0.0, 0.0, 1.0])
 SLAB = np.array([[x, y, z] for x in (-0.4, 0.4) for y in (-0.4, 0.4) for z in (0.0, -0.05)])
@@ -56,12 +58,17 @@ def on_table(body: Body) -> list[np.ndarray]:
     return [part - [0.0, 0.0, low] for part in body.parts]
 
 
+def known(bodies: Solids, whole: Solids | None = None) -> Situation:
+    clouds = {name: np.vstack(list(parts)) for name, parts in bodies.items()}
+    return Situation(Scene(clouds, fixed=["table"], up=UP), parts=bodies, complete=whole or bodies)
+
+
 def test_what_stands_holds_and_what_tips_or_is_meant_to_fall_does_not() -> None:
     cube, pole = box("cube", (0.05, 0.05, 0.05)), peg()
     place = Placement(raised(0.1, 0.004), 1.0, drop=0.004)
     for body, stays in ((cube, True), (pole, False)):
         bodies = {body.name: on_table(body), "table": [SLAB]}
-        with Proof(body.name, bodies, bodies, UP) as proof:
+        with Proof(body.name, known(bodies)) as proof:
             assert proof.holds(place) is stays
             assert not proof.holds(replace(place, falls=True))
             assert (proof.settled(place).turn > 1.0) is not stays
@@ -71,7 +78,7 @@ def test_on_a_table_the_whole_body_has_to_stand_and_not_what_was_seen_of_it() ->
     seen, whole = on_table(peg()), on_table(box("box", (0.04, 0.04, 0.16)))
     bodies = {"thing": seen, "table": [SLAB]}
     place = Placement(raised(0.1, 0.004), 1.0, drop=0.004)
-    with Proof("thing", bodies, {"thing": whole}, UP) as proof:
+    with Proof("thing", known(bodies, {**bodies, "thing": whole})) as proof:
         assert proof.holds(place)
         assert not proof.holds(replace(place, into="table", rest="on table"))
 
@@ -111,7 +118,7 @@ def test_the_ragged_foot_of_a_carton_is_levelled_and_it_stands() -> None:
     place = Placement(raised(0.1, 0.006), 1.0, drop=0.004)
     for parts, stays in (([rocker], False), (on_feet({"carton": [rocker]}, ["carton"], UP)["carton"], True)):
         bodies = {"carton": list(parts), "table": [SLAB]}
-        with Proof("carton", bodies, bodies, UP) as proof:
+        with Proof("carton", known(bodies)) as proof:
             assert proof.holds(place) is stays
 
 

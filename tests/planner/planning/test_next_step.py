@@ -19,6 +19,7 @@ from topple.robots.shapes.boxes import box
 from topple.topology.arrays import FloatArray
 from topple.topology.errors import UnknownObject
 from topple.topology.scene import Scene
+from topple.topology.situation import Situation
 
 PANDA = robot("panda")
 STATION = Station(PANDA, pose_at(-0.5, 0.0, 0.0), np.asarray(PANDA.home))
@@ -41,7 +42,7 @@ APART = blocks(red=(0.0, 0.0, 0.0), green=(0.0, 0.2, 0.0), blue=(0.0, -0.2, 0.0)
 
 
 def chooser(scene: Scene, goal: str, **known: Any) -> StepChooser:
-    return StepChooser(scene, parse_goal(goal, scene), STATION, **{"observed": True, **known})
+    return StepChooser(Situation(scene), parse_goal(goal, scene), STATION, **{"observed": True, **known})
 
 
 def taken(step: NextStep | None) -> tuple[str, str]:
@@ -78,8 +79,8 @@ def test_a_target_that_stands_on_another_one_is_freed_and_not_just_removed() -> 
 def test_what_is_wanted_and_seen_nowhere_is_said_at_once() -> None:
     goal = parse_goal("free top", STACK)
     with pytest.raises(NoSafePlan, match="top: seen nowhere any more"):
-        StepChooser(STACK.without("top"), goal, STATION).choose()
-    found = StepChooser(STACK.without("top"), goal, STATION, done=[("top", FREE)])
+        StepChooser(Situation(STACK.without("top")), goal, STATION).choose()
+    found = StepChooser(Situation(STACK.without("top")), goal, STATION, done=[("top", FREE)])
     assert found.choose() is None, "it was freed: wherever it is now, nothing is missing"
 
 
@@ -185,6 +186,6 @@ def test_a_box_seen_from_one_side_is_not_put_onto_its_open_side() -> None:
     table = np.column_stack([grid[~behind], np.zeros((~behind).sum())])
     scene = Scene({"box": seen, "table": table}, fixed=["table"], up=(0, 0, 1), viewpoints=[[-0.6, 0.0, 0.6]])
     station = Station(PANDA, pose_at(-0.5, 0.0, 0.0), np.asarray(PANDA.home))
-    step = StepChooser(scene, parse_goal("free box", scene), station).choose()
+    step = StepChooser(Situation(scene), parse_goal("free box", scene), station).choose()
     assert step is not None
     assert np.degrees(step.transfer.placement.tilt(np.array([0.0, 0.0, 1.0]))) < 10.0

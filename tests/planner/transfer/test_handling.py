@@ -5,7 +5,6 @@ from collections.abc import Sequence
 import numpy as np
 import pytest
 
-from topple.planner.bodies.solids import Solids
 from topple.planner.failure import Tally
 from topple.planner.grasp.grasp import Grasp
 from topple.planner.motion.shortcut import densely
@@ -15,7 +14,9 @@ from topple.robots.arm.arm import Arm
 from topple.robots.catalog import robot
 from topple.robots.poses import angle_between
 from topple.topology.arrays import FloatArray
+from topple.topology.bodies.solids import Solids
 from topple.topology.scene import Scene
+from topple.topology.situation import Situation
 
 PANDA, CUP = robot("panda"), robot("panda-suction")
 BASE = np.eye(4)
@@ -39,7 +40,7 @@ def handling(arm: Arm = PANDA, **others: Sequence[FloatArray]) -> tuple[Handling
     }
     clouds = {name: np.vstack(parts) for name, parts in bodies.items()}
     scene = Scene(clouds, fixed=["table"], up=(0, 0, 1))
-    return Handling("cube", scene, bodies, arm, BASE), Tally(frozenset(others))
+    return Handling("cube", Situation(scene, parts=bodies), arm, BASE), Tally(frozenset(others))
 
 
 def pinch(x: float = 0.0, y: float = 0.0) -> Grasp:

@@ -1,7 +1,7 @@
 import numpy as np
 
-from topple.planner.bodies.plates import plates_of
 from topple.robots.shapes.boxes import tray
+from topple.topology.bodies.plates import plates_of
 from topple.topology.geometry.hull import Hull
 
 

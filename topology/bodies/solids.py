@@ -2,18 +2,16 @@
 
 import hashlib
 from collections.abc import Callable, Mapping, Sequence
-from typing import Any
 
 import numpy as np
 from scipy.spatial import ConvexHull, QhullError
 
-from topple.planner.bodies.plates import FEWEST, plates_of
-from topple.planner.bodies.samples import voxel_means
-from topple.robots.collision.convex import hull_of
 from topple.topology.arrays import BoolArray, FloatArray
 from topple.topology.bodies.parts import convex_parts
+from topple.topology.bodies.plates import FEWEST, plates_of
 from topple.topology.bodies.tops import Top, tops_of
 from topple.topology.errors import InvalidInput
+from topple.topology.geometry.samples import voxel_means
 from topple.topology.scene import Scene
 
 Solids = Mapping[str, Sequence[FloatArray]]
@@ -261,34 +259,3 @@ def moved(parts: Sequence[FloatArray], pose: FloatArray) -> tuple[FloatArray, ..
         The transformed parts.
     """
     return tuple(part @ pose[:3, :3].T + pose[:3, 3] for part in parts)
-
-
-def apart(a: Sequence[FloatArray], b: Sequence[FloatArray], distance: float) -> bool:
-    """Whether two objects keep a distance.
-
-    Args:
-        a: Convex parts of the one, (V, 3) vertices each [m].
-        b: Of the other.
-        distance: The distance [m].
-
-    Returns:
-        True where no two parts come closer.
-    """
-    import fcl
-
-    bodies = [[(part, _collision_object(part)) for part in parts] for parts in (a, b)]
-    for part, one in bodies[0]:
-        for other_part, other in bodies[1]:
-            low = np.maximum(part.min(axis=0), other_part.min(axis=0))
-            high = np.minimum(part.max(axis=0), other_part.max(axis=0))
-            if np.all(low - high < distance) and fcl.distance(one, other, fcl.DistanceRequest()) < distance:
-                return False
-    return True
-
-
-def _collision_object(part: FloatArray) -> Any:
-    import fcl
-
-    vertices, faces = hull_of(part)
-    packed = np.column_stack([np.full(len(faces), 3), faces]).ravel()
-    return fcl.CollisionObject(fcl.Convex(vertices, len(faces), packed), fcl.Transform())

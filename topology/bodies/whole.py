@@ -5,16 +5,14 @@ shell, and the open side of that looks like the best face of all. Placements, th
 check of a plan all ask the same body.
 """
 
-from collections.abc import Collection, Sequence
+from collections.abc import Collection, Mapping, Sequence
 
 import numpy as np
 from scipy.spatial import ConvexHull, QhullError
 
-from topple.planner.bodies.samples import sampled
-from topple.planner.bodies.solids import Solids, hull_vertices, level_axes
 from topple.topology.arrays import FloatArray
-from topple.topology.scene import Scene
-from topple.topology.statics.rest import Statics
+from topple.topology.bodies.solids import Solids, hull_vertices, level_axes
+from topple.topology.geometry.samples import sampled
 
 RAGGED = 0.008  # [m] the seen underside of a flat foot is uneven by: three times the noise of a depth camera
 BENT = 0.06  # of a body's height is at most taken for noise: a ball's underside so high is a quarter as wide
@@ -22,26 +20,23 @@ LEVEL = 0.5  # of its outline has to be that low: then it is a foot, not a round
 SPACING = 0.006  # [m] between the points of an underside that is looked at
 
 
-def whole_bodies(scene: Scene, solids: Solids, statics: Statics | None = None) -> Solids:
-    """Complete the bodies of a scene.
+def whole_bodies(
+    clouds: Mapping[str, FloatArray], solids: Solids, surfaces: Mapping[str, FloatArray]
+) -> dict[str, Sequence[FloatArray]]:
+    """Complete bodies.
 
     Args:
-        scene: The scene, with `up`.
-        solids: Convex parts of its objects, as far as they are known.
-        statics: The scene at rest where it has been worked out before.
+        clouds: (N, 3) points [m] that were seen of each object.
+        solids: Convex parts of the objects, as far as they are known.
+        surfaces: (M, 3) points [m] of the whole surface, guessed sides included, of those that can move.
 
     Returns:
-        For each movable object one convex part around what is known and what is guessed; what is known alone
-        where nobody says from where the scene was seen, as nothing is hidden then.
+        For each object with a surface one convex part around what is known and what is guessed; what is
+        known alone of the others.
     """
-    if not len(scene.viewpoints):
-        return solids
-    statics = Statics.of(scene) if statics is None else statics
-    to_world = statics.upright.rotation  # of rows
-    guessed = {name: statics.surfaces[name] @ to_world for name in scene.movable}
     return {
-        name: (hull_vertices(np.vstack([scene.clouds[name], guessed[name], *parts])),)
-        if name in guessed
+        name: (hull_vertices(np.vstack([clouds[name], surfaces[name], *parts])),)
+        if name in surfaces
         else parts
         for name, parts in solids.items()
     }

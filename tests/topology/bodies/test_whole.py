@@ -1,8 +1,7 @@
 import numpy as np
 
-from topple.planner.bodies.solids import solids_of
-from topple.planner.placement.whole import whole_bodies
 from topple.topology.scene import Scene
+from topple.topology.situation import Situation
 
 
 def seen_from_one_side(viewpoints: list[list[float]]) -> Scene:
@@ -19,8 +18,8 @@ def seen_from_one_side(viewpoints: list[list[float]]) -> Scene:
 
 def test_the_unseen_back_of_a_box_is_part_of_the_whole_and_not_of_what_is_kept_clear_of() -> None:
     scene = seen_from_one_side([[-0.6, 0.0, 0.6]])
-    solids = solids_of(scene)
-    whole = whole_bodies(scene, solids)
+    situation = Situation(scene)
+    whole, solids = situation.whole, situation.solids
     behind = np.array([0.02, 0.0, 0.02])
 
     def reach(parts: object) -> float:
@@ -34,6 +33,5 @@ def test_the_unseen_back_of_a_box_is_part_of_the_whole_and_not_of_what_is_kept_c
 
 
 def test_nothing_is_guessed_where_nobody_says_from_where_it_was_seen() -> None:
-    scene = seen_from_one_side([])
-    solids = solids_of(scene)
-    assert whole_bodies(scene, solids) is solids
+    situation = Situation(seen_from_one_side([]))
+    assert situation.whole is situation.solids

@@ -1,1 +1,0 @@
-"""What clouds fill: the convex parts that hands, loads and placements are checked against."""
