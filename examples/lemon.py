@@ -15,7 +15,7 @@ from topple.robots.scenarios import scenario_called
 def main(seed: int = 3) -> int:
     """Put an arm into the scene, let it reach the goal and print what was not as planned."""
     with scenario_called("lemon", seed) as stage:  # a PyBullet world with a table, things and cameras
-        loop = ClosedLoop(
+        loop = ClosedLoop.simulated(
             stage.world,
             SimulatedArm(stage.world, robot("panda"), stage.pose_base_to_world),
             stage.cameras,

@@ -28,7 +28,7 @@ def main(seed: int = 1, count: int = 1) -> int:
             said = f"{hidden} pairs not seen well; {stage.goal}: {', '.join(found.order)}"
             print(f"{number} camera{'s' if number > 1 else ''}: {said}")
         arm = SimulatedArm(stage.world, robot(stage.robot), stage.pose_base_to_world)
-        record = ClosedLoop(stage.world, arm, cameras[:count], stage.goal, seed=seed).run()
+        record = ClosedLoop.simulated(stage.world, arm, cameras[:count], stage.goal, seed=seed).run()
     for step in record.steps:
         print(f"{step.action} {step.object}, {len(step.disturbed)} others watched", *step.events, sep="\n  ")
     print(f"{record.goal}: {'reached' if record.success else record.violations}")

@@ -18,7 +18,8 @@ def main(seed: int = 2) -> int:
     with scenario_called("sort", seed) as stage:
         arm = SimulatedArm(stage.world, robot(stage.robot), stage.pose_base_to_world)
         recording = Recording(arm)  # 60 samples a second of everything, from here on
-        record = ClosedLoop(stage.world, arm, stage.cameras, "sort", stage.fixed, seed=seed).run()
+        loop = ClosedLoop.simulated(stage.world, arm, stage.cameras, "sort", fixed=stage.fixed, seed=seed)
+        record = loop.run()
         recording.stop()
     for name in recording.poses[0]:
         path = np.array([poses[name][:3, 3] for poses in recording.poses])

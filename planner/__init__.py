@@ -9,7 +9,8 @@ if TYPE_CHECKING:
     from topple.planner.errors import NoSafePlan
     from topple.planner.execution.demo import demo
     from topple.planner.execution.look import Observer
-    from topple.planner.execution.run import ClosedLoop, RunLimits, run
+    from topple.planner.execution.loop import ClosedLoop, RunLimits
+    from topple.planner.execution.run import run
     from topple.planner.formats.plan_format import Plan
     from topple.planner.grasp.foreign import ForeignGrasps, grasps_from_array, read_grasps
     from topple.planner.grasp.rank import rank_grasps
@@ -40,7 +41,7 @@ __all__ = [
 ]
 
 _HOME = {
-    "ClosedLoop": "execution.run",
+    "ClosedLoop": "execution.loop",
     "Dependency": "decide.dependency",
     "DependencyGraph": "decide.dependency",
     "ForeignGrasps": "grasp.foreign",
@@ -48,7 +49,7 @@ _HOME = {
     "Observer": "execution.look",
     "Order": "decide.arrange",
     "Plan": "formats.plan_format",
-    "RunLimits": "execution.run",
+    "RunLimits": "execution.loop",
     "arrange": "decide.arrange",
     "demo": "execution.demo",
     "dependencies": "decide.dependency",

@@ -1,8 +1,9 @@
-"""Why an object could not be moved, as an object: step, check, where the arm was, and who barred it."""
+"""Why an object could not be moved, as an object: step, check, where the arm was, and what barred it."""
 
 from collections import Counter
 from collections.abc import Mapping
 from dataclasses import dataclass, field
+from enum import Enum
 
 import numpy as np
 
@@ -14,21 +15,40 @@ STEPS = ("grasp", "approach", "lift", "place", "retreat", "transfer", "move")
 TOLD = 4  # reasons in a line for people: the rest is rarer, and in `TransferFailure.reasons`
 
 
+class Check(str, Enum):
+    """What a try can fail of."""
+
+    ROOM = "room"
+    """There is no grasp or place at all."""
+    REACH = "reach"
+    """The arm does not get there."""
+    COLLISION = "collision"
+    """Something touches."""
+    SEARCH = "search"
+    """No way was found in time."""
+    STAND = "stand"
+    """The object would not stay there."""
+    PROOF = "proof"
+    """Something may touch between the samples of a way."""
+
+    def __str__(self) -> str:
+        return str(self.value)
+
+
 @dataclass(frozen=True, eq=False)
-class Setback:
+class FailedCheck:
     """One thing that did not work.
 
     Attributes:
         step: One of `STEPS`.
-        check: "room" (no grasp or place at all), "reach", "collision", "search" (no way found in time),
-            "stand" (it would not stay there) or "proof" (it touches something between the samples).
+        check: What it failed of.
         text: In words.
         q: (n,) joint values at which it happened [rad], where the arm got that far.
-        pair: Who met whom.
+        pair: What met what.
     """
 
     step: str
-    check: str
+    check: Check
     text: str
     q: FloatArray | None = None
     pair: tuple[str, str] | None = None
@@ -42,14 +62,14 @@ class TransferFailure:
         object: What should have been moved.
         reasons: What each tried grasp or placement failed of, with counts.
         blocking: The object that stood in the way most often, or None.
-        furthest: The setback of the try that got furthest, or None where nothing was tried.
+        furthest: What failed in the try that got furthest, or None where nothing was tried.
         barring: All objects that stood in the way, with counts: the removals to try, most often first.
     """
 
     object: str
     reasons: Mapping[str, int]
     blocking: str | None
-    furthest: Setback | None = None
+    furthest: FailedCheck | None = None
     barring: Mapping[str, int] = field(default_factory=dict[str, int])
 
     def __str__(self) -> str:
@@ -63,39 +83,39 @@ class TransferFailure:
 
 
 @dataclass
-class Tally:
+class FailureLog:
     """What went wrong in one search so far.
 
     Attributes:
         objects: Names that can bar the way; links and what is carried are none.
         reasons: What tries failed of, with counts.
-        barring: Who stood in the way, with counts.
-        furthest: The setback of the try that got furthest.
+        barring: What stood in the way, with counts.
+        furthest: What failed in the try that got furthest.
     """
 
     objects: frozenset[str]
     reasons: Counter[str] = field(default_factory=Counter[str])
     barring: Counter[str] = field(default_factory=Counter[str])
-    furthest: Setback | None = None
+    furthest: FailedCheck | None = None
 
     def note(
         self,
         step: str,
-        check: str,
+        check: Check,
         text: str,
         q: FloatArray | None = None,
         pair: tuple[str, str] | None = None,
     ) -> None:
-        """Add a setback."""
+        """Add one."""
         self.reasons[text] += 1
         for name in pair or ():
             if name in self.objects:
                 self.barring[name] += 1
         if self.further(step, q is not None):
-            self.furthest = Setback(step, check, text, None if q is None else np.array(q), pair)
+            self.furthest = FailedCheck(step, check, text, None if q is None else np.array(q), pair)
 
     def further(self, step: str, stands: bool) -> bool:
-        """Whether a setback of a step says more than the furthest so far; `stands`: with joint values."""
+        """Whether what a step failed of says more than the furthest so far; `stands`: with joint values."""
         if self.furthest is None:
             return True
         ahead = STEPS.index(step) - STEPS.index(self.furthest.step)

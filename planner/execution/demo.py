@@ -11,7 +11,7 @@ from topple.planner.decide.goal import parse_goal
 from topple.planner.errors import NoSafePlan
 from topple.planner.execution.demo_seeds import CAMERAS, default_seed
 from topple.planner.execution.look import Look
-from topple.planner.execution.run import ClosedLoop
+from topple.planner.execution.loop import ClosedLoop
 from topple.planner.files import make_folder, write_whole
 from topple.planner.formats.plan_format import plan_to_json
 from topple.planner.formats.run_record import INTERRUPTED, Document, RunRecord
@@ -69,15 +69,16 @@ def demo(
         loop = loop_in(
             stage, robot=robot, cameras=cameras, mask_noise=mask_noise, seed=seed, progress=progress
         )
-        first = loop.look()
+        acting, first = loop.robot, loop.look()
+        assert isinstance(acting, SimulatedArm)
         write_whole(place / "relations.json", _text(first.relations.to_json()))
         # the plan of the whole sequence is made on the other core while the arm already works
         with get_context("spawn").Pool(1, _ignore_interrupts) as other:  # leaving it ends what still plans
             base = stage.pose_base_to_world
             task = (first.scene, stage.goal, robot)
             planned = other.apply_async(plan, task, {"base": base, "orderer": cautious, "seed": seed})
-            recording = Recording(loop.robot, RERUN_RATE) if rerun is not None else None
-            with filmed(video, loop.robot, stage.cameras[0]):
+            recording = Recording(acting, RERUN_RATE) if rerun is not None else None
+            with filmed(video, acting, stage.cameras[0]):
                 record = loop.run(first)
             try:
                 whole = None if record.interrupted else planned.get()
@@ -130,7 +131,7 @@ def loop_in(
     Returns:
         The loop, to be run.
     """
-    return ClosedLoop(
+    return ClosedLoop.simulated(
         stage.world,
         SimulatedArm(stage.world, robot_named(robot or stage.robot), stage.pose_base_to_world),
         [camera.with_mask_noise(mask_noise) for camera in stage.cameras[:cameras]],

@@ -7,6 +7,9 @@ import numpy as np
 
 from topple.planner.decide.goal import Goal
 from topple.planner.execution.execute import MISSED, TAKEN
+from topple.planner.execution.watcher import Verdict
+from topple.planner.tolerances import DISTURBED, TURNED
+from topple.planner.transfer.transfer import Transfer
 from topple.robots.poses import angle_between
 from topple.robots.world.simulated_arm import SimulatedArm, Touch
 from topple.robots.world.world import World
@@ -23,7 +26,7 @@ class Limits:
     """From where on an object counts as disturbed.
 
     Attributes:
-        distance: Displacement in [m]; 1 cm is more than depth noise and less than what topples a neighbour.
+        distance: Displacement in [m].
         angle: Turn in [rad].
         hit: Contact force of the robot in [N] on something it does not handle: a brush below the
             weight of a can moves nothing.
@@ -32,8 +35,8 @@ class Limits:
             survives a finger's width.
     """
 
-    distance: float = 0.01
-    angle: float = float(np.radians(10.0))
+    distance: float = DISTURBED
+    angle: float = TURNED
     hit: float = 5.0
     fall: float = 0.03
     drop: float = 0.03
@@ -42,33 +45,63 @@ class Limits:
 LIMITS = Limits()
 
 
-@dataclass
-class HandWitness:
-    """Sees, on true poses, what becomes of an object in a simulated hand; to be given to `execute`.
+class Judge:
+    """Watches a run in simulation on true poses and contact forces; see `topple.planner.execution.watcher`.
 
-    Attributes:
-        robot: The arm.
-        name: The object.
-        slip: Distance [m] and angle [rad] by which it moved in the hand while it was held; None where it was
-            never held.
-        lost_at: (3,) where in the world [m] it was when it was missed; None where it was not.
+    Args:
+        robot: The arm in its world.
+        fixed: Names that never move.
+        up: (3,) unit vector against gravity.
+        limits: From where on it counts.
     """
 
-    robot: SimulatedArm
-    name: str
-    slip: tuple[float, float] | None = None
-    lost_at: FloatArray | None = None
-    _taken: FloatArray | None = None
+    def __init__(
+        self, robot: SimulatedArm, fixed: Collection[str], up: FloatArray, limits: Limits = LIMITS
+    ) -> None:
+        self._robot, self._world, self._fixed, self._up = robot, robot.world, tuple(fixed), up
+        self._limits = limits
 
-    def __call__(self, moment: str, tool: str) -> None:
+    def begin(self, transfer: Transfer) -> None:
+        """Look before an action."""
+        self._name, self._started = transfer.object, self._world.time
+        self._before = self._world.poses()
+        self._robot.touched.clear()
+        self._taken: FloatArray | None = None
+        self._slip: tuple[float, float] | None = None
+        self._lost_at: FloatArray | None = None
+
+    def moment(self, moment: str, tool: str) -> None:
         """Look at the hand at a moment of `topple.planner.execution.execute`."""
-        now = self.robot.pose_in_hand(self.name, tool)
+        now = self._robot.pose_in_hand(self._name, tool)
         if moment == TAKEN:
             self._taken = now
         elif self._taken is not None:
             way = float(np.linalg.norm(now[:3, 3] - self._taken[:3, 3]))
-            self.slip = way, angle_between(self._taken, now)
-            self.lost_at = self.robot.world.pose(self.name)[:3, 3] if moment == MISSED else None
+            self._slip = way, angle_between(self._taken, now)
+            self._lost_at = self._world.pose(self._name)[:3, 3] if moment == MISSED else None
+
+    def verdict(self) -> Verdict:
+        """Say what the action did."""
+        before, now, handled = self._before, self._world.poses(), (self._name, *self._fixed)
+        wrong = violations(before, now, self._robot.touched, handled, self._limits)
+        if self._lost_at is not None:
+            drop = float(self._lost_at[2] - now[self._name][2, 3])
+            if drop > self._limits.drop:
+                wrong.append(f"it was dropped by {100 * drop:.0f} cm")
+        touched = {other: touch for other, touch in self._robot.touched.items() if other not in handled}
+        return Verdict(
+            tuple(wrong),
+            displacements(before, now, handled),
+            tilts(before, now, handled),
+            {other: touch.force for other, touch in touched.items()},
+            {other: touch.impulse for other, touch in touched.items()},
+            self._slip,
+            self._world.time - self._started,
+        )
+
+    def unmet(self, goal: Goal) -> tuple[str, ...]:
+        """Say what of a goal does not hold in the world as it is."""
+        return truly_unmet(goal, self._world, self._up)
 
 
 def displacements(

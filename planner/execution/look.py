@@ -2,6 +2,7 @@
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
+from typing import Protocol
 
 import numpy as np
 
@@ -51,6 +52,14 @@ class Look:
     def relations(self) -> Relations:
         """The relations of the clouds."""
         return self.situation.relations
+
+
+class Eyes(Protocol):
+    """Whatever looks at a scene: simulated cameras, or those of a robot."""
+
+    def look(self, expected: Scene | None = None) -> Look:
+        """Look now; `expected` is the scene as it should be, for what is hidden."""
+        ...
 
 
 @dataclass

@@ -17,7 +17,7 @@ from topple.planner.formats.plan_format import (
     Step,
 )
 from topple.planner.motion.trajectory import Trajectory
-from topple.planner.transfer.segments import Segment
+from topple.planner.transfer.segments import Kind, Segment
 from topple.planner.transfer.transfer import Transfer
 from topple.robots.arm.gripper import ToolState
 from topple.topology.arrays import FloatArray
@@ -34,6 +34,7 @@ def step_data(
     moved: Mapping[str, FloatArray] | None = None,
     planning_seconds: float = 0.0,
     against: Sequence[DependencyData] = (),
+    fallbacks: Sequence[str] = (),
 ) -> Step:
     """A transfer as a step of a plan.
 
@@ -45,6 +46,7 @@ def step_data(
         moved: Rigid transforms (4, 4) of the objects since the plan began, for those that moved.
         planning_seconds: What it took to find it.
         against: Doubtful dependencies that it goes against.
+        fallbacks: What was tried to find it where the plain way failed.
 
     Returns:
         The step, its numbers rounded to a millionth.
@@ -80,6 +82,7 @@ def step_data(
         upright=transfer.upright,
         planning_seconds=round(planning_seconds, 3),
         against=list(against),
+        fallbacks=[str(name) for name in fallbacks],
     )
 
 
@@ -121,7 +124,7 @@ def segment_data(segment: Segment) -> SegmentData:
     proof = segment.certificate
     found = proof.contact if proof is not None else None
     return SegmentData(
-        segment.kind,
+        str(segment.kind),
         segment.tool,
         hand,
         motion,
@@ -141,4 +144,4 @@ def segment_from(data: SegmentData) -> Segment:
             np.array(data.motion.times), np.array(data.motion.positions), np.array(data.motion.velocities)
         )
     hand = ToolState(data.hand.opening, data.hand.cup_extension)
-    return Segment(data.kind, data.tool, hand, trajectory, data.holding, tuple(data.may_touch))
+    return Segment(Kind(data.kind), data.tool, hand, trajectory, data.holding, tuple(data.may_touch))

@@ -139,6 +139,8 @@ class Step(msgspec.Struct, frozen=True):
         upright: Whether the object is kept upright on the way.
         planning_seconds: What it took to find this step.
         against: Dependencies, each more likely wrong than right, that it goes against.
+        fallbacks: What was tried to find the step where the plain way failed: see
+            `topple.planner.fallbacks`.
     """
 
     object: str
@@ -152,6 +154,7 @@ class Step(msgspec.Struct, frozen=True):
     upright: bool = False
     planning_seconds: float = 0.0
     against: list[DependencyData] = []
+    fallbacks: list[str] = []
 
 
 class ObjectData(msgspec.Struct, frozen=True):

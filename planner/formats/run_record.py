@@ -42,6 +42,8 @@ class StepRecord:
         slip: Distance [m] and angle [rad] by which the object moved in the hand, None where it was not held.
         events: What was not as planned and what followed from it, in sentences: another grasp, a new look,
             something newly seen, hidden or moved.
+        fallbacks: What was tried to find the action where the plain way failed: see
+            `topple.planner.fallbacks`.
     """
 
     object: str
@@ -66,6 +68,7 @@ class StepRecord:
     tilts: Mapping[str, float] = field(default_factory=dict[str, float])
     slip: tuple[float, float] | None = None
     events: tuple[str, ...] = ()
+    fallbacks: tuple[str, ...] = ()
 
     def to_json(self) -> dict[str, Any]:
         """The step as it stands in a `topple.run` document: no pictures, no clouds."""
@@ -82,6 +85,7 @@ class StepRecord:
             "robot_seconds": None if self.robot_seconds is None else round(self.robot_seconds, 3),
             "reason": self.reason,
             "events": list(self.events),
+            "fallbacks": list(self.fallbacks),
             "tilts": {name: float(tilt) for name, tilt in self.tilts.items()},
             "forces": {name: float(force) for name, force in self.forces.items()},
             "impulses": {name: float(impulse) for name, impulse in self.impulses.items()},

@@ -8,6 +8,7 @@ from types import TracebackType
 import numpy as np
 
 from topple.planner.placement.placement import Placement
+from topple.planner.tolerances import DISTURBED, TURNED
 from topple.robots.collision.fcl_bodies import apart
 from topple.robots.poses import angle_between
 from topple.topology.arrays import FloatArray
@@ -17,11 +18,8 @@ from topple.topology.situation import Situation
 from topple.topology.sixim.table import Relation
 
 SECONDS = 1.5  # of simulation: a fall of 4 cm takes 0.1, rolling down a bowl and back half a second
-KEPT = 0.01  # [m] what moves less than this has stayed: the same as for a violation
 CLEAR = 0.01  # [m] beside what lies in a container: more than two bodies and a drop are off by
-TURNED = 0.25  # [rad] a face found on noisy points is that far from the one it stands on
-PUSHED = 0.01  # [m] what something else moves when it is disturbed: the same as for a violation
-TIPPED = 0.17  # [rad] or by how much it turns then
+OTHER_FACE = 0.25  # [rad] a face found on noisy points is that far from the one it stands on
 QUIET = 0.8  # of that may be pushed where room could be made instead: taking things out stirs a heap more
 
 
@@ -102,7 +100,7 @@ class Drops:
         for other, settled in self._settled.items():
             now, centre = self._world.pose(other), self._world.body(other).centre_of_mass
             way = float(np.linalg.norm((now - settled) @ np.append(centre, 1.0)))
-            most = max(most, way / PUSHED, angle_between(now, settled) / TIPPED)
+            most = max(most, way / DISTURBED, angle_between(now, settled) / TURNED)
         return most
 
     def tipping(self, place: Placement, up: FloatArray) -> tuple[FloatArray, float] | None:
@@ -112,7 +110,7 @@ class Drops:
         """
         meant, rest = place.pose_at_rest(up), self.rest(place.pose_before_to_after)
         way = (rest - meant) @ np.append(self.centre_of_mass, 1.0)
-        if np.linalg.norm(way) < KEPT and angle_between(rest, meant) < TURNED:
+        if np.linalg.norm(way) < DISTURBED and angle_between(rest, meant) < OTHER_FACE:
             return None
         low = float((self._corners @ rest[:3, :3].T @ up).min() + rest[:3, 3] @ up)
         return meant[:3, :3].T @ rest[:3, :3], low
@@ -179,7 +177,12 @@ def staying(
                     way = (rest - place.pose_at_rest(up)) @ np.append(drops.centre_of_mass, 1.0)
                     there, push = moved(bodies[name], rest), drops.push()
                     beside = not all(apart(there, bodies[other], CLEAR) for other in contents)
-                    quiet = beside, round(2.0 * push), place.drop, round(float(np.linalg.norm(way)) / KEPT)
+                    quiet = (
+                        beside,
+                        round(2.0 * push),
+                        place.drop,
+                        round(float(np.linalg.norm(way)) / DISTURBED),
+                    )
                     kept.append((quiet, place))
                     gentle += kept[-1:] if push < QUIET else []
     return _quietest(gentle), _quietest(kept)
@@ -218,7 +221,7 @@ def standing(places: Sequence[Placement], name: str, situation: Situation) -> li
                 known[attitude] = drops.tipping(place, up)
             turn = known[attitude]
             found.append(place if turn is None else replace(drops.laid(place, *turn, up), rolls=True))
-            if turn is not None and place.tilt(up) < TURNED:
+            if turn is not None and place.tilt(up) < OTHER_FACE:
                 falls.append(replace(place, rolls=True, falls=True, rest="as it was, to fall as it will"))
     return [*found, *falls]
 

@@ -4,9 +4,8 @@ Planning a whole sequence and running one in closed loop ask the same question a
 should be by then, and of the scene as it is seen.
 """
 
-from collections.abc import Collection, Mapping, Sequence
+from collections.abc import Callable, Collection, Iterable, Mapping, Sequence
 from dataclasses import replace
-from functools import partial
 
 import numpy as np
 
@@ -16,44 +15,37 @@ from topple.planner.decide.dependency import dependencies
 from topple.planner.decide.goal import Goal, Place, holds
 from topple.planner.decide.turn import may_go, out_of_turn, says, why_first
 from topple.planner.errors import NoSafePlan
-from topple.planner.failure import Setback, TransferFailure
-from topple.planner.grasp.given import GraspsByObject, doable
+from topple.planner.failure import Check, FailedCheck, TransferFailure
+from topple.planner.fallbacks import Fallback
+from topple.planner.grasp.given import GraspsByObject
 from topple.planner.grasp.grasp import Grasp
-from topple.planner.placement.drops import standing, staying
-from topple.planner.placement.placement import Placement, placements
-from topple.planner.placement.proof import Proof
-from topple.planner.placement.shortage import shortage
+from topple.planner.placement.drops import staying
+from topple.planner.placement.placement import Placement
 from topple.planner.placement.stacking import GENTLE, over, placements_on
+from topple.planner.planning.moves import MORE_HANDS, Moves
 from topple.planner.planning.order import ordered
-from topple.planner.planning.step import FREE, PLACE, REMOVE, NextStep, Orderer, Station
-from topple.planner.transfer.transfer import (
-    NO_PLACE,
-    TRANSFER_LIMITS,
-    Transfer,
-    TransferLimits,
-    plan_transfer,
-)
-from topple.robots.collision.fcl_bodies import apart
+from topple.planner.planning.step import Action, NextStep, Orderer, Station
+from topple.planner.transfer.segments import Kind
+from topple.planner.transfer.transfer import TRANSFER_LIMITS, Transfer, TransferLimits
 from topple.topology.errors import InvalidInput, UnknownObject
 from topple.topology.scene import Scene
 from topple.topology.situation import Situation
-from topple.topology.sixim.table import Relation
 
-INSIDE = (Relation.WITHIN, Relation.PARTIAL_WITHIN)
 CHOICE = 48  # placements on or into a thing to choose from: a dozen spots, four headings each
 MORE_CHOICE = 192  # where no more room can be made: also the spots from higher up, each a drop in simulation
-MORE_HANDS = TransferLimits(grasps=60, reached=80)  # then, too: all hands that a search for grasps finds
-BESIDE = 0.05  # [m] what is closer to an object than this bars a hand: half an open hand's width
+
+Rung = tuple[Fallback | None, Callable[[], NextStep | None]]
+"""A way on, with its name; None for the plain one."""
 
 
 class StepChooser:
-    """Chooses the next step in one scene.
+    """Chooses the next step in one situation.
 
     Args:
         situation: What is seen, or what should be there by now.
         goal: What shall hold in the end.
         station: The arm as it stands.
-        done: Steps that were done, as (object, action): a freed target stays free, and nobody is taken out
+        done: Steps that were done, as (object, action): a freed target stays free, and nothing is taken out
             of the way twice.
         observed: Whether the scene was looked at after what was done: a placement that is not seen to hold
             is then made again.
@@ -63,7 +55,7 @@ class StepChooser:
         upright: Objects that are kept upright, with what is in them.
         allow_drop: Whether what stays nowhere the arm can put it may be let go to fall. Where the scene is
             observed it always may: the next look shows where it lies.
-        orderer: Who decides the order.
+        orderer: What decides the order.
         grasps: Grasps of the caller's own, in the world: an object that has an entry is taken by those alone.
         seed: Of every search.
     """
@@ -86,12 +78,14 @@ class StepChooser:
         seed: int = 0,
     ) -> None:
         self.situation, self.scene = situation, situation.scene
-        self.goal, self.station, self.done, self.seed = goal, station, done, seed
-        self._orderer, self._grasps = orderer, grasps or {}
-        self.observed, self.given_up, self.avoid = observed, given_up or {}, avoid or {}
-        self._beliefs = beliefs
-        self.upright, self._allow_drop = upright, allow_drop
+        self.goal, self.done, self.observed, self.seed = goal, done, observed, seed
+        self._orderer, self._beliefs, self._upright = orderer, beliefs, upright
+        self.given_up = given_up or {}
         self._needed: set[str] = set()  # what orders said has to be taken
+        self.moves = Moves(
+            situation, station, given_up=self.given_up, avoid=avoid or {}, grasps=grasps or {},
+            upright=upright, simulate=not observed, allow_drop=allow_drop, seed=seed,
+        )  # fmt: skip
 
     def unmet(self) -> tuple[str, ...]:
         """What is still missing for the goal, in words."""
@@ -108,62 +102,84 @@ class StepChooser:
         if lost and self.unmet():
             raise NoSafePlan(words := f"{', '.join(lost)}: seen nowhere any more", (words,))
         if targets := self._not_free():
-            return self._take_off(targets, FREE)
+            return self.take_off(targets, Action.FREE)
         if held := [name for names in self._contents().values() for name in names]:
-            return self._take_off(held, FREE)
+            return self.take_off(held, Action.FREE)
         for place in self.goal.places:
-            planned = not self.observed and (place.object, PLACE) in self.done
+            planned = not self.observed and (place.object, Action.PLACE) in self.done
             if not planned and not holds(place, self.situation.relations, self.situation.supports):
                 return self._place(place)
         return None
 
     def _not_free(self) -> list[str]:
-        return [name for name in self.goal.free if (name, FREE) not in self.done]
+        return [name for name in self.goal.free if (name, Action.FREE) not in self.done]
 
     def _contents(self) -> dict[str, tuple[str, ...]]:
         return self.goal.contents(self.situation.relations, self.scene.fixed)
 
-    def _take_off(
-        self, targets: Sequence[str], action: str, why: str = "", doubting: bool = True
+    def take_off(
+        self, targets: Sequence[str], action: Action, why: str = "", doubting: bool = True
     ) -> NextStep:
-        """The first object of the safe order for some targets that can be taken now, or out of turn."""
+        """The step that gets on with freeing some targets.
+
+        Raises:
+            NoSafePlan: There is none, whatever is tried.
+        """
         chosen = self._ordered(targets)
         failures: list[TransferFailure] = []
+        rungs: list[Rung] = [
+            (None, lambda: self._in_turn(chosen, targets, action, why, failures)),
+            (Fallback.MAKE_ROOM, lambda: self._make_room(failures)),
+        ]
+        if doubting:
+            rungs.append((Fallback.OUT_OF_TURN, lambda: self.out_of_turn(targets, action)))
+        if (step := _first(rungs)) is not None:
+            return step
+        explained = tuple(self.moves.explained(failure) for failure in failures)
+        waiting = f"each of {', '.join(chosen.order)} has to go before another one"
+        words = tuple(str(failure) for failure in explained) or (waiting,)
+        raise NoSafePlan("; ".join(words), words, explained)
+
+    def _in_turn(
+        self,
+        chosen: Order,
+        targets: Sequence[str],
+        action: Action,
+        why: str,
+        failures: list[TransferFailure],
+    ) -> NextStep | None:
+        """The first object of an order that may go and can be taken; what the others fail of is noted."""
         for name in may_go(chosen):
-            found = self._transfer(name, None)
+            found = self.aside(name)
             if isinstance(found, Transfer):
                 is_target = name in targets
                 reason = (why or "nothing has to go before it") if is_target else why_first(name, chosen)
-                role = action if is_target else REMOVE
-                return NextStep(found, role, "; ".join([reason, *map(str, failures)]), chosen)
+                role = action if is_target else Action.REMOVE
+                said = "; ".join([reason, *map(str, failures)])
+                fallbacks = (Fallback.ANOTHER_FIRST,) if failures else ()
+                return NextStep(found, role, said, chosen, fallbacks=fallbacks)
             failures.append(found)
-        step = self._make_room(failures) or (self._out_of_turn(targets, action) if doubting else None)
-        if step is not None:
-            return step
-        failures = [self._explained(failure) for failure in failures]
-        waiting = f"each of {', '.join(chosen.order)} has to go before another one"
-        words = [str(failure) for failure in failures] or [waiting]
-        raise NoSafePlan("; ".join(words), tuple(words), tuple(failures))
+        return None
 
-    def _out_of_turn(self, targets: Sequence[str], action: str) -> NextStep | None:
+    def out_of_turn(self, targets: Sequence[str], action: Action) -> NextStep | None:
         """The step that goes against the least likely dependencies: hand and order wait for each other."""
         chosen = self._ordered(targets)
         graph = dependencies(self.situation, direct=False)
         for name, against in out_of_turn(chosen.order, graph, self.situation.supports).items():
-            found = self._transfer(name, None)
+            found = self.aside(name)
             if isinstance(found, Transfer):
-                role = action if name in targets else REMOVE
+                role = action if name in targets else Action.REMOVE
                 return NextStep(found, role, says(against), chosen, against)
         return None
 
     def _make_room(self, failures: Sequence[TransferFailure]) -> NextStep | None:
         """What bars the way to an object that could not be taken, or stands beside it: it goes first.
 
-        Nobody goes twice to make room, so this comes to an end.
+        Nothing goes twice to make room, so this comes to an end.
         """
         barred = {failure.object for failure in failures}
         for failure in failures:
-            for other in self._barring(failure):
+            for other in self.moves.barring(failure):
                 step = self._taken_away(other, barred, f"it is in the way to {failure.object} ({failure})")
                 if step is not None:
                     return step
@@ -176,101 +192,40 @@ class StepChooser:
         except NoSafePlan:
             return None
         for first in may_go(chosen):
-            if first in barred or (first, REMOVE) in self.done:
+            if first in barred or (first, Action.REMOVE) in self.done:
                 continue
-            found = self._transfer(first, None)
+            found = self.aside(first)
             if isinstance(found, Transfer):
-                return NextStep(found, REMOVE, why, chosen)
+                return NextStep(found, Action.REMOVE, why, chosen)
         return None
-
-    def _barring(self, failure: TransferFailure) -> list[str]:
-        """Movable objects whose removal may help: those met in the search, and those beside.
-
-        What reaches down least comes first: least may lean on it that was not seen to.
-        """
-        own, up = self.situation.solids[failure.object], self.situation.up
-        movable = set(self.scene.movable) - {failure.object, *self.given_up}
-        near = [
-            n for n in movable if n in failure.barring or not apart(own, self.situation.solids[n], BESIDE)
-        ]
-        bottom = {name: round(float((self.scene.clouds[name] @ up).min()), 2) for name in near}
-        return sorted(near, key=lambda name: (-bottom[name], name))
 
     def _place(self, place: Place) -> NextStep:
         """The object to where the goal wants it, or first what has to go before it or is in the way there."""
         name, where = place.object, place.where
         if place.how == "on" and (others := self._standing_on(place)):
-            return self._take_off(others, REMOVE, f"it is where {name} shall be")
+            return self.take_off(others, Action.REMOVE, f"it is where {name} shall be")
         chosen = self._ordered([name])
         if len(chosen.order) > 1:
-            return self._take_off([name], PLACE)
+            return self.take_off([name], Action.PLACE)
         if (later := self._stands_on_later(place)) is not None:
             why = f"{later} below it has to come out before {name} is put there"
-            return self._take_off([where], REMOVE, why)
+            return self.take_off([where], Action.REMOVE, why)
         contents = self._in_the_way(place) if place.how == "within" else []
-        places, gentle, kept = self._spots(place, CHOICE)
-        room, found = self._into(place, gentle if contents else gentle or kept or places, contents)
-        if (
-            isinstance(found, TransferFailure) and contents
-        ):  # taking things out of a heap stirs it: look longer
-            places, gentle, kept = self._spots(place, MORE_CHOICE)
-            room, found = self._into(place, gentle, contents, MORE_HANDS)
-        if isinstance(found, Transfer):
-            return NextStep(found, PLACE, f"it shall be {place.how} {where}", chosen)
-        if contents:
-            try:
-                return self._take_off(contents, REMOVE, f"{name} needs room in {where}", doubting=False)
-            except NoSafePlan as error:
-                why = f"no more room can be made in {where} ({error})"
-                step = (
-                    self._put(name, (gentle, kept), why, chosen)
-                    or self._out_of_turn(contents, REMOVE)
-                    or self._put(name, (places,), why, chosen)
-                )
-                if step is not None:
-                    return step
-                raise
-        if room and (name, REMOVE) not in self.done and name not in self.given_up:
-            aside = self._transfer(name, None)
-            if isinstance(aside, Transfer):
-                words = f"it is put down to be taken otherwise, as it cannot go straight to {where} ({found})"
-                return NextStep(aside, REMOVE, words, chosen)
-        raise NoSafePlan(str(found), (str(found),), (found,))
+        return _Placing(self, place, chosen, contents).step()
 
-    def _into(
-        self,
-        place: Place,
-        spots: list[Placement],
-        contents: Sequence[str],
-        limits: TransferLimits = TRANSFER_LIMITS,
-    ) -> tuple[list[Placement], Transfer | TransferFailure]:
-        """The spots that a fall is not too high to, and the transfer to one of them."""
-        room = [spot for spot in spots if spot.drop <= GENTLE]
-        if (place.object, PLACE) in self.done and contents:
-            room = []  # it was tried, and it is not there: more room is needed
-        return room, self._transfer(place.object, room, limits) if room else _no_room(place)
-
-    def _put(self, name: str, tries: Sequence[list[Placement]], why: str, chosen: Order) -> NextStep | None:
-        """The step to the first of some lists of placements that the arm can make."""
-        for places in filter(None, tries):
-            found = self._transfer(name, places)
-            if isinstance(found, Transfer):
-                return NextStep(found, PLACE, why, chosen)
-        return None
-
-    def _spots(self, place: Place, limit: int) -> tuple[list[Placement], list[Placement], list[Placement]]:
+    def spots(self, place: Place, limit: int) -> tuple[list[Placement], list[Placement], list[Placement]]:
         """Where an object could go, where it stays there and pushes nothing, and all where it stays."""
         name, where = place.object, place.where
         found = placements_on(name, self.situation, where, place.how, limit=limit)
         if place.how != "within":
             return found, found, found
-        lying = [other for other in self._inside(where) if other != name]
+        lying = [other for other in self.moves.inside(where) if other != name]
         return found, *staying(found, name, where, self.situation, lying)
 
     def _stands_on_later(self, place: Place) -> str | None:
         """An object that a later placement moves and that comes out only once the base is off: base first."""
         for later in self.goal.places[self.goal.places.index(place) + 1 :]:
-            if later.object != place.where and (later.object, PLACE) not in self.done:
+            if later.object != place.where and (later.object, Action.PLACE) not in self.done:
                 if place.where in self._ordered([later.object]).order:
                     return later.object
         return None
@@ -278,7 +233,7 @@ class StepChooser:
     def _in_the_way(self, place: Place) -> list[str]:
         """What is in a container and does not belong there."""
         settled = {other.object for other in self.goal.places if other.where == place.where}
-        return [other for other in self._inside(place.where) if other not in settled | {place.object}]
+        return [other for other in self.moves.inside(place.where) if other not in settled | {place.object}]
 
     def _standing_on(self, place: Place) -> tuple[str, ...]:
         """What stands on a supporter and is not what shall stand there."""
@@ -304,8 +259,8 @@ class StepChooser:
     def _loaded(self, targets: Sequence[str]) -> Situation:
         """The situation to order: what rides in a container that is kept upright is one thing with it."""
         scene = self.scene
-        for name in self.upright:
-            riders = [rider for rider in self._riding(name) if rider not in targets]
+        for name in self._upright:
+            riders = [rider for rider in self.moves.riding(name) if rider not in targets]
             for rider in riders:
                 cloud = np.vstack([scene.clouds[name], scene.clouds[rider]])
                 together: dict[str, float] = {}
@@ -315,69 +270,112 @@ class StepChooser:
                 scene = scene.without(rider).with_cloud(name, cloud).weighed(together)
         return self.situation if scene is self.scene else Situation(scene)
 
-    def _transfer(
-        self, name: str, places: list[Placement] | None, limits: TransferLimits = TRANSFER_LIMITS
-    ) -> Transfer | TransferFailure:
-        """A transfer of an object, or why there is none."""
-        if name in self.given_up:
-            return TransferFailure(name, {self.given_up[name]: 1}, None)
-        base = self.station.pose_base_to_world
-        if places is None:
-            seen, own, left = self.situation.standing(name), self.scene.clouds[name], self._remaining(name)
-            elsewhere = placements(name, seen, pose_base_to_world=base, avoid=[own], remaining=left)
-            places = elsewhere or placements(name, seen, pose_base_to_world=base, remaining=left)
-            places = standing(places, name, self.situation)
-        transfer = partial(
-            plan_transfer, name, self.situation, self.station.arm, base, self.station.q, places,
-            grasps=self._own_grasps(name), avoid=self.avoid.get(name, ()),
-            riding=self._riding(name), upright=name in self.upright, seed=self.seed, limits=limits,
-        )  # fmt: skip
-        if self.observed:
-            return transfer()
-        with Proof(name, self.situation, self._riding(name)) as proof:
-            found = transfer(holds=proof.holds)
-            if isinstance(found, TransferFailure) and self._allow_drop:
-                found = transfer()
-                return found if isinstance(found, TransferFailure) else _falling(found, proof)
-            return found
-
-    def _explained(self, failure: TransferFailure) -> TransferFailure:
-        """A failure for want of a place with its reason; any other as it is."""
-        if NO_PLACE not in failure.reasons:
-            return failure
-        station, name = self.station, failure.object
-        why = shortage(name, self.situation.standing(name), station.arm, station.pose_base_to_world)
-        return TransferFailure(name, {why: 1}, None, Setback("place", "room", why))
-
-    def _own_grasps(self, name: str) -> list[Grasp] | None:
-        """The caller's grasps of an object that can be done now; None where they are to be searched for."""
-        if name not in self._grasps:
-            return None
-        return doable(self._grasps[name], self.scene, self.station.arm, self.station.pose_base_to_world)
+    def aside(self, name: str) -> Transfer | TransferFailure:
+        """An object to a free place on a table."""
+        return self.moves.aside(name, self._remaining(name))
 
     def _remaining(self, name: str) -> frozenset[str]:
         """What is still to be taken once an object is gone, or to have something put on or into it."""
-        left = (place for place in self.goal.places if (place.object, PLACE) not in self.done)
+        left = (place for place in self.goal.places if (place.object, Action.PLACE) not in self.done)
         named = {other for place in left for other in (place.object, place.where)}
         return frozenset(named.union(self._needed, self._not_free()) - {name})
 
-    def _riding(self, name: str) -> tuple[str, ...]:
-        """What lies in an object that is kept upright."""
-        return self._inside(name) if name in self.upright else ()
 
-    def _inside(self, name: str) -> tuple[str, ...]:
-        """What lies in an object."""
-        between = self.situation.relations.between
-        return tuple(n for n in self.scene.movable if n != name and between(n, name).relation in INSIDE)
+class _Placing:
+    """The ways to put one object where a goal wants it."""
+
+    def __init__(self, chooser: "StepChooser", place: Place, chosen: Order, contents: Sequence[str]) -> None:
+        self._chooser, self._chooser.moves, self._place = chooser, chooser.moves, place
+        self._chosen, self._contents = chosen, contents
+        self._failure: TransferFailure | None = None
+        self._stuck: NoSafePlan | None = None
+        self._room = False
+
+    def step(self) -> NextStep:
+        """The first way that works.
+
+        Raises:
+            NoSafePlan: None does.
+        """
+        full = bool(self._contents)
+        rungs: list[Rung] = [(None, self._straight)]
+        if full:
+            rungs += [
+                (Fallback.LOOK_LONGER, self._look_longer),
+                (Fallback.EMPTY, self._empty),
+                (Fallback.PUSH, lambda: self._put(self._gentle, self._kept)),
+                (Fallback.OUT_OF_TURN, lambda: self._chooser.out_of_turn(self._contents, Action.REMOVE)),
+                (Fallback.FROM_HIGH, lambda: self._put(self._all)),
+            ]
+        else:
+            rungs.append((Fallback.PUT_ASIDE, self._aside))
+        if (step := _first(rungs)) is not None:
+            return step
+        if self._stuck is not None:
+            raise self._stuck
+        assert self._failure is not None
+        raise NoSafePlan(str(self._failure), (str(self._failure),), (self._failure,))
+
+    def _straight(self) -> NextStep | None:
+        """To the best spots; into a vessel with contents only where it pushes none of them."""
+        self._all, self._gentle, self._kept = self._chooser.spots(self._place, CHOICE)
+        spots = self._gentle if self._contents else self._gentle or self._kept or self._all
+        return self._into(spots, TRANSFER_LIMITS)
+
+    def _look_longer(self) -> NextStep | None:
+        self._all, self._gentle, self._kept = self._chooser.spots(self._place, MORE_CHOICE)
+        return self._into(self._gentle, MORE_HANDS)
+
+    def _into(self, spots: Sequence[Placement], limits: TransferLimits) -> NextStep | None:
+        """To one of the spots that a fall is not too high to."""
+        place = self._place
+        room = [spot for spot in spots if spot.drop <= GENTLE]
+        if (place.object, Action.PLACE) in self._chooser.done and self._contents:
+            room = []  # it was tried, and it is not there: more room is needed
+        self._room = bool(room)
+        found = self._chooser.moves.to(place.object, room, limits) if room else _no_room(place)
+        if isinstance(found, Transfer):
+            why = f"it shall be {place.how} {place.where}"
+            return NextStep(found, Action.PLACE, why, self._chosen)
+        self._failure = found
+        return None
+
+    def _empty(self) -> NextStep | None:
+        """One of the contents out, in their safe order."""
+        why = f"{self._place.object} needs room in {self._place.where}"
+        try:
+            return self._chooser.take_off(self._contents, Action.REMOVE, why, doubting=False)
+        except NoSafePlan as error:
+            self._stuck = error
+            return None
+
+    def _put(self, *tries: list[Placement]) -> NextStep | None:
+        """To the first of some lists of spots that the arm can make."""
+        why = f"no more room can be made in {self._place.where} ({self._stuck})"
+        for spots in filter(None, tries):
+            found = self._chooser.moves.to(self._place.object, spots)
+            if isinstance(found, Transfer):
+                return NextStep(found, Action.PLACE, why, self._chosen)
+        return None
+
+    def _aside(self) -> NextStep | None:
+        """Put down on the table, once, to be taken otherwise."""
+        name, where = self._place.object, self._place.where
+        if not self._room or (name, Action.REMOVE) in self._chooser.done or name in self._chooser.given_up:
+            return None
+        found = self._chooser.aside(name)
+        if not isinstance(found, Transfer):
+            return None
+        words = f"it is put down to be taken otherwise, as it cannot go straight to {where} ({self._failure})"
+        return NextStep(found, Action.REMOVE, words, self._chosen)
 
 
-def _falling(transfer: Transfer, proof: Proof) -> Transfer:
-    """A transfer to a place where the object need not stay, which then says what becomes of it."""
-    place = transfer.placement
-    if proof.holds(place):
-        return transfer
-    words = f"{place.rest}: let go, {proof.settled(place)}"
-    return replace(transfer, placement=replace(place, rest=words, falls=True))
+def _first(rungs: Iterable[Rung]) -> NextStep | None:
+    """What the first rung gives that gives anything, with the rung's name."""
+    for name, attempt in rungs:
+        if (step := attempt()) is not None:
+            return step if name is None else replace(step, fallbacks=(name, *step.fallbacks))
+    return None
 
 
 def _check_order(chosen: object, scene: Scene) -> None:
@@ -394,4 +392,4 @@ def _check_order(chosen: object, scene: Scene) -> None:
 
 def _no_room(place: Place) -> TransferFailure:
     text = f"{place.object} would not stay {place.how} {place.where}"
-    return TransferFailure(place.object, {text: 1}, None, Setback("place", "room", text))
+    return TransferFailure(place.object, {text: 1}, None, FailedCheck(Kind.PLACE, Check.ROOM, text))

@@ -282,7 +282,11 @@ class _Planning:
         spent = self.last - before
         falls = transfer.placement.falls
         reason = f"{chosen.reason}; it is let go to fall as it will" if falls else chosen.reason
-        self.steps.append(step_data(transfer, chosen.action, reason, since, self.moved, spent, against))
+        self.steps.append(
+            step_data(
+                transfer, str(chosen.action), reason, since, self.moved, spent, against, chosen.all_fallbacks
+            )
+        )
         self.tried.update(transfer.tried)
         self.seconds += transfer.seconds
         self.situation, self.q = after(self.situation, transfer), transfer.q_end

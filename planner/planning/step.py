@@ -2,18 +2,31 @@
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from enum import Enum
 from typing import Protocol
 
 from topple.planner.decide.arrange import Order
 from topple.planner.decide.beliefs import Beliefs
 from topple.planner.decide.dependency import Dependency
+from topple.planner.fallbacks import Fallback
 from topple.planner.transfer.transfer import Transfer
 from topple.robots.arm.arm import Arm
 from topple.topology.arrays import FloatArray
 from topple.topology.situation import Situation
 
-FREE, REMOVE, PLACE = "free", "remove", "place"
-"""free: take a target clear, put it down; remove: take away what is in the way; place: as the goal says."""
+
+class Action(str, Enum):
+    """What a step is for."""
+
+    FREE = "free"
+    """Take a target clear and put it down."""
+    REMOVE = "remove"
+    """Take away what is in the way."""
+    PLACE = "place"
+    """Put something where the goal says."""
+
+    def __str__(self) -> str:
+        return str(self.value)
 
 
 @dataclass(frozen=True, eq=False)
@@ -22,17 +35,25 @@ class NextStep:
 
     Attributes:
         transfer: What the arm does.
-        action: One of free, remove, place.
+        action: What it is for.
         reason: Why this object and why now.
         order: The order the step was chosen from.
         against: Doubtful dependencies that the step goes against.
+        fallbacks: What was tried to find it where the plain way failed; with those of the transfer,
+            `all_fallbacks`.
     """
 
     transfer: Transfer
-    action: str
+    action: Action
     reason: str
     order: Order
     against: tuple[Dependency, ...] = ()
+    fallbacks: tuple[Fallback, ...] = ()
+
+    @property
+    def all_fallbacks(self) -> tuple[Fallback, ...]:
+        """Everything that it stands on."""
+        return (*self.fallbacks, *self.transfer.fallbacks)
 
 
 @dataclass(frozen=True, eq=False)

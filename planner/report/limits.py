@@ -2,6 +2,10 @@
 
 from dataclasses import dataclass
 
+import numpy as np
+
+from topple.planner.tolerances import DISTURBED, TURNED
+
 
 @dataclass(frozen=True)
 class Limits:
@@ -35,8 +39,8 @@ class Limits:
     graph_edges: int = 60
     path_points: int = 200
     risk: float = 0.05
-    moved: float = 0.01
-    turned: float = 10.0
+    moved: float = DISTURBED
+    turned: float = float(np.degrees(TURNED))
 
 
 LIMITS = Limits()

@@ -5,17 +5,17 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from topple.planner.failure import Tally
+from topple.planner.failure import Check, FailureLog
 from topple.planner.grasp.grasp import Grasp
 from topple.planner.motion.cartesian import straight_lines
 from topple.planner.motion.collision import Checker
-from topple.planner.motion.shortcut import densely
 from topple.planner.placement.placement import Placement
 from topple.planner.transfer.checks import Checks
+from topple.planner.transfer.segments import Kind
+from topple.planner.transfer.stages import Stage
 from topple.robots.poses import inverse
 from topple.topology.arrays import FloatArray
 
-LINE_STEP = 0.01  # [rad] between checked states of straight ways, which pass close by things
 SEEDS = 24  # random starts of inverse kinematics for each pose: finds nearly all that are reachable
 
 
@@ -53,36 +53,36 @@ class Handling(Checks):
     """Everything that is asked about moving one object in one scene."""
 
     def hands(
-        self, grasps: Sequence[Grasp], near: FloatArray, tally: Tally
+        self, grasps: Sequence[Grasp], near: FloatArray, log: FailureLog
     ) -> list[tuple[Grasp, FloatArray]]:
         """Hand poses for grasps, in their order, each also turned half, with all joint values that are found.
 
         Args:
             grasps: In the world.
             near: (n,) joint values solutions should be close to.
-            tally: Notes what grasps are dropped for.
+            log: Notes what grasps are dropped for.
         """
         both = [hand for grasp in grasps for hand in _directions(grasp)]
         poses = [grasp.pose_tool_to_world for grasp in both]
         clear = self._clear_of(
-            both, poses, [self.approaching(grasp, lenient=True) for grasp in both], "grasp", tally
+            both, poses, [self.approaching(grasp, lenient=True) for grasp in both], "grasp", log
         )
         both = [grasp for grasp, free in zip(both, clear, strict=True) if free]
         solutions = self._inverse(both, [grasp.pose_tool_to_world for grasp in both], near)
         for states in solutions:
             if len(states) == 0:
-                tally.note("grasp", "reach", "grasp out of reach")
+                log.note(Kind.GRASP, Check.REACH, "grasp out of reach")
         return [(grasp, q) for grasp, q in zip(both, solutions, strict=True) if len(q)]
 
     def reached(
-        self, hands: Sequence[tuple[Grasp, FloatArray]], lenient: bool, tally: Tally
+        self, hands: Sequence[tuple[Grasp, FloatArray]], lenient: bool, log: FailureLog
     ) -> list[Reached]:
         """States of hand poses in which the open hand is free.
 
         Args:
             hands: As `hands` gives them.
             lenient: Whether fingers may enter inferred bodies of neighbours.
-            tally: Notes what grasps are dropped for.
+            log: Notes what grasps are dropped for.
 
         Returns:
             Free states, at most two for each hand pose.
@@ -92,7 +92,7 @@ class Handling(Checks):
             checker = self.approaching(grasp, lenient)
             free = checker.free(states)
             if not free.any():
-                _blame(tally, checker, states[0], "grasp")
+                Stage(Kind.APPROACH, checker, log).blame(states[0], "grasp")
             found += [Reached(grasp, q, lenient) for q in states[free][:2]]
         return found
 
@@ -102,7 +102,7 @@ class Handling(Checks):
         poses_tool_to_world: Sequence[FloatArray],
         checkers: Sequence[Checker],
         step: str,
-        tally: Tally,
+        log: FailureLog,
     ) -> list[bool]:
         """Which hands in tool poses meet nothing, whatever the arm behind them does."""
         clear = [True] * len(grasps)
@@ -115,10 +115,10 @@ class Handling(Checks):
                 if pair is not None:
                     clear[i] = False
                     q = None
-                    if tally.further(step, stands=True):  # the one that is told says how the arm would stand
+                    if log.further(step, stands=True):  # the one that is told says how the arm would stand
                         states = self._inverse([grasps[i]], [poses_tool_to_world[i]], self.arm.home)[0]
                         q = states[0] if len(states) else None
-                    tally.note(step, "collision", f"{step}: {pair[0]} meets {pair[1]}", q, pair)
+                    log.note(step, Check.COLLISION, f"{step}: {pair[0]} meets {pair[1]}", q, pair)
         return clear
 
     def _to_flange(self, tool: str) -> FloatArray:
@@ -143,44 +143,29 @@ class Handling(Checks):
 
     # -- straight ways
 
-    def way_in(self, state: Reached, length: float, tally: Tally) -> FloatArray | None:
-        """(k, n) straight from before the object to the grasp, or None where something is in the way."""
+    def approach(self, state: Reached, length: float, log: FailureLog) -> Stage:
+        """Straight from before the object to the grasp."""
         back = np.eye(4)
         back[2, 3] = -length
-        checker = self.approaching(state.grasp, state.lenient)
-        target = state.grasp.pose_tool_to_world @ back
-        path = self._straight(checker, state.q, target, state.grasp.tool, "approach", tally)
-        return None if path is None else path[::-1]
+        stage = Stage(Kind.APPROACH, self.approaching(state.grasp, state.lenient), log)
+        self._straight(stage, state, state.grasp.pose_tool_to_world @ back, backwards=True)
+        return stage
 
-    def way_up(self, state: Reached, length: float, tally: Tally) -> FloatArray | None:
-        """(k, n) straight up with the object, or None."""
+    def lift(self, state: Reached, length: float, log: FailureLog) -> Stage:
+        """Straight up with the object."""
         target = state.grasp.pose_tool_to_world.copy()
         target[:3, 3] += length * self.up
-        checker = self.lifting(state.grasp, state.lenient)
-        return self._straight(checker, state.q, target, state.grasp.tool, "lift", tally)
+        stage = Stage(Kind.LIFT, self.lifting(state.grasp, state.lenient), log)
+        self._straight(stage, state, target)
+        return stage
 
-    def _straight(
-        self, checker: Checker, q: FloatArray, target: FloatArray, tool: str, step: str, tally: Tally
-    ) -> FloatArray | None:
-        """(k, n) straight from a state to a tool pose in the world; what bars it is noted."""
-        path = straight_lines(self.arm, q[None], (self.world_to_base @ target)[None], tool)[0]
-        return self._clear(path, checker, q, step, tally)
-
-    def _clear(
-        self, path: FloatArray | None, checker: Checker, q: FloatArray, step: str, tally: Tally
-    ) -> FloatArray | None:
-        """A straight path from a state where nothing bars it; what does is noted."""
-        if path is None:
-            tally.note(step, "reach", f"no straight {step} within the arm's reach", q)
-        elif not checker.edges_free(path[:-1], path[1:], step=LINE_STEP).all():
-            states = densely(path, LINE_STEP)
-            _blame(tally, checker, states[int(np.argmin(checker.free(states)))], step)
-        else:
-            return path
-        return None
+    def _straight(self, stage: Stage, state: Reached, target: FloatArray, backwards: bool = False) -> None:
+        """Give a stage the straight way from a state to a tool pose (4, 4) in the world, if there is one."""
+        lines = straight_lines(self.arm, state.q[None], (self.world_to_base @ target)[None], state.grasp.tool)
+        stage.straight(lines[0], state.q, backwards)
 
     def open_ends(
-        self, grasp: Grasp, places: Sequence[Placement], drop: float, retreat: float, tally: Tally
+        self, grasp: Grasp, places: Sequence[Placement], drop: float, retreat: float, log: FailureLog
     ) -> list[Placement]:
         """Places where the hand is free: with the object there and above, without it there and drawn back.
 
@@ -191,7 +176,7 @@ class Handling(Checks):
             places: Placements.
             drop: Straight way down [m].
             retreat: Straight way out [m].
-            tally: Notes what placements are dropped for.
+            log: Notes what placements are dropped for.
         """
         into = places[0].into
         carrying, leaving = self.carrying(grasp, 0.0, into), self.leaving(grasp, into)
@@ -208,7 +193,7 @@ class Handling(Checks):
             else:
                 back[2, 3] = -way
             poses = [above @ p.pose_before_to_after @ grasp.pose_tool_to_world @ back for p in found]
-            clear = self._clear_of([grasp] * len(found), poses, [checker] * len(found), step, tally)
+            clear = self._clear_of([grasp] * len(found), poses, [checker] * len(found), step, log)
             found = [place for place, free in zip(found, clear, strict=True) if free]
         return found
 
@@ -220,7 +205,7 @@ class Handling(Checks):
         drop: float,
         retreat: float,
         most: int,
-        tally: Tally,
+        log: FailureLog,
     ) -> list[End]:
         """Ways of ending a transfer that are free from above the place until the hand is out.
 
@@ -231,7 +216,7 @@ class Handling(Checks):
             drop: Straight way down [m].
             retreat: Straight way out [m].
             most: How many to return.
-            tally: Notes what placements are dropped for.
+            log: Notes what placements are dropped for.
 
         Returns:
             Up to `most` ends, best placements first.
@@ -244,13 +229,13 @@ class Handling(Checks):
             places, targets, self._inverse([grasp] * len(places), targets, near), strict=True
         ):
             if len(states) == 0:
-                tally.note("place", "reach", "place out of reach")
+                log.note(Kind.PLACE, Check.REACH, "place out of reach")
                 continue
             free = checker.free(states)
             if not free.any():
-                _blame(tally, checker, states[0], "place")
+                Stage(Kind.PLACE, checker, log).blame(states[0])
             tried += [(place, target, q) for q in states[free][:2]]
-        return self._free_ends(grasp, tried, (drop, retreat), checker, most, tally)
+        return self._free_ends(grasp, tried, (drop, retreat), checker, most, log)
 
     def _free_ends(
         self,
@@ -259,7 +244,7 @@ class Handling(Checks):
         ways: tuple[float, float],
         carrying: Checker,
         most: int,
-        tally: Tally,
+        log: FailureLog,
     ) -> list[End]:
         """Of places with tool poses and states there the first `most` with straight ways in and out."""
         if not tried:
@@ -275,19 +260,11 @@ class Handling(Checks):
         for (place, _, q), rising, leaving in zip(tried, raised, drawn, strict=True):
             if len(found) >= most or any(end.placement is place for end in found):
                 continue
-            up = self._clear(rising, carrying, q, "place", tally)
-            empty = self.leaving(grasp, place.into)
-            away = None if up is None else self._clear(leaving, empty, q, "retreat", tally)
-            if up is not None and away is not None:
-                found.append(End(place, up[::-1], away))
+            lower = Stage(Kind.PLACE, carrying, log)
+            retreat = Stage(Kind.RETREAT, self.leaving(grasp, place.into), log)
+            if lower.straight(rising, q, backwards=True) and retreat.straight(leaving, q):
+                found.append(End(place, lower.way, retreat.way))
         return found
-
-
-def _blame(tally: Tally, checker: Checker, q: FloatArray, step: str) -> None:
-    """Note who meets whom in a state."""
-    pair = checker.witness(q)
-    text = f"{step} in collision" if pair is None else f"{step}: {pair[0]} meets {pair[1]}"
-    tally.note(step, "collision", text, q, pair)
 
 
 def _directions(grasp: Grasp) -> list[Grasp]:

@@ -1,6 +1,7 @@
 """The pieces of a pick and place, in the order they are driven."""
 
 from dataclasses import dataclass
+from enum import Enum
 
 import numpy as np
 
@@ -9,9 +10,32 @@ from topple.planner.motion.trajectory import Trajectory
 from topple.robots.arm.gripper import ToolState
 from topple.topology.arrays import FloatArray
 
-KINDS = ("move", "approach", "grasp", "lift", "transfer", "place", "release", "retreat")
-"""move: empty hand, to before the object; approach: straight in; grasp: close or switch the vacuum on; lift:
-straight up; transfer: carrying, to above the place; place: straight down; release; retreat: straight out."""
+
+class Kind(str, Enum):
+    """What a piece is, in the order they are driven."""
+
+    MOVE = "move"
+    """The empty hand, to before the object."""
+    APPROACH = "approach"
+    """Straight in."""
+    GRASP = "grasp"
+    """Close, or switch the vacuum on."""
+    LIFT = "lift"
+    """Straight up."""
+    TRANSFER = "transfer"
+    """Carrying, to above the place."""
+    PLACE = "place"
+    """Straight down."""
+    RELEASE = "release"
+    """Open, or switch the vacuum off."""
+    RETREAT = "retreat"
+    """Straight out."""
+
+    def __str__(self) -> str:
+        return str(self.value)
+
+
+KINDS = tuple(Kind)
 
 
 @dataclass(frozen=True, eq=False)
@@ -19,7 +43,7 @@ class Segment:
     """One piece.
 
     Attributes:
-        kind: One of `KINDS`.
+        kind: Which.
         tool: "fingers" or "suction".
         hand: How the hand stands: set before the motion; for grasp and release what it is brought to.
         trajectory: The motion; None for grasp and release.
@@ -28,7 +52,7 @@ class Segment:
         certificate: The proof that nothing else touches all along the motion; None for grasp and release.
     """
 
-    kind: str
+    kind: Kind
     tool: str
     hand: ToolState
     trajectory: Trajectory | None

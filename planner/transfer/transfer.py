@@ -1,26 +1,23 @@
 """One pick and place: grasps, inverse kinematics and placements screened together, then the motions."""
 
 from collections import Counter
-from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from dataclasses import dataclass, replace
 from functools import partial
 
 import numpy as np
 
-from topple.planner.failure import Setback, Tally, TransferFailure
+from topple.planner.failure import Check, FailedCheck, FailureLog, TransferFailure
+from topple.planner.fallbacks import Fallback
 from topple.planner.grasp.candidates import grasp_candidates
 from topple.planner.grasp.grasp import Grasp
 from topple.planner.grasp.hand import hand_shape
 from topple.planner.grasp.surroundings import Dropped
-from topple.planner.motion.certificate import Certifier
-from topple.planner.motion.collision import Checker
-from topple.planner.motion.planner import Motion, MotionFailure, plan_motion
-from topple.planner.motion.upright import plan_upright
 from topple.planner.placement.placement import Placement, placements
 from topple.planner.transfer.checks import MARGIN
 from topple.planner.transfer.handling import Handling, Reached
-from topple.planner.transfer.legs import Leg, segments_of
-from topple.planner.transfer.segments import Segment
+from topple.planner.transfer.segments import Kind, Segment
+from topple.planner.transfer.stages import Stage, Upright, segments_of
 from topple.robots.arm.arm import Arm
 from topple.topology.arrays import FloatArray, frozen
 from topple.topology.bodies.solids import GRAIN
@@ -67,7 +64,6 @@ TRANSFER_LIMITS = TransferLimits()
 TIRED = 2  # failures of one tool after which another has its turn: a surface that leaks leaks elsewhere too
 NARROW = 3  # ways barred at the usual distance that are tried again at any distance, before giving up
 LEVEL = 0.02  # [rad] a placement that tilts a thing less keeps it upright: noise of the up direction
-ROUNDING = 2e-5  # [m] proven clearance that writing a plan with six digits cannot use up
 NO_GRASP, NO_PLACE = "no grasp that holds and has room", "no free place within reach"
 FALLS = "place: it would not stay as it is let go there, and no drop is allowed"
 
@@ -85,6 +81,7 @@ class Transfer:
         tried: What was dropped on the way here, with counts.
         riding: What lies in the object and goes with it.
         upright: Whether the object was kept upright.
+        fallbacks: What was tried to find it where the plain way failed.
     """
 
     object: str
@@ -95,6 +92,7 @@ class Transfer:
     tried: Mapping[str, int]
     riding: tuple[str, ...] = ()
     upright: bool = False
+    fallbacks: tuple[Fallback, ...] = ()
 
     def __post_init__(self) -> None:
         object.__setattr__(self, "q_end", frozen(self.q_end))
@@ -148,12 +146,13 @@ def plan_transfer(
     scene = situation.scene
     if name not in scene.clouds:
         raise UnknownObject(name, scene.names)
-    searched, dropped = grasps is None, Dropped()
+    searched, dropped, changed = grasps is None, Dropped(), False
     find = partial(grasp_candidates, name, situation, wide=bool(avoid))
     if grasps is None:
         grasps = _others(find(arm, dropped=dropped), avoid)
         if grasps and "fingers" in arm.tools and all(grasp.tool in _tired(avoid) for grasp in grasps):
             grasps = _others(find(hand=hand_shape(arm)), avoid) or grasps
+            changed = True
     else:
         grasps = _others(list(grasps), avoid)
     if places is None:
@@ -164,13 +163,15 @@ def plan_transfer(
     if not grasps:
         return _no_grasp(name, dropped, scene)
     if not places:
-        return TransferFailure(name, {NO_PLACE: 1}, None, Setback("place", "room", NO_PLACE))
+        return TransferFailure(name, {NO_PLACE: 1}, None, FailedCheck(Kind.PLACE, Check.ROOM, NO_PLACE))
     handling = Handling(name, situation, arm, np.asarray(pose_base_to_world), tuple(riding), seed)
     search = _Search(handling, tuple(places), np.asarray(q_start), level, seed, limits, holds)
     found = search.run(grasps)
     by_cup_alone = searched and all(grasp.tool == "suction" for grasp in grasps) and "fingers" in arm.tools
     if isinstance(found, TransferFailure) and by_cup_alone:
-        return search.run(_others(find(hand=hand_shape(arm)), avoid))
+        changed, found = True, search.run(_others(find(hand=hand_shape(arm)), avoid))
+    if changed and isinstance(found, Transfer):
+        return replace(found, fallbacks=(Fallback.OTHER_TOOL, *found.fallbacks))
     return found
 
 
@@ -178,8 +179,8 @@ def _no_grasp(name: str, dropped: Dropped, scene: Scene) -> TransferFailure:
     """The certificate that says what every grasp that was looked at failed of."""
     reasons = dict(dropped.reasons.most_common()) or {NO_GRASP: 1}
     barring = {other: count for other, count in dropped.barring.most_common() if other not in scene.fixed}
-    setback = Setback("grasp", "room", next(iter(reasons)))
-    return TransferFailure(name, reasons, next(iter(barring), None), setback, barring)
+    failed = FailedCheck(Kind.GRASP, Check.ROOM, next(iter(reasons)))
+    return TransferFailure(name, reasons, next(iter(barring), None), failed, barring)
 
 
 def _others(grasps: list[Grasp], avoid: Sequence[Grasp]) -> list[Grasp]:
@@ -195,6 +196,16 @@ def _tired(failed: Sequence[Grasp]) -> set[str]:
     return {tool for tool, count in counts.items() if count >= TIRED}
 
 
+@dataclass(frozen=True)
+class _Way:
+    """One way to go about a transfer: to which places, and how much is kept clear of."""
+
+    places: tuple[Placement, ...]
+    lenient: bool
+    margin: float
+    fallbacks: tuple[Fallback, ...]
+
+
 class _Search:
     """The state of one search: what was tried and what it failed of."""
 
@@ -208,89 +219,96 @@ class _Search:
         limits: TransferLimits,
         holds: Callable[[Placement], bool] | None = None,
     ) -> None:
-        self.handling, self.places, self.q_start, self.level = handling, places, q_start, level
-        self.seed, self.limits, self._holds = seed, limits, holds
-        self.tally = Tally(frozenset(handling.bodies) - {handling.name})
-        self._known: dict[Reached, tuple[FloatArray, FloatArray] | None] = {}
+        self.handling, self.places, self.q_start = handling, places, q_start
+        self.level, self.seed, self.limits, self._holds = level, seed, limits, holds
+        self.log = FailureLog(frozenset(handling.bodies) - {handling.name})
+        self._ahead: dict[Reached, tuple[Stage, Stage]] = {}
         self._roomy: dict[tuple[Grasp, tuple[Placement, ...]], list[Placement]] = {}
-        self._margin = MARGIN  # least distance kept while carrying
-        self._barred: list[tuple[Reached, tuple[Placement, ...]]] = []
+        self._barred: list[tuple[Reached, _Way]] = []
 
     def run(self, grasps: Sequence[Grasp]) -> Transfer | TransferFailure:
-        hands = self.handling.hands(grasps[: self.limits.grasps], self.q_start, self.tally)
+        """Complete a transfer that starts with one of some grasps, best first, or say why there is none."""
+        hands = self.handling.hands(grasps[: self.limits.grasps], self.q_start, self.log)
         reached = dict[bool, list[Reached]]()
-        for places in self._choices():
-            for lenient in (False, True):
-                if lenient not in reached:
-                    reached[lenient] = self.handling.reached(hands, lenient, self.tally)
-                for state in reached[lenient][: self.limits.reached]:
-                    transfer = self._with(state, places)
-                    if transfer is not None:
-                        return transfer
-        self._margin = 0.0
-        for state, places in self._barred[:NARROW]:
-            transfer = self._with(state, places)
+        for way in self._ways():
+            if way.lenient not in reached:
+                reached[way.lenient] = self.handling.reached(hands, way.lenient, self.log)
+            for state in reached[way.lenient][: self.limits.reached]:
+                transfer = self._with(state, way)
+                if transfer is not None:
+                    return transfer
+        for state, way in self._barred[:NARROW]:
+            narrow = replace(way, margin=0.0, fallbacks=(*way.fallbacks, Fallback.NARROW))
+            transfer = self._with(state, narrow)
             if transfer is not None:
                 return transfer
-        return self.tally.failure(self.handling.name)
+        return self.log.failure(self.handling.name)
 
-    def _choices(self) -> list[tuple[Placement, ...]]:
-        """Places where it neither rolls nor bars a way out, and only if none can be reached the others.
-
-        Fingers that reach below a flat thing have no room between it and the table: it may fall that far.
-        """
+    def _ways(self) -> Iterator[_Way]:
+        """The ways in the order in which they are tried, the plain one first."""
         steady = [place for place in self.places if not place.rolls]
-        flat = [place for place in steady if place.into is None]
-        groups = (
-            [place for place in steady if not place.bars],
-            [place for place in steady if place.bars],
-            [place.higher(self.limits.fall, self.handling.up) for place in flat],
-            [place for place in self.places if place.rolls],
+        flat = [place.higher(self.limits.fall, self.handling.up) for place in steady if place.into is None]
+        choices: tuple[tuple[tuple[Fallback, ...], list[Placement]], ...] = (
+            ((), [place for place in steady if not place.bars]),
+            ((Fallback.IN_A_WAY,), [place for place in steady if place.bars]),
+            ((Fallback.LET_FALL_A_LITTLE,), flat),
+            ((Fallback.WHERE_IT_ROLLS,), [place for place in self.places if place.rolls]),
         )
-        return [tuple(places) for places in groups if places]
+        for names, places in choices:
+            if places:
+                yield _Way(tuple(places), False, MARGIN, names)
+                yield _Way(tuple(places), True, MARGIN, (*names, Fallback.THROUGH_GUESSES))
 
-    def _with(self, state: Reached, places: tuple[Placement, ...]) -> Transfer | None:
-        """Complete a transfer to one of some places that starts with one reachable grasp."""
-        grasp, limits, handling = state.grasp, self.limits, self.handling
-        room = self._room(grasp, places)
-        if not room or (ways := self._ways(state)) is None:
+    def _with(self, state: Reached, way: _Way) -> Transfer | None:
+        """Complete a transfer in one way that starts with one reachable grasp."""
+        grasp, limits, handling, log = state.grasp, self.limits, self.handling, self.log
+        room = self._room(grasp, way.places)
+        if not room:
             return None
-        approach, lift = ways
-        ends = handling.ends(state, room, lift[-1], limits.drop, limits.retreat, limits.goals, self.tally)
-        if not ends:
+        if state not in self._ahead:
+            approach = handling.approach(state, limits.approach, log)
+            lift = handling.lift(state, limits.lift, log) if approach.path is not None else approach
+            self._ahead[state] = approach, lift
+        approach, lift = self._ahead[state]
+        if approach.path is None or lift.path is None:
             return None
-        ahead = [Leg("approach", approach, handling.approaching(grasp, state.lenient), straight=True)]
-        ahead.append(Leg("lift", lift, handling.lifting(grasp, state.lenient), straight=True))
-        if not self._proven(ahead):
+        top = lift.way[-1]
+        ends = handling.ends(state, room, top, limits.drop, limits.retreat, limits.goals, log)
+        if not ends or not approach.prove() or not lift.prove():
             return None
-        carrying = handling.carrying(grasp, self._margin)
-        tops = np.array([end.lower[0] for end in ends])
-        carry = self._way("transfer", carrying, lift[-1], tops, grasp.tool if self.level else None)
-        if carry is None:
-            self._barred += [(state, places)] if self._margin > 0.0 else []
+        carry = Stage(Kind.TRANSFER, handling.carrying(grasp, way.margin), log)
+        goals = np.array([end.lower[0] for end in ends])
+        goal = carry.search(top, goals, self.seed, limits.budget, self._upright(grasp))
+        if goal is None:
+            self._barred += [(state, way)] if way.margin > 0.0 else []
             return None
-        end = ends[carry.goal]
-        lowering = handling.carrying(grasp, 0.0, end.placement.into)
-        behind = [Leg("place", end.lower, lowering, straight=True)]
-        behind.append(Leg("retreat", end.retreat, handling.parting(grasp, end.placement), straight=True))
-        emptied = handling.empty(grasp.opening)
-        move = self._way("move", emptied, self.q_start, approach[:1]) if self._proven(behind) else None
-        if move is None:
+        end = ends[goal]
+        lower = Stage(Kind.PLACE, handling.carrying(grasp, 0.0, end.placement.into), log, end.lower)
+        retreat = Stage(Kind.RETREAT, handling.parting(grasp, end.placement), log, end.retreat)
+        move = Stage(Kind.MOVE, handling.empty(grasp.opening), log)
+        if not lower.prove() or not retreat.prove():
             return None
-        legs = [Leg("move", move.path, emptied, certificate=move.certificate), *ahead]
-        legs += [Leg("transfer", carry.path, carrying, certificate=carry.certificate), *behind]
-        segments = segments_of(legs, handling, grasp, end.placement, limits.speed, limits.straight_speed)
-        q_end, tried = end.retreat[-1], dict(self.tally.reasons)
+        if move.search(self.q_start, approach.way[:1], self.seed, limits.budget) is None:
+            return None
+        stages = (move, approach, lift, carry, lower, retreat)
+        segments = segments_of(stages, handling, grasp, end.placement, limits.speed, limits.straight_speed)
         return Transfer(
-            handling.name, grasp, end.placement, segments, q_end, tried, handling.riding, self.level
-        )
+            handling.name, grasp, end.placement, segments, end.retreat[-1], dict(log.reasons),
+            handling.riding, self.level, way.fallbacks,
+        )  # fmt: skip
+
+    def _upright(self, grasp: Grasp) -> Upright | None:
+        """How the tool is kept while it carries what must not tilt."""
+        if not self.level:
+            return None
+        return Upright(grasp.tool, self.handling.world_to_base[:3, :3] @ self.handling.up, self.limits.tilt)
 
     def _room(self, grasp: Grasp, places: tuple[Placement, ...]) -> list[Placement]:
         """Places where the hand has room and the object stays, looked for once for all states of a grasp."""
         key = (grasp, places)
         if key not in self._roomy:
             way = self.limits.drop, self.limits.retreat
-            room = self.handling.open_ends(grasp, places, *way, self.tally)
+            room = self.handling.open_ends(grasp, places, *way, self.log)
             self._roomy[key] = [place for place in room if self._stays(place)]
         return self._roomy[key]
 
@@ -298,51 +316,8 @@ class _Search:
         """Whether the object holds at a place; where it does not, that is noted."""
         if self._holds is None or self._holds(place):
             return True
-        self.tally.note("place", "stand", FALLS)
+        self.log.note(Kind.PLACE, Check.STAND, FALLS)
         return False
-
-    def _ways(self, state: Reached) -> tuple[FloatArray, FloatArray] | None:
-        """Straight ways in and up at a state, looked for once for all places; None where there is none."""
-        if state not in self._known:
-            approach = self.handling.way_in(state, self.limits.approach, self.tally)
-            lift = None if approach is None else self.handling.way_up(state, self.limits.lift, self.tally)
-            self._known[state] = None if approach is None or lift is None else (approach, lift)
-        return self._known[state]
-
-    def _proven(self, legs: Sequence[Leg]) -> bool:
-        """Certify straight legs; what touches between their samples is noted."""
-        for leg in legs:
-            leg.certificate = Certifier(leg.checker).path(leg.path, ROUNDING)
-            if not leg.certificate.proven:
-                found = leg.certificate.contact
-                pair = None if found is None else (found.a, found.b)
-                words = "something" if pair is None else " and ".join(pair)
-                text = f"{leg.kind}: {words} too close between samples"
-                self.tally.note(leg.kind, "proof", text, leg.certificate.state, pair)
-                return False
-        return True
-
-    def _way(
-        self, kind: str, checker: Checker, start: FloatArray, goals: FloatArray, level: str | None = None
-    ) -> Motion | None:
-        """A proven free motion, with the tool named `level` kept as it stands against up; or None, noted."""
-        if level is None:
-            found = plan_motion(checker, start, goals, seed=self.seed, budget=self.limits.budget)
-        else:
-            up = self.handling.world_to_base[:3, :3] @ self.handling.up
-            found = plan_upright(
-                checker, start, goals, level, up, self.limits.tilt, seed=self.seed, budget=self.limits.budget
-            )
-        if isinstance(found, MotionFailure):
-            check = "collision" if found.stage in ("start", "goals") else "search"
-            self.tally.note(kind, check, f"{kind}: {found.reason}", start, found.witness)
-            return None
-        if found.certificate is None or not found.certificate.proven:
-            contact = None if found.certificate is None else found.certificate.contact
-            pair = None if contact is None else (contact.a, contact.b)
-            self.tally.note(kind, "proof", f"{kind}: too close between samples", start, pair)
-            return None
-        return found
 
 
 def after(situation: Situation, transfer: Transfer) -> Situation:

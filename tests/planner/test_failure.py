@@ -2,7 +2,7 @@ import numpy as np
 import pytest
 
 from topple.planner.errors import NoSafePlan
-from topple.planner.failure import STEPS, Tally, TransferFailure
+from topple.planner.failure import STEPS, FailureLog, TransferFailure
 from topple.planner.planning.plan import plan
 from topple.planner.transfer.transfer import plan_transfer
 from topple.robots.catalog import robot
@@ -73,7 +73,7 @@ def test_where_no_grasp_has_room_the_failure_says_beside_what() -> None:
 
 
 def test_the_setback_that_got_furthest_is_kept() -> None:
-    tally = Tally(frozenset({"cup"}))
+    tally = FailureLog(frozenset({"cup"}))
     tally.note("lift", "collision", "lift: hand meets cup", np.zeros(7), ("hand", "cup"))
     tally.note("grasp", "reach", "grasp out of reach")
     failure = tally.failure("can")

@@ -7,7 +7,7 @@ import numpy as np
 import pybullet
 import pytest
 
-from topple.planner.execution.run import ClosedLoop
+from topple.planner.execution.loop import ClosedLoop
 from topple.planner.formats.run_record import RunRecord
 from topple.robots import shapes
 from topple.robots.catalog import robot
@@ -40,7 +40,7 @@ def played() -> Iterator[Played]:
         world.settle()
         arm = SimulatedArm(world, robot("panda-suction"), pose_at(-0.55, 0.0, 0.0))
         recording = Recording(arm, rate=1.0 / world.time_step)
-        loop = ClosedLoop(world, arm, around((0.0, 0.0, 0.03)), "free plate")
+        loop = ClosedLoop.simulated(world, arm, around((0.0, 0.0, 0.03)), "free plate")
         record = loop.run()
         recording.stop()
         yield Played(record, recording, arm, world)

@@ -6,13 +6,12 @@ import signal
 import subprocess
 import sys
 import time
-from collections.abc import Iterator
-from dataclasses import replace
+from collections.abc import Iterator, Sequence
 from pathlib import Path
 
 import pytest
 
-from topple.planner.execution.run import ClosedLoop
+from topple.planner.execution.loop import ClosedLoop
 from topple.robots import shapes
 from topple.robots.catalog import robot
 from topple.robots.scenarios.scenario import around, pose_at
@@ -28,9 +27,9 @@ def world() -> Iterator[World]:
         yield made
 
 
-def loop(world: World, goal: str) -> ClosedLoop:
+def loop(world: World, goal: str, cameras: Sequence[Camera] | None = None) -> ClosedLoop:
     arm = SimulatedArm(world, robot("panda"), pose_at(-0.55, 0.0, 0.0))
-    return ClosedLoop(world, arm, around((0.0, 0.0, 0.03)), goal)
+    return ClosedLoop.simulated(world, arm, cameras or around((0.0, 0.0, 0.03)), goal)
 
 
 def test_a_goal_that_holds_already_needs_no_action(world: World) -> None:
@@ -44,7 +43,7 @@ def test_a_goal_that_holds_already_needs_no_action(world: World) -> None:
 def test_an_arm_that_stands_in_something_does_not_move(world: World) -> None:
     world.add(shapes.box("shelf", (0.12, 0.12, 0.55)), pose_at(-0.24, 0.0, 0.0))
     afar = Camera.looking_at((1.0, 0.8, 0.9), (-0.2, 0.0, 0.3))
-    record = replace(loop(world, "free shelf"), cameras=[afar]).run()
+    record = loop(world, "free shelf", [afar]).run()
     assert not record.success and record.steps == ()
     assert "the arm starts in collision" in record.violations[0] and "inside shelf" in record.violations[0]
 

@@ -6,6 +6,8 @@ import numpy as np
 import pytest
 
 from topple.planner.execution.execute import LET_GO, MISSED, TAKEN, execute
+from topple.planner.execution.look import Look
+from topple.planner.execution.loop import ClosedLoop
 from topple.planner.transfer.transfer import Transfer, after, plan_transfer
 from topple.robots import shapes
 from topple.robots.arm.arm import Arm
@@ -173,3 +175,28 @@ def test_a_hand_that_closes_on_nothing_goes_back() -> None:
     assert (outcome.success, outcome.text) == (False, "the fingers closed on nothing.")
     assert moments == [MISSED]
     assert ghost.opening == pytest.approx(0.08)
+
+
+@dataclass
+class Sighted:
+    """Sees the points that a ghost moves about."""
+
+    ghost: Ghost
+
+    def look(self, expected: Scene | None = None) -> Look:
+        scene = seen()
+        for name, points in self.ghost.clouds.items():
+            scene = scene.with_cloud(name, points)
+        return Look((), Situation(scene), None)
+
+
+def test_the_loop_reaches_a_goal_with_another_driver_other_eyes_and_no_judge() -> None:
+    """A block on a box: the block goes first, without a simulator anywhere in the loop."""
+    on_top = np.array([0.0, 0.0, HEIGHT + 0.0005])
+    block = shapes.block("block", 0.04).surface(3000, np.random.default_rng(1)) + on_top
+    ghost = Ghost(robot("panda"), BASE, {"box": seen().clouds["box"].copy(), "block": block})
+    record = ClosedLoop(ghost, Sighted(ghost), "free box").run()
+    assert record.success, record.violations
+    assert [(step.object, step.action) for step in record.steps] == [("block", "remove"), ("box", "free")]
+    assert all(step.disturbed == {} and step.robot_seconds is None for step in record.steps)
+    assert ghost.clouds["block"][:, 2].min() < 0.01

@@ -7,7 +7,7 @@ import pytest
 
 from topple.planner import run
 from topple.planner.execution.judge import violations
-from topple.planner.execution.run import ClosedLoop
+from topple.planner.execution.loop import ClosedLoop
 from topple.planner.formats.run_record import RunRecord
 from topple.robots import shapes
 from topple.robots.catalog import robot
@@ -90,7 +90,7 @@ def test_a_target_no_camera_sees_is_refused() -> None:
 
         away = Camera.looking_at((1.0, 0.0, 0.5), (2.0, 0.0, 0.0))
         with pytest.raises(InvalidInput):
-            ClosedLoop(world, arm, [away], "free can").run()
+            ClosedLoop.simulated(world, arm, [away], "free can").run()
 
 
 def test_a_step_is_judged_by_what_moved_fell_or_was_hit() -> None:
@@ -105,7 +105,7 @@ def test_a_step_is_judged_by_what_moved_fell_or_was_hit() -> None:
 
 def test_nothing_in_the_loop_places_objects_or_switches_collisions_off() -> None:
     import topple.planner.execution.execute
-    import topple.planner.execution.run
+    import topple.planner.execution.loop
     import topple.robots.world.simulated_arm
     import topple.robots.world.vacuum
 

@@ -11,8 +11,9 @@ from topple.planner.decide.arrange import Order, arrange
 from topple.planner.decide.dependency import Dependency, DependencyGraph
 from topple.planner.decide.goal import parse_goal
 from topple.planner.errors import NoSafePlan
+from topple.planner.fallbacks import Fallback
 from topple.planner.planning.next_step import StepChooser
-from topple.planner.planning.step import FREE, PLACE, REMOVE, NextStep, Station
+from topple.planner.planning.step import Action, NextStep, Station
 from topple.robots.catalog import robot
 from topple.robots.scenarios.scenario import pose_at
 from topple.robots.shapes.boxes import box
@@ -53,34 +54,34 @@ def taken(step: NextStep | None) -> tuple[str, str]:
 
 def test_what_stands_on_a_target_goes_first_and_says_why() -> None:
     step = chooser(STACK, "free low").choose()
-    assert taken(step) == ("top", REMOVE)
+    assert taken(step) == ("top", Action.REMOVE)
     assert step is not None
     assert step.reason.startswith("it has to go before low")
     assert step.order.order == ("top", "low")
-    assert step.against == ()
+    assert step.against == () and step.all_fallbacks == ()
 
 
 def test_once_that_is_gone_the_target_is_freed_and_then_nothing_is_left() -> None:
     gone = blocks(low=(0.0, 0.0, 0.0), top=(-0.1, -0.25, 0.0), aside=(0.0, 0.2, 0.0))
-    now = chooser(gone, "free low", done=[("top", REMOVE)])
+    now = chooser(gone, "free low", done=[("top", Action.REMOVE)])
     assert now.unmet() == ("low is not free",)
     step = now.choose()
-    assert taken(step) == ("low", FREE)
+    assert taken(step) == ("low", Action.FREE)
     assert step is not None and step.reason == "nothing has to go before it"
-    after = chooser(gone, "free low", done=[("top", REMOVE), ("low", FREE)])
+    after = chooser(gone, "free low", done=[("top", Action.REMOVE), ("low", Action.FREE)])
     assert after.unmet() == ()
     assert after.choose() is None
 
 
 def test_a_target_that_stands_on_another_one_is_freed_and_not_just_removed() -> None:
-    assert taken(chooser(STACK, "free low and free top").choose()) == ("top", FREE)
+    assert taken(chooser(STACK, "free low and free top").choose()) == ("top", Action.FREE)
 
 
 def test_what_is_wanted_and_seen_nowhere_is_said_at_once() -> None:
     goal = parse_goal("free top", STACK)
     with pytest.raises(NoSafePlan, match="top: seen nowhere any more"):
         StepChooser(Situation(STACK.without("top")), goal, STATION).choose()
-    found = StepChooser(Situation(STACK.without("top")), goal, STATION, done=[("top", FREE)])
+    found = StepChooser(Situation(STACK.without("top")), goal, STATION, done=[("top", Action.FREE)])
     assert found.choose() is None, "it was freed: wherever it is now, nothing is missing"
 
 
@@ -92,7 +93,7 @@ def test_what_was_given_up_is_not_tried_and_the_reason_is_in_the_certificate() -
 
 def test_what_is_to_go_onto_another_thing_is_placed_there() -> None:
     step = chooser(APART, "red on blue").choose()
-    assert taken(step) == ("red", PLACE)
+    assert taken(step) == ("red", Action.PLACE)
     assert step is not None and step.reason == "it shall be on blue"
     moved = step.transfer.placement.pose_before_to_after @ np.append(APART.clouds["red"].mean(axis=0), 1.0)
     assert moved[:2] == pytest.approx(APART.clouds["blue"].mean(axis=0)[:2], abs=0.015)
@@ -100,9 +101,12 @@ def test_what_is_to_go_onto_another_thing_is_placed_there() -> None:
 
 
 def test_a_tower_begins_below_and_goes_on_with_what_is_next() -> None:
-    assert taken(chooser(APART, "red on green on blue").choose()) == ("green", PLACE)
+    assert taken(chooser(APART, "red on green on blue").choose()) == ("green", Action.PLACE)
     begun = blocks(red=(0.0, 0.0, 0.0), green=(0.0, -0.2, ON), blue=(0.0, -0.2, 0.0))
-    assert taken(chooser(begun, "red on green on blue", done=[("green", PLACE)]).choose()) == ("red", PLACE)
+    assert taken(chooser(begun, "red on green on blue", done=[("green", Action.PLACE)]).choose()) == (
+        "red",
+        Action.PLACE,
+    )
     built = blocks(red=(0.0, -0.2, 2 * ON), green=(0.0, -0.2, ON), blue=(0.0, -0.2, 0.0))
     assert chooser(built, "red on green on blue").choose() is None
 
@@ -110,20 +114,20 @@ def test_a_tower_begins_below_and_goes_on_with_what_is_next() -> None:
 def test_what_stands_where_a_thing_shall_be_is_taken_away_first() -> None:
     scene = blocks(red=(0.0, 0.2, 0.0), blue=(0.0, 0.0, 0.0), other=(0.0, 0.0, ON))
     step = chooser(scene, "red on blue").choose()
-    assert taken(step) == ("other", REMOVE)
+    assert taken(step) == ("other", Action.REMOVE)
     assert step is not None
 
 
 def test_what_stands_on_the_thing_to_be_placed_goes_first() -> None:
     scene = blocks(red=(0.0, 0.0, 0.0), other=(0.0, 0.0, ON), blue=(0.0, 0.2, 0.0))
-    assert taken(chooser(scene, "red on blue").choose()) == ("other", REMOVE)
+    assert taken(chooser(scene, "red on blue").choose()) == ("other", Action.REMOVE)
 
 
 def test_a_placement_is_made_again_only_where_a_look_shows_that_it_does_not_hold() -> None:
-    done = [("red", PLACE)]
+    done = [("red", Action.PLACE)]
     assert chooser(APART, "red on blue", done=done, observed=False).choose() is None
     assert chooser(APART, "red on blue", done=done).unmet() == ("red is not on blue",)
-    assert taken(chooser(APART, "red on blue", done=done).choose()) == ("red", PLACE)
+    assert taken(chooser(APART, "red on blue", done=done).choose()) == ("red", Action.PLACE)
 
 
 def of_edges(*edges: tuple[str, str]) -> Any:
@@ -157,7 +161,7 @@ def test_an_order_of_what_is_not_there_is_refused_by_name() -> None:
 
 def test_an_orderers_first_that_waits_for_nobody_is_what_is_taken() -> None:
     step = chooser(APART, "free red", orderer=of_edges(("green", "red"), ("blue", "green"))).choose()
-    assert taken(step) == ("blue", REMOVE)
+    assert taken(step) == ("blue", Action.REMOVE)
     assert step is not None and step.reason == "it has to go before green (supported)"
 
 
@@ -167,11 +171,12 @@ def test_what_bars_the_hand_is_taken_away_once_and_only_once() -> None:
     for name, side in (("left", 1), ("right", -1)):
         scene = scene.with_cloud(name, wall + np.array([0.0, 0.045 * side, 0.0]))
     step = chooser(scene, "free red").choose()
-    assert step is not None and step.action == REMOVE
+    assert step is not None and step.action == Action.REMOVE
     assert step.transfer.grasp.object in ("left", "right")
+    assert step.all_fallbacks[0] is Fallback.MAKE_ROOM
     assert step.reason.startswith("it is in the way to red (cannot move red")
     with pytest.raises(NoSafePlan, match="cannot move red"):
-        chooser(scene, "free red", done=[("left", REMOVE), ("right", REMOVE)]).choose()
+        chooser(scene, "free red", done=[("left", Action.REMOVE), ("right", Action.REMOVE)]).choose()
 
 
 def test_a_box_seen_from_one_side_is_not_put_onto_its_open_side() -> None:

@@ -5,7 +5,7 @@ from collections.abc import Sequence
 import numpy as np
 import pytest
 
-from topple.planner.failure import Tally
+from topple.planner.failure import FailureLog
 from topple.planner.grasp.grasp import Grasp
 from topple.planner.motion.shortcut import densely
 from topple.planner.placement.placement import Placement
@@ -30,8 +30,8 @@ def block(x: tuple[float, float], y: tuple[float, float], z: tuple[float, float]
     return [np.array([[a, b, c] for a in x for b in y for c in z])]
 
 
-def handling(arm: Arm = PANDA, **others: Sequence[FloatArray]) -> tuple[Handling, Tally]:
-    """A cube on a table among others, to be handled, and a tally of it."""
+def handling(arm: Arm = PANDA, **others: Sequence[FloatArray]) -> tuple[Handling, FailureLog]:
+    """A cube on a table among others, to be handled, and a log of it."""
     half = SIDE / 2
     bodies: Solids = {
         "cube": block((-half, half), (-half, half), (0.0, SIDE)),
@@ -40,7 +40,7 @@ def handling(arm: Arm = PANDA, **others: Sequence[FloatArray]) -> tuple[Handling
     }
     clouds = {name: np.vstack(parts) for name, parts in bodies.items()}
     scene = Scene(clouds, fixed=["table"], up=(0, 0, 1))
-    return Handling("cube", Situation(scene, parts=bodies), arm, BASE), Tally(frozenset(others))
+    return Handling("cube", Situation(scene, parts=bodies), arm, BASE), FailureLog(frozenset(others))
 
 
 def pinch(x: float = 0.0, y: float = 0.0) -> Grasp:
@@ -68,17 +68,17 @@ def tools(arm: Arm, path: FloatArray, tool: str = "fingers") -> FloatArray:
     return BASE @ arm.tool_pose(path, tool)
 
 
-def standing(made: Handling, tally: Tally) -> Reached:
+def standing(made: Handling, log: FailureLog) -> Reached:
     """The cube's grasp as the arm makes it first."""
-    found = made.reached(made.hands([pinch()], np.array(PANDA.home), tally), False, tally)
-    assert found, tally.reasons
+    found = made.reached(made.hands([pinch()], np.array(PANDA.home), log), False, log)
+    assert found, log.reasons
     return found[0]
 
 
 @pytest.mark.parametrize(("arm", "grasp", "turns"), [(PANDA, pinch(), 2), (CUP, sucking(), 4)])
 def test_a_jaw_is_tried_both_ways_round_and_a_cup_in_quarters(arm: Arm, grasp: Grasp, turns: int) -> None:
-    made, tally = handling(arm)
-    hands = made.hands([grasp], np.array(arm.home), tally)
+    made, log = handling(arm)
+    hands = made.hands([grasp], np.array(arm.home), log)
     angles = sorted(
         round(np.degrees(angle_between(grasp.pose_tool_to_world, hand.pose_tool_to_world)))
         for hand, _ in hands
@@ -87,29 +87,29 @@ def test_a_jaw_is_tried_both_ways_round_and_a_cup_in_quarters(arm: Arm, grasp: G
     for hand, states in hands:
         assert len(states) > 0
         assert np.abs(tools(arm, states, grasp.tool) - hand.pose_tool_to_world).max() < 1e-4
-    assert not tally.reasons
+    assert not log.reasons
 
 
 def test_a_hand_that_meets_something_is_left_out_and_says_what_it_meets() -> None:
     wall = block((-0.1, 0.1), (SIDE / 2 + 0.001, SIDE / 2 + 0.04), (0.0, 0.2))
-    made, tally = handling(wall=wall)
-    assert made.hands([pinch()], np.array(PANDA.home), tally) == []
-    assert tally.barring["wall"] == 2
-    assert tally.furthest is not None
-    assert (tally.furthest.step, tally.furthest.check) == ("grasp", "collision")
-    assert tally.furthest.pair is not None and tally.furthest.pair[1] == "wall"
+    made, log = handling(wall=wall)
+    assert made.hands([pinch()], np.array(PANDA.home), log) == []
+    assert log.barring["wall"] == 2
+    assert log.furthest is not None
+    assert (log.furthest.step, log.furthest.check) == ("grasp", "collision")
+    assert log.furthest.pair is not None and log.furthest.pair[1] == "wall"
 
 
 def test_a_grasp_out_of_reach_is_left_out_and_says_so() -> None:
-    made, tally = handling()
-    assert made.hands([pinch(x=2.0)], np.array(PANDA.home), tally) == []
-    assert dict(tally.reasons) == {"grasp out of reach": 2}
+    made, log = handling()
+    assert made.hands([pinch(x=2.0)], np.array(PANDA.home), log) == []
+    assert dict(log.reasons) == {"grasp out of reach": 2}
 
 
 def test_of_each_hand_at_most_two_free_states_are_kept() -> None:
-    made, tally = handling()
-    hands = made.hands([pinch()], np.array(PANDA.home), tally)
-    found = made.reached(hands, False, tally)
+    made, log = handling()
+    hands = made.hands([pinch()], np.array(PANDA.home), log)
+    found = made.reached(hands, False, log)
     assert {id(state.grasp) for state in found} == {id(hand) for hand, _ in hands}
     assert len(hands) <= len(found) <= 2 * len(hands)
     for state in found:
@@ -118,9 +118,9 @@ def test_of_each_hand_at_most_two_free_states_are_kept() -> None:
 
 
 def test_the_way_in_comes_straight_along_the_approach_and_ends_in_the_grasp() -> None:
-    made, tally = handling()
-    state = standing(made, tally)
-    path = made.way_in(state, LENGTH, tally)
+    made, log = handling()
+    state = standing(made, log)
+    path = made.approach(state, LENGTH, log).path
     assert path is not None
     assert np.array_equal(path[-1], state.q)
     line = tools(PANDA, densely(path, 0.01))[:, :3, 3] - state.grasp.pose_tool_to_world[:3, 3]
@@ -130,9 +130,9 @@ def test_the_way_in_comes_straight_along_the_approach_and_ends_in_the_grasp() ->
 
 
 def test_the_way_up_starts_in_the_grasp_and_rises_straight() -> None:
-    made, tally = handling()
-    state = standing(made, tally)
-    path = made.way_up(state, LENGTH, tally)
+    made, log = handling()
+    state = standing(made, log)
+    path = made.lift(state, LENGTH, log).path
     assert path is not None
     assert np.array_equal(path[0], state.q)
     line = tools(PANDA, densely(path, 0.01))[:, :3, 3] - state.grasp.pose_tool_to_world[:3, 3]
@@ -143,37 +143,37 @@ def test_the_way_up_starts_in_the_grasp_and_rises_straight() -> None:
 def test_a_way_up_into_something_is_none_and_says_what_is_met() -> None:
     bar = block((SIDE / 2 - 0.005, 0.2), (-0.03, 0.03), (SIDE + 0.02, SIDE + 0.04))
     free, _ = handling()
-    made, tally = handling(bar=bar)
-    hands = free.hands([pinch()], np.array(PANDA.home), Tally(frozenset()))
-    state = free.reached(hands, False, Tally(frozenset()))[0]  # as if the bar were not there
-    assert made.way_up(state, LENGTH, tally) is None
-    assert tally.barring["bar"] == 1
-    assert tally.furthest is not None and tally.furthest.step == "lift"
+    made, log = handling(bar=bar)
+    hands = free.hands([pinch()], np.array(PANDA.home), FailureLog(frozenset()))
+    state = free.reached(hands, False, FailureLog(frozenset()))[0]  # as if the bar were not there
+    assert made.lift(state, LENGTH, log).path is None
+    assert log.barring["bar"] == 1
+    assert log.furthest is not None and log.furthest.step == "lift"
 
 
 def test_a_way_beyond_the_reach_of_the_arm_is_none_and_says_so() -> None:
-    made, tally = handling()
-    state = standing(made, tally)
-    assert made.way_up(state, 2.0, tally) is None
-    assert dict(tally.reasons) == {"no straight lift within the arm's reach": 1}
+    made, log = handling()
+    state = standing(made, log)
+    assert made.lift(state, 2.0, log).path is None
+    assert dict(log.reasons) == {"no straight lift within the arm's reach": 1}
 
 
 def test_only_places_where_object_and_hand_are_free_are_open() -> None:
     post = block((0.02, 0.08), (0.22, 0.28), (0.0, 0.3))
-    made, tally = handling(post=post)
+    made, log = handling(post=post)
     free, taken = moved_by(0.05, -0.25), moved_by(0.05, 0.25)
-    assert made.open_ends(pinch(), [taken, free], LENGTH, LENGTH, tally) == [free]
-    assert tally.barring["post"] >= 1
-    assert tally.furthest is not None and tally.furthest.step == "place"
+    assert made.open_ends(pinch(), [taken, free], LENGTH, LENGTH, log) == [free]
+    assert log.barring["post"] >= 1
+    assert log.furthest is not None and log.furthest.step == "place"
 
 
 def test_an_end_comes_down_onto_its_place_and_draws_back_from_it() -> None:
-    made, tally = handling()
-    state = standing(made, tally)
+    made, log = handling()
+    state = standing(made, log)
     place, far = moved_by(0.05, -0.25), moved_by(2.0, 0.0)
-    (end,) = made.ends(state, [far, place], state.q, LENGTH, LENGTH, 4, tally)
+    (end,) = made.ends(state, [far, place], state.q, LENGTH, LENGTH, 4, log)
     assert end.placement is place
-    assert tally.reasons["place out of reach"] == 1
+    assert log.reasons["place out of reach"] == 1
     wanted = place.pose_before_to_after @ state.grasp.pose_tool_to_world
     lower, retreat = tools(PANDA, end.lower), tools(PANDA, end.retreat)
     assert np.array_equal(end.lower[-1], end.retreat[0])
@@ -184,8 +184,8 @@ def test_an_end_comes_down_onto_its_place_and_draws_back_from_it() -> None:
 
 
 def test_no_more_ends_are_given_than_asked_for_and_the_first_places_come_first() -> None:
-    made, tally = handling()
-    state = standing(made, tally)
+    made, log = handling()
+    state = standing(made, log)
     places = [moved_by(0.05, y) for y in (-0.25, 0.2, 0.28)]
-    found = made.ends(state, places, state.q, LENGTH, LENGTH, 2, tally)
+    found = made.ends(state, places, state.q, LENGTH, LENGTH, 2, log)
     assert [end.placement for end in found] == places[:2]

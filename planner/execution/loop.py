@@ -1,0 +1,304 @@
+"""The closed loop: look, relate, order, take the next object, look again, until the goal holds."""
+
+import logging
+import time
+from collections import Counter
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, field
+from typing import Any
+
+import numpy as np
+
+from topple.planner.decide.beliefs import Beliefs
+from topple.planner.decide.goal import Goal, parse_goal
+from topple.planner.decide.turn import Ahead
+from topple.planner.errors import NoSafePlan
+from topple.planner.execution.execute import Outcome, execute, withdraw
+from topple.planner.execution.judge import Judge
+from topple.planner.execution.look import Eyes, Look, Observer, unexpected
+from topple.planner.execution.watcher import Nobody, Watcher
+from topple.planner.formats.run_record import INTERRUPTED, RunRecord, StepRecord
+from topple.planner.grasp.given import GraspsByObject
+from topple.planner.grasp.grasp import Grasp
+from topple.planner.motion.collision import Checker
+from topple.planner.planning.next_step import StepChooser
+from topple.planner.planning.order import cautious
+from topple.planner.planning.step import Action, NextStep, Orderer, Station
+from topple.planner.transfer.transfer import after
+from topple.robots.driver import Driver
+from topple.robots.world.camera import Camera
+from topple.robots.world.simulated_arm import SimulatedArm
+from topple.robots.world.world import World
+from topple.topology.arrays import FloatArray
+from topple.topology.errors import ToppleError
+from topple.topology.situation import Situation
+
+log = logging.getLogger(__name__)
+
+STUCK = 0.005  # [m] an arm this deep in something when it starts stands in it: depth noise is a third of that
+
+Progress = Callable[[str], None]
+
+
+@dataclass(frozen=True)
+class RunLimits:
+    """What ends a run that gets nowhere.
+
+    Attributes:
+        attempts: Tries at one object before the run gives up on it.
+        actions: Actions in all for each object of the scene.
+        settle: Seconds of simulated time to wait after an action before looking.
+    """
+
+    attempts: int = 3
+    actions: int = 3
+    settle: float = 1.0
+
+
+@dataclass
+class ClosedLoop:
+    """Reaches a goal with an arm, looking again after every action.
+
+    The loop decides, acts and remembers, from what the eyes show alone. It comes to an end: after so many
+    attempts at an object that is given up, and after so many actions the run.
+
+    Attributes:
+        robot: The arm: simulated, or any other `topple.robots.driver.Driver`.
+        eyes: What looks at the scene.
+        goal: What shall hold in the end, in words ("free plate"), or names to free.
+        seed: Seed of every search.
+        limits: When to give up.
+        orderer: What decides the order.
+        grasps: Grasps of the caller's own, in the world, for objects that the arm has not tried to take yet.
+        progress: Called with a line before and after each action.
+        judge: What watches from outside and says what was disturbed; by default nothing does.
+
+    After `run`, `followed` holds the steps that were done, with their transfers.
+    """
+
+    robot: Driver
+    eyes: Eyes
+    goal: str | Sequence[str]
+    seed: int = 0
+    limits: RunLimits = field(default_factory=RunLimits)
+    orderer: Orderer = cautious
+    grasps: GraspsByObject = field(default_factory=dict[str, Sequence[Grasp]])
+    progress: Progress | None = None
+    judge: Watcher = field(default_factory=Nobody)
+
+    def __post_init__(self) -> None:
+        self._done: list[tuple[str, str]] = []
+        self.followed: list[NextStep] = []
+        self._attempts: Counter[str] = Counter()
+        self._tried: set[str] = set()
+        self._failed: dict[str, list[Grasp]] = {}
+        self._beliefs = Beliefs()
+        self._ahead: Ahead | None = None
+
+    @classmethod
+    def simulated(
+        cls,
+        world: World,
+        robot: SimulatedArm,
+        cameras: Sequence[Camera],
+        goal: str | Sequence[str],
+        *,
+        fixed: tuple[str, ...] = ("table",),
+        up: FloatArray | None = None,
+        seed: int = 0,
+        masses: Mapping[str, float] | None = None,
+        friction: Mapping[str, float] | None = None,
+        **more: Any,
+    ) -> "ClosedLoop":
+        """Close the loop in a PyBullet world, judged by its true poses.
+
+        Args:
+            world: The world with the objects and the arm in it.
+            robot: The arm.
+            cameras: The depth cameras, at least one.
+            goal: What shall hold in the end.
+            fixed: Names that never move.
+            up: (3,) up direction in the world; z where None.
+            seed: Seed of sensor noise and of every search.
+            masses: Masses [kg] by name of what was weighed; what is seen anew keeps them.
+            friction: Coefficients of surfaces by name of what was tried, likewise.
+            **more: As the attributes of this class.
+        """
+        up = np.array([0.0, 0.0, 1.0]) if up is None else up
+        rng = np.random.default_rng(seed)
+        eyes = Observer(world, cameras, rng, fixed, up, masses or {}, friction or {})
+        return cls(robot, eyes, goal, seed=seed, judge=Judge(robot, fixed, up), **more)
+
+    def look(self) -> Look:
+        """Takes a picture with every camera and relates what is seen."""
+        return self.eyes.look()
+
+    def run(self, look: Look | None = None) -> RunRecord:
+        """Acts until the goal holds, nothing more can be done, the budget is spent, or someone interrupts.
+
+        Args:
+            look: What is seen at the start; a fresh look where None.
+
+        Returns:
+            Every step with what it disturbed, and whether the goal holds without a violation.
+
+        Raises:
+            InvalidInput: The goal is none, or names what no camera sees.
+        """
+        started = time.perf_counter()
+        look = self.look() if look is None else look
+        goal = parse_goal(self.goal, look.scene)
+        budget = self.limits.actions * max(1, len(look.scene.movable))
+        steps: list[StepRecord] = []
+        wrong: list[str] = []
+        stopped = ""
+        try:
+            chosen = self._first(look, goal)
+            while chosen is not None and len(steps) < budget:
+                step, look, found = self._act(look, chosen)
+                steps.append(step)
+                wrong += found
+                chosen = self._chooser(look, goal).choose()
+            if chosen is not None:
+                stopped = "budget"
+                wrong.append(f"the budget of {budget} actions is spent, and there is more to do")
+        except NoSafePlan as error:
+            stopped = "no plan"
+            wrong.append(str(error))
+        except ToppleError as error:
+            stopped = "blind"
+            wrong.append(f"no more could be seen: {error}")
+        except KeyboardInterrupt:
+            stopped = INTERRUPTED
+            wrong.append(f"interrupted after {len(steps)} actions")
+        missing = self._chooser(look, goal).unmet()
+        missing += tuple(text for text in self.judge.unmet(goal) if text not in missing)
+        return RunRecord(
+            goal=goal.text,
+            robot=self.robot.arm.name,
+            seed=self.seed,
+            success=not missing and not wrong,
+            violations=(*wrong, *missing),
+            steps=tuple(steps),
+            seconds=time.perf_counter() - started,
+            scene=look.scene,
+            relations=look.relations.to_json(),
+            stopped=stopped,
+        )
+
+    def _first(self, look: Look, goal: Goal) -> NextStep | None:
+        """The first step, from an arm that stands clear.
+
+        Raises:
+            NoSafePlan: There is none, or the arm stands in something.
+        """
+        checker = Checker(
+            self.robot.arm,
+            self.robot.pose_base_to_world,
+            look.situation.solids,
+            tool_state=self.robot.tool_state,
+        )
+        deep = [contact for contact in checker.contacts(self.robot.q_target) if contact.distance < -STUCK]
+        chooser = self._chooser(look, goal)
+        if deep and chooser.unmet():
+            where = f"{deep[0].a} is {-1e3 * deep[0].distance:.0f} mm inside {deep[0].b}"
+            words = f"the arm starts in collision: {where}"
+            raise NoSafePlan(words, (words,))
+        return chooser.choose()
+
+    def _chooser(self, look: Look, goal: Goal) -> StepChooser:
+        station = Station(self.robot.arm, self.robot.pose_base_to_world, self.robot.q_target)
+        most = self.limits.attempts
+        given_up = {name: f"{n} attempts failed" for name, n in self._attempts.items() if n >= most}
+        own = {name: some for name, some in self.grasps.items() if name not in self._tried}
+        return StepChooser(
+            look.situation, goal, station, done=self._done, observed=True,
+            given_up=given_up, avoid=self._failed, beliefs=self._beliefs, orderer=self.orderer, grasps=own,
+            seed=self.seed + self._attempts.total(),
+        )  # fmt: skip
+
+    def _act(self, look: Look, chosen: NextStep) -> tuple[StepRecord, Look, list[str]]:
+        """Does one step, looks again and judges it."""
+        started = time.perf_counter()
+        transfer, name = chosen.transfer, chosen.transfer.object
+        self._say(f"{chosen.action} {name}: {chosen.reason}")
+        events = self._decided(chosen)
+        self.judge.begin(transfer)
+        outcome = execute(transfer, self.robot, self.judge.moment)
+        expected = after(look.situation, transfer).scene if outcome.success else look.scene
+        withdraw(self.robot, Situation(expected).solids, self.seed)
+        self.robot.wait(self.limits.settle)
+        verdict = self.judge.verdict()
+        self._tried.add(name)
+        self._attempts[name] += 1
+        attempts = self._attempts[name]
+        events += self._learn(chosen, outcome)
+        self._ahead = Ahead.of(chosen.order, name if outcome.success else None)
+        seen = self.eyes.look(expected)
+        predicted = look.relations.updated(name, expected.clouds[name])
+        different = unexpected(predicted, seen.relations)
+        alone = {name, *transfer.riding} if outcome.success and chosen.action is not Action.PLACE else ()
+        stirred = {name, *transfer.riding, *seen.surprises}
+        self._beliefs = self._beliefs.after(chosen.order.chances, stirred, alone)
+        events += [*seen.surprises.values(), *different]
+        if different or seen.surprises:
+            events.append("the next step is planned from what is seen")
+        step = StepRecord(
+            object=name,
+            action=str(chosen.action),
+            fallbacks=tuple(map(str, chosen.all_fallbacks)),
+            success=outcome.success,
+            attempts=attempts,
+            disturbed=verdict.disturbed,
+            relations_as_predicted=not different,
+            seconds=time.perf_counter() - started,
+            reason=f"{chosen.reason}; {outcome.text}",
+            events=tuple(events),
+            robot_seconds=verdict.robot_seconds,
+            picture_before=look.picture,
+            picture_after=seen.picture,
+            scene=look.scene,
+            relations=look.relations.to_json(),
+            order=chosen.order.to_json(),
+            predicted=predicted.to_json(),
+            observed=seen.relations.to_json(),
+            tool_path=outcome.tool_path,
+            tilts=verdict.tilts,
+            slip=verdict.slip,
+            forces=verdict.forces,
+            impulses=verdict.impulses,
+        )
+        self._say(f"{name}: {outcome.text}")
+        return step, seen, [f"{name}: {text}" for text in verdict.violations]
+
+    def _decided(self, chosen: NextStep) -> list[str]:
+        """How a step differs from what was to come by the look before, and from the order it is of."""
+        changed = None if self._ahead is None else self._ahead.changed(chosen.order)
+        events = [] if changed is None else [f"The look before it changed the order: {changed}."]
+        first = chosen.order.order[0]
+        if chosen.transfer.object != first:
+            events.append(f"It goes before {first}: {chosen.reason}.")
+        for event in events:
+            self._say(event)
+        return events
+
+    def _learn(self, chosen: NextStep, outcome: Outcome) -> list[str]:
+        """Notes what was done, or which grasp is not to be tried again; says what follows from it."""
+        name = chosen.transfer.object
+        if outcome.success:
+            self._done.append((name, str(chosen.action)))
+            self.followed.append(chosen)
+            if (
+                chosen.action is not Action.PLACE
+            ):  # one that is put where it shall be and does not stay is tried again
+                self._attempts[name] = 0
+            return []
+        self._failed.setdefault(name, []).append(chosen.transfer.grasp)
+        left = self.limits.attempts - self._attempts[name]
+        then = f"another grasp is tried, {left} attempts are left" if left > 0 else "it is given up"
+        return [f"{outcome.text} {then[0].upper()}{then[1:]}."]
+
+    def _say(self, line: str) -> None:
+        log.info(line)
+        if self.progress is not None:
+            self.progress(line)

@@ -1,0 +1,69 @@
+"""What watches a run from outside: it may judge, and never decides."""
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from typing import Protocol
+
+from topple.planner.decide.goal import Goal
+from topple.planner.transfer.transfer import Transfer
+
+
+@dataclass(frozen=True)
+class Verdict:
+    """What one action did besides what it was meant to do.
+
+    Attributes:
+        violations: One sentence for each thing that was moved, turned, dropped or hit.
+        disturbed: Distance [m] and angle [rad] by which everything else moved, by name.
+        tilts: How far the others were tipped [rad], by name.
+        forces: Largest contact force of the robot on an object not handled [N], by name.
+        impulses: What that contact amounted to over time [N s], by name.
+        slip: Distance [m] and angle [rad] by which the object moved in the hand; None where it was not held.
+        robot_seconds: How long the arm took; None where nobody measured.
+    """
+
+    violations: tuple[str, ...] = ()
+    disturbed: Mapping[str, tuple[float, float]] = field(default_factory=dict[str, tuple[float, float]])
+    tilts: Mapping[str, float] = field(default_factory=dict[str, float])
+    forces: Mapping[str, float] = field(default_factory=dict[str, float])
+    impulses: Mapping[str, float] = field(default_factory=dict[str, float])
+    slip: tuple[float, float] | None = None
+    robot_seconds: float | None = None
+
+
+class Watcher(Protocol):
+    """Looks on from before an action until the arm has withdrawn, and at the end of a run."""
+
+    def begin(self, transfer: Transfer) -> None:
+        """Look before an action."""
+        ...
+
+    def moment(self, moment: str, tool: str) -> None:
+        """Look at the hand at a moment of `topple.planner.execution.execute`."""
+        ...
+
+    def verdict(self) -> Verdict:
+        """Say what the action did, now that all has come to rest."""
+        ...
+
+    def unmet(self, goal: Goal) -> tuple[str, ...]:
+        """Say in words what of a goal does not hold, whatever the cameras make of it."""
+        ...
+
+
+class Nobody:
+    """Looks on at nothing: for an arm whose surroundings nobody but its own cameras sees."""
+
+    def begin(self, transfer: Transfer) -> None:
+        """Look away."""
+
+    def moment(self, moment: str, tool: str) -> None:
+        """Look away."""
+
+    def verdict(self) -> Verdict:
+        """Know of nothing."""
+        return Verdict()
+
+    def unmet(self, goal: Goal) -> tuple[str, ...]:
+        """Know of nothing."""
+        return ()

@@ -1,0 +1,110 @@
+"""What is tried where the plain way fails: one list, each entry with when it applies and what it tries.
+
+A step that stands on none was found the plain way: the first object of the order, a grasp that nothing is in
+the way of, a free place where it stays by itself, everything kept clear of. How many steps stand on each, and
+how many of these succeed, is counted by `topple bench run` and told in docs/results.md; an entry that earns
+nothing there has to go.
+"""
+
+from dataclasses import dataclass
+from enum import Enum
+
+
+class Fallback(str, Enum):
+    """The names that steps of plans and runs carry, from what to take down to how to get there."""
+
+    ANOTHER_FIRST = "another first"
+    MAKE_ROOM = "make room"
+    OUT_OF_TURN = "out of turn"
+    LOOK_LONGER = "look longer"
+    EMPTY = "empty"
+    PUSH = "push"
+    FROM_HIGH = "from high"
+    PUT_ASIDE = "put aside"
+    OTHER_TOOL = "other tool"
+    IN_A_WAY = "in a way"
+    LET_FALL_A_LITTLE = "let fall a little"
+    WHERE_IT_ROLLS = "where it rolls"
+    THROUGH_GUESSES = "through guesses"
+    NARROW = "narrow"
+    LET_FALL = "let fall"
+
+    def __str__(self) -> str:
+        return str(self.value)
+
+
+@dataclass(frozen=True)
+class Told:
+    """What there is to say of a fallback.
+
+    Attributes:
+        when: Where it applies.
+        tries: What it does there.
+    """
+
+    when: str
+    tries: str
+
+
+FALLBACKS: dict[Fallback, Told] = {
+    Fallback.ANOTHER_FIRST: Told(
+        "the first object of the order cannot be taken, and others wait for nothing either",
+        "takes the next of those",
+    ),
+    Fallback.MAKE_ROOM: Told(
+        "nothing that may go can be taken",
+        "takes what barred the hand, or stands beside, out of the way, each thing once",
+    ),
+    Fallback.OUT_OF_TURN: Told(
+        "no room can be made either",
+        "takes the object against which the least likely dependencies speak",
+    ),
+    Fallback.LOOK_LONGER: Told(
+        "something is to go into a vessel that holds other things, and the best spots are not reached",
+        "asks for four times the spots and all hands: taking things out of a heap stirs it",
+    ),
+    Fallback.EMPTY: Told(
+        "a vessel has no spot where the new thing disturbs nothing",
+        "takes out what lies there, in its safe order",
+    ),
+    Fallback.PUSH: Told(
+        "nothing can be taken out either",
+        "puts the thing where it stays and pushes what lies there",
+    ),
+    Fallback.FROM_HIGH: Told(
+        "there is no such spot within a gentle fall",
+        "lets it fall in from further up",
+    ),
+    Fallback.PUT_ASIDE: Told(
+        "the thing cannot go straight to where it shall be",
+        "puts it down on the table, once, to be taken otherwise",
+    ),
+    Fallback.OTHER_TOOL: Told(
+        "the cup alone holds an object and finds no way, or a tool failed twice at it",
+        "uses the arm's other tool",
+    ),
+    Fallback.IN_A_WAY: Told(
+        "no free place is reached but those in the way of what is still to be taken",
+        "puts the object down there",
+    ),
+    Fallback.LET_FALL_A_LITTLE: Told(
+        "fingers below a flat thing have no room between it and the table",
+        "lets it fall two centimetres more",
+    ),
+    Fallback.WHERE_IT_ROLLS: Told(
+        "no place is reached where the object cannot roll",
+        "puts it where it could",
+    ),
+    Fallback.THROUGH_GUESSES: Told(
+        "fingers find no room beside neighbours as they were completed",
+        "lets them into what was guessed of the neighbours; what was seen stays clear",
+    ),
+    Fallback.NARROW: Told(
+        "no way keeps the usual distance with the object in the hand",
+        "carries it past things at any distance",
+    ),
+    Fallback.LET_FALL: Told(
+        "the object stays nowhere that the arm can put it, and a drop is allowed",
+        "lets it go where it will fall, and says so",
+    ),
+}

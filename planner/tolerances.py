@@ -1,0 +1,11 @@
+"""What the rooms of the planner have in common: from where on a thing counts as disturbed."""
+
+import numpy as np
+
+DISTURBED = 0.01
+"""[m] from where on an object counts as moved: three times the noise of a depth camera at a metre, and less
+than what topples a neighbour."""
+
+TURNED = float(np.radians(10.0))
+"""[rad] from where on it counts as turned: what a hand does not feel as it lets go, and a spoon on a rim
+survives."""

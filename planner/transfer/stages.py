@@ -1,0 +1,168 @@
+"""The stages of a transfer: each with what it is checked against, its way, its proof and its failures."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from topple.planner.failure import Check, FailureLog
+from topple.planner.grasp.grasp import Grasp
+from topple.planner.motion.certificate import Certificate, Certifier
+from topple.planner.motion.collision import Checker
+from topple.planner.motion.planner import MotionFailure, plan_motion
+from topple.planner.motion.shortcut import densely
+from topple.planner.motion.trajectory import retime
+from topple.planner.motion.upright import plan_upright
+from topple.planner.placement.placement import Placement
+from topple.planner.transfer.checks import Checks
+from topple.planner.transfer.segments import Kind, Segment, no_faster_than
+from topple.topology.arrays import FloatArray
+
+LINE_STEP = 0.01  # [rad] between checked states of straight ways, which pass close by things
+ROUNDING = 2e-5  # [m] proven clearance that writing a plan with six digits cannot use up
+STRAIGHT = (Kind.APPROACH, Kind.LIFT, Kind.PLACE, Kind.RETREAT)
+
+
+@dataclass(frozen=True)
+class Upright:
+    """How a tool is kept as it stands: its name, (3,) up in the base's frame, and the largest tilt [rad]."""
+
+    tool: str
+    up: FloatArray
+    tilt: float
+
+
+@dataclass(eq=False)
+class Stage:
+    """One motion of a transfer.
+
+    Attributes:
+        kind: Which.
+        checker: What it is checked against.
+        log: Takes down what it fails of.
+        path: (k, n) joint values [rad], once there is a way.
+        certificate: The proof that it is free, once there is one.
+    """
+
+    kind: Kind
+    checker: Checker
+    log: FailureLog
+    path: FloatArray | None = None
+    certificate: Certificate | None = None
+
+    @property
+    def way(self) -> FloatArray:
+        """The path of a stage that has one."""
+        assert self.path is not None, f"{self.kind} has no way yet"
+        return self.path
+
+    def straight(self, path: FloatArray | None, q: FloatArray, backwards: bool = False) -> bool:
+        """Take a straight path from a state, where there is one and nothing bars it.
+
+        Args:
+            path: (k, n) joint values; None where the arm does not reach along the line.
+            q: (n,) the state, to be told of.
+            backwards: Whether the stage is driven the other way round.
+        """
+        if path is None:
+            self.log.note(self.kind, Check.REACH, f"no straight {self.kind} within the arm's reach", q)
+        elif not self.checker.edges_free(path[:-1], path[1:], step=LINE_STEP).all():
+            states = densely(path, LINE_STEP)
+            self.blame(states[int(np.argmin(self.checker.free(states)))])
+        else:
+            self.path = path[::-1] if backwards else path
+            return True
+        return False
+
+    def prove(self) -> bool:
+        """Certify the way, once; what touches between its samples is noted."""
+        if self.certificate is None:
+            self.certificate = Certifier(self.checker).path(self.way, ROUNDING)
+        found = self.certificate.contact
+        if self.certificate.proven:
+            return True
+        pair = None if found is None else (found.a, found.b)
+        words = "something" if pair is None else " and ".join(pair)
+        text = f"{self.kind}: {words} too close between samples"
+        self.log.note(self.kind, Check.PROOF, text, self.certificate.state, pair)
+        return False
+
+    def search(
+        self, start: FloatArray, goals: FloatArray, seed: int, budget: float, upright: Upright | None = None
+    ) -> int | None:
+        """Look for a proven free way.
+
+        Args:
+            start: (n,) joint values.
+            goals: (g, n) joint values.
+            seed: Of the search.
+            budget: Seconds.
+            upright: How a tool is kept on the way, if at all.
+
+        Returns:
+            The index of the goal that is reached; None, noted, where there is no way.
+        """
+        if upright is None:
+            found = plan_motion(self.checker, start, goals, seed=seed, budget=budget)
+        else:
+            found = plan_upright(
+                self.checker, start, goals, upright.tool, upright.up, upright.tilt, seed=seed, budget=budget
+            )
+        if isinstance(found, MotionFailure):
+            check = Check.COLLISION if found.stage in ("start", "goals") else Check.SEARCH
+            self.log.note(self.kind, check, f"{self.kind}: {found.reason}", start, found.witness)
+            return None
+        if found.certificate is None or not found.certificate.proven:
+            contact = None if found.certificate is None else found.certificate.contact
+            pair = None if contact is None else (contact.a, contact.b)
+            self.log.note(self.kind, Check.PROOF, f"{self.kind}: too close between samples", start, pair)
+            return None
+        self.path, self.certificate = found.path, found.certificate
+        return found.goal
+
+    def blame(self, q: FloatArray, step: str | None = None) -> None:
+        """Note what meets what in a state (n,)."""
+        pair, step = self.checker.witness(q), step or self.kind
+        text = f"{step} in collision" if pair is None else f"{step}: {pair[0]} meets {pair[1]}"
+        self.log.note(step, Check.COLLISION, text, q, pair)
+
+
+def segments_of(
+    stages: Sequence[Stage],
+    checks: Checks,
+    grasp: Grasp,
+    place: Placement,
+    speed: float,
+    straight_speed: float,
+) -> tuple[Segment, ...]:
+    """Time the stages, and put grasp and release between them.
+
+    Args:
+        stages: Move, approach, lift, transfer, place and retreat.
+        checks: Of the object.
+        grasp: How it is held.
+        place: Where it goes.
+        speed: Share of the joints' velocity limits.
+        straight_speed: Of the tool on straight ways [m/s].
+
+    Returns:
+        The segments in the order they are driven.
+    """
+    arm, ready, closed = checks.arm, checks.ready(grasp), checks.closed(grasp)
+    released = checks.released(grasp, place.into)
+    hands = {Kind.MOVE: arm.on_the_way(ready.opening), Kind.APPROACH: ready, Kind.RETREAT: released}
+    segments: list[Segment] = []
+    for stage in stages:
+        pairs = tuple((min(pair), max(pair)) for pair in sorted(stage.checker.allow, key=sorted))
+        if stage.kind is Kind.LIFT:
+            segments.append(Segment(Kind.GRASP, grasp.tool, closed, None, checks.name, pairs))
+        if stage.kind is Kind.RETREAT:
+            segments.append(Segment(Kind.RELEASE, grasp.tool, released, None, None, pairs))
+        trajectory = retime(arm, stage.way, speed)
+        if stage.kind in STRAIGHT:
+            places = arm.tool_pose(stage.way, grasp.tool)[:, :3, 3]
+            way = float(np.linalg.norm(np.diff(places, axis=0), axis=1).sum())
+            trajectory = no_faster_than(trajectory, way, straight_speed)
+        hand, holding = (hands[stage.kind], None) if stage.kind in hands else (closed, checks.name)
+        segments.append(Segment(stage.kind, grasp.tool, hand, trajectory, holding, pairs, stage.certificate))
+    return tuple(segments)
