@@ -209,7 +209,7 @@ def _ending(record: RunRecord) -> str:
         return "hit"
     if any(_violated(step) for step in record.steps):
         return "disturbed"
-    if any("dropped" in text for text in record.violations):
+    if any(step.dropped for step in record.steps):
         return "dropped"
     if record.stopped:
         return record.stopped

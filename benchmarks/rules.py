@@ -8,7 +8,7 @@ import numpy as np
 from topple.benchmarks.guesses import Guess, naive, top_height
 from topple.planner.decide.arrange import Order, arrange
 from topple.planner.decide.beliefs import Beliefs
-from topple.planner.decide.dependency import Dependency, DependencyGraph
+from topple.planner.decide.dependency import Dependency, DependencyGraph, Reason
 from topple.planner.planning.step import Orderer
 from topple.topology.arrays import FloatArray
 from topple.topology.scene import Scene
@@ -61,7 +61,7 @@ def nearest(scene: Scene, point: FloatArray) -> Guess:
 def _as_order(scene: Scene, targets: Sequence[str], guess: Guess, put_down: Collection[str]) -> Order:
     """All that a rule takes before the targets, in its order; what it put down it does not take again."""
     edges = tuple(
-        Dependency(first, then, "blocking", 1.0)
+        Dependency(first, then, Reason.BLOCKING, 1.0)
         for first, then in sorted(guess.pairs)
         if first not in put_down
     )

@@ -2,6 +2,7 @@
 
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, replace
+from enum import Enum
 from itertools import combinations, permutations
 from typing import TYPE_CHECKING, Any
 
@@ -9,7 +10,8 @@ import networkx as nx
 import numpy as np
 
 from topple.planner.decide.rates import rates_for, way_found
-from topple.topology.errors import UnknownObject
+from topple.planner.tolerances import DISTURBED
+from topple.topology.errors import InvalidInput, UnknownObject
 from topple.topology.evidence import Evidence
 from topple.topology.situation import Situation
 from topple.topology.sixim.table import Relation
@@ -20,10 +22,26 @@ if TYPE_CHECKING:
     from topple.topology.relations import Relations
     from topple.topology.scene import Scene
 
-MOVED = 0.01
-"""Displacement [m] that counts as a move, the contract's centimetre."""
 
-REASONS = ("contained", "supported", "leaning", "counterweight", "blocking")
+class Reason(str, Enum):
+    """Why one object has to go before another."""
+
+    CONTAINED = "contained"
+    """It lies in the other."""
+    SUPPORTED = "supported"
+    """It rests on the other."""
+    LEANING = "leaning"
+    """It leans on the other."""
+    COUNTERWEIGHT = "counterweight"
+    """The other holds it in place by its weight."""
+    BLOCKING = "blocking"
+    """It is in the way of lifting the other."""
+
+    def __str__(self) -> str:
+        return str(self.value)
+
+
+REASONS = tuple(Reason)
 
 PRESSED = -0.3
 """Upward part of a contact normal below which what is taken away lies on what is left."""
@@ -42,9 +60,9 @@ class Dependency:
     """Taking `then` away while `first` is there would move `first`.
 
     Attributes:
-        first: Who goes first.
-        then: Who must wait.
-        reason: "supported", "leaning", "contained", "blocking" or "counterweight".
+        first: What goes first.
+        then: What must wait.
+        reason: Why; a string of one of its values is taken for it.
         confidence: 0..1.
         evidence: The relations it rests on: of the two as they lie, of those through which they hang
             together, or of `then` with all that it passes on its way up.
@@ -52,16 +70,26 @@ class Dependency:
 
     first: str
     then: str
-    reason: str
+    reason: Reason
     confidence: float
     evidence: tuple[Evidence, ...] = ()
+
+    def __post_init__(self) -> None:
+        """Take a reason by its name.
+
+        Raises:
+            InvalidInput: There is no such reason.
+        """
+        if self.reason not in REASONS:
+            raise InvalidInput(f"{self.reason!r} is no reason: expected one of {', '.join(REASONS)}")
+        object.__setattr__(self, "reason", Reason(self.reason))
 
     def to_json(self) -> dict[str, Any]:
         """The dependency as the JSON of `topple order` has it."""
         return {
             "first": self.first,
             "then": self.then,
-            "reason": self.reason,
+            "reason": str(self.reason),
             "confidence": round(self.confidence, 3),
             "evidence": [each.to_json() for each in self.evidence],
         }
@@ -69,11 +97,11 @@ class Dependency:
     def sentence(self) -> str:
         """The reason in words."""
         say = {
-            "supported": f"{self.first} rests on {self.then}",
-            "leaning": f"{self.first} leans on {self.then}",
-            "contained": f"{self.first} lies in {self.then}",
-            "counterweight": f"{self.then} holds {self.first} in place by its weight",
-            "blocking": f"{self.first} is over {self.then}, in the way of lifting it",
+            Reason.SUPPORTED: f"{self.first} rests on {self.then}",
+            Reason.LEANING: f"{self.first} leans on {self.then}",
+            Reason.CONTAINED: f"{self.first} lies in {self.then}",
+            Reason.COUNTERWEIGHT: f"{self.then} holds {self.first} in place by its weight",
+            Reason.BLOCKING: f"{self.first} is over {self.then}, in the way of lifting it",
         }
         told = say.get(self.reason, f"taking {self.then} would move {self.first}")
         lying = [each for each in self.evidence if not each.swept] or self.evidence
@@ -228,7 +256,7 @@ def _lost(situation: Situation, touching: Mapping[tuple[str, str], float]) -> di
 
 def _evidence(edge: Dependency, swept: bool, situation: Situation) -> tuple[Evidence, ...]:
     """The relations that an edge rests on."""
-    chain = () if edge.reason == "blocking" else situation.chain(edge.first, edge.then)
+    chain = () if edge.reason is Reason.BLOCKING else situation.chain(edge.first, edge.then)
     return (*chain, situation.swept(edge.then, edge.first)) if swept else chain
 
 
@@ -259,7 +287,7 @@ def _hanging(statics: Statics) -> dict[tuple[str, str], Overlap]:
         if float(surfaces[then][:, 2].max()) < stands_at[first] - BOARD:
             continue  # a board that never moves is between them
         over = overlap(surfaces[first], surfaces[then])
-        if over is not None and over.evasion > MOVED:
+        if over is not None and over.evasion > DISTURBED:
             hanging[first, then] = over
     for first, then in combinations(statics.upright.movable, 2):
         if (first, then) in hanging and (then, first) in hanging:
@@ -287,15 +315,15 @@ def _lifted(
     first: str, then: str, over: Overlap, touching: Mapping[tuple[str, str], float], situation: Situation
 ) -> Dependency:
     """The edge for an object that hangs over another."""
-    confidence = float(np.clip(0.5 + (over.evasion - MOVED) / 0.04, 0.5, 0.99))
+    confidence = float(np.clip(0.5 + (over.evasion - DISTURBED) / 0.04, 0.5, 0.99))
     if situation.relations.between(first, then).relation in INSIDE:
-        return Dependency(first, then, "contained", confidence)
+        return Dependency(first, then, Reason.CONTAINED, confidence)
     up = touching.get((then, first))
     if up is not None and up > 0.7:
-        return Dependency(first, then, "supported", confidence)
+        return Dependency(first, then, Reason.SUPPORTED, confidence)
     if up is not None and up > 0.1:
-        return Dependency(first, then, "leaning", confidence)
-    return Dependency(first, then, "blocking", confidence)
+        return Dependency(first, then, Reason.LEANING, confidence)
+    return Dependency(first, then, Reason.BLOCKING, confidence)
 
 
 def _falls(first: str, then: str, missing: float, touching: Mapping[tuple[str, str], float]) -> Dependency:
@@ -303,7 +331,7 @@ def _falls(first: str, then: str, missing: float, touching: Mapping[tuple[str, s
     confidence = float(np.clip(0.4 + missing / 2, 0.4, 0.95))
     up = touching.get((then, first))
     if up is not None and up < PRESSED:
-        return Dependency(first, then, "counterweight", confidence)
+        return Dependency(first, then, Reason.COUNTERWEIGHT, confidence)
     if up is not None and up < 0.7:
-        return Dependency(first, then, "leaning", confidence)
-    return Dependency(first, then, "supported", confidence)
+        return Dependency(first, then, Reason.LEANING, confidence)
+    return Dependency(first, then, Reason.SUPPORTED, confidence)

@@ -3,6 +3,7 @@
 import re
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
+from enum import Enum
 from typing import TYPE_CHECKING
 
 import networkx as nx
@@ -22,18 +23,30 @@ BIN = "bin_"
 GRAMMAR = 'goals are "A within B", "A on B on C", "empty B", "free A" or "sort", joined by "and" or commas'
 
 
+class How(str, Enum):
+    """How something shall lie to what it is put to."""
+
+    ON = "on"
+    """On top of it, or on what lies there."""
+    WITHIN = "within"
+    """In its cavity, carried by it."""
+
+    def __str__(self) -> str:
+        return str(self.value)
+
+
 @dataclass(frozen=True)
 class Place:
     """An object and where it shall be in the end.
 
     Attributes:
-        object: Who is moved.
-        how: "within" (in the cavity, carried by it) or "on".
+        object: What is moved.
+        how: On or within.
         where: Container or supporter.
     """
 
     object: str
-    how: str
+    how: How
     where: str
 
 
@@ -113,7 +126,7 @@ def holds(place: Place, relations: "Relations", carried: Iterable["Support"] | N
         return False
     if _is_in(relations, place.object, place.where):
         return True  # on a plate or a tray an object lies within the hull of its rim: that is on it, too
-    if place.how == "within":
+    if place.how == How.WITHIN:
         return False
     if carried is None:
         return relations.between(place.object, place.where).relation is Relation.TOUCH
@@ -200,7 +213,7 @@ def _chain(clause: str, scene: "Scene") -> list[Place]:
     for upper, link, lower in zip(names, links, names[1:], strict=False):
         if upper == lower:
             raise InvalidInput(f"goal {clause!r} puts {upper!r} {link} itself")
-        found.append(Place(_movable(upper, scene), "on" if link == "on" else "within", lower))
+        found.append(Place(_movable(upper, scene), How.ON if link == "on" else How.WITHIN, lower))
     return found
 
 
@@ -217,7 +230,7 @@ def _sorted(scene: "Scene") -> list[Place]:
             continue
         home = next((b for b in bins if len(b) > len(BIN) and name.startswith(b[len(BIN) :])), None)
         if home is not None:
-            found.append(Place(name, "within", home))
+            found.append(Place(name, How.WITHIN, home))
     if not found:
         kinds = ", ".join(b[len(BIN) :] for b in sorted(bins))
         raise InvalidInput(f'goal "sort" finds no object whose name starts with {kinds}')

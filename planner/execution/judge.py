@@ -84,10 +84,10 @@ class Judge:
         """Say what the action did."""
         before, now, handled = self._before, self._world.poses(), (self._name, *self._fixed)
         wrong = violations(before, now, self._robot.touched, handled, self._limits)
-        if self._lost_at is not None:
-            drop = float(self._lost_at[2] - now[self._name][2, 3])
-            if drop > self._limits.drop:
-                wrong.append(f"it was dropped by {100 * drop:.0f} cm")
+        fallen = 0.0 if self._lost_at is None else float(self._lost_at[2] - now[self._name][2, 3])
+        dropped = fallen > self._limits.drop
+        if dropped:
+            wrong.append(f"it was dropped by {100 * fallen:.0f} cm")
         touched = {other: touch for other, touch in self._robot.touched.items() if other not in handled}
         return Verdict(
             tuple(wrong),
@@ -96,6 +96,7 @@ class Judge:
             {other: touch.force for other, touch in touched.items()},
             {other: touch.impulse for other, touch in touched.items()},
             self._slip,
+            dropped,
             self._world.time - self._started,
         )
 

@@ -265,6 +265,7 @@ class ClosedLoop:
             tool_path=outcome.tool_path,
             tilts=verdict.tilts,
             slip=verdict.slip,
+            dropped=verdict.dropped,
             forces=verdict.forces,
             impulses=verdict.impulses,
         )

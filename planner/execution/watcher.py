@@ -19,6 +19,7 @@ class Verdict:
         forces: Largest contact force of the robot on an object not handled [N], by name.
         impulses: What that contact amounted to over time [N s], by name.
         slip: Distance [m] and angle [rad] by which the object moved in the hand; None where it was not held.
+        dropped: Whether the object fell out of the hand, further than crockery survives.
         robot_seconds: How long the arm took; None where nobody measured.
     """
 
@@ -28,6 +29,7 @@ class Verdict:
     forces: Mapping[str, float] = field(default_factory=dict[str, float])
     impulses: Mapping[str, float] = field(default_factory=dict[str, float])
     slip: tuple[float, float] | None = None
+    dropped: bool = False
     robot_seconds: float | None = None
 
 

@@ -64,7 +64,7 @@ def step_data(
         reason=reason,
         after=after,
         grasp=GraspData(
-            grasp.kind,
+            str(grasp.kind),
             np.round(grasp.pose_tool_to_world, DIGITS).tolist(),
             round(grasp.width, DIGITS),
             round(grasp.score, DIGITS),
@@ -75,6 +75,7 @@ def step_data(
             place.rest,
             round(place.drop, DIGITS),
             place.into,
+            "" if place.how is None else str(place.how),
             place.falls,
         ),
         segments=[segment_data(segment) for segment in transfer.segments],

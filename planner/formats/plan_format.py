@@ -105,6 +105,7 @@ class PlacementData(msgspec.Struct, frozen=True):
         rest: In words.
         drop: How far it then falls [m].
         into: What it is put on or into; null on a table.
+        how: "on" or "within" that; empty on a table.
         falls: Whether it is let go though it does not stay there: a drop that was allowed.
     """
 
@@ -112,6 +113,7 @@ class PlacementData(msgspec.Struct, frozen=True):
     rest: str = ""
     drop: float = 0.0
     into: str | None = None
+    how: str = ""
     falls: bool = False
 
 

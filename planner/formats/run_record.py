@@ -40,6 +40,7 @@ class StepRecord:
         impulses: What that contact amounted to over time: name -> [N s].
         tilts: How far the others were tipped, turns about the vertical left out: name -> [rad].
         slip: Distance [m] and angle [rad] by which the object moved in the hand, None where it was not held.
+        dropped: The object fell out of the hand, further than crockery survives.
         events: What was not as planned and what followed from it, in sentences: another grasp, a new look,
             something newly seen, hidden or moved.
         fallbacks: What was tried to find the action where the plain way failed: see
@@ -67,6 +68,7 @@ class StepRecord:
     impulses: Mapping[str, float] = field(default_factory=dict[str, float])
     tilts: Mapping[str, float] = field(default_factory=dict[str, float])
     slip: tuple[float, float] | None = None
+    dropped: bool = False
     events: tuple[str, ...] = ()
     fallbacks: tuple[str, ...] = ()
 
@@ -84,6 +86,7 @@ class StepRecord:
             "seconds": round(self.seconds, 3),
             "robot_seconds": None if self.robot_seconds is None else round(self.robot_seconds, 3),
             "reason": self.reason,
+            "dropped": self.dropped,
             "events": list(self.events),
             "fallbacks": list(self.fallbacks),
             "tilts": {name: float(tilt) for name, tilt in self.tilts.items()},

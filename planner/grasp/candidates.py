@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from topple.planner.grasp.frames import frames
-from topple.planner.grasp.grasp import Grasp
+from topple.planner.grasp.grasp import Grasp, GraspKind
 from topple.planner.grasp.hand import HandShape, hand_shape
 from topple.planner.grasp.load import chance_to_hold, cup_load, too_heavy, weight_of
 from topple.planner.grasp.pinch import Pinch, pinches
@@ -194,7 +194,7 @@ def _as_grasp(name: str, pinch: Pinch) -> Grasp:
         + ", ".join(f"{term} {value:.2f}" for term, value in pinch.terms.items())
         + _in_words(pinch.load)
     )
-    kind = "rim" if pinch.rim else "pinch"
+    kind = GraspKind.RIM if pinch.rim else GraspKind.PINCH
     return Grasp(name, kind, pinch.pose_tool_to_world, pinch.width, pinch.opening, score, reason, pinch.terms)
 
 
@@ -225,7 +225,7 @@ def _suction_grasps(
         reason += _in_words(load)
         for turn in CUP_TURNS:  # a cup is round: how the hand is turned about it matters to the arm alone
             pose = patch.pose_tool_to_world @ turn
-            found.append(Grasp(name, "suction", pose, 0.0, cup.opening, score, reason, patch.terms))
+            found.append(Grasp(name, GraspKind.SUCTION, pose, 0.0, cup.opening, score, reason, patch.terms))
     return found
 
 

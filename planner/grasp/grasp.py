@@ -1,14 +1,29 @@
 """One way of taking one object."""
 
 from dataclasses import dataclass, field, replace
+from enum import Enum
 
 import numpy as np
 
 from topple.topology.arrays import FloatArray, frozen
 from topple.topology.errors import InvalidInput
 
-KINDS = ("pinch", "rim", "suction")
-"""pinch: both pads on the object's outside; rim: one finger inside it; suction: the cup on a smooth patch."""
+
+class GraspKind(str, Enum):
+    """How a hand takes hold."""
+
+    PINCH = "pinch"
+    """Both pads on the object's outside."""
+    RIM = "rim"
+    """One finger inside it."""
+    SUCTION = "suction"
+    """The cup on a smooth patch."""
+
+    def __str__(self) -> str:
+        return str(self.value)
+
+
+KINDS = tuple(GraspKind)
 
 HALF_TURN = frozen(np.diag([-1.0, -1.0, 1.0, 1.0]))
 """(4, 4) half a turn of the hand about its approach."""
@@ -20,7 +35,7 @@ class Grasp:
 
     Attributes:
         object: Name of the object in the scene.
-        kind: One of `KINDS`.
+        kind: How it takes hold.
         pose_tool_to_world: (4, 4) rigid pose of the tool frame: z the approach direction, y the closing
             direction, origin between the pads' centres (suction: the centre of the cup's lip).
         width: Extent of what is between the pads along y [m]; 0 for suction.
@@ -31,7 +46,7 @@ class Grasp:
     """
 
     object: str
-    kind: str
+    kind: GraspKind
     pose_tool_to_world: FloatArray
     width: float
     opening: float
@@ -42,8 +57,9 @@ class Grasp:
     def __post_init__(self) -> None:
         pose = frozen(self.pose_tool_to_world)
         object.__setattr__(self, "pose_tool_to_world", pose)
-        if self.kind not in KINDS:
+        if self.kind not in KINDS:  # a string of the same value is one
             raise InvalidInput(f"grasp of {self.object!r}: kind {self.kind!r} is none of {', '.join(KINDS)}")
+        object.__setattr__(self, "kind", GraspKind(self.kind))
         if pose.shape != (4, 4) or not np.all(np.isfinite(pose)):
             raise InvalidInput(f"grasp of {self.object!r}: its pose must be a finite 4x4 matrix")
         rotation = pose[:3, :3]
@@ -55,7 +71,7 @@ class Grasp:
     @property
     def tool(self) -> str:
         """The arm's tool that makes this grasp: "suction" or "fingers"."""
-        return "suction" if self.kind == "suction" else "fingers"
+        return "suction" if self.kind is GraspKind.SUCTION else "fingers"
 
     @property
     def approach(self) -> FloatArray:

@@ -8,7 +8,7 @@ from scipy.spatial import KDTree
 
 from topple.planner.decide.dependency import dependencies
 from topple.planner.grasp.foreign import ForeignGrasps, grasps_from_array
-from topple.planner.grasp.grasp import Grasp
+from topple.planner.grasp.grasp import Grasp, GraspKind
 from topple.planner.grasp.hand import HAND_REACH
 from topple.planner.grasp.reach import reachable
 from topple.planner.grasp.room import Room
@@ -124,8 +124,9 @@ def _as_grasps(
         return [replace(grasp, pose_tool_to_world=to_world @ grasp.pose_tool_to_world) for grasp in grasps]
     poses, openings = to_world @ grasps.poses_tool_to_source, np.nan_to_num(grasps.widths)
     cup = arm is not None and "fingers" not in arm.tools and bool(np.isnan(grasps.widths).all())
+    kind = GraspKind.SUCTION if cup else GraspKind.PINCH
     return [
-        Grasp("", "suction" if cup else "pinch", pose, 0.0, opening, score, grasps.source)
+        Grasp("", kind, pose, 0.0, opening, score, grasps.source)
         for pose, opening, score in zip(poses, openings.tolist(), grasps.scores.tolist(), strict=True)
     ]
 

@@ -5,7 +5,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from topple.planner.grasp.grasp import Grasp
+from topple.planner.grasp.grasp import Grasp, GraspKind
 from topple.planner.grasp.hand import HandShape
 from topple.planner.grasp.surface import Surface
 from topple.planner.grasp.surroundings import Surroundings
@@ -40,7 +40,7 @@ def widened(
     for grasp in grasps:
         wider = [grasp.opening + share * (hand.max_opening - grasp.opening) for share in SHARES]
         free = (opening for opening in wider if _free(grasp, opening, surface, around, up, hand, tolerances))
-        opening = next(free, None) if grasp.kind == "pinch" else None
+        opening = next(free, None) if grasp.kind is GraspKind.PINCH else None
         found.append(grasp if opening is None else replace(grasp, opening=opening))
     return found
 

@@ -5,6 +5,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
+from topple.planner.decide.goal import How
 from topple.planner.placement.free_space import FreeSpace, free_spaces
 from topple.planner.placement.resting import (
     PLACEMENT_TOLERANCES,
@@ -35,6 +36,7 @@ class Placement:
         rest: How it stands there, in words.
         drop: How far it falls when it is let go [m].
         into: What it is put on or into, whose inferred body it may enter: its seen surface was kept clear of.
+        how: On or within that; None on a table.
         rolls: Whether it could roll away from there.
         bars: Whether it would be in the way of taking what is still to be taken.
         falls: Whether it is known not to stay there, and is to be let go all the same.
@@ -45,6 +47,7 @@ class Placement:
     rest: str = ""
     drop: float = 0.0
     into: str | None = None
+    how: How | None = None
     rolls: bool = False
     bars: bool = False
     falls: bool = False

@@ -6,6 +6,7 @@ import numpy as np
 from scipy.ndimage import binary_closing, distance_transform_edt
 from scipy.spatial import ConvexHull, QhullError
 
+from topple.planner.decide.goal import How
 from topple.planner.placement.placement import Placement
 from topple.planner.placement.resting import (
     PLACEMENT_TOLERANCES,
@@ -29,7 +30,7 @@ YAWS = 8
 SPOT = 0.012  # placements this close are at one spot: less than the least difference of two drops [m]
 HEADINGS = 4  # kept of one spot
 DROPS = {
-    "within": (0.005, 0.02, 0.04, 0.08)
+    How.WITHIN: (0.005, 0.02, 0.04, 0.08)
 }  # into a container also from higher up: hands need room beside [m]
 GENTLE = 0.04  # falls up to here do no harm: what falls deeper bounces [m]
 
@@ -61,7 +62,7 @@ def placements_on(
     name: str,
     scene: Scene | Situation,
     where: str,
-    how: str = "on",
+    how: How | str = How.ON,
     *,
     limit: int = 24,
     tolerances: PlacementTolerances = PLACEMENT_TOLERANCES,
@@ -76,7 +77,7 @@ def placements_on(
         name: The object.
         scene: The scene, or the situation it was read as; what else lies on or in `where` stays there.
         where: Who is to carry it.
-        how: "on" or "within".
+        how: On or within.
         limit: At most so many.
         tolerances: Height above contact at which it is let go.
 
@@ -86,7 +87,7 @@ def placements_on(
     Raises:
         UnknownObject: The scene has no such object.
     """
-    situation = Situation.of(scene)
+    situation, how = Situation.of(scene), How(how)
     scene, up, solids = situation.scene, situation.up, situation.solids
     for known in (name, where):
         if known not in scene.clouds:
@@ -119,7 +120,7 @@ def placements_on(
                     turn = np.degrees(rest.turn)
                     words = f"{how} {where}, turned {turn:.0f} deg onto a face"
                     value = (score or 0.0) - 0.01 * min(k, YAWS - k) - 3.0 * drop
-                    found.append(Placement(pose, value, words, drop, where))
+                    found.append(Placement(pose, value, words, drop, where, how))
     return _varied(found, centre, limit)
 
 
@@ -224,13 +225,13 @@ def _landings(
 
 
 def _score(
-    landing: _Landing, how: str, rest: Rest, offset: FloatArray, outline: FloatArray, level: FloatArray
+    landing: _Landing, how: How, rest: Rest, offset: FloatArray, outline: FloatArray, level: FloatArray
 ) -> float | None:
     """0..1, or None where it would not stay.
 
     Args:
         landing: Where it comes to lie.
-        how: "on" or "within".
+        how: On or within.
         rest: Its attitude.
         offset: (2,) from the target's middle.
         outline: (K, 2) level points of the target around that middle.
@@ -238,7 +239,7 @@ def _score(
     """
     half = float(np.ptp(outline, axis=0).min()) / 2.0
     central = 1.0 - min(1.0, float(np.linalg.norm(offset)) / half)
-    if how == "within":
+    if how is How.WITHIN:
         inside = inset(outline, level + offset).min()
         if inside < 0.0 or landing.depth <= 0.0:
             return None

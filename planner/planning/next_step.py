@@ -12,7 +12,7 @@ import numpy as np
 from topple.planner.decide.arrange import Order
 from topple.planner.decide.beliefs import Beliefs
 from topple.planner.decide.dependency import dependencies
-from topple.planner.decide.goal import Goal, Place, holds
+from topple.planner.decide.goal import Goal, How, Place, holds
 from topple.planner.decide.turn import may_go, out_of_turn, says, why_first
 from topple.planner.errors import NoSafePlan
 from topple.planner.failure import Check, FailedCheck, TransferFailure
@@ -202,7 +202,7 @@ class StepChooser:
     def _place(self, place: Place) -> NextStep:
         """The object to where the goal wants it, or first what has to go before it or is in the way there."""
         name, where = place.object, place.where
-        if place.how == "on" and (others := self._standing_on(place)):
+        if place.how == How.ON and (others := self._standing_on(place)):
             return self.take_off(others, Action.REMOVE, f"it is where {name} shall be")
         chosen = self._ordered([name])
         if len(chosen.order) > 1:
@@ -210,14 +210,14 @@ class StepChooser:
         if (later := self._stands_on_later(place)) is not None:
             why = f"{later} below it has to come out before {name} is put there"
             return self.take_off([where], Action.REMOVE, why)
-        contents = self._in_the_way(place) if place.how == "within" else []
+        contents = self._in_the_way(place) if place.how == How.WITHIN else []
         return _Placing(self, place, chosen, contents).step()
 
     def spots(self, place: Place, limit: int) -> tuple[list[Placement], list[Placement], list[Placement]]:
         """Where an object could go, where it stays there and pushes nothing, and all where it stays."""
         name, where = place.object, place.where
         found = placements_on(name, self.situation, where, place.how, limit=limit)
-        if place.how != "within":
+        if place.how != How.WITHIN:
             return found, found, found
         lying = [other for other in self.moves.inside(where) if other != name]
         return found, *staying(found, name, where, self.situation, lying)

@@ -10,7 +10,7 @@ from multiprocessing.connection import Connection, wait
 
 import numpy as np
 
-from topple.planner.decide.dependency import Dependency, DependencyGraph
+from topple.planner.decide.dependency import Dependency, DependencyGraph, Reason
 from topple.planner.decide.rates import posterior, rates_for
 from topple.planner.simulate.lifts import FRICTIONS, Move, Stage, Trial
 from topple.planner.simulate.rebuild import rebuild
@@ -217,6 +217,6 @@ def confirmed(
         if known is None and not votes.steady(first, then):
             continue
         if value >= 0.5 or (known is not None and value >= known.confidence):
-            edge = Dependency(first, then, "blocking", value) if known is None else known
+            edge = Dependency(first, then, Reason.BLOCKING, value) if known is None else known
             kept.append(replace(edge, confidence=value))
     return DependencyGraph.of(graph.names, kept)

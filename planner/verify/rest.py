@@ -5,6 +5,7 @@ from dataclasses import dataclass, field
 import numpy as np
 from scipy.spatial import ConvexHull
 
+from topple.planner.decide.goal import How
 from topple.planner.formats.plan_format import Plan
 from topple.planner.formats.verification import Residual, Worst
 from topple.planner.placement.drops import Drops
@@ -48,7 +49,7 @@ class RestCheck:
             bodies[name] = moved(self._whole[name], beat.poses[name])
         release = np.eye(4)
         release[:3, 3] += step.placement.drop * self._up
-        contained = into is not None and step.placement.rest.startswith("within")
+        contained = into is not None and step.placement.how == How.WITHIN
         container = np.vstack(bodies[into]) if contained and into is not None else None
         with Drops(name, bodies, self._up) as drops:
             found = settled(drops, release, np.eye(4), container, self._up)
