@@ -41,7 +41,7 @@ class Example:
         kind: What the reasoning misses.
         seed: Of the pile.
         first: Who is asked about.
-        then: Who is lifted.
+        then: What is lifted.
         eye: (x, y, z) from where it shows, from the middle of the two [m].
     """
 

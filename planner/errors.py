@@ -13,7 +13,7 @@ class NoSafePlan(ToppleError):
 
     Attributes:
         certificate: Why not, as lines fit to print: the cycle, the blocking pair, the object out of reach.
-        failures: The objects that could not be moved, each with the step, the check and who barred it.
+        failures: The objects that could not be moved, each with the step, the check and what barred it.
     """
 
     def __init__(

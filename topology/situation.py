@@ -10,8 +10,8 @@ import networkx as nx
 import numpy as np
 
 from topple.topology.arrays import FloatArray
+from topple.topology.bodies.completed import completed_bodies, on_feet
 from topple.topology.bodies.solids import GRAIN, Solids, moved, solids_of, up_of
-from topple.topology.bodies.whole import on_feet, whole_bodies
 from topple.topology.evidence import Evidence
 from topple.topology.geometry.samples import sampled
 from topple.topology.relations import Relations
@@ -37,7 +37,7 @@ class Situation:
         scene: What was seen; it knows where up is where contacts are asked for.
         given: Relations that are known already, ours or somebody else's; None to work them out.
         parts: Convex parts of the objects where they are known already.
-        complete: The same with the sides that nobody saw, likewise.
+        complete: The same with the hidden sides, likewise.
         origin: What it came of by taking objects away or moving them: the other bodies are those still.
     """
 
@@ -104,20 +104,20 @@ class Situation:
         return solids_of(self.scene) if self.origin is None else self.origin.of(self.origin.before.solids)
 
     @cached_property
-    def whole(self) -> Solids:
-        """Convex parts with the sides that nobody saw: how things stand and fall.
+    def completed(self) -> Solids:
+        """Convex parts with the hidden sides: how things stand and fall.
 
         Where nobody says from where the scene was seen nothing is hidden.
         """
         if self.complete is not None:
             return self.complete
         if self.origin is not None:
-            return self.origin.of(self.origin.before.whole)
+            return self.origin.of(self.origin.before.completed)
         if not len(self.scene.viewpoints):
             return self.solids
         to_world = self.statics.upright.rotation  # of rows
         surfaces = {name: self.surfaces[name] @ to_world for name in self.movable}
-        return whole_bodies(self.scene.clouds, self.solids, surfaces)
+        return completed_bodies(self.scene.clouds, self.solids, surfaces)
 
     @property
     def contacts(self) -> tuple[Contact, ...]:
@@ -146,10 +146,10 @@ class Situation:
         Args:
             name: The object.
         """
-        body = self.whole[name]
+        body = self.completed[name]
         cloud = np.vstack([self.scene.clouds[name], sampled(body, 2.0 * GRAIN)])
         bodies = {**self.solids, name: body}
-        return Situation(self.scene.with_cloud(name, cloud), parts=bodies, complete=self.whole)
+        return Situation(self.scene.with_cloud(name, cloud), parts=bodies, complete=self.completed)
 
     def moved(self, names: Collection[str], pose: FloatArray, more: FloatArray | None = None) -> "Situation":
         """The situation once objects were moved: they are rigid, and all else is where it was.
@@ -168,13 +168,13 @@ class Situation:
         return Situation(scene, origin=Change(self, frozenset(names), pose))
 
     def on_feet(self) -> "Situation":
-        """The same with the undersides of what stands levelled: see `topple.topology.bodies.whole.on_feet`.
+        """The same with the undersides of what stands levelled: see `topology.bodies.completed`.
 
         Where nothing is hidden it stays as it is.
         """
         if not len(self.scene.viewpoints):
             return self
-        return replace(self, parts=self.solids, complete=on_feet(self.whole, self.movable, self.up))
+        return replace(self, parts=self.solids, complete=on_feet(self.completed, self.movable, self.up))
 
     def between(self, a: str, b: str) -> Evidence:
         """The relation of two objects as they lie."""

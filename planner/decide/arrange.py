@@ -82,7 +82,7 @@ def arrange(
     """Order the objects of a dependency graph.
 
     Args:
-        graph: Who must go before whom.
+        graph: What must go before what.
         targets: What is to be freed; all objects where empty.
         tops: name -> (3,) highest point [m]. Of orders equally safe the one with the shortest level way from
             top to top is taken, and of those equally short the one that takes the highest first.
@@ -173,7 +173,7 @@ def _explain(
     wanted: set[str],
     chances: Mapping[tuple[str, str], float],
 ) -> tuple[str, ...]:
-    """One sentence per step: whom it frees, and why it had to go."""
+    """One sentence per step: what it frees, and why it had to go."""
     sentences: list[str] = []
     for number, name in enumerate(steps, start=1):
         later = set(steps[number:])
@@ -194,7 +194,7 @@ def _explain(
 
 
 def _held(group: Sequence[str], graph: DependencyGraph) -> str:
-    """A cycle in words: who holds whom, the edge one would rather doubt, and what to do."""
+    """A cycle in words: what holds what, the edge one would rather doubt, and what to do."""
     inside = [e for e in graph.dependencies if e.first in group and e.then in group]
     weakest = min(inside, key=lambda e: (e.confidence, e.first, e.then))
     members: nx.DiGraph[str] = nx.DiGraph([(e.first, e.then) for e in inside])

@@ -41,7 +41,7 @@ def assumptions(scene: "Scene", statics: Statics) -> tuple[str, ...]:
 
     Returns:
         Sentences: no fixed object, objects below the table, in it, or carried by nothing, overlapping clouds;
-        weights and friction that nobody gave, and weights that cannot be true.
+        weights and friction that were not given, and weights that cannot be true.
     """
     said = list(_unfixed(scene))
     for name in statics.upright.movable:
@@ -66,17 +66,19 @@ def _heavy(scene: "Scene", statics: Statics) -> tuple[str, ...]:
 
 
 def _unknown(scene: "Scene") -> tuple[str, ...]:
-    """Weights and friction that nobody gave."""
+    """Weights and friction that were not given."""
     said: list[str] = []
     unweighed = [name for name in scene.movable if name not in scene.masses]
     untried = [name for name in scene.clouds if name not in scene.friction]
     if unweighed:
-        who = "masses" if not scene.masses else f"the mass of {', '.join(unweighed)}"
+        left = "masses" if not scene.masses else f"the mass of {', '.join(unweighed)}"
         was = "were" if not scene.masses else "was"
-        said.append(f"{who} {was} not given: {DENSITY:g} kg/m³ of what each fills is taken")
+        said.append(f"{left} {was} not given: {DENSITY:g} kg/m³ of what each fills is taken")
     if untried:
-        who = "friction" if not scene.friction else f"the friction of {', '.join(untried)}"
-        said.append(f"{who} was not given: two such surfaces are taken to have a coefficient of {FRICTION:g}")
+        left = "friction" if not scene.friction else f"the friction of {', '.join(untried)}"
+        said.append(
+            f"{left} was not given: two such surfaces are taken to have a coefficient of {FRICTION:g}"
+        )
     return tuple(said)
 
 

@@ -261,7 +261,7 @@ def _evidence(edge: Dependency, swept: bool, situation: Situation) -> tuple[Evid
 
 
 def _fallen(then: str, touching: Mapping[tuple[str, str], float], statics: Statics) -> dict[str, float]:
-    """Who falls without an object, and by how much more than what just counts (or the share of its weight).
+    """What falls without an object, and by how much more than what just counts (or the share of its weight).
 
     Whole surfaces tell how far something falls; where half of a body is a guess, only that it may. That a
     body falls once a weight is taken off it is believed where no forces hold it, either: sparse feet tilt.

@@ -103,7 +103,7 @@ class Goal:
         Args:
             relations: The relations afterwards.
             fixed: Names that never move, which are in no container.
-            carried: Who carries whom; where None, what touches a supporter is taken to be on it.
+            carried: What carries what; where None, what touches a supporter is taken to be on it.
         """
         carried = None if carried is None else tuple(carried)
         missing = [
@@ -120,7 +120,7 @@ def holds(place: Place, relations: "Relations", carried: Iterable["Support"] | N
     Args:
         place: The object and where it shall be.
         relations: The scene's relations; an object that is not among them is nowhere.
-        carried: Who carries whom; where None, what touches a supporter is taken to be on it.
+        carried: What carries what; where None, what touches a supporter is taken to be on it.
     """
     if place.object not in relations.objects or place.where not in relations.objects:
         return False

@@ -50,9 +50,9 @@ class Ahead:
 
 
 def may_go(chosen: Order) -> list[str]:
-    """Objects of an order that wait for nobody in it, in its order."""
+    """Objects of an order that wait for nothing in it, in its order."""
     rank = {name: place for place, name in enumerate(chosen.order)}
-    # within a cycle's group the order says who starts, so only what comes earlier is waited for
+    # within a cycle's group the order says what starts, so only what comes earlier is waited for
     waiting = {
         edge.then
         for edge in chosen.graph.dependencies
@@ -83,7 +83,7 @@ def out_of_turn(
     Args:
         names: Objects to look at.
         graph: Every dependency, also those that follow from others.
-        carried: Who carries whom.
+        carried: What carries what.
 
     Returns:
         name -> the dependencies that taking it now would go against.

@@ -124,7 +124,7 @@ def loop_in(
         robot: The arm; the one the scene is made for where None.
         cameras: How many depth cameras look on.
         mask_noise: By how many pixels the edges of their masks are wrong (standard deviation).
-        orderer: Who decides the order.
+        orderer: What decides the order.
         seed: Of the sensor noise and every search.
         progress: Called with a line before and after each action.
 

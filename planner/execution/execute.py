@@ -58,7 +58,7 @@ def execute(transfer: Transfer, robot: Driver, watch: Watch | None = None) -> Ou
     Args:
         transfer: What to do; it should start where the arm is.
         robot: The arm.
-        watch: Who looks on, if anybody.
+        watch: What looks on, if anything.
     """
     done: list[Segment] = []
     watch = watch or _nobody
@@ -80,7 +80,7 @@ def execute(transfer: Transfer, robot: Driver, watch: Watch | None = None) -> Ou
 
 
 def _nobody(_moment: str, _tool: str) -> None:
-    """Nobody looks on."""
+    """Nothing looks on."""
 
 
 def withdraw(robot: Driver, solids: Solids, seed: int) -> None:

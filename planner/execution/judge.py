@@ -135,7 +135,7 @@ def violations(
     handled: Collection[str],
     limits: Limits = LIMITS,
 ) -> list[str]:
-    """One sentence for each object that moved, turned, fell or was hit though nobody meant to handle it.
+    """One sentence for each object that moved, turned, fell or was hit though it was not handled.
 
     Args:
         before: Poses (4, 4) by name.

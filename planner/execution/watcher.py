@@ -20,7 +20,7 @@ class Verdict:
         impulses: What that contact amounted to over time [N s], by name.
         slip: Distance [m] and angle [rad] by which the object moved in the hand; None where it was not held.
         dropped: Whether the object fell out of the hand, further than crockery survives.
-        robot_seconds: How long the arm took; None where nobody measured.
+        robot_seconds: How long the arm took; None where not measured.
     """
 
     violations: tuple[str, ...] = ()

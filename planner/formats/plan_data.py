@@ -94,7 +94,7 @@ def dependency_data(edge: Dependency) -> DependencyData:
 
 def objects_data(situation: Situation) -> list[ObjectData]:
     """The objects of a situation as a plan keeps them."""
-    scene, solids, whole = situation.scene, situation.solids, situation.whole
+    scene, solids, whole = situation.scene, situation.solids, situation.completed
     return [
         ObjectData(
             name,

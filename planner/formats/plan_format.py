@@ -166,7 +166,7 @@ class ObjectData(msgspec.Struct, frozen=True):
         name: Its name.
         fixed: Whether it never moves.
         parts: What was seen of it: this is kept clear of.
-        whole: The same with the sides that nobody saw: this has to stand where the object is put on a table.
+        whole: The same with the hidden sides: this has to stand where the object is put on a table.
             Empty where nothing was guessed.
     """
 

@@ -89,7 +89,7 @@ def grasp_candidates(
         scene.clouds[name],
         up,
         scene.viewpoints,
-        situation.whole[name],
+        situation.completed[name],
         around.points,
         scene.images,
         tolerances,

@@ -14,7 +14,7 @@ WEIGHT_SPREAD = 0.42  # standard deviation of a guessed weight's logarithm: a fa
 HOLD_SPREAD = (
     0.2  # the same of what holds a weight that is known: pads grip glaze, card and steel differently
 )
-STRONGEST = 0.8  # friction of rubber pads on what nobody tried, at most
+STRONGEST = 0.8  # friction of rubber pads on an untried surface, at most
 
 
 def weight_of(volume: float, mass: float | None = None) -> float:
@@ -22,7 +22,7 @@ def weight_of(volume: float, mass: float | None = None) -> float:
 
     Args:
         volume: What it fills [m3].
-        mass: In [kg]; where nobody weighed it, its volume at the density bodies are made with.
+        mass: In [kg]; where it was not weighed, its volume at the density bodies are made with.
     """
     return GRAVITY * (DENSITY * volume if mass is None else mass)
 
@@ -31,8 +31,8 @@ def too_heavy(mass: float | None, friction: float | None, force: float) -> bool:
     """Whether a hand is known not to lift a thing, wherever it takes hold; of a guessed weight it never is.
 
     Args:
-        mass: In [kg]; None where nobody weighed it.
-        friction: Coefficient between pads and object; None where nobody tried, and 1 for a cup.
+        mass: In [kg]; None where it was not weighed.
+        friction: Coefficient between pads and object; None where it was not tried, and 1 for a cup.
         force: Of each of two pads, or half of what a cup pulls [N].
     """
     slide = 2.0 * (STRONGEST if friction is None else friction) * force

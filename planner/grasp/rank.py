@@ -36,7 +36,7 @@ class RankedGrasp:
     Attributes:
         index: Which of the given grasps.
         grasp: The grasp, with the object it holds; "" where it holds none.
-        before: Objects that have to go first; nobody where it may be taken now.
+        before: Objects that have to go first; none where it may be taken now.
         dropped: Why it cannot be used now, in words; None where it can.
     """
 

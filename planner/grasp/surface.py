@@ -120,7 +120,7 @@ def _hidden(
     images: Sequence[DepthImage],
     tolerances: GraspTolerances,
 ) -> tuple[FloatArray, FloatArray]:
-    """Points and normals of the sides nobody saw: of the convex parts, where no camera looked through."""
+    """Points and normals of the hidden sides: of the convex parts, where no camera looked through."""
     if viewpoints is None or len(viewpoints) == 0:
         return np.empty((0, 3)), np.empty((0, 3))  # a scanned or modelled object: all of it is seen
     points, normals = sampled_with_normals(solid, tolerances.hidden_spacing)

@@ -156,7 +156,7 @@ class Checker:
         return met
 
     def witness(self, q: FloatArray) -> tuple[str, str] | None:
-        """Who hits whom in a state: the names of the deepest pair, or None where the state is free."""
+        """What meets what in a state: the names of the deepest pair, or None where the state is free."""
         found = self.contacts(q)
         return (found[0].a, found[0].b) if found else None
 

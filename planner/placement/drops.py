@@ -209,7 +209,7 @@ def standing(places: Sequence[Placement], name: str, situation: Situation) -> li
     """
     if not places or not simulated():
         return list(places)
-    up, scene, whole = situation.up, situation.scene, situation.whole
+    up, scene, whole = situation.up, situation.scene, situation.completed
     ground = {other: whole[other] for other in scene.fixed}
     known: dict[tuple[float, ...], tuple[FloatArray, float] | None] = {}
     found: list[Placement] = []

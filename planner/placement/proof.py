@@ -57,7 +57,7 @@ class Settled:
 class Proof:
     """Lets an object go at one place after the other, to be used with `with`.
 
-    On a table it is asked with the sides that nobody saw, which it may have to stand on; on or in another
+    On a table it is asked with the hidden sides, which it may have to stand on; on or in another
     thing it was lowered by what was seen of both, and is asked by that.
 
     Args:
@@ -69,7 +69,7 @@ class Proof:
     def __init__(self, name: str, situation: Situation, riding: tuple[str, ...] = ()) -> None:
         self.name, self._up, bodies = name, situation.up, situation.solids
         self._others = {other: parts for other, parts in bodies.items() if other not in (name, *riding)}
-        self._own = {False: bodies[name], True: situation.whole[name]}
+        self._own = {False: bodies[name], True: situation.completed[name]}
         self._drops: dict[bool, Drops] = {}
         self._known: dict[Placement, Settled] = {}
         self._worlds = ExitStack()

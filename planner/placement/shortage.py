@@ -34,8 +34,8 @@ def shortage(name: str, situation: Situation, arm: Arm, pose_base_to_world: Floa
     others = [other for other in scene.movable if other != name]
     if others and placements(name, situation.without(*others)):
         freeing = [other for other in others if placements(name, situation.without(other))]
-        who = f"{' or '.join(freeing)} taken away" if freeing else f"all of {', '.join(others)} taken away"
-        return f"every place that is large enough for {name} is taken: with {who} there would be room"
+        what = f"{' or '.join(freeing)} taken away" if freeing else f"all of {', '.join(others)} taken away"
+        return f"every place that is large enough for {name} is taken: with {what} there would be room"
     axes = np.stack(level_axes(up), axis=1)
     sizes = {other: np.ptp(top.points @ axes, axis=0) for other, top in tops}
     widest = max(sizes, key=lambda other: float(np.prod(sizes[other])))

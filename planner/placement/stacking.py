@@ -76,7 +76,7 @@ def placements_on(
     Args:
         name: The object.
         scene: The scene, or the situation it was read as; what else lies on or in `where` stays there.
-        where: Who is to carry it.
+        where: What is to carry it.
         how: On or within.
         limit: At most so many.
         tolerances: Height above contact at which it is let go.

@@ -20,7 +20,7 @@ TOGETHER = 2
 
 @dataclass(frozen=True)
 class Access:
-    """Who leaves the hand no room.
+    """What leaves the hand no room.
 
     Attributes:
         bars: (first, then, reason) for each object that has to go before another can be grasped.
@@ -41,7 +41,7 @@ def access(situation: Situation, names: Sequence[str], graph: DependencyGraph, a
     Args:
         situation: What is seen.
         names: The objects that are to be taken.
-        graph: Who must go before whom.
+        graph: What must go before what.
         arm: The arm.
 
     Returns:

@@ -40,7 +40,7 @@ class Moves:
         avoid: Grasps that failed, by object.
         grasps: Grasps of the caller's own, in the world.
         upright: Objects that are kept upright, with what is in them.
-        simulate: Whether a place has to hold in simulation before it is used: where nobody looks afterwards.
+        simulate: Whether a place has to hold in simulation before it is used: where no look follows.
         allow_drop: Whether what holds nowhere may then be let go to fall.
         seed: Of every search.
     """

@@ -49,7 +49,7 @@ def order(
         verify: Check the dependencies by simulation.
         budget: Seconds the simulations may take; what is not checked by then stays as reasoned.
         robot: An arm or its name: what bars its gripper's way to the objects of the order is then said.
-        relations: The scene's relations where they are known, or where somebody knows better: what they call
+        relations: The scene's relations where they are known, or where better ones are known: what they call
             disjoint has no contact, and no dependency rests on it.
         removal_risk: Chance that a removal does harm by itself, 0..1. Where it is given, more is taken than
             what must be, if that makes it less likely that anything moves: what touches a thing and is

@@ -71,7 +71,7 @@ def plan(
         grasps: Grasps of your own, in the scene's frame, as `rank_grasps` gives them or by object. An object
             that has any is taken by those alone, wherever it has been put by then, those with the highest
             scores that have room first; for the others grasps are searched for.
-        orderer: Who says in which order to free targets: see `topple.planner.planning.step.Orderer`.
+        orderer: What says in which order to free targets: see `topple.planner.planning.step.Orderer`.
         relations: Relations of your own, which the first step is ordered by. Afterwards those of an object
             that was moved are worked out from its cloud, the others stay; give a function of the scene to
             have it asked before each step.

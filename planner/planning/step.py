@@ -1,4 +1,4 @@
-"""A step towards a goal, where the arm stands before it, and who says in which order to take things."""
+"""A step towards a goal, where the arm stands before it, and what says in which order to take things."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass

@@ -30,7 +30,7 @@ STILL = 5e-4
 """Speed [m/s] (ten times as many [rad/s] for turns) below which nothing will move a centimetre any more."""
 
 WATCHED = 2.0
-"""Seconds that a rebuilt world is watched while nobody does anything."""
+"""Seconds that a rebuilt world is watched while nothing is done."""
 
 SLOW = 48
 """Steps at the start in which every speed is taken away: overlaps dissolve, nothing is thrown."""
@@ -69,10 +69,10 @@ def take_away(
 
     Args:
         world: A world at rest.
-        name: Who is lifted.
+        name: What is lifted.
         seconds: Time to settle after the lift [s].
-        before: name -> (4, 4) pose that the others are compared with: where they would be had nobody lifted
-            anything. Where they are now, if not given.
+        before: name -> (4, 4) pose that the others are compared with: where they would be had nothing been
+            lifted. Where they are now, if not given.
         watch: Called after every step of the lift, and once all is over, before the world is put back.
 
     Returns:
@@ -176,7 +176,7 @@ class Stage:
     """
 
     def __init__(self, rebuilt: "Rebuilt", trial: Trial) -> None:
-        """Build the world, let it come to rest, and see where everything stays if nobody does anything.
+        """Build the world, let it come to rest, and see where everything stays if nothing is done.
 
         Args:
             rebuilt: The bodies.

@@ -1,6 +1,6 @@
 """Rebuilt bodies made to fit each other: parted where they overlap, set down on what carries them.
 
-What was seen stays where it is; what was invented for the sides nobody saw gives way, and reaches as far down
+What was seen stays where it is; what was invented for the hidden sides gives way, and reaches as far down
 as there is room, since the scene was at rest.
 """
 
@@ -182,7 +182,7 @@ def seat(
 ) -> Seat:  # fmt: skip
     """Set a body down on what lies below it, in place, and say where its weight may be.
 
-    The closest cells of the underside are drawn down to what they face. Where nobody saw the underside, more
+    The closest cells of the underside are drawn down to what they face. Where the underside was hidden, more
     cells follow until the weight lies over the outline of what carries it.
 
     Args:
@@ -194,7 +194,7 @@ def seat(
         sight: What was seen to be empty, or None where the cloud is whole.
 
     Returns:
-        The places at which it is carried, and by whom.
+        The places at which it is carried, and by what.
     """
     every = {other: shape for other, shape in (*shapes.items(), *grounds.items()) if other != name}
     under = _look_below(shapes[name], list(every.values()), floor)
@@ -225,7 +225,7 @@ def seat(
 
 
 def _leg(cell: FloatArray, foot: float, top: float) -> Piece:
-    """A post (one cell across) under an underside that nobody saw [m]."""
+    """A post (one cell across) under a hidden underside [m]."""
     square = (cell + _CORNERS * (CELL / 2 / np.abs(_CORNERS).max())).repeat(2, axis=0)
     return Piece(np.column_stack([square, np.tile([foot, top + CELL], 4)]), np.empty((0, 3)))
 

@@ -9,7 +9,7 @@ import numpy as np
 
 from topple.planner.formats.plan_format import Plan
 from topple.planner.formats.verification import Residual, Worst
-from topple.planner.verify.replay import Beat, parts_of
+from topple.planner.verify.replay import SegmentReplay, parts_of
 from topple.robots.arm.arm import Arm
 from topple.robots.engine import pybullet
 from topple.robots.poses import position_and_quaternion
@@ -59,33 +59,33 @@ class BulletCheck:
     ) -> None:
         pybullet.disconnect(physicsClientId=self._client)
 
-    def look(self, beat: Beat) -> None:
+    def look(self, piece: SegmentReplay) -> None:
         """Check the states of a segment."""
-        for name, pose in beat.poses.items():
+        for name, pose in piece.poses.items():
             self._put(name, pose)
-        allowed = beat.may_touch
-        tool = self.arm.tools[beat.segment.tool]
+        allowed = piece.may_touch
+        tool = self.arm.tools[piece.segment.tool]
         pressed: dict[str, list[float]] = {}
-        for k, q in enumerate(beat.states):
-            self._stand(q, beat)
+        for k, q in enumerate(piece.states):
+            self._stand(q, piece)
             link = self._link_pose(tool.link) @ tool.pose_tool_to_link
             computed = np.array(self.plan.pose_base_to_world) @ self.arm.tool_pose(q, tool.name)[0]
             stray = float(np.abs(link - computed).max()) if tool.name == "fingers" else 0.0
-            self.strayed.note(stray, f"{beat.where}: {tool.name} at state {k}")
-            for name, to_tool in beat.held.items():
+            self.strayed.note(stray, f"{piece.where}: {tool.name} at state {k}")
+            for name, to_tool in piece.held.items():
                 self._put(name, computed @ to_tool)
-            where = f"{beat.where}: {{}} in {{}} at state {k} of {len(beat.states)} of PyBullet"
-            for name in beat.poses:
+            where = f"{piece.where}: {{}} in {{}} at state {k} of {len(piece.states)} of PyBullet"
+            for name in piece.poses:
                 for body in self._bodies[name]:
                     self._arm_against(body, name, allowed, where)
-                depth = self._depth(beat.held, name) if beat.held else 0.0
-                if frozenset((beat.step.object, name)) not in allowed:
-                    self.touching.note(depth, where.format(beat.step.object, name))
-                elif beat.step.placement.into != name:  # let down into a hollow: seen points decide there
+                depth = self._depth(piece.held, name) if piece.held else 0.0
+                if frozenset((piece.step.object, name)) not in allowed:
+                    self.touching.note(depth, where.format(piece.step.object, name))
+                elif piece.step.placement.into != name:  # let down into a hollow: seen points decide there
                     pressed.setdefault(name, []).append(depth)
         for name, depths in pressed.items():
-            rest = depths[-1 if beat.segment.kind == "place" else 0]
-            self.deeper.note(max(depths) - rest, f"{beat.where}: {beat.step.object} against {name}")
+            rest = depths[-1 if piece.segment.kind == "place" else 0]
+            self.deeper.note(max(depths) - rest, f"{piece.where}: {piece.step.object} against {name}")
 
     def residuals(self) -> tuple[Residual, ...]:
         """What was found."""
@@ -123,8 +123,8 @@ class BulletCheck:
         for body in self._bodies[name]:
             pybullet.resetBasePositionAndOrientation(body, *place, physicsClientId=self._client)
 
-    def _stand(self, q: FloatArray, beat: Beat) -> None:
-        for name, value in self.arm.joint_values(q, beat.hand).items():
+    def _stand(self, q: FloatArray, piece: SegmentReplay) -> None:
+        for name, value in self.arm.joint_values(q, piece.hand).items():
             pybullet.resetJointState(self._robot, self._joints[name], value, physicsClientId=self._client)
 
     def _link_pose(self, link: str) -> FloatArray:

@@ -7,7 +7,7 @@ import numpy as np
 
 from topple.planner.formats.plan_format import Plan
 from topple.planner.formats.verification import Residual, Worst
-from topple.planner.verify.replay import Beat, parts_of, tool_poses
+from topple.planner.verify.replay import SegmentReplay, parts_of, tool_poses
 from topple.robots.arm.arm import Arm
 from topple.robots.collision.fcl_bodies import fcl_body
 from topple.topology.arrays import FloatArray
@@ -35,7 +35,7 @@ class _Piece:
 
 @dataclass(eq=False)
 class FclCheck:
-    """Collects what touches what in the beats it is shown.
+    """Collects what touches what in the segments it is shown.
 
     Attributes:
         plan: The plan.
@@ -69,59 +69,65 @@ class FclCheck:
             if frozenset((a[0], b[0])) in own
         ]
 
-    def look(self, beat: Beat) -> None:
+    def look(self, driven: SegmentReplay) -> None:
         """Check all states of a segment."""
-        self.states += len(beat.states)
-        links = np.matmul(self._base, self.arm.forward(beat.states, beat.hand))
-        tools = tool_poses(self.arm, self.plan, beat.segment.tool, beat.states)
-        allowed = beat.may_touch
-        standing = [(piece, pose) for name, pose in beat.poses.items() for piece in self._objects[name]]
+        self.states += len(driven.states)
+        links = np.matmul(self._base, self.arm.forward(driven.states, driven.hand))
+        tools = tool_poses(self.arm, self.plan, driven.segment.tool, driven.states)
+        allowed = driven.may_touch
+        standing = [(piece, pose) for name, pose in driven.poses.items() for piece in self._objects[name]]
         for piece, pose in standing:
             _put(piece, pose)
         for link, piece in self._links:
             poses = links[:, link]
             for other, pose in standing:
                 if frozenset((piece.name, other.name)) not in allowed:
-                    self._meet(beat, piece, poses, other, pose)
-        held = [(p, np.matmul(tools, pose)) for name, pose in beat.held.items() for p in self._objects[name]]
+                    self._meet(driven, piece, poses, other, pose)
+        held = [
+            (p, np.matmul(tools, pose)) for name, pose in driven.held.items() for p in self._objects[name]
+        ]
         for piece, poses in held:
-            carrier = beat.step.object  # what rides in it is checked under its name
+            carrier = driven.step.object  # what rides in it is checked under its name
             for other, pose in standing:
                 if frozenset((carrier, other.name)) not in allowed:
-                    self._meet(beat, piece, poses, other, pose)
+                    self._meet(driven, piece, poses, other, pose)
             for link, part in self._links:
                 # the hand moves with what it holds: how they meet was checked on the way in
                 if self.arm.frame_of_link[link] < len(self.arm.joints):
-                    self._meet_both(beat, part, links[:, link], piece, poses)
+                    self._meet_both(driven, part, links[:, link], piece, poses)
         for (a, first), (b, second) in self._own:
-            self._meet_both(beat, first, links[:, a], second, links[:, b])
+            self._meet_both(driven, first, links[:, a], second, links[:, b])
 
     def residuals(self) -> tuple[Residual, ...]:
         """What was found."""
         return (self.touching.residual(),)
 
-    def _meet(self, beat: Beat, piece: _Piece, poses: FloatArray, other: _Piece, pose: FloatArray) -> None:
+    def _meet(
+        self, driven: SegmentReplay, piece: _Piece, poses: FloatArray, other: _Piece, pose: FloatArray
+    ) -> None:
         """A moving piece against one that stands (and was put where it stands)."""
         centres = (poses[:, :3, :3] @ piece.centre + poses[:, :3, 3] - pose[:3, 3]) @ pose[:3, :3]
         nearest = np.clip(centres, other.lower, other.upper)
         for k in np.flatnonzero(np.linalg.norm(centres - nearest, axis=1) <= piece.radius).tolist():
             _put(piece, poses[k])
-            self._note(beat, piece, other, k)
+            self._note(driven, piece, other, k)
 
-    def _meet_both(self, beat: Beat, a: _Piece, poses_a: FloatArray, b: _Piece, poses_b: FloatArray) -> None:
+    def _meet_both(
+        self, driven: SegmentReplay, a: _Piece, poses_a: FloatArray, b: _Piece, poses_b: FloatArray
+    ) -> None:
         """Two moving pieces."""
         centre_a = poses_a[:, :3, :3] @ a.centre + poses_a[:, :3, 3]
         gap = centre_a - poses_b[:, :3, :3] @ b.centre - poses_b[:, :3, 3]
         for k in np.flatnonzero(np.linalg.norm(gap, axis=1) <= a.radius + b.radius).tolist():
             _put(a, poses_a[k])
             _put(b, poses_b[k])
-            self._note(beat, a, b, k)
+            self._note(driven, a, b, k)
 
-    def _note(self, beat: Beat, a: _Piece, b: _Piece, k: int) -> None:
+    def _note(self, driven: SegmentReplay, a: _Piece, b: _Piece, k: int) -> None:
         depth = self._depth(a, b)
         if depth is not None:
             self.touching.note(
-                depth, f"{beat.where}: {a.name} in {b.name} at state {k} of {len(beat.states)}"
+                depth, f"{driven.where}: {a.name} in {b.name} at state {k} of {len(driven.states)}"
             )
 
     def _depth(self, a: _Piece, b: _Piece) -> float | None:

@@ -7,7 +7,7 @@ from scipy.spatial import ConvexHull
 
 from topple.planner.formats.plan_format import Plan
 from topple.planner.formats.verification import Residual, Worst
-from topple.planner.verify.replay import Beat, parts_of, tool_poses
+from topple.planner.verify.replay import SegmentReplay, parts_of, tool_poses
 from topple.robots.arm.arm import Arm
 from topple.topology.arrays import FloatArray
 from topple.topology.scene import Scene
@@ -23,7 +23,7 @@ SHARE = 0.98  # of the points that have to
 
 @dataclass(eq=False)
 class CloudCheck:
-    """Collects seen points inside links and carried objects in the beats it is shown.
+    """Collects seen points inside links and carried objects in the segments it is shown.
 
     Attributes:
         plan: The plan.
@@ -47,27 +47,27 @@ class CloudCheck:
             if parts
         }
 
-    def look(self, beat: Beat) -> None:
+    def look(self, piece: SegmentReplay) -> None:
         """Check where pairs may touch: there the bodies were not asked."""
-        states = beat.states[::EVERY]
-        tools = tool_poses(self.arm, self.plan, beat.segment.tool, states)
-        links = np.matmul(np.array(self.plan.pose_base_to_world), self.arm.forward(states, beat.hand))
-        for pair in beat.may_touch:
-            seen = [name for name in pair if name in beat.poses and name != beat.step.object]
+        states = piece.states[::EVERY]
+        tools = tool_poses(self.arm, self.plan, piece.segment.tool, states)
+        links = np.matmul(np.array(self.plan.pose_base_to_world), self.arm.forward(states, piece.hand))
+        for pair in piece.may_touch:
+            seen = [name for name in pair if name in piece.poses and name != piece.step.object]
             if len(seen) != 1 or seen[0] in self.scene.fixed:
                 continue
-            cloud = _moved(self.scene.clouds[seen[0]], beat.poses[seen[0]])
+            cloud = _moved(self.scene.clouds[seen[0]], piece.poses[seen[0]])
             (other,) = pair - {seen[0]}
             if other in self._links:
                 poses = links[:, self.arm.links.index(other)]
                 solids = self._links[other]
-            elif other in beat.held and beat.step.placement.into == seen[0]:
-                poses, solids = np.matmul(tools, beat.held[other]), self._parts[other]
+            elif other in piece.held and piece.step.placement.into == seen[0]:
+                poses, solids = np.matmul(tools, piece.held[other]), self._parts[other]
             else:
                 continue
             for k, pose in enumerate(poses):
                 depth = _depth(_moved(cloud, np.linalg.inv(pose)), solids)
-                self.entered.note(depth, f"{beat.where}: {seen[0]} in {other} at state {k * EVERY}")
+                self.entered.note(depth, f"{piece.where}: {seen[0]} in {other} at state {k * EVERY}")
 
     def residuals(self) -> tuple[Residual, ...]:
         """What was found, and whether the plan's bodies are those of the scene."""

@@ -6,7 +6,7 @@ import numpy as np
 
 from topple.planner.formats.plan_format import Plan
 from topple.planner.formats.verification import Residual, Worst
-from topple.planner.verify.replay import Beat, parts_of, tool_poses
+from topple.planner.verify.replay import SegmentReplay, parts_of, tool_poses
 from topple.robots.arm.arm import Arm
 from topple.robots.collision.fcl_bodies import fcl_body
 from topple.topology.arrays import FloatArray
@@ -19,7 +19,7 @@ NEAR = 0.008  # [m] bodies that are meant to touch when one is lifted or put dow
 
 @dataclass(eq=False)
 class HandCheck:
-    """Collects what is wrong with how objects are handled in the beats it is shown.
+    """Collects what is wrong with how objects are handled in the segments it is shown.
 
     Attributes:
         plan: The plan.
@@ -43,81 +43,81 @@ class HandCheck:
         self._unexcused = 0
         self._before: dict[str, FloatArray] = {}
 
-    def look(self, beat: Beat) -> None:
+    def look(self, piece: SegmentReplay) -> None:
         """Check one segment."""
-        kind = beat.segment.kind
-        grasp = np.array(beat.step.grasp.pose_tool_to_world)
-        self._excuses(beat)
+        kind = piece.segment.kind
+        grasp = np.array(piece.step.grasp.pose_tool_to_world)
+        self._excuses(piece)
         if kind == "move":
-            self._before = beat.poses
-        ends = tool_poses(self.arm, self.plan, beat.segment.tool, beat.states[-1:])[0]
+            self._before = piece.poses
+        ends = tool_poses(self.arm, self.plan, piece.segment.tool, piece.states[-1:])[0]
         if kind == "approach":
-            self.grasp.note(_apart(ends, grasp), beat.where)
-            self.reach.note(self._to_object(beat, ends), beat.where)
+            self.grasp.note(_apart(ends, grasp), piece.where)
+            self.reach.note(self._to_object(piece, ends), piece.where)
         if kind == "grasp":
-            for name, to_tool in beat.held.items():
+            for name, to_tool in piece.held.items():
                 now = self._before.get(name, np.eye(4))
-                self.held.note(_apart(grasp @ to_tool, now), f"{beat.where}: {name}")
+                self.held.note(_apart(grasp @ to_tool, now), f"{piece.where}: {name}")
         if kind == "place":
-            wanted = np.array(beat.step.placement.pose_before_to_after) @ grasp
-            self.place.note(_apart(ends, wanted), beat.where)
-        if beat.step.upright and beat.held:
-            poses = tool_poses(self.arm, self.plan, beat.segment.tool, beat.states)
-            now = self._before.get(beat.step.object, np.eye(4))[:3, :3]
-            turned = poses[:, :3, :3] @ beat.held[beat.step.object][:3, :3] @ now.T @ self._up
-            self.tilt.note(float(np.arccos(np.clip(turned @ self._up, -1.0, 1.0)).max()), beat.where)
+            wanted = np.array(piece.step.placement.pose_before_to_after) @ grasp
+            self.place.note(_apart(ends, wanted), piece.where)
+        if piece.step.upright and piece.held:
+            poses = tool_poses(self.arm, self.plan, piece.segment.tool, piece.states)
+            now = self._before.get(piece.step.object, np.eye(4))[:3, :3]
+            turned = poses[:, :3, :3] @ piece.held[piece.step.object][:3, :3] @ now.T @ self._up
+            self.tilt.note(float(np.arccos(np.clip(turned @ self._up, -1.0, 1.0)).max()), piece.where)
 
     def residuals(self) -> tuple[Residual, ...]:
         """What was found."""
         found = (self.grasp, self.reach, self.held, self.place, self.tilt, self.excuse)
         return tuple(worst.residual() for worst in found)
 
-    def _to_object(self, beat: Beat, tool: FloatArray) -> float:
+    def _to_object(self, piece: SegmentReplay, tool: FloatArray) -> float:
         """Distance from the object to the room between the pads, or to the lip [m]."""
-        pose = beat.poses.get(beat.step.object, np.eye(4))
+        pose = piece.poses.get(piece.step.object, np.eye(4))
         to_tool = np.linalg.inv(tool) @ pose
         nearest = np.inf
-        jaw = self.arm.jaw if beat.segment.tool == "fingers" else None
+        jaw = self.arm.jaw if piece.segment.tool == "fingers" else None
         half = (
-            np.array([jaw.pad_size[0], beat.segment.hand.opening, jaw.pad_size[1]]) / 2.0
+            np.array([jaw.pad_size[0], piece.segment.hand.opening, jaw.pad_size[1]]) / 2.0
             if jaw
             else np.zeros(3)
         )
-        for part in self._parts[beat.step.object]:
+        for part in self._parts[piece.step.object]:
             points = part @ to_tool[:3, :3].T + to_tool[:3, 3]
             nearest = min(nearest, _box_to_hull(half, points))
         return nearest
 
-    def _excuses(self, beat: Beat) -> None:
+    def _excuses(self, piece: SegmentReplay) -> None:
         """Only the hand and what it handles, what that stands on, and neighbours at the fingers may touch."""
-        name = beat.step.object
-        carried = {held.object for held in beat.step.attachments}
-        for pair in beat.may_touch:
+        name = piece.step.object
+        carried = {held.object for held in piece.step.attachments}
+        for pair in piece.may_touch:
             links, others = pair & set(self.arm.links), pair - set(self.arm.links)
             fine = bool(links) and links <= self._hand and len(others) == 1
-            if fine and beat.segment.kind == "move":
+            if fine and piece.segment.kind == "move":
                 fine = False
             elif fine and not others <= carried:
-                fine = beat.segment.kind in ("approach", "grasp", "lift") and not others & self._fixed
+                fine = piece.segment.kind in ("approach", "grasp", "lift") and not others & self._fixed
             if not links and name in pair:
                 (other,) = pair - {name}
-                fine = self._near(beat, other)
+                fine = self._near(piece, other)
             if not fine:
                 self._unexcused += 1
-                self.excuse.note(float(self._unexcused), f"{beat.where}: {' and '.join(sorted(pair))}")
+                self.excuse.note(float(self._unexcused), f"{piece.where}: {' and '.join(sorted(pair))}")
 
-    def _near(self, beat: Beat, other: str) -> bool:
+    def _near(self, piece: SegmentReplay, other: str) -> bool:
         """Whether the object in the hand is next to another one where it is taken or put."""
         import fcl
 
-        if beat.segment.kind == "place" and beat.step.placement.into == other:
+        if piece.segment.kind == "place" and piece.step.placement.into == other:
             return True
-        if beat.segment.kind not in ("grasp", "lift") or other not in beat.poses:
+        if piece.segment.kind not in ("grasp", "lift") or other not in piece.poses:
             return False
-        name = beat.step.object
+        name = piece.step.object
         for a in self._parts[name]:
             for b in self._parts[other]:
-                first, second = _placed(a, self._before[name]), _placed(b, beat.poses[other])
+                first, second = _placed(a, self._before[name]), _placed(b, piece.poses[other])
                 if fcl.distance(first, second, fcl.DistanceRequest()) < NEAR:
                     return True
         return False

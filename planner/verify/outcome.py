@@ -24,7 +24,7 @@ def check_precedence(plan: Plan, scene: Scene | None) -> tuple[Residual, ...]:
     first = {step.object: index for index, step in reversed(list(enumerate(plan.steps)))}
     last = {step.object: index for index, step in enumerate(plan.steps)}
     own = Worst("dependencies of the plan broken", "1")
-    waits = Worst("steps that wait for nobody and should", "1")
+    waits = Worst("steps that wait for nothing and should", "1")
     late = [f"{e.then} before {e.first}" for e in plan.dependencies if first[e.first] > last[e.then]]
     own.note(float(len(late)), "; ".join(late))
     lazy: list[str] = []

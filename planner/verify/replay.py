@@ -12,7 +12,7 @@ from topple.topology.arrays import FloatArray
 
 
 @dataclass(frozen=True, eq=False)
-class Beat:
+class SegmentReplay:
     """One segment as it is played.
 
     Attributes:
@@ -47,7 +47,7 @@ class Beat:
         return frozenset(frozenset(pair) for pair in self.segment.may_touch)
 
 
-def replay(plan: Plan, step: float) -> Iterator[Beat]:
+def replay(plan: Plan, step: float) -> Iterator[SegmentReplay]:
     """Play a plan.
 
     Args:
@@ -73,7 +73,7 @@ def replay(plan: Plan, step: float) -> Iterator[Beat]:
             rest = {name: pose for name, pose in poses.items() if not (taken and name in hold)}
             states = resampled(segment, q, step)
             q = states[-1]
-            yield Beat(index, part, segment, states, rest, hold if taken else {})
+            yield SegmentReplay(index, part, segment, states, rest, hold if taken else {})
 
 
 def resampled(segment: SegmentData, q: FloatArray, step: float) -> FloatArray:
@@ -106,5 +106,5 @@ def parts_of(plan: Plan) -> dict[str, list[FloatArray]]:
 
 
 def whole_of(plan: Plan) -> dict[str, list[FloatArray]]:
-    """The same with the sides that nobody saw [m]."""
+    """The same with the hidden sides [m]."""
     return {thing.name: [np.array(part) for part in thing.whole or thing.parts] for thing in plan.objects}

@@ -10,7 +10,7 @@ from topple.planner.formats.plan_format import Plan
 from topple.planner.formats.verification import Residual, Worst
 from topple.planner.placement.drops import Drops
 from topple.planner.placement.proof import SHIFT, TURN, settled
-from topple.planner.verify.replay import Beat, parts_of, whole_of
+from topple.planner.verify.replay import SegmentReplay, parts_of, whole_of
 from topple.topology.bodies.solids import moved
 
 ROUNDED = 1e-4  # [m] what six digits and joggled hulls are off
@@ -18,9 +18,9 @@ ROUNDED = 1e-4  # [m] what six digits and joggled hulls are off
 
 @dataclass(eq=False)
 class RestCheck:
-    """Collects how far things get that are let go in the beats it is shown.
+    """Collects how far things get that are let go in the segments it is shown.
 
-    What is put on a table is asked with the sides that nobody saw, which it may have to stand on; what is put
+    What is put on a table is asked with the hidden sides, which it may have to stand on; what is put
     on or into another thing was lowered by what was seen of both. What is put into a container may roll but
     has to stay in it. A step that says that it lets its object fall is not counted, and told of.
 
@@ -39,21 +39,21 @@ class RestCheck:
         self._up = np.array(self.plan.up)
         self._parts, self._whole = parts_of(self.plan), whole_of(self.plan)
 
-    def look(self, beat: Beat) -> None:
-        """Let go what a step puts down; the beat is the one in which it does."""
-        step = beat.step
+    def look(self, piece: SegmentReplay) -> None:
+        """Let go what a step puts down; the piece is the one in which it does."""
+        step = piece.step
         into, name = step.placement.into, step.object
         riding = {held.object for held in step.attachments} - {name}
-        bodies = {n: moved(self._parts[n], pose) for n, pose in beat.poses.items() if n not in riding}
+        bodies = {n: moved(self._parts[n], pose) for n, pose in piece.poses.items() if n not in riding}
         if into is None:
-            bodies[name] = moved(self._whole[name], beat.poses[name])
+            bodies[name] = moved(self._whole[name], piece.poses[name])
         release = np.eye(4)
         release[:3, 3] += step.placement.drop * self._up
         contained = into is not None and step.placement.how == How.WITHIN
         container = np.vstack(bodies[into]) if contained and into is not None else None
         with Drops(name, bodies, self._up) as drops:
             found = settled(drops, release, np.eye(4), container, self._up)
-        where = f"step {beat.index + 1} ({name})"
+        where = f"step {piece.index + 1} ({name})"
         if step.placement.falls:
             self.allowed.append(f"{where} is let go to fall: {found}")
         elif found.outside is not None:

@@ -10,7 +10,7 @@ from topple.planner.verify.clouds import CloudCheck
 from topple.planner.verify.handled import HandCheck
 from topple.planner.verify.motions import check_motions
 from topple.planner.verify.outcome import check_goal, check_precedence
-from topple.planner.verify.replay import Beat, replay
+from topple.planner.verify.replay import SegmentReplay, replay
 from topple.planner.verify.rest import RestCheck
 from topple.robots.arm.arm import Arm
 from topple.robots.catalog import robot as robot_named
@@ -54,19 +54,19 @@ def verify(
         _check_names(plan, scene)
     fcl_check, hands = FclCheck(plan, arm), HandCheck(plan, arm)
     clouds = None if scene is None else CloudCheck(plan, arm, scene)
-    put: list[Beat] = []
+    put: list[SegmentReplay] = []
     with BulletCheck(plan, arm) as bullet:
-        for beat in replay(plan, step):
-            hands.look(beat)
-            fcl_check.look(beat)
-            bullet.look(_thinned(beat))
+        for piece in replay(plan, step):
+            hands.look(piece)
+            fcl_check.look(piece)
+            bullet.look(_thinned(piece))
             if clouds is not None:
-                clouds.look(beat)
-            if beat.segment.kind == "release":
-                put.append(beat)
+                clouds.look(piece)
+            if piece.segment.kind == "release":
+                put.append(piece)
     rest = RestCheck(plan)
-    for beat in put:
-        rest.look(beat)
+    for piece in put:
+        rest.look(piece)
     residuals = [
         *fcl_check.residuals(),
         *bullet.residuals(),
@@ -91,10 +91,10 @@ def _left_out() -> list[Residual]:
     ]
 
 
-def _thinned(beat: Beat) -> Beat:
-    """The beat with fewer states, its last one among them."""
-    index = np.unique(np.append(np.arange(0, len(beat.states), COARSE), len(beat.states) - 1))
-    return Beat(beat.index, beat.step, beat.segment, beat.states[index], beat.poses, beat.held)
+def _thinned(piece: SegmentReplay) -> SegmentReplay:
+    """The piece with fewer states, its last one among them."""
+    index = np.unique(np.append(np.arange(0, len(piece.states), COARSE), len(piece.states) - 1))
+    return SegmentReplay(piece.index, piece.step, piece.segment, piece.states[index], piece.poses, piece.held)
 
 
 def _arm(plan: Plan, robot: Arm | str | None) -> Arm:

@@ -15,8 +15,8 @@ from topple.robots.shapes.boxes import box
 from topple.robots.shapes.fruit import orange
 from topple.robots.shapes.tableware import bowl
 from topple.robots.world.bodies import Body
+from topple.topology.bodies.completed import on_feet
 from topple.topology.bodies.solids import Solids
-from topple.topology.bodies.whole import on_feet
 from topple.topology.scene import Scene
 from topple.topology.situation import Situation
 

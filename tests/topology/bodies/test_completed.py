@@ -19,7 +19,7 @@ def seen_from_one_side(viewpoints: list[list[float]]) -> Scene:
 def test_the_unseen_back_of_a_box_is_part_of_the_whole_and_not_of_what_is_kept_clear_of() -> None:
     scene = seen_from_one_side([[-0.6, 0.0, 0.6]])
     situation = Situation(scene)
-    whole, solids = situation.whole, situation.solids
+    whole, solids = situation.completed, situation.solids
     behind = np.array([0.02, 0.0, 0.02])
 
     def reach(parts: object) -> float:
@@ -34,4 +34,4 @@ def test_the_unseen_back_of_a_box_is_part_of_the_whole_and_not_of_what_is_kept_c
 
 def test_nothing_is_guessed_where_nobody_says_from_where_it_was_seen() -> None:
     situation = Situation(seen_from_one_side([]))
-    assert situation.whole is situation.solids
+    assert situation.completed is situation.solids

@@ -20,7 +20,7 @@ LEVEL = 0.5  # of its outline has to be that low: then it is a foot, not a round
 SPACING = 0.006  # [m] between the points of an underside that is looked at
 
 
-def whole_bodies(
+def completed_bodies(
     clouds: Mapping[str, FloatArray], solids: Solids, surfaces: Mapping[str, FloatArray]
 ) -> dict[str, Sequence[FloatArray]]:
     """Complete bodies.
