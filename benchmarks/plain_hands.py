@@ -8,9 +8,8 @@ import numpy as np
 
 from topple.planner.grasp.grasp import Grasp
 from topple.planner.grasp.hand import HandShape
-from topple.planner.grasp.room import ASIDE, PAST_PADS
 from topple.planner.grasp.suction import CupShape
-from topple.planner.grasp.tolerances import GRASP_TOLERANCES
+from topple.planner.grasp.tolerances import ASIDE, GRASP_TOLERANCES, PAST_PADS
 from topple.topology.arrays import FloatArray
 from topple.topology.bodies.solids import up_of
 from topple.topology.scene import Scene

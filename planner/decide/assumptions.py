@@ -6,6 +6,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 from scipy.spatial import ConvexHull, QhullError
 
+from topple.planner.decide.tolerances import BELOW, DEEP, SHARE, SUNK
 from topple.topology.arrays import FloatArray, bounds
 from topple.topology.bodies.complete import is_hollow
 from topple.topology.statics.grounds import planes_and_rest
@@ -15,21 +16,9 @@ from topple.topology.statics.rest import Statics, hull_volume
 if TYPE_CHECKING:
     from topple.topology.scene import Scene
 
-DEEP = 0.01
-"""Depth [m] below another body's hull from which clouds overlap: noise and spacing reach half of it."""
-
-SHARE = 0.1
-"""Share of an object's points that lie so deep: a few strays, or a corner of a mask, are less."""
 
 LEAST = 1e-5
 """Volume [m³] of what is reckoned with at least: of thin things little more than a face may be seen."""
-
-BELOW = 0.01
-"""How far [m] below the table's surface the top of an object lies that is said to be below it."""
-
-
-SUNK = 0.02
-"""Depth [m] to which an object reaches below the table's surface that is said: noise reaches half of it."""
 
 
 def assumptions(scene: "Scene", statics: Statics) -> tuple[str, ...]:

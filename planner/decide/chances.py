@@ -6,10 +6,8 @@ import networkx as nx
 
 from topple.planner.decide.dependency import DependencyGraph
 from topple.planner.decide.rates import rates_for
+from topple.planner.decide.tolerances import MEETING
 from topple.topology.statics.rest import Statics
-
-MEETING = 0.005
-"""Gap [m] up to which two surfaces count as one contact in a question of what would move."""
 
 
 def standing(statics: Statics) -> Mapping[tuple[str, str], tuple[int, int]]:

@@ -10,6 +10,7 @@ import networkx as nx
 import numpy as np
 
 from topple.planner.decide.rates import rates_for, way_found
+from topple.planner.decide.tolerances import BOARD, CLEARLY, PRESSED
 from topple.planner.tolerances import DISTURBED
 from topple.topology.errors import InvalidInput, UnknownObject
 from topple.topology.evidence import Evidence
@@ -43,16 +44,8 @@ class Reason(str, Enum):
 
 REASONS = tuple(Reason)
 
-PRESSED = -0.3
-"""Upward part of a contact normal below which what is taken away lies on what is left."""
-
-BOARD = 0.01
-"""What lies this far [m] below a top is under its board: thin things on it are not, despite noise."""
 
 INSIDE = (Relation.WITHIN, Relation.PARTIAL_WITHIN)
-
-CLEARLY = 0.25
-"""Two objects hook into each other over areas of like size; a share below this is what masks get wrong."""
 
 
 @dataclass(frozen=True)

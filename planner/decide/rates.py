@@ -20,6 +20,8 @@ the same maker and the seeds 7,400,025 to 7,400,044 by that of 3d582bb, with the
 
 from dataclasses import dataclass
 
+from topple.planner.decide.tolerances import CERTAIN, WIDE
+
 Likelihoods = tuple[tuple[float, float], ...]
 """For 0 to 3 of three trials in which it moved: how often that happens with a dependency, and without."""
 
@@ -72,12 +74,6 @@ ONE = Rates(
     found=(0.993, 0.946, 0.796, 0.357),
 )
 """Clouds from one camera: what it did not see carries unseen."""
-
-WIDE = 0.02
-"""Push [m] by which a lift surely meets something: twice what counts as a move."""
-
-CERTAIN = 0.98
-"""Reasoning is never believed more than this."""
 
 
 def rates_for(cameras: int | None) -> Rates:

@@ -5,14 +5,14 @@ from math import log
 
 import numpy as np
 
+from topple.planner.decide.tolerances import SURE
+
 EFFORT = 2400
 """Continuations looked at per step: with 300 partial orders all there are of eight objects."""
 
 LEAST = 30
 """Partial orders that are kept of however many objects."""
 
-SURE = 0.99
-"""No chance counts for more than this: what is certain must not hide all else."""
 
 Pairs = Mapping[tuple[str, str], float]
 """(first, then) -> a value of the ordered pair."""

@@ -5,10 +5,8 @@ from dataclasses import dataclass
 
 from topple.planner.decide.arrange import Order
 from topple.planner.decide.dependency import Dependency, DependencyGraph
+from topple.planner.decide.tolerances import LIKELY
 from topple.topology.statics.support import Support
-
-LIKELY = 0.5
-"""Below this a dependency is more likely wrong than right."""
 
 
 @dataclass(frozen=True)

@@ -5,12 +5,13 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from topple.planner.grasp.hand import PRESS
+from topple.planner.execution.tolerances import AT_HOME, NOTHING, OFF_COURSE, SHALLOW, SPEED, STILL, TOUCHDOWN
+from topple.planner.grasp.tolerances import PRESS
 from topple.planner.motion.collision import Checker
 from topple.planner.motion.planner import MotionFailure, plan_motion
 from topple.planner.motion.trajectory import retime
-from topple.planner.transfer.checks import MARGIN, RELEASE_GAP
 from topple.planner.transfer.segments import Kind, Segment
+from topple.planner.transfer.tolerances import MARGIN, RELEASE_GAP
 from topple.planner.transfer.transfer import Transfer
 from topple.robots.driver import Driver
 from topple.topology.arrays import FloatArray
@@ -18,14 +19,7 @@ from topple.topology.bodies.solids import Solids
 
 WATCHED = (Kind.LIFT, Kind.TRANSFER, Kind.PLACE)  # segments during which the object must be in the hand
 GUARDED = (Kind.APPROACH, Kind.PLACE)  # segments that a force at the wrist ends
-TOUCHDOWN = 1.0  # [N] an object that presses this much on what is below stands on it: the arm goes no further
 TOUCHED = {"fingers": 2.0, "suction": 8.0}  # [N] moves no can yet; seats a cup's lip
-STILL = 0.1  # [s] before the force at the wrist is taken for the weight of the hand and of what it holds
-SHALLOW = 0.005  # [m] before the end of the way in that a grasp still holds: a third of a pad
-OFF_COURSE = 0.03  # [rad] an arm this far from its goal is held up by something
-NOTHING = 0.001  # [m] pads closer than this have nothing between them
-AT_HOME = 0.01  # [rad]
-SPEED = 0.5  # share of the joints' velocity limits on the way home
 SAMPLES = 40  # of the tool's path per segment, for pictures
 
 

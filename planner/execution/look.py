@@ -6,6 +6,7 @@ from typing import Protocol
 
 import numpy as np
 
+from topple.planner.execution.tolerances import COARSE, FINE, GONE, MOVED, SEEN_THROUGH
 from topple.planner.pictures import picture
 from topple.robots.world.camera import Camera
 from topple.robots.world.world import World
@@ -19,12 +20,6 @@ from topple.topology.relations import Relations
 from topple.topology.scene import Scene
 from topple.topology.situation import Situation
 from topple.topology.sixim.table import Relation
-
-FINE = 0.002  # [m] between the points kept of an object: what three cameras at a metre see apart
-COARSE = 0.008  # [m] between those of a table: finer than the foot of what stands on it
-MOVED = 0.01  # [m] from where on a thing lies elsewhere than expected: three times the depth noise
-SEEN_THROUGH = 0.02  # [m] beyond a remembered point a camera sees: ten times the depth noise
-GONE = 0.5  # share of its points that must be seen through until a remembered thing is believed to be gone
 
 
 @dataclass(frozen=True, eq=False)

@@ -16,6 +16,7 @@ from topple.planner.errors import NoSafePlan
 from topple.planner.execution.execute import Outcome, execute, withdraw
 from topple.planner.execution.judge import Judge
 from topple.planner.execution.look import Eyes, Look, Observer, unexpected
+from topple.planner.execution.tolerances import STUCK
 from topple.planner.execution.watcher import Nobody, Watcher
 from topple.planner.formats.run_record import INTERRUPTED, RunRecord, StepRecord
 from topple.planner.grasp.given import GraspsByObject
@@ -35,7 +36,6 @@ from topple.topology.situation import Situation
 
 log = logging.getLogger(__name__)
 
-STUCK = 0.005  # [m] an arm this deep in something when it starts stands in it: depth noise is a third of that
 
 Progress = Callable[[str], None]
 

@@ -5,6 +5,7 @@ from types import TracebackType
 
 import numpy as np
 
+from topple.planner.execution.tolerances import EDGE, SAGGED
 from topple.planner.placement.base import choose_base
 from topple.planner.report.palette import object_colours
 from topple.planner.simulate.rebuild import Rebuilt, rebuild
@@ -23,8 +24,6 @@ from topple.topology.statics.rest import Statics
 
 RELAX = 40  # rounds of relaxing: what overlaps by millimetres is apart after a quarter of a second
 STEPS = 2  # simulation steps a round, after which everything is brought to a halt: nothing flies
-SAGGED = 0.01  # [m] a body that moves this far until it rests was not understood
-EDGE = 0.02  # [m] a table reaches beyond what was seen of it
 
 
 @dataclass(frozen=True, eq=False)

@@ -6,12 +6,9 @@ from dataclasses import dataclass
 import numpy as np
 
 from topple.planner.grasp.surface import Surface
+from topple.planner.grasp.tolerances import ALIKE, CENTRAL, FRAMES_FLAT, LEANING
 from topple.topology.arrays import FloatArray
 
-CENTRAL = 0.03  # around the centre of mass, where a grasp hardly turns in the hand [m]
-LEANING = (0.1, 0.65)  # sine of how far a side leans: less is upright to a hand, more is no side
-ALIKE = 0.2  # normals closer than this are of one side: three times their noise [rad]
-FLAT = 0.2  # share of the steep surface that a flat side makes up: of a can's it is an eighth
 ENOUGH = 2000  # normals tell the sides of a body: a share of a fifth is then off by two percent at most
 
 
@@ -75,7 +72,7 @@ def _leaning_sides(normals: FloatArray, up: FloatArray) -> list[FloatArray]:
     while left.any():
         counts = np.count_nonzero(alike & left, axis=1) * left
         most = int(np.argmax(counts))
-        if counts[most] < FLAT * len(steep):
+        if counts[most] < FRAMES_FLAT * len(steep):
             break
         side = steep[alike[most] & left]
         mean = (side * np.sign(side @ steep[most])[:, None]).mean(axis=0)

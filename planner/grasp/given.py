@@ -10,8 +10,8 @@ from topple.planner.grasp.grasp import Grasp
 from topple.planner.grasp.hand import HandShape
 from topple.planner.grasp.rank import RankedGrasp, in_the_way
 from topple.planner.grasp.reach import reachable
-from topple.planner.grasp.room import PAST_PADS, Room
-from topple.planner.grasp.tolerances import GRASP_TOLERANCES
+from topple.planner.grasp.room import Room
+from topple.planner.grasp.tolerances import GRASP_TOLERANCES, OUTER, PAST_PADS
 from topple.robots.arm.arm import Arm
 from topple.topology.arrays import FloatArray
 from topple.topology.bodies.solids import up_of
@@ -23,7 +23,6 @@ OwnGrasps = Sequence[Grasp | RankedGrasp] | Mapping[str, Sequence[Grasp | Ranked
 
 GraspsByObject = Mapping[str, Sequence[Grasp]]
 
-OUTER = 0.02  # share of the points at either end that says nothing of how wide a thing is: flying pixels
 MOST = 60  # of an object's grasps that a step may try: as many as a search of our own finds
 
 

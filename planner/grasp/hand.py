@@ -6,6 +6,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from topple.planner.grasp.tolerances import FINGER_SLABS, HAND_REACH, PRESS
 from topple.robots.arm.gripper import ParallelJaw, ToolState
 from topple.topology.arrays import FloatArray
 from topple.topology.errors import InvalidInput
@@ -13,11 +14,7 @@ from topple.topology.errors import InvalidInput
 if TYPE_CHECKING:
     from topple.robots.arm.arm import Arm
 
-FINGER_SLABS = (0.008, 0.015)  # fingers taper over their last two centimetres [m]
 Opening = float | FloatArray
-
-PRESS = 0.6  # share of the jaw's continuous force used for a grip: crockery and fruit should survive it
-HAND_REACH = 0.16  # what is further from the tool's origin does not meet what is grasped [m]
 
 
 @dataclass(frozen=True)

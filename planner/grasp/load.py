@@ -5,16 +5,12 @@ from scipy.special import ndtr
 
 from topple.planner.grasp.hand import HandShape
 from topple.planner.grasp.suction import CupShape
+from topple.planner.grasp.tolerances import HOLD_SPREAD, STRONGEST, WEIGHT_SPREAD
 from topple.robots.arm.gripper import vacuum_load
 from topple.topology.arrays import FloatArray
 from topple.topology.statics.matter import DENSITY
 
 GRAVITY = 9.81  # [m/s2]
-WEIGHT_SPREAD = 0.42  # standard deviation of a guessed weight's logarithm: a factor of two in 90 of 100
-HOLD_SPREAD = (
-    0.2  # the same of what holds a weight that is known: pads grip glaze, card and steel differently
-)
-STRONGEST = 0.8  # friction of rubber pads on an untried surface, at most
 
 
 def weight_of(volume: float, mass: float | None = None) -> float:

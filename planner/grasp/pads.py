@@ -5,15 +5,9 @@ from dataclasses import dataclass
 import numpy as np
 
 from topple.planner.grasp.hand import HandShape
-from topple.planner.grasp.tolerances import GraspTolerances
+from topple.planner.grasp.tolerances import EDGE, NORMAL_BIAS, SLOPE_LENGTH, SLOPED, GraspTolerances
 from topple.topology.arrays import BoolArray, FloatArray, IntArray
 
-NORMAL_BIAS = (
-    0.15  # normals next to a silhouette average in what lies before it, 3 mm of a can: 9 degrees [rad]
-)
-SLOPED = 0.2  # a level top has normals square to the closing direction, give or take 10 degrees of noise
-SLOPE_LENGTH = 0.01  # below the tips, where the object's widening tells a slope from noise [m]
-EDGE = 0.003  # from the outermost point, what a pad touches first [m]
 SLICES = 4  # of an outline along the pads
 
 

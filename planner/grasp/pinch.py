@@ -15,13 +15,16 @@ from topple.planner.grasp.load import chance_to_hold, jaw_load, weight_of
 from topple.planner.grasp.pads import Between, antipodality, between, extents, packed
 from topple.planner.grasp.surface import Surface
 from topple.planner.grasp.surroundings import ITSELF, Dropped, Surroundings
-from topple.planner.grasp.tolerances import GRASP_TOLERANCES, GraspTolerances
+from topple.planner.grasp.tolerances import (
+    GRASP_TOLERANCES,
+    OWN_MARGIN,
+    PINCH_BRUSH,
+    PINCH_TIGHT,
+    GraspTolerances,
+)
 from topple.topology.arrays import BoolArray, FloatArray, IntArray
 
-OWN_MARGIN = 0.0005  # fingers may come this close to the object they take [m]
-BRUSH = (0.006, 0.01)  # beside and below the hand: less room than this halves the clearance term [m]
 ROUGH = 1e-5  # more than single precision is off by at the size of a hand [m]
-TIGHT = 0.4  # the clearance term where something is that close
 NOTHING = "nothing between the pads"
 WIDE = "wider than the hand opens"
 BELOW = "the hand would go below the ground"
@@ -218,7 +221,7 @@ def _room(
         passed = _passed(reach, prisms, look, hold.of(left), hand, prisms is hand.finger, tolerances, hits)
         brushed[left], met[left] = brushed[left] | passed[0], passed[1]
         hits.tell(what, passed[1], dropped)
-    return np.where(met, 0.0, np.where(brushed, TIGHT, 1.0))
+    return np.where(met, 0.0, np.where(brushed, PINCH_TIGHT, 1.0))
 
 
 class _Hits:
@@ -275,14 +278,16 @@ def _reaches(
         z_in = np.where(there, exact[:, :, 2], np.inf)
         return _Reach(exact[:, :, 0], exact[:, :, 1], z_in, index, margin[index])
 
-    first = min((prism.y[0] for prism in hand.finger), default=0.0) - BRUSH[0] - ROUGH
+    first = min((prism.y[0] for prism in hand.finger), default=0.0) - PINCH_BRUSH[0] - ROUGH
     beside = (y > inner + np.float32(first)) | (-y > least + np.float32(first))
     found: list[_Reach] = []
     for prisms, near in ((hand.finger, beside), (hand.palm, np.ones_like(beside))):
-        wide = max((max(-prism.x[0], prism.x[1]) for prism in prisms), default=-np.inf) + BRUSH[0] + ROUGH
-        aside = max((max(-prism.y[0], prism.y[1]) for prism in prisms), default=0.0) + BRUSH[0] + ROUGH
+        wide = (
+            max((max(-prism.x[0], prism.x[1]) for prism in prisms), default=-np.inf) + PINCH_BRUSH[0] + ROUGH
+        )
+        aside = max((max(-prism.y[0], prism.y[1]) for prism in prisms), default=0.0) + PINCH_BRUSH[0] + ROUGH
         limit = middle + np.float32(aside) + (outer if prisms is hand.finger else np.float32(0.0))
-        front = max((prism.front for prism in prisms), default=-np.inf) + BRUSH[1]
+        front = max((prism.front for prism in prisms), default=-np.inf) + PINCH_BRUSH[1]
         found.append(those(near & (x < np.float32(wide)) & (np.abs(y) < limit), front))
     closing = (
         foreign
@@ -327,23 +332,26 @@ def _passed(
     brushed, met = np.zeros(2 * count, dtype=bool), np.zeros(2 * count, dtype=bool)
     if not prisms:
         return brushed[:count], met[:count]
-    key, at, y = _met(reach, look, hold, hand, max(prism.front for prism in prisms) + BRUSH[1])
+    key, at, y = _met(reach, look, hold, hand, max(prism.front for prism in prisms) + PINCH_BRUSH[1])
     if mirrored:  # from the one pad outwards, and from the other, which counts for itself
         half = (hold.opening / 2.0)[key]
         key, at, y = np.concatenate([key, key + count]), np.tile(at, 2), np.concatenate([y - half, -y - half])
     first, last = min(prism.y[0] for prism in prisms), max(prism.y[1] for prism in prisms)
-    near = np.flatnonzero((y > first - BRUSH[0]) & (y < last + BRUSH[0]))
+    near = np.flatnonzero((y > first - PINCH_BRUSH[0]) & (y < last + PINCH_BRUSH[0]))
     key, at, y = key[near], at[near], y[near]
     x, z, margin = (values.reshape(-1)[at] for values in (reach.x, reach.z, reach.margin))
     z = z - (hold.tip - hand.tip)[key % count]
     for prism in prisms:
-        near = np.flatnonzero(z < prism.front + BRUSH[1])
+        near = np.flatnonzero(z < prism.front + PINCH_BRUSH[1])
         a, b, c, keep = x[near], y[near], z[near], margin[near]
         # distance beside the prism, negative within
         aside = np.maximum(
             np.maximum(prism.x[0] - a, a - prism.x[1]), np.maximum(prism.y[0] - b, b - prism.y[1])
         )
-        for found, hit in ((brushed, aside < BRUSH[0]), (met, (aside < keep) & (c < prism.front + keep))):
+        for found, hit in (
+            (brushed, aside < PINCH_BRUSH[0]),
+            (met, (aside < keep) & (c < prism.front + keep)),
+        ):
             found |= np.bincount(key[near[hit]], minlength=2 * count) > tolerances.stray_points
             if found is met:
                 hits.add(reach, key[near[hit]] % count, at[near[hit]])

@@ -9,10 +9,9 @@ from scipy.spatial import KDTree
 from topple.planner.decide.dependency import dependencies
 from topple.planner.grasp.foreign import ForeignGrasps, grasps_from_array
 from topple.planner.grasp.grasp import Grasp, GraspKind
-from topple.planner.grasp.hand import HAND_REACH
 from topple.planner.grasp.reach import reachable
 from topple.planner.grasp.room import Room
-from topple.planner.grasp.tolerances import GRASP_TOLERANCES
+from topple.planner.grasp.tolerances import GRASP_TOLERANCES, HAND_REACH
 from topple.robots.arm.arm import Arm
 from topple.robots.catalog import robot as robot_named
 from topple.topology.arrays import FloatArray

@@ -6,15 +6,18 @@ from topple.planner.grasp.frames import Frames, cross
 from topple.planner.grasp.hand import HandShape
 from topple.planner.grasp.surface import Surface
 from topple.planner.grasp.surroundings import Dropped
-from topple.planner.grasp.tolerances import GRASP_TOLERANCES, GraspTolerances
+from topple.planner.grasp.tolerances import (
+    FEWEST,
+    GRASP_TOLERANCES,
+    LEANS,
+    PATCH,
+    RIMS_FLAT,
+    STEEPEST,
+    GraspTolerances,
+)
 from topple.topology.arrays import FloatArray
 
 DIRECTIONS = 16  # around the object: with 8 a plate among four neighbours may have none between two of them
-LEANS = (0.0, 0.2, 0.4)  # of the approach against the sheet [rad]: just within the friction cone
-PATCH = 0.02  # of the sheet, from its edge inwards, that its slope is taken from [m]
-FLAT = 0.15  # variance across a sheet, relative to that along its edge: what a plate's flange stays below
-STEEPEST = 0.6  # upward share of a sheet's normal: fingers reach both sides of a steeper one from above
-FEWEST = 8  # points a slope is taken from
 
 
 def rim_frames(
@@ -78,7 +81,7 @@ def _edges(points: FloatArray, up: FloatArray) -> list[tuple[FloatArray, FloatAr
             continue
         values, vectors = np.linalg.eigh(np.cov(near.T))
         normal = vectors[:, 0] * np.sign(vectors[:, 0] @ up)
-        if values[0] < FLAT * values[1] and normal @ up > STEEPEST:
+        if values[0] < RIMS_FLAT * values[1] and normal @ up > STEEPEST:
             along = out - normal * float(out @ normal)
             found.append((place, along / np.linalg.norm(along), normal))
     return found

@@ -10,18 +10,11 @@ from topple.planner.grasp.cells import Cells, Region
 from topple.planner.grasp.hand import HandShape, hand_shape
 from topple.planner.grasp.suction import CupShape, cup_shape
 from topple.planner.grasp.surroundings import floor_near
-from topple.planner.grasp.tolerances import GRASP_TOLERANCES
+from topple.planner.grasp.tolerances import ASIDE, AT_LIP, FINE, GRASP_TOLERANCES, PAST_PADS
 from topple.robots.arm.arm import Arm
 from topple.robots.catalog import robot
 from topple.topology.arrays import BoolArray, FloatArray, IntArray
 from topple.topology.scene import Scene
-
-ASIDE = 0.12  # [m] beside the approach: hands are no wider, and what is further out is the arm's to avoid
-FINE = 0.006  # [m] cells of what pads may hold: a third of a pad's width, so that few are cut by its bounds
-PAST_PADS = (
-    0.005  # [m] beyond the pads' ends, where what they hold may begin: depth noise and a finger's play
-)
-AT_LIP = 0.01  # [m] before and behind a cup's lip, where what it takes may lie: depth noise and its bellows
 
 
 @dataclass(frozen=True, eq=False)

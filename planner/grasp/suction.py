@@ -6,10 +6,17 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from topple.planner.grasp.frames import spread
-from topple.planner.grasp.hand import FINGER_SLABS, Prism, hand_bodies, prisms
+from topple.planner.grasp.hand import Prism, hand_bodies, prisms
 from topple.planner.grasp.surface import Surface
 from topple.planner.grasp.surroundings import ITSELF, Dropped, Surroundings
-from topple.planner.grasp.tolerances import GRASP_TOLERANCES, GraspTolerances
+from topple.planner.grasp.tolerances import (
+    FINGER_SLABS,
+    GRASP_TOLERANCES,
+    RING,
+    SUCTION_BRUSH,
+    SUCTION_TIGHT,
+    GraspTolerances,
+)
 from topple.robots.arm.gripper import SuctionCup
 from topple.topology.arrays import BoolArray, FloatArray
 from topple.topology.errors import InvalidInput
@@ -18,13 +25,9 @@ if TYPE_CHECKING:
     from topple.robots.arm.arm import Arm
 
 SECTORS = 8  # the lip is judged in eight parts: a gap in any of them leaks
-BRUSH = 0.006  # beside and below the hand: less room than this makes the clearance term `TIGHT` [m]
-TIGHT = 0.4
 SPARSE = "too few points for a cup's lip"
 STEEP = "too steep for the cup"
 UNEVEN = "no smooth patch as wide as the cup's lip"
-
-RING = (0.8, 1.4)  # of the lip's radius: where it lies, and the 2 mm around it that rubber spreads over
 
 
 @dataclass(frozen=True)
@@ -247,8 +250,8 @@ def _room(
         if met.any():
             dropped.no_room("hand", around.met(met) if points is foreign else ITSELF)
             return None
-        brushed = brushed or bool(_inside(points, cup.body, BRUSH, BRUSH, tolerances).any())
-    return TIGHT if brushed else 1.0
+        brushed = brushed or bool(_inside(points, cup.body, SUCTION_BRUSH, SUCTION_BRUSH, tolerances).any())
+    return SUCTION_TIGHT if brushed else 1.0
 
 
 def _inside(

@@ -60,3 +60,125 @@ class GraspTolerances:
 
 
 GRASP_TOLERANCES = GraspTolerances()
+
+# -- frames
+
+CENTRAL = 0.03
+"""Around the centre of mass, where a grasp hardly turns in the hand [m]."""
+
+LEANING = (0.1, 0.65)
+"""Sine of how far a side leans: less is upright to a hand, more is no side."""
+
+ALIKE = 0.2
+"""Normals closer than this are of one side: three times their noise [rad]."""
+
+FRAMES_FLAT = 0.2
+"""Share of the steep surface that a flat side makes up: of a can's it is an eighth."""
+
+
+# -- given
+
+OUTER = 0.02
+"""Share of the points at either end that says nothing of how wide a thing is: flying pixels."""
+
+
+# -- hand
+
+FINGER_SLABS = (0.008, 0.015)
+"""Fingers taper over their last two centimetres [m]."""
+
+PRESS = 0.6
+"""Share of the jaw's continuous force used for a grip: crockery and fruit should survive it."""
+
+HAND_REACH = 0.16
+"""What is further from the tool's origin does not meet what is grasped [m]."""
+
+
+# -- load
+
+WEIGHT_SPREAD = 0.42
+"""Standard deviation of a guessed weight's logarithm: a factor of two in 90 of 100."""
+
+HOLD_SPREAD = 0.2
+"""The same of what holds a weight that is known: pads grip glaze, card and steel differently."""
+
+STRONGEST = 0.8
+"""Friction of rubber pads on an untried surface, at most."""
+
+
+# -- pads
+
+NORMAL_BIAS = 0.15
+"""Normals next to a silhouette average in what lies before it, 3 mm of a can: 9 degrees [rad]."""
+
+SLOPED = 0.2
+"""A level top has normals square to the closing direction, give or take 10 degrees of noise."""
+
+SLOPE_LENGTH = 0.01
+"""Below the tips, where the object's widening tells a slope from noise [m]."""
+
+EDGE = 0.003
+"""From the outermost point, what a pad touches first [m]."""
+
+
+# -- pinch
+
+OWN_MARGIN = 0.0005
+"""Fingers may come this close to the object they take [m]."""
+
+PINCH_BRUSH = (0.006, 0.01)
+"""Beside and below the hand: less room than this halves the clearance term [m]."""
+
+PINCH_TIGHT = 0.4
+"""The clearance term where something is that close."""
+
+
+# -- rims
+
+LEANS = (0.0, 0.2, 0.4)
+"""Of the approach against the sheet [rad]: just within the friction cone."""
+
+PATCH = 0.02
+"""Of the sheet, from its edge inwards, that its slope is taken from [m]."""
+
+RIMS_FLAT = 0.15
+"""Variance across a sheet, relative to that along its edge: what a plate's flange stays below."""
+
+STEEPEST = 0.6
+"""Upward share of a sheet's normal: fingers reach both sides of a steeper one from above."""
+
+FEWEST = 8
+"""Points a slope is taken from."""
+
+
+# -- room
+
+ASIDE = 0.12
+"""[m] beside the approach: hands are no wider, and what is further out is the arm's to avoid."""
+
+FINE = 0.006
+"""[m] cells of what pads may hold: a third of a pad's width, so that few are cut by its bounds."""
+
+PAST_PADS = 0.005
+"""[m] beyond the pads' ends, where what they hold may begin: depth noise and a finger's play."""
+
+AT_LIP = 0.01
+"""[m] before and behind a cup's lip, where what it takes may lie: depth noise and its bellows."""
+
+
+# -- suction
+
+SUCTION_BRUSH = 0.006
+"""Beside and below the hand: less room than this makes the clearance term `TIGHT` [m]."""
+
+SUCTION_TIGHT = 0.4
+"""The clearance term where something brushes the lip that close."""
+
+RING = (0.8, 1.4)
+"""Of the lip's radius: where it lies, and the 2 mm around it that rubber spreads over."""
+
+
+# -- widen
+
+SHARES = (1.0, 0.5)
+"""Of the way from the opening that was found to the largest, widest first."""

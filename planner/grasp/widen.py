@@ -9,10 +9,8 @@ from topple.planner.grasp.grasp import Grasp, GraspKind
 from topple.planner.grasp.hand import HandShape
 from topple.planner.grasp.surface import Surface
 from topple.planner.grasp.surroundings import Surroundings
-from topple.planner.grasp.tolerances import GRASP_TOLERANCES, GraspTolerances
+from topple.planner.grasp.tolerances import GRASP_TOLERANCES, SHARES, GraspTolerances
 from topple.topology.arrays import BoolArray, FloatArray
-
-SHARES = (1.0, 0.5)  # of the way from the opening that was found to the largest, widest first
 
 
 def widened(

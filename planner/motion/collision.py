@@ -10,6 +10,7 @@ from topple.planner.motion.broad import BroadPhase
 from topple.planner.motion.exact import ExactPhase
 from topple.planner.motion.model import Attachment, CollisionModel
 from topple.planner.motion.obstacles import Obstacle
+from topple.planner.motion.tolerances import EDGE_STEP
 from topple.robots.arm.arm import Arm
 from topple.robots.arm.gripper import ToolState
 from topple.robots.collision.separation import Candidates, Float32Array, Frames, gaps
@@ -20,7 +21,6 @@ SMALL = 96  # states that cost little more than a few: such a batch is not divid
 FEW = 64  # open pairs that python-fcl settles sooner than another round of separating directions
 FAR = 1e3  # [m] where nothing is
 ROUNDED = 5e-5  # [m] less than a state has is wanted near it: what is equal is not proven
-EDGE_STEP = 0.05  # [rad] largest joint change between two checked states of an edge, the usual resolution
 
 
 @dataclass(frozen=True)

@@ -7,18 +7,16 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from topple.planner.motion.certificate import Certificate, Certifier
-from topple.planner.motion.collision import EDGE_STEP, Checker, Contact
+from topple.planner.motion.collision import Checker, Contact
 from topple.planner.motion.rrt import rrt_connect
 from topple.planner.motion.shortcut import densely, length, shortcut
+from topple.planner.motion.tolerances import CLEARANCE, EDGE_STEP, PATIENCE, RELAXED
 from topple.topology.arrays import BoolArray, FloatArray, frozen
 from topple.topology.errors import InvalidInput
 from topple.topology.rounded import rounded
 
 DIRECT = 16  # goals tried by a straight edge: the nearest with the first check, then the others at once
 ATTEMPTS = 4  # searches with different seeds before a path that could not be certified is returned
-CLEARANCE = 0.005  # [m] kept to obstacles on the way: depth noise and tracking error, each some 2 mm
-RELAXED = (1.0, 0.2, 0.0)  # shares of the clearance that are tried in turn: none is better than no motion
-PATIENCE = (0.35, 0.55, 1.0)  # share of the budget that is used up to each
 OWN_SHARE = 0.7  # of the time left, for our own search; the rest is OMPL's
 
 

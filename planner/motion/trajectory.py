@@ -4,11 +4,11 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from topple.planner.motion.tolerances import CORNER_SHARE
 from topple.robots.arm.arm import Arm
 from topple.topology.arrays import FloatArray, frozen
 
 PERIOD = 1 / 240  # [s] sampling of a trajectory: one PyBullet step
-CORNER_SHARE = 0.25  # of the acceleration limits, for the jump of direction at a waypoint
 
 
 @dataclass(frozen=True, eq=False)

@@ -7,14 +7,13 @@ import numpy as np
 
 from topple.planner.motion.certificate import Certifier
 from topple.planner.motion.collision import Checker
-from topple.planner.motion.planner import CLEARANCE, Motion, MotionFailure, keeping
+from topple.planner.motion.planner import Motion, MotionFailure, keeping
 from topple.planner.motion.rrt import RRTSettings, rrt_connect
 from topple.planner.motion.shortcut import shortcut
+from topple.planner.motion.tolerances import CLEARANCE, STEP, WITHIN
 from topple.robots.arm.arm import Arm
 from topple.topology.arrays import BoolArray, FloatArray
 
-STEP = 0.01  # [rad] between states of an edge whose tilt is looked at
-WITHIN = 0.6  # share of the tilt that states are turned back to: the rest is for the edges between them
 ROUNDS = 12  # steps of turning back; tilts of 0.5 rad take five
 REACH = RRTSettings(reach=0.35)  # [rad] longer branches leave the band of small tilts more often than not
 DAMPING = 1e-3

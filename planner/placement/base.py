@@ -9,6 +9,7 @@ from topple.planner.motion.collision import Checker
 from topple.planner.placement.free_space import FreeSpace, free_spaces
 from topple.planner.placement.placement import reachable
 from topple.planner.placement.resting import PLACEMENT_TOLERANCES
+from topple.planner.placement.tolerances import DISTANCES, FOOT, HOVER, STEP
 from topple.robots.arm.arm import Arm
 from topple.topology.arrays import FloatArray
 from topple.topology.bodies.solids import level_axes
@@ -18,15 +19,7 @@ from topple.topology.geometry.samples import voxel_means
 from topple.topology.scene import Scene
 from topple.topology.situation import Situation
 
-DISTANCES = (
-    0.45,
-    0.55,
-    0.65,
-)  # from the middle of what is handled: an arm works best at two thirds of its reach [m]
 DIRECTIONS = 16
-FOOT = 0.15  # nothing may stand this close to the middle of the base [m]
-HOVER = 0.10  # a hand this far above an object's top must be reachable, to take it and to carry it away [m]
-STEP = 0.02  # what rises less above the level the arm stands on is no hindrance to its foot [m]
 SEEDS = 6
 
 

@@ -8,6 +8,7 @@ from types import TracebackType
 import numpy as np
 
 from topple.planner.placement.placement import Placement
+from topple.planner.placement.tolerances import CLEAR, OTHER_FACE, QUIET, SECONDS
 from topple.planner.tolerances import DISTURBED, TURNED
 from topple.robots.collision.fcl_bodies import apart
 from topple.robots.poses import angle_between
@@ -16,11 +17,6 @@ from topple.topology.bodies.solids import Solids, moved
 from topple.topology.scene import Scene
 from topple.topology.situation import Situation
 from topple.topology.sixim.table import Relation
-
-SECONDS = 1.5  # of simulation: a fall of 4 cm takes 0.1, rolling down a bowl and back half a second
-CLEAR = 0.01  # [m] beside what lies in a container: more than two bodies and a drop are off by
-OTHER_FACE = 0.25  # [rad] a face found on noisy points is that far from the one it stands on
-QUIET = 0.8  # of that may be pushed where room could be made instead: taking things out stirs a heap more
 
 
 class Drops:

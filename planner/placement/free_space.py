@@ -8,12 +8,11 @@ from scipy.ndimage import distance_transform_edt
 from scipy.spatial import ConvexHull, QhullError
 
 from topple.planner.placement.resting import PLACEMENT_TOLERANCES, PlacementTolerances
+from topple.planner.placement.tolerances import SKIN
 from topple.topology.arrays import BoolArray, FloatArray, IntArray
 from topple.topology.bodies.solids import level_axes
 from topple.topology.bodies.tops import Top, tops_of
 from topple.topology.situation import Situation
-
-SKIN = 0.01  # what reaches no further above a top is the top itself, or below it: depth noise [m]
 
 
 @dataclass(frozen=True, eq=False)

@@ -14,6 +14,7 @@ from topple.planner.placement.resting import (
     about,
     resting_poses,
 )
+from topple.planner.placement.tolerances import BARRING, PLACEMENT_SPARE
 from topple.topology.arrays import BoolArray, FloatArray, frozen
 from topple.topology.bodies.solids import level_axes
 from topple.topology.errors import UnknownObject
@@ -22,8 +23,6 @@ from topple.topology.scene import Scene
 from topple.topology.situation import Situation
 
 KEPT = 80  # best places of each attitude and heading that are compared
-BARRING = 0.1  # share of its score that a place in the way of what remains keeps: below any that is not
-SPARE = 3  # places of each attitude that comes off worse: a hand may not get down in the better ones
 
 
 @dataclass(frozen=True, eq=False)
@@ -123,7 +122,7 @@ def placements(
     ]
     best = _spread_out([place for places in found for place in places], middle, limit)
     worse = [places for places in found if not any(place in best for place in places)]
-    spare = [place for places in worse for place in _spread_out(places, middle, SPARE)]
+    spare = [place for places in worse for place in _spread_out(places, middle, PLACEMENT_SPARE)]
     return [*best[: max(limit - len(spare), limit // 2)], *spare][:limit]
 
 

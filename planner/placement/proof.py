@@ -14,16 +14,11 @@ from topple.planner.decide.goal import How
 from topple.planner.placement.drops import Drops, simulated
 from topple.planner.placement.placement import Placement
 from topple.planner.placement.stacking import inset
+from topple.planner.placement.tolerances import PROOF_SPARE, SHIFT, TURN
 from topple.robots.poses import angle_between
 from topple.topology.arrays import FloatArray
 from topple.topology.bodies.solids import level_axes
 from topple.topology.situation import Situation
-
-SHIFT = 0.015  # [m] a thing may move until it rests: its body is a guess from noisy points
-TURN = 0.35  # [rad] and turn: it lies down on the face next to the one that was meant
-SPARE = (
-    2.0 / 3.0
-)  # of these limits a plan may use: the same drop of numbers rounded to a millionth ends apart
 
 
 @dataclass(frozen=True)
@@ -101,7 +96,7 @@ class Proof:
 
     def holds(self, place: Placement) -> bool:
         """Whether the object stays where a place has it, with some to spare; unasked without PyBullet."""
-        return not place.falls and (not simulated() or self.settled(place).within(SPARE))
+        return not place.falls and (not simulated() or self.settled(place).within(PROOF_SPARE))
 
 
 def settled(

@@ -6,14 +6,10 @@ from dataclasses import dataclass
 import numpy as np
 from scipy.spatial import ConvexHull, QhullError
 
+from topple.planner.placement.tolerances import ALIKE, FLAT_SHARE, FLATNESS, MOST_TILT
 from topple.topology.arrays import FloatArray
 from topple.topology.bodies.solids import hull_vertices, level_axes
 from topple.topology.geometry.samples import centre_of_mass, voxel_means
-
-FLATNESS = 0.2  # thickness over length below which a thing lies flat by itself, as cutlery does
-MOST_TILT = 0.35  # what turned over by so much comes to lie on another face [rad]
-ALIKE = 0.2  # [rad] attitudes closer than this are one to a hand
-FLAT_SHARE = 0.5  # of its thickness: what of a bent thing counts as its underside
 
 
 @dataclass(frozen=True)

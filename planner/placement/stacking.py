@@ -15,6 +15,7 @@ from topple.planner.placement.resting import (
     about,
     resting_poses,
 )
+from topple.planner.placement.tolerances import CELL, CONTACT, HEADINGS, INSET, SPOT
 from topple.topology.arrays import FloatArray, IntArray
 from topple.topology.bodies.solids import hull_vertices, level_axes
 from topple.topology.bodies.tops import tops_of
@@ -23,16 +24,10 @@ from topple.topology.geometry.samples import centre_of_mass, sampled, voxel_mean
 from topple.topology.scene import Scene
 from topple.topology.situation import Situation
 
-CELL = 0.005  # grid of heights: half a finger's thickness [m]
-CONTACT = 0.005  # cells this close to touching carry: depth noise of both surfaces [m]
-INSET = 0.2  # on: the centre of mass keeps this share of the smaller half width from the carrying face's edge
 YAWS = 8
-SPOT = 0.012  # placements this close are at one spot: less than the least difference of two drops [m]
-HEADINGS = 4  # kept of one spot
 DROPS = {
     How.WITHIN: (0.005, 0.02, 0.04, 0.08)
 }  # into a container also from higher up: hands need room beside [m]
-GENTLE = 0.04  # falls up to here do no harm: what falls deeper bounces [m]
 
 
 @dataclass(frozen=True, eq=False)

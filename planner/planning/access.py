@@ -10,12 +10,10 @@ from topple.planner.decide.dependency import DependencyGraph
 from topple.planner.grasp.candidates import grasp_candidates
 from topple.planner.grasp.reach import reachable
 from topple.planner.grasp.tolerances import GRASP_TOLERANCES
+from topple.planner.planning.tolerances import TOGETHER
 from topple.robots.arm.arm import Arm
 from topple.topology.arrays import FloatArray
 from topple.topology.situation import Situation
-
-TOGETHER = 2
-"""At most so many are looked for that only together leave room; more are all said to be in the way."""
 
 
 @dataclass(frozen=True)

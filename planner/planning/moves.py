@@ -13,6 +13,7 @@ from topple.planner.placement.placement import Placement, placements
 from topple.planner.placement.proof import Proof
 from topple.planner.placement.shortage import shortage
 from topple.planner.planning.step import Station
+from topple.planner.planning.tolerances import BESIDE
 from topple.planner.transfer.segments import Kind
 from topple.planner.transfer.transfer import (
     NO_PLACE,
@@ -27,7 +28,6 @@ from topple.topology.sixim.table import Relation
 
 INSIDE = (Relation.WITHIN, Relation.PARTIAL_WITHIN)
 MORE_HANDS = TransferLimits(grasps=60, reached=80)  # all hands that a search for grasps finds
-BESIDE = 0.05  # [m] what is closer to an object than this bars a hand: half an open hand's width
 
 
 class Moves:

@@ -21,18 +21,17 @@ from topple.planner.grasp.given import GraspsByObject
 from topple.planner.grasp.grasp import Grasp
 from topple.planner.placement.drops import staying
 from topple.planner.placement.placement import Placement
-from topple.planner.placement.stacking import GENTLE, over, placements_on
+from topple.planner.placement.stacking import over, placements_on
+from topple.planner.placement.tolerances import GENTLE
 from topple.planner.planning.moves import MORE_HANDS, Moves
 from topple.planner.planning.order import ordered
 from topple.planner.planning.step import Action, NextStep, Orderer, Station
+from topple.planner.planning.tolerances import CHOICE, MORE_CHOICE
 from topple.planner.transfer.segments import Kind
 from topple.planner.transfer.transfer import TRANSFER_LIMITS, Transfer, TransferLimits
 from topple.topology.errors import InvalidInput, UnknownObject
 from topple.topology.scene import Scene
 from topple.topology.situation import Situation
-
-CHOICE = 48  # placements on or into a thing to choose from: a dozen spots, four headings each
-MORE_CHOICE = 192  # where no more room can be made: also the spots from higher up, each a drop in simulation
 
 Rung = tuple[Fallback | None, Callable[[], NextStep | None]]
 """A way on, with its name; None for the plain one."""

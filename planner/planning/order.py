@@ -14,6 +14,7 @@ from topple.planner.decide.assumptions import assumptions as assumed
 from topple.planner.decide.beliefs import Beliefs
 from topple.planner.decide.chances import reasoned
 from topple.planner.decide.dependency import DependencyGraph, dependencies
+from topple.planner.planning.tolerances import REMOVAL_RISK
 from topple.topology.errors import InvalidInput, UnknownObject
 from topple.topology.situation import Situation
 from topple.topology.statics.gravity import check_up
@@ -22,9 +23,6 @@ if TYPE_CHECKING:
     from topple.robots.arm.arm import Arm
     from topple.topology.relations import Relations
     from topple.topology.scene import Scene
-
-REMOVAL_RISK = 0.05
-"""Chance that a grasp, a lift or a placement of an arm in simulation disturbs something by itself."""
 
 
 def order(

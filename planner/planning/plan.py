@@ -8,7 +8,7 @@ from dataclasses import dataclass, field, replace
 import numpy as np
 
 from topple.planner.decide.goal import Goal, parse_goal
-from topple.planner.decide.turn import LIKELY
+from topple.planner.decide.tolerances import LIKELY
 from topple.planner.errors import NoSafePlan
 from topple.planner.formats.plan_data import dependency_data, objects_data, step_data
 from topple.planner.formats.plan_format import DependencyData, Plan, Step
@@ -22,6 +22,7 @@ from topple.planner.planning.next_step import StepChooser
 from topple.planner.planning.order import ordered
 from topple.planner.planning.start import check_start, check_upright
 from topple.planner.planning.step import NextStep, Orderer, Station
+from topple.planner.planning.tolerances import MOST_STEPS
 from topple.planner.transfer.transfer import after
 from topple.robots.arm.arm import Arm
 from topple.robots.catalog import robot as robot_named
@@ -35,7 +36,6 @@ from topple.topology.statics.gravity import check_up
 
 Progress = Callable[[str], None]
 UNPROVEN = "placements were not let go in simulation: PyBullet is not installed"
-MOST_STEPS = 3  # for each object: a plan that handles one more often goes in circles
 
 
 def plan(

@@ -6,6 +6,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from topple.planner.simulate.tolerances import DOWNWARD, LIFT, SETTLE, SPEED, STILL, WATCHED
 from topple.robots.engine import pybullet
 from topple.robots.poses import angle_between
 from topple.robots.world.world import World
@@ -14,29 +15,9 @@ from topple.topology.arrays import FloatArray
 if TYPE_CHECKING:
     from topple.planner.simulate.rebuild import Rebuilt
 
-SPEED = 0.08
-"""Speed of the straight lift [m/s]."""
-
-LIFT = 0.25
-"""Height of the straight lift [m]."""
-
-SETTLE = 1.0
-"""Time [s] that what was disturbed gets to come to rest before it is looked at."""
-
-DOWNWARD = 0.7
-"""Contact normals steeper than 45 degrees come from something above."""
-
-STILL = 5e-4
-"""Speed [m/s] (ten times as many [rad/s] for turns) below which nothing will move a centimetre any more."""
-
-WATCHED = 2.0
-"""Seconds that a rebuilt world is watched while nothing is done."""
 
 SLOW = 48
 """Steps at the start in which every speed is taken away: overlaps dissolve, nothing is thrown."""
-
-FRICTIONS = ((0.5, 0.6), (0.4, 0.4), (0.75, 0.75))
-"""Friction between objects and with the table, in each of which the question is asked."""
 
 
 @dataclass(frozen=True)

@@ -8,6 +8,7 @@ import numpy as np
 from scipy.spatial import ConvexHull
 
 from topple.planner.simulate.seating import Seat, Shape, balanced, floor_cut, part, seat
+from topple.planner.simulate.tolerances import EDGE, FEWEST, FILLED, INTRUDERS, SLAB
 from topple.robots.world.bodies import FRICTION, Body
 from topple.robots.world.body_clouds import Piece, shell, solid
 from topple.robots.world.world import TABLE_FRICTION, World
@@ -17,23 +18,8 @@ from topple.topology.statics.grounds import planes_and_rest
 from topple.topology.statics.rest import Statics
 from topple.topology.upright import Upright
 
-SLAB = 0.03
-"""Thickness [m] of a flat fixed surface that is not the floor."""
-
-EDGE = 0.01
-"""Points of a fixed body this close [m] to the board under a top are the board's own edge and underside."""
-
-FEWEST = 12
-"""Points of a fixed body beside its tops that make a wall: fewer are noise."""
-
 FLOOR = "the floor"
 """What everything stands on in a rebuilt world."""
-
-FILLED = 0.006
-"""A hull that has points of other things this deep [m] inside it is not filled by its own."""
-
-INTRUDERS = 6
-"""Such points it takes: a few are what masks get wrong at edges."""
 
 
 @dataclass(frozen=True, eq=False)

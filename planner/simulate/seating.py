@@ -10,40 +10,25 @@ from dataclasses import dataclass
 import numpy as np
 from scipy.spatial import ConvexHull, QhullError
 
+from topple.planner.simulate.tolerances import (
+    CELL,
+    CLEAR,
+    FAR,
+    INSIDE,
+    LEVEL_BONUS,
+    NEAR,
+    SEEN_WEIGHT,
+    SLACK,
+    SURELY,
+)
 from topple.robots.collision.convex import hull_of
 from topple.robots.world.body_clouds import Piece
 from topple.topology.arrays import BoolArray, FloatArray, IntArray
 from topple.topology.views.sight import Sight
 
-CELL = 0.006
-"""Edge [m] of the plan cells in which an underside is held against what lies below it: a spoon has five."""
-
-CLEAR = 0.0003
-"""Overlap [m] that the simulation itself takes away without anything moving."""
-
-SLACK = 0.003
-"""Cells of an underside this much [m] further from what lies below than the closest rest on it: noise."""
-
-NEAR = 0.006
-"""A gap [m] up to which a seen underside is set down on what lies below: the noise of two surfaces, twice."""
-
-SEEN_WEIGHT = 3.0
-"""Cutting a millimetre of what was seen is worse by this than cutting one of what was invented."""
-
-LEVEL_BONUS = 0.002
-"""Things lie on each other: a level cut is preferred to one that saves less than this [m]."""
-
 STEPS = (0.006, 0.012, 0.025, 0.05)
 """Further gaps [m] that are closed under a hidden underside until the weight lies over what carries it."""
 
-FAR = 0.25
-"""No gap larger than this [m] is closed: things are not taller than that out of sight."""
-
-INSIDE = 0.004
-"""The weight must lie this far [m] inside the outline of what carries it, as pushes and noise shift it."""
-
-SURELY = 0.01
-"""Further inside [m] it need not be: a centre of mass half guessed is known to a centimetre."""
 
 Shape = list[Piece]
 

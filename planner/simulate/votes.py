@@ -12,22 +12,13 @@ import numpy as np
 
 from topple.planner.decide.dependency import Dependency, DependencyGraph, Reason
 from topple.planner.decide.rates import posterior, rates_for
-from topple.planner.simulate.lifts import FRICTIONS, Move, Stage, Trial
+from topple.planner.simulate.lifts import Move, Stage, Trial
 from topple.planner.simulate.rebuild import rebuild
+from topple.planner.simulate.tolerances import FRICTIONS, NOISE, RESERVE, TRUSTED
 from topple.topology.statics.rest import Statics
 
 BUDGET = 20.0
 """Seconds that checking a pile of eight may take on two cores."""
-
-RESERVE = 0.3
-"""Seconds of the budget that are kept for ending the simulations and sorting the answer."""
-
-TRUSTED = 0.6
-"""A body that sagged by more than this share of a move (1 cm or 10 degrees) while its rebuilt world came to
-rest was rebuilt wrongly: what simulation says about it is believed less."""
-
-NOISE = (0.0003, 0.001)
-"""Where bodies may really be (standard deviation [m]), by whole clouds and by what cameras saw."""
 
 
 @dataclass(frozen=True, eq=False)

@@ -9,6 +9,7 @@ from topple.planner.grasp.grasp import Grasp
 from topple.planner.motion.collision import Checker
 from topple.planner.motion.model import Attachment
 from topple.planner.placement.placement import Placement
+from topple.planner.transfer.tolerances import CONTACT, RELEASE_GAP
 from topple.robots.arm.arm import Arm
 from topple.robots.arm.gripper import ToolState
 from topple.robots.collision.fcl_bodies import apart
@@ -16,10 +17,7 @@ from topple.topology.arrays import FloatArray
 from topple.topology.bodies.solids import Solids, moved
 from topple.topology.situation import Situation
 
-MARGIN = 0.004  # what is carried keeps this to everything, if any way does: depth noise and tracking [m]
-RELEASE_GAP = 0.01  # pads this much wider than what they held let go of it [m]
 OPENING_STEP = 0.005  # openings are rounded up to it, so that grasps share their checks [m]
-CONTACT = 0.006  # bodies this close touch: noise of two clouds [m]
 
 
 class Checks:

@@ -16,10 +16,9 @@ from topple.planner.motion.upright import plan_upright
 from topple.planner.placement.placement import Placement
 from topple.planner.transfer.checks import Checks
 from topple.planner.transfer.segments import Kind, Segment, no_faster_than
+from topple.planner.transfer.tolerances import LINE_STEP, ROUNDING
 from topple.topology.arrays import FloatArray
 
-LINE_STEP = 0.01  # [rad] between checked states of straight ways, which pass close by things
-ROUNDING = 2e-5  # [m] proven clearance that writing a plan with six digits cannot use up
 STRAIGHT = (Kind.APPROACH, Kind.LIFT, Kind.PLACE, Kind.RETREAT)
 
 

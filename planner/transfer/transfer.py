@@ -14,10 +14,10 @@ from topple.planner.grasp.grasp import Grasp
 from topple.planner.grasp.hand import hand_shape
 from topple.planner.grasp.surroundings import Dropped
 from topple.planner.placement.placement import Placement, placements
-from topple.planner.transfer.checks import MARGIN
 from topple.planner.transfer.handling import Handling, Reached
 from topple.planner.transfer.segments import Kind, Segment
 from topple.planner.transfer.stages import Stage, Upright, segments_of
+from topple.planner.transfer.tolerances import LEVEL, MARGIN, NARROW, TIRED
 from topple.robots.arm.arm import Arm
 from topple.topology.arrays import FloatArray, frozen
 from topple.topology.bodies.solids import GRAIN
@@ -61,9 +61,6 @@ class TransferLimits:
 
 
 TRANSFER_LIMITS = TransferLimits()
-TIRED = 2  # failures of one tool after which another has its turn: a surface that leaks leaks elsewhere too
-NARROW = 3  # ways barred at the usual distance that are tried again at any distance, before giving up
-LEVEL = 0.02  # [rad] a placement that tilts a thing less keeps it upright: noise of the up direction
 NO_GRASP, NO_PLACE = "no grasp that holds and has room", "no free place within reach"
 FALLS = "place: it would not stay as it is let go there, and no drop is allowed"
 

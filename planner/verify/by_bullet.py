@@ -10,16 +10,13 @@ import numpy as np
 from topple.planner.formats.plan_format import Plan
 from topple.planner.formats.verification import Residual, Worst
 from topple.planner.verify.replay import SegmentReplay, parts_of
+from topple.planner.verify.tolerances import BY_BULLET_SLACK, DEEPER
 from topple.robots.arm.arm import Arm
 from topple.robots.engine import pybullet
 from topple.robots.poses import position_and_quaternion
 from topple.topology.arrays import FloatArray
 
-DEEPER = (
-    0.004  # [m] bodies that touch may be so much deeper in each other on the way than at rest: hulls around
-)
 # noisy clouds slide along each other's facets
-SLACK = 0.0015  # [m] PyBullet's depths of hulls against each other are off by up to a millimetre
 
 
 @dataclass(eq=False)
@@ -33,7 +30,7 @@ class BulletCheck:
 
     plan: Plan
     arm: Arm
-    touching: Worst = field(default_factory=lambda: Worst("collisions (PyBullet)", "m", SLACK))
+    touching: Worst = field(default_factory=lambda: Worst("collisions (PyBullet)", "m", BY_BULLET_SLACK))
     deeper: Worst = field(default_factory=lambda: Worst("touching bodies pressed deeper", "m", DEEPER))
     strayed: Worst = field(default_factory=lambda: Worst("kinematics against PyBullet", "m", 1e-4))
 

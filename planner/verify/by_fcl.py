@@ -8,11 +8,10 @@ import numpy as np
 from topple.planner.formats.plan_format import Plan
 from topple.planner.formats.verification import Residual, Worst
 from topple.planner.verify.replay import SegmentReplay, parts_of, tool_poses
+from topple.planner.verify.tolerances import BY_FCL_SLACK
 from topple.robots.arm.arm import Arm
 from topple.robots.collision.fcl_bodies import fcl_body
 from topple.topology.arrays import FloatArray
-
-SLACK = 2e-5  # [m] what writing joint values and vertices with six digits moves an arm's hand
 
 
 @dataclass(eq=False)
@@ -44,7 +43,7 @@ class FclCheck:
 
     plan: Plan
     arm: Arm
-    touching: Worst = field(default_factory=lambda: Worst("collisions (python-fcl)", "m", SLACK))
+    touching: Worst = field(default_factory=lambda: Worst("collisions (python-fcl)", "m", BY_FCL_SLACK))
     states: int = 0
 
     def __post_init__(self) -> None:

@@ -8,17 +8,12 @@ from scipy.spatial import ConvexHull
 from topple.planner.formats.plan_format import Plan
 from topple.planner.formats.verification import Residual, Worst
 from topple.planner.verify.replay import SegmentReplay, parts_of, tool_poses
+from topple.planner.verify.tolerances import FILLED, NOISE, SHARE, STRAYS
 from topple.robots.arm.arm import Arm
 from topple.topology.arrays import FloatArray
 from topple.topology.scene import Scene
 
-NOISE = (
-    0.006  # [m] three times the noise of a depth camera at a metre: seen points may be this deep in a solid
-)
-STRAYS = 5  # points deeper than that are flying pixels
 EVERY = 10  # states: a hand among neighbours moves less than a millimetre from one to the next
-FILLED = 0.012  # [m] points of an object may stand out from its convex parts: their hollows are cut to 8 mm
-SHARE = 0.98  # of the points that have to
 
 
 @dataclass(eq=False)

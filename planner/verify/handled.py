@@ -7,14 +7,10 @@ import numpy as np
 from topple.planner.formats.plan_format import Plan
 from topple.planner.formats.verification import Residual, Worst
 from topple.planner.verify.replay import SegmentReplay, parts_of, tool_poses
+from topple.planner.verify.tolerances import NEAR, OFF, REACHED, TILT
 from topple.robots.arm.arm import Arm
 from topple.robots.collision.fcl_bodies import fcl_body
 from topple.topology.arrays import FloatArray
-
-OFF = 0.001  # [m] and [rad] / 10 that a tool may be off a grasp or a place: inverse kinematics and rounding
-TILT = 0.15  # [rad] of what is carried upright: a glass filled to nine tenths does not spill
-REACHED = 0.008  # [m] from the pads or the lip to the nearest seen body: noise of its surface
-NEAR = 0.008  # [m] bodies that are meant to touch when one is lifted or put down are this close
 
 
 @dataclass(eq=False)

@@ -4,13 +4,9 @@ import numpy as np
 
 from topple.planner.formats.plan_format import Plan, SegmentData
 from topple.planner.formats.verification import Residual, Worst
+from topple.planner.verify.tolerances import AT_REST, DRIFT, JUMP, OVER
 from topple.robots.arm.arm import Arm
 from topple.topology.arrays import FloatArray
-
-JUMP = 1e-5  # [rad] between one segment's end and the next one's start: numbers are written with six digits
-DRIFT = 2e-3  # [rad] that positions may differ from the integral of velocities from sample to sample
-OVER = 0.02  # share beyond a velocity or acceleration limit: finite differences of rounded samples
-AT_REST = 1e-3  # [rad/s] at a segment's ends
 
 
 def check_motions(plan: Plan, arm: Arm) -> tuple[Residual, ...]:

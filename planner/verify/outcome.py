@@ -36,7 +36,7 @@ def check_precedence(plan: Plan, scene: Scene | None) -> tuple[Residual, ...]:
     if scene is None:
         return own.residual(), waits.residual()
     from topple.planner.decide.dependency import dependencies
-    from topple.planner.decide.turn import LIKELY
+    from topple.planner.decide.tolerances import LIKELY
 
     again = Worst(BROKEN, "1")
     against = {(edge.first, edge.then) for step in plan.steps for edge in step.against}

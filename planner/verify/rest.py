@@ -9,11 +9,11 @@ from topple.planner.decide.goal import How
 from topple.planner.formats.plan_format import Plan
 from topple.planner.formats.verification import Residual, Worst
 from topple.planner.placement.drops import Drops
-from topple.planner.placement.proof import SHIFT, TURN, settled
+from topple.planner.placement.proof import settled
+from topple.planner.placement.tolerances import SHIFT, TURN
 from topple.planner.verify.replay import SegmentReplay, parts_of, whole_of
+from topple.planner.verify.tolerances import ROUNDED
 from topple.topology.bodies.solids import moved
-
-ROUNDED = 1e-4  # [m] what six digits and joggled hulls are off
 
 
 @dataclass(eq=False)

@@ -6,7 +6,8 @@ import numpy as np
 import pybullet
 import pytest
 
-from topple.planner.execution.execute import TOUCHDOWN, execute
+from topple.planner.execution.execute import execute
+from topple.planner.execution.tolerances import TOUCHDOWN
 from topple.planner.placement.placement import Placement
 from topple.planner.transfer.transfer import Transfer, plan_transfer
 from topple.robots import shapes

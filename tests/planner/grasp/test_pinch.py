@@ -4,10 +4,10 @@ import pytest
 from topple.planner.grasp.frames import frames
 from topple.planner.grasp.hand import hand_shape
 from topple.planner.grasp.pads import extents, packed
-from topple.planner.grasp.pinch import OWN_MARGIN, Pinch, pinches
+from topple.planner.grasp.pinch import Pinch, pinches
 from topple.planner.grasp.surface import Surface, surface_of
 from topple.planner.grasp.surroundings import surroundings
-from topple.planner.grasp.tolerances import GRASP_TOLERANCES
+from topple.planner.grasp.tolerances import GRASP_TOLERANCES, OWN_MARGIN
 from topple.robots.catalog import robot
 from topple.robots.shapes.boxes import box, can
 from topple.robots.shapes.tableware import bowl, mug, plate

@@ -8,8 +8,9 @@ import numpy as np
 import pytest
 
 from topple.planner.grasp import Grasp, grasp_candidates
-from topple.planner.grasp.hand import PRESS, hand_shape
+from topple.planner.grasp.hand import hand_shape
 from topple.planner.grasp.surroundings import Dropped
+from topple.planner.grasp.tolerances import PRESS
 from topple.robots.arm.arm import Arm
 from topple.robots.catalog import robot
 from topple.robots.poses import angle_between

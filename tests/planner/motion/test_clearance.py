@@ -10,7 +10,8 @@ import pytest
 
 from topple.benchmarks.motion_problems import Problem, pick, transfer
 from topple.planner.motion.collision import Checker
-from topple.planner.motion.planner import CLEARANCE, Motion, MotionFailure, plan_motion
+from topple.planner.motion.planner import Motion, MotionFailure, plan_motion
+from topple.planner.motion.tolerances import CLEARANCE
 from topple.robots.arm.arm import Arm
 from topple.robots.catalog import robot
 

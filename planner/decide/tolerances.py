@@ -1,0 +1,54 @@
+"""Thresholds of decide, each with its unit and reason, by the module that asks them."""
+
+# -- assumptions
+
+DEEP = 0.01
+"""Depth [m] below another body's hull from which clouds overlap: noise and spacing reach half of it."""
+
+SHARE = 0.1
+"""Share of an object's points that lie so deep: a few strays, or a corner of a mask, are less."""
+
+BELOW = 0.01
+"""How far [m] below the table's surface the top of an object lies that is said to be below it."""
+
+SUNK = 0.02
+"""Depth [m] to which an object reaches below the table's surface that is said: noise reaches half of it."""
+
+
+# -- chances
+
+MEETING = 0.005
+"""Gap [m] up to which two surfaces count as one contact in a question of what would move."""
+
+
+# -- dependency
+
+PRESSED = -0.3
+"""Upward part of a contact normal below which what is taken away lies on what is left."""
+
+BOARD = 0.01
+"""What lies this far [m] below a top is under its board: thin things on it are not, despite noise."""
+
+CLEARLY = 0.25
+"""Two objects hook into each other over areas of like size; a share below this is what masks get wrong."""
+
+
+# -- rates
+
+WIDE = 0.02
+"""Push [m] by which a lift surely meets something: twice what counts as a move."""
+
+CERTAIN = 0.98
+"""Reasoning is never believed more than this."""
+
+
+# -- sequence
+
+SURE = 0.99
+"""No chance counts for more than this: what is certain must not hide all else."""
+
+
+# -- turn
+
+LIKELY = 0.5
+"""Below this a dependency is more likely wrong than right."""

@@ -1,0 +1,93 @@
+"""Thresholds of placement, each with its unit and reason, by the module that asks them."""
+
+# -- base
+
+DISTANCES = (0.45, 0.55, 0.65)
+"""From the middle of what is handled: an arm works best at two thirds of its reach [m]."""
+
+FOOT = 0.15
+"""Nothing may stand this close to the middle of the base [m]."""
+
+HOVER = 0.10
+"""A hand this far above an object's top must be reachable, to take it and to carry it away [m]."""
+
+STEP = 0.02
+"""What rises less above the level the arm stands on is no hindrance to its foot [m]."""
+
+
+# -- drops
+
+SECONDS = 1.5
+"""Of simulation: a fall of 4 cm takes 0.1, rolling down a bowl and back half a second."""
+
+CLEAR = 0.01
+"""[m] beside what lies in a container: more than two bodies and a drop are off by."""
+
+OTHER_FACE = 0.25
+"""[rad] a face found on noisy points is that far from the one it stands on."""
+
+QUIET = 0.8
+"""Of that may be pushed where room could be made instead: taking things out stirs a heap more."""
+
+
+# -- free_space
+
+SKIN = 0.01
+"""What reaches no further above a top is the top itself, or below it: depth noise [m]."""
+
+
+# -- placement
+
+BARRING = 0.1
+"""Share of its score that a place in the way of what remains keeps: below any that is not."""
+
+PLACEMENT_SPARE = 3
+"""Places of each attitude that comes off worse: a hand may not get down in the better ones."""
+
+
+# -- proof
+
+SHIFT = 0.015
+"""[m] a thing may move until it rests: its body is a guess from noisy points."""
+
+TURN = 0.35
+"""[rad] and turn: it lies down on the face next to the one that was meant."""
+
+PROOF_SPARE = 2.0 / 3.0
+"""Of these limits a plan may use: the same drop of numbers rounded to a millionth ends apart."""
+
+
+# -- resting
+
+FLATNESS = 0.2
+"""Thickness over length below which a thing lies flat by itself, as cutlery does."""
+
+MOST_TILT = 0.35
+"""What turned over by so much comes to lie on another face [rad]."""
+
+ALIKE = 0.2
+"""[rad] attitudes closer than this are one to a hand."""
+
+FLAT_SHARE = 0.5
+"""Of its thickness: what of a bent thing counts as its underside."""
+
+
+# -- stacking
+
+CELL = 0.005
+"""Grid of heights: half a finger's thickness [m]."""
+
+CONTACT = 0.005
+"""Cells this close to touching carry: depth noise of both surfaces [m]."""
+
+INSET = 0.2
+"""On: the centre of mass keeps this share of the smaller half width from the carrying face's edge."""
+
+SPOT = 0.012
+"""Placements this close are at one spot: less than the least difference of two drops [m]."""
+
+HEADINGS = 4
+"""Kept of one spot."""
+
+GENTLE = 0.04
+"""Falls up to here do no harm: what falls deeper bounces [m]."""

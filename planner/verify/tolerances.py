@@ -1,0 +1,66 @@
+"""Thresholds of verify, each with its unit and reason, by the module that asks them."""
+
+# -- by_bullet
+
+DEEPER = 0.004
+"""[m] bodies that touch may be so much deeper in each other on the way than at rest: hulls around."""
+
+BY_BULLET_SLACK = 0.0015
+"""[m] PyBullet's depths of hulls against each other are off by up to a millimetre."""
+
+
+# -- by_fcl
+
+BY_FCL_SLACK = 2e-5
+"""[m] what writing joint values and vertices with six digits moves an arm's hand."""
+
+
+# -- clouds
+
+NOISE = 0.006
+"""[m] three times the noise of a depth camera at a metre: seen points may be this deep in a solid."""
+
+STRAYS = 5
+"""Points deeper than that are flying pixels."""
+
+FILLED = 0.012
+"""[m] points of an object may stand out from its convex parts: their hollows are cut to 8 mm."""
+
+SHARE = 0.98
+"""Of the points that have to."""
+
+
+# -- handled
+
+OFF = 0.001
+"""[m] and [rad] / 10 that a tool may be off a grasp or a place: inverse kinematics and rounding."""
+
+TILT = 0.15
+"""[rad] of what is carried upright: a glass filled to nine tenths does not spill."""
+
+REACHED = 0.008
+"""[m] from the pads or the lip to the nearest seen body: noise of its surface."""
+
+NEAR = 0.008
+"""[m] bodies that are meant to touch when one is lifted or put down are this close."""
+
+
+# -- motions
+
+JUMP = 1e-5
+"""[rad] between one segment's end and the next one's start: numbers are written with six digits."""
+
+DRIFT = 2e-3
+"""[rad] that positions may differ from the integral of velocities from sample to sample."""
+
+OVER = 0.02
+"""Share beyond a velocity or acceleration limit: finite differences of rounded samples."""
+
+AT_REST = 1e-3
+"""[rad/s] at a segment's ends."""
+
+
+# -- rest
+
+ROUNDED = 1e-4
+"""[m] what six digits and joggled hulls are off."""
