@@ -69,6 +69,7 @@ def step_data(
             round(grasp.width, DIGITS),
             round(grasp.score, DIGITS),
             grasp.reason,
+            {name: round(value, DIGITS) for name, value in grasp.terms.items()},
         ),
         placement=PlacementData(
             np.round(place.pose_before_to_after, DIGITS).tolist(),

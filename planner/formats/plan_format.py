@@ -73,13 +73,17 @@ class SegmentData(msgspec.Struct, frozen=True):
 
 
 class GraspData(msgspec.Struct, frozen=True):
-    """How an object is held; the pose is that of the tool frame in the world."""
+    """How an object is held; the pose is that of the tool frame in the world.
+
+    `terms` are what the score is made of (`topple.planner.grasp.score`); grasps of one's own have none.
+    """
 
     kind: str
     pose_tool_to_world: Matrix
     width: float
     score: float
     reason: str = ""
+    terms: dict[str, float] = {}
 
 
 class AttachmentData(msgspec.Struct, frozen=True):
@@ -194,6 +198,7 @@ class Plan(msgspec.Struct, frozen=True, kw_only=True):
         steps: What is done.
         objects: Everything that was kept clear of.
         up: Against gravity, in the world.
+        upright: Objects that are kept upright, with what is in them.
         assumptions: What was assumed and not seen.
         certified: Whether every motion was proven free between its samples too.
         seconds: Duration of the motions [s].
@@ -216,6 +221,7 @@ class Plan(msgspec.Struct, frozen=True, kw_only=True):
     steps: list[Step]
     objects: list[ObjectData] = []
     up: tuple[float, float, float] = (0.0, 0.0, 1.0)
+    upright: list[str] = []
     assumptions: list[str] = []
     certified: bool = False
     seconds: float = 0.0
@@ -325,12 +331,21 @@ def _check(plan: Plan, name: str) -> None:
         raise InvalidInput(
             f"{name} is no plan: `$.q_start` has {len(plan.q_start)} values for {count} joints"
         )
+    names = {thing.name for thing in plan.objects}
     for i, tool in enumerate(plan.arm.tools if plan.arm is not None else []):
         _matrix(tool.pose_tool_to_link, 4, 4, f"$.arm.tools[{i}].pose_tool_to_link", name)
     for i, step in enumerate(plan.steps):
         here = f"$.steps[{i}]"
         _matrix(step.grasp.pose_tool_to_world, 4, 4, f"{here}.grasp.pose_tool_to_world", name)
         _matrix(step.placement.pose_before_to_after, 4, 4, f"{here}.placement.pose_before_to_after", name)
+        told = [("object", step.object), ("placement.into", step.placement.into or step.object)]
+        told += [(f"attachments[{k}].object", held.object) for k, held in enumerate(step.attachments)]
+        for key, which in told:
+            if which not in names:
+                known = ", ".join(sorted(names)) or "nothing"
+                raise InvalidInput(f"{name} is no plan: `{here}.{key}` is {which!r}, its objects are {known}")
+        for k, held in enumerate(step.attachments):
+            _matrix(held.pose_start_to_tool, 4, 4, f"{here}.attachments[{k}].pose_start_to_tool", name)
         for k, before in enumerate(step.after):
             if not 0 <= before < i:
                 raise InvalidInput(f"{name} is no plan: `{here}.after[{k}]` is {before}, no earlier step")
@@ -342,6 +357,8 @@ def _check(plan: Plan, name: str) -> None:
                 )
             if segment.motion is not None:
                 rows = len(segment.motion.times)
+                if rows == 0:
+                    raise InvalidInput(f"{name} is no plan: `{here}.segments[{j}].motion.times` is empty")
                 _matrix(segment.motion.positions, rows, count, f"{here}.segments[{j}].motion.positions", name)
                 _matrix(
                     segment.motion.velocities, rows, count, f"{here}.segments[{j}].motion.velocities", name
@@ -358,3 +375,5 @@ def _matrix(matrix: Matrix, rows: int, columns: int, where: str, name: str) -> N
     for i, row in enumerate(matrix):
         if len(row) != columns:
             raise InvalidInput(f"{name} is no plan: `{where}[{i}]` has {len(row)} values, expected {columns}")
+        if not np.isfinite(row).all():
+            raise InvalidInput(f"{name} is no plan: `{where}[{i}]` has a value that is not finite")

@@ -12,7 +12,8 @@ from topple.planner.grasp.hand import HandShape, hand_shape
 from topple.planner.grasp.load import chance_to_hold, cup_load, too_heavy, weight_of
 from topple.planner.grasp.pinch import Pinch, pinches
 from topple.planner.grasp.rims import rim_frames
-from topple.planner.grasp.suction import CupShape, cup_shape, patches, seal_score
+from topple.planner.grasp.score import HOLD, score_of
+from topple.planner.grasp.suction import CupShape, cup_shape, patches
 from topple.planner.grasp.surface import Surface, surface_of
 from topple.planner.grasp.surroundings import Dropped, Surroundings, surroundings
 from topple.planner.grasp.tolerances import GRASP_TOLERANCES, GraspTolerances
@@ -26,9 +27,6 @@ from topple.topology.situation import Situation
 
 if TYPE_CHECKING:
     from topple.robots.arm.arm import Arm
-
-WEIGHTS = {"antipodality": 0.3, "balance": 0.3, "clearance": 0.15, "depth": 0.15, "upright": 0.1}
-"""Exponents of a pinch's terms: one that is nil spoils the grasp alone."""
 
 CUP_TURNS: tuple[FloatArray, ...] = tuple(
     np.array([[np.cos(a), -np.sin(a), 0, 0], [np.sin(a), np.cos(a), 0, 0], [0, 0, 1, 0], [0, 0, 0, 1]])
@@ -185,17 +183,15 @@ def _in_words(load: float) -> str:
 
 
 def _as_grasp(name: str, pinch: Pinch) -> Grasp:
-    score = float(
-        np.prod([value ** WEIGHTS[term] for term, value in pinch.terms.items()])
-        * chance_to_hold(pinch.load, pinch.weighed)
-    )
+    kind = GraspKind.RIM if pinch.rim else GraspKind.PINCH
+    terms = {**pinch.terms, HOLD: float(chance_to_hold(pinch.load, pinch.weighed))}
+    score = score_of(kind, terms)
     reason = (
         f"{1e3 * pinch.width:.0f} mm between the pads, tips {rounded(1e3 * pinch.depth)} mm deep; "
         + ", ".join(f"{term} {value:.2f}" for term, value in pinch.terms.items())
         + _in_words(pinch.load)
     )
-    kind = GraspKind.RIM if pinch.rim else GraspKind.PINCH
-    return Grasp(name, kind, pinch.pose_tool_to_world, pinch.width, pinch.opening, score, reason, pinch.terms)
+    return Grasp(name, kind, pinch.pose_tool_to_world, pinch.width, pinch.opening, score, reason, terms)
 
 
 def _suction_grasps(
@@ -217,15 +213,15 @@ def _suction_grasps(
         reason = f"seal within {1e3 * patch.residual:.1f} mm; " + ", ".join(
             f"{term} {value:.2f}" for term, value in patch.terms.items()
         )
-        score = seal_score(patch.terms)
-        if score < tolerances.least_seal:
+        if score_of(GraspKind.SUCTION, patch.terms) < tolerances.least_seal:
             dropped.note("the seal would leak or peel off")
             continue
-        score = float(score * chance_to_hold(load, surface.mass is not None))
+        terms = {**patch.terms, HOLD: float(chance_to_hold(load, surface.mass is not None))}
+        score = score_of(GraspKind.SUCTION, terms)
         reason += _in_words(load)
         for turn in CUP_TURNS:  # a cup is round: how the hand is turned about it matters to the arm alone
             pose = patch.pose_tool_to_world @ turn
-            found.append(Grasp(name, GraspKind.SUCTION, pose, 0.0, cup.opening, score, reason, patch.terms))
+            found.append(Grasp(name, GraspKind.SUCTION, pose, 0.0, cup.opening, score, reason, terms))
     return found
 
 

@@ -6,7 +6,9 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from topple.planner.grasp.frames import spread
+from topple.planner.grasp.grasp import GraspKind
 from topple.planner.grasp.hand import Prism, hand_bodies, prisms
+from topple.planner.grasp.score import score_of
 from topple.planner.grasp.surface import Surface
 from topple.planner.grasp.surroundings import ITSELF, Dropped, Surroundings
 from topple.planner.grasp.tolerances import (
@@ -133,14 +135,7 @@ def patches(
         patch = _patch(spots[index], surface, dense, around, up, cup, tolerances, dropped)
         if patch is not None:
             found.append(patch)
-    return sorted(found, key=lambda patch: -seal_score(patch.terms))
-
-
-def seal_score(terms: dict[str, float]) -> float:
-    """Score of a patch: a leak or a long lever spoils it alone, so the parts multiply."""
-    return (
-        terms["seal"] * terms["balance"] * (0.5 + 0.5 * terms["upright"]) * (0.8 + 0.2 * terms["clearance"])
-    )
+    return sorted(found, key=lambda patch: -score_of(GraspKind.SUCTION, patch.terms))
 
 
 def _patch(

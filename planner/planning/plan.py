@@ -235,6 +235,7 @@ class _Planning:
             steps=self.steps,
             objects=self.objects,
             up=(float(self.up[0]), float(self.up[1]), float(self.up[2])),
+            upright=sorted(self.upright),
             assumptions=list(assumptions),
             certified=all(
                 segment.certified for step in self.steps for segment in step.segments if segment.motion

@@ -3,7 +3,6 @@
 from dataclasses import dataclass, field
 
 import numpy as np
-from scipy.spatial import ConvexHull
 
 from topple.planner.formats.plan_format import Plan
 from topple.planner.formats.verification import Residual, Worst
@@ -11,6 +10,7 @@ from topple.planner.verify.replay import SegmentReplay, parts_of, tool_poses
 from topple.planner.verify.tolerances import FILLED, NOISE, SHARE, STRAYS
 from topple.robots.arm.arm import Arm
 from topple.topology.arrays import FloatArray
+from topple.topology.bodies.solids import hull_faces
 from topple.topology.scene import Scene
 
 EVERY = 10  # states: a hand among neighbours moves less than a millimetre from one to the next
@@ -33,11 +33,10 @@ class CloudCheck:
 
     def __post_init__(self) -> None:
         self._parts = {
-            name: [ConvexHull(part, qhull_options="QJ").equations for part in parts]
-            for name, parts in parts_of(self.plan).items()
+            name: [hull_faces(part) for part in parts] for name, parts in parts_of(self.plan).items()
         }
         self._links = {
-            name: [ConvexHull(part, qhull_options="QJ").equations for part in parts]
+            name: [hull_faces(part) for part in parts]
             for name, parts in zip(self.arm.links, self.arm.parts, strict=True)
             if parts
         }
@@ -71,8 +70,8 @@ class CloudCheck:
     def _same(self) -> Residual:
         worst = Worst("points outside of the plan's bodies", "m", FILLED)
         for name, cloud in self.scene.clouds.items():
-            outside = np.min([_outside(cloud, faces) for faces in self._parts[name]], axis=0)
-            worst.note(float(np.quantile(outside, SHARE)), name)
+            beyond = np.min([outside(cloud, faces) for faces in self._parts[name]], axis=0)
+            worst.note(float(np.quantile(beyond, SHARE)), name)
         return worst.residual()
 
 
@@ -80,12 +79,12 @@ def _moved(points: FloatArray, pose: FloatArray) -> FloatArray:
     return points @ pose[:3, :3].T + pose[:3, 3]
 
 
-def _outside(points: FloatArray, faces: FloatArray) -> FloatArray:
+def outside(points: FloatArray, faces: FloatArray) -> FloatArray:
     """Distances to the farthest facet plane beyond which points are [m], negative inside."""
     return (points @ faces[:, :3].T + faces[:, 3]).max(axis=1)
 
 
 def _depth(points: FloatArray, solids: list[FloatArray]) -> float:
     """How deep points are in solids [m], a few strays left out."""
-    deep = np.max([-_outside(points, faces) for faces in solids], axis=0)
+    deep = np.max([-outside(points, faces) for faces in solids], axis=0)
     return max(0.0, float(np.sort(deep)[max(len(deep) - 1 - STRAYS, 0)]))

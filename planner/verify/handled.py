@@ -6,7 +6,8 @@ import numpy as np
 
 from topple.planner.formats.plan_format import Plan
 from topple.planner.formats.verification import Residual, Worst
-from topple.planner.verify.replay import SegmentReplay, parts_of, tool_poses
+from topple.planner.verify.grip import distance
+from topple.planner.verify.replay import SegmentReplay, off_by, parts_of, tool_poses
 from topple.planner.verify.tolerances import NEAR, OFF, REACHED, TILT
 from topple.robots.arm.arm import Arm
 from topple.robots.collision.fcl_bodies import fcl_body
@@ -37,29 +38,27 @@ class HandCheck:
         self._hand = {link for tool in self.arm.tools.values() for link in tool.links}
         self._fixed = {thing.name for thing in self.plan.objects if thing.fixed}
         self._unexcused = 0
-        self._before: dict[str, FloatArray] = {}
 
     def look(self, piece: SegmentReplay) -> None:
         """Check one segment."""
         kind = piece.segment.kind
         grasp = np.array(piece.step.grasp.pose_tool_to_world)
         self._excuses(piece)
-        if kind == "move":
-            self._before = piece.poses
         ends = tool_poses(self.arm, self.plan, piece.segment.tool, piece.states[-1:])[0]
         if kind == "approach":
-            self.grasp.note(_apart(ends, grasp), piece.where)
+            self.grasp.note(off_by(ends, grasp), piece.where)
             self.reach.note(self._to_object(piece, ends), piece.where)
         if kind == "grasp":
+            told = {held.object: np.array(held.pose_start_to_tool) for held in piece.step.attachments}
             for name, to_tool in piece.held.items():
-                now = self._before.get(name, np.eye(4))
-                self.held.note(_apart(grasp @ to_tool, now), f"{piece.where}: {name}")
+                off = off_by(to_tool, told[name]) if name in told else np.inf
+                self.held.note(off, f"{piece.where}: {name}")
         if kind == "place":
             wanted = np.array(piece.step.placement.pose_before_to_after) @ grasp
-            self.place.note(_apart(ends, wanted), piece.where)
-        if piece.step.upright and piece.held:
+            self.place.note(off_by(ends, wanted), piece.where)
+        if piece.step.upright and piece.step.object in piece.held:
             poses = tool_poses(self.arm, self.plan, piece.segment.tool, piece.states)
-            now = self._before.get(piece.step.object, np.eye(4))[:3, :3]
+            now = piece.before[piece.step.object][:3, :3]
             turned = poses[:, :3, :3] @ piece.held[piece.step.object][:3, :3] @ now.T @ self._up
             self.tilt.note(float(np.arccos(np.clip(turned @ self._up, -1.0, 1.0)).max()), piece.where)
 
@@ -72,17 +71,12 @@ class HandCheck:
         """Distance from the object to the room between the pads, or to the lip [m]."""
         pose = piece.poses.get(piece.step.object, np.eye(4))
         to_tool = np.linalg.inv(tool) @ pose
-        nearest = np.inf
         jaw = self.arm.jaw if piece.segment.tool == "fingers" else None
-        half = (
-            np.array([jaw.pad_size[0], piece.segment.hand.opening, jaw.pad_size[1]]) / 2.0
-            if jaw
-            else np.zeros(3)
-        )
-        for part in self._parts[piece.step.object]:
-            points = part @ to_tool[:3, :3].T + to_tool[:3, 3]
-            nearest = min(nearest, _box_to_hull(half, points))
-        return nearest
+        half = np.zeros(3)
+        if jaw is not None:
+            half = np.array([jaw.pad_size[0], piece.segment.hand.opening, jaw.pad_size[1]]) / 2.0
+        parts = [part @ to_tool[:3, :3].T + to_tool[:3, 3] for part in self._parts[piece.step.object]]
+        return distance(half, parts)
 
     def _excuses(self, piece: SegmentReplay) -> None:
         """Only the hand and what it handles, what that stands on, and neighbours at the fingers may touch."""
@@ -113,7 +107,7 @@ class HandCheck:
         name = piece.step.object
         for a in self._parts[name]:
             for b in self._parts[other]:
-                first, second = _placed(a, self._before[name]), _placed(b, piece.poses[other])
+                first, second = _placed(a, piece.before[name]), _placed(b, piece.poses[other])
                 if fcl.distance(first, second, fcl.DistanceRequest()) < NEAR:
                     return True
         return False
@@ -121,18 +115,3 @@ class HandCheck:
 
 def _placed(part: FloatArray, pose: FloatArray) -> object:
     return fcl_body(part @ pose[:3, :3].T + pose[:3, 3])
-
-
-def _apart(a: FloatArray, b: FloatArray) -> float:
-    """How far two poses are from each other: metres, or a tenth of the angle [rad] where that is more."""
-    turn = float(np.arccos(np.clip((np.trace(a[:3, :3].T @ b[:3, :3]) - 1.0) / 2.0, -1.0, 1.0)))
-    return max(float(np.linalg.norm(a[:3, 3] - b[:3, 3])), turn / 10.0)
-
-
-def _box_to_hull(half: FloatArray, points: FloatArray) -> float:
-    """Distance of a box about the origin, or of the origin where it is none, to the hull of points [m]."""
-    import fcl
-
-    size = np.maximum(2.0 * half, 1e-4)
-    box = fcl.CollisionObject(fcl.Box(*size.tolist()))
-    return max(0.0, float(fcl.distance(box, fcl_body(points), fcl.DistanceRequest())))

@@ -1,42 +1,60 @@
 """What a plan leads to: orders that are kept, and a goal that is reached."""
 
+from collections.abc import Mapping, Sequence
+
 import networkx as nx
-import numpy as np
 
 from topple.planner.decide.goal import parse_goal
-from topple.planner.formats.plan_format import Plan, Step
+from topple.planner.decide.tolerances import LIKELY
+from topple.planner.formats.plan_format import Plan
 from topple.planner.formats.verification import BROKEN, Residual, Worst
 from topple.topology.arrays import FloatArray
 from topple.topology.scene import Scene
 
 
-def check_precedence(plan: Plan, scene: Scene | None) -> tuple[Residual, ...]:
+def check_precedence(
+    plan: Plan, taken: Sequence[tuple[int, str]], scene: Scene | None
+) -> tuple[Residual, ...]:
     """Check that nothing is taken before what has to go first.
 
     Args:
         plan: The plan.
+        taken: What is taken, with the index of the step, as the actions have it.
         scene: What was seen; its dependencies are derived again. Edges of cycles are left out, and what a
             step says to go against if it is more likely wrong than right.
 
     Returns:
-        Residuals: dependencies of the plan, of the scene, and steps that do not wait for those before them.
+        Residuals: dependencies of the plan, steps that do not wait for those before them, what steps say to
+        go against and do not, and dependencies of the scene.
     """
-    first = {step.object: index for index, step in reversed(list(enumerate(plan.steps)))}
-    last = {step.object: index for index, step in enumerate(plan.steps)}
+    first = {name: index for index, name in reversed(taken)}
+    last = {name: index for index, name in taken}
+    never = len(plan.steps)
     own = Worst("dependencies of the plan broken", "1")
     waits = Worst("steps that wait for nothing and should", "1")
-    late = [f"{e.then} before {e.first}" for e in plan.dependencies if first[e.first] > last[e.then]]
+    excused = Worst("excuses for dependencies that are kept", "1")
+    late = [
+        f"{e.then} before {e.first}"
+        for e in plan.dependencies
+        if e.then in last and first.get(e.first, never) > last[e.then]
+    ]
     own.note(float(len(late)), "; ".join(late))
     lazy: list[str] = []
     for edge in plan.dependencies:
-        index = last[edge.then]
-        if first[edge.first] < index and first[edge.first] not in plan.steps[index].after:
+        index = last.get(edge.then, -1)
+        if first.get(edge.first, never) < index and first[edge.first] not in plan.steps[index].after:
             lazy.append(f"step {index + 1} ({edge.then}) for {edge.first}")
     waits.note(float(len(lazy)), "; ".join(lazy))
+    idle = [
+        f"step {index + 1} ({step.object}) for {edge.first}"
+        for index, step in enumerate(plan.steps)
+        for edge in step.against
+        if edge.then != step.object or first.get(edge.first, never) < index or edge.confidence >= LIKELY
+    ]
+    excused.note(float(len(idle)), "; ".join(idle))
     if scene is None:
-        return own.residual(), waits.residual()
+        return own.residual(), waits.residual(), excused.residual()
     from topple.planner.decide.dependency import dependencies
-    from topple.planner.decide.tolerances import LIKELY
 
     again = Worst(BROKEN, "1")
     against = {(edge.first, edge.then) for step in plan.steps for edge in step.against}
@@ -47,7 +65,6 @@ def check_precedence(plan: Plan, scene: Scene | None) -> tuple[Residual, ...]:
     ]
     graph: nx.DiGraph[str] = nx.DiGraph(edges)
     group = {name: i for i, names in enumerate(nx.strongly_connected_components(graph)) for name in names}
-    never = len(plan.steps)
     # what goes along with a container that is kept upright need not go before it
     along = {(held.object, step.object) for step in plan.steps for held in step.attachments if step.upright}
     broken = [
@@ -59,14 +76,18 @@ def check_precedence(plan: Plan, scene: Scene | None) -> tuple[Residual, ...]:
         and first.get(before, never) > first[then]
     ]
     again.note(float(len(broken)), "; ".join(broken))
-    return own.residual(), waits.residual(), again.residual()
+    return own.residual(), waits.residual(), excused.residual(), again.residual()
 
 
-def check_goal(plan: Plan, scene: Scene) -> Residual:
-    """Check the goal's relations on the clouds where the plan puts them.
+def check_goal(
+    plan: Plan, poses: Mapping[str, FloatArray], taken: Sequence[tuple[int, str]], scene: Scene
+) -> Residual:
+    """Check the goal's relations on the clouds where the actions leave them.
 
     Args:
         plan: The plan.
+        poses: Transforms (4, 4) of the objects since the plan began.
+        taken: What is taken, with the index of the step.
         scene: What was seen.
 
     Returns:
@@ -74,24 +95,15 @@ def check_goal(plan: Plan, scene: Scene) -> Residual:
     """
     from topple.topology.situation import Situation
 
-    up = np.array(plan.up)
     after = scene
-    for step in plan.steps:
-        pose = _at_rest(step, up)
-        for held in step.attachments:
-            cloud = after.clouds[held.object]
-            after = after.with_cloud(held.object, cloud @ pose[:3, :3].T + pose[:3, 3])
+    for name in {name for _, name in taken}:
+        cloud, pose = after.clouds[name], poses[name]
+        after = after.with_cloud(name, cloud @ pose[:3, :3].T + pose[:3, 3])
     goal = parse_goal(plan.goal, scene)
     situation = Situation(after)
     missing = list(goal.unmet(situation.relations, scene.fixed, situation.supports))
-    taken = {step.object for step in plan.steps if step.action == "free"}
-    missing += [f"{name} is not taken" for name in goal.free if name not in taken]
+    freed = {name for _, name in taken}
+    missing += [f"{name} is not taken" for name in goal.free if name not in freed]
     worst = Worst("goal clauses unmet", "1")
     worst.note(float(len(missing)), "; ".join(missing))
     return worst.residual()
-
-
-def _at_rest(step: Step, up: FloatArray) -> FloatArray:
-    pose = np.array(step.placement.pose_before_to_after)
-    pose[:3, 3] -= step.placement.drop * up
-    return pose

@@ -1,13 +1,22 @@
-"""A plan played through: for every piece of it the arm's states, closely spaced, and where everything is."""
+"""A plan followed action by action: where everything is and what is in the hand is what the arm makes of it.
+
+Nothing is believed of what a plan declares. An object moves because the hand closed on it or the cup sealed,
+and went somewhere; it stays where the hand let go of it. What the plan says of the same is held against that.
+"""
 
 from collections.abc import Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 import numpy as np
 
 from topple.planner.formats.plan_format import Plan, SegmentData, Step
+from topple.planner.formats.verification import Residual, Worst
+from topple.planner.transfer.segments import Kind
+from topple.planner.verify.grip import Grip
+from topple.planner.verify.tolerances import OFF, OPENED
 from topple.robots.arm.arm import Arm
 from topple.robots.arm.gripper import ToolState
+from topple.robots.poses import angle_between, inverse
 from topple.topology.arrays import FloatArray
 
 
@@ -22,6 +31,7 @@ class SegmentReplay:
         states: (m, n) joint values, densely along the motion; one state for grasp and release.
         poses: Rigid transforms (4, 4) since the plan began of the objects that are not in the hand.
         held: What is in the hand: transforms (4, 4) from the world at the plan's begin to the tool.
+        before: Transforms (4, 4) since the plan began of all objects, as the step began.
     """
 
     index: int
@@ -30,6 +40,7 @@ class SegmentReplay:
     states: FloatArray
     poses: dict[str, FloatArray]
     held: dict[str, FloatArray]
+    before: dict[str, FloatArray]
 
     @property
     def where(self) -> str:
@@ -47,33 +58,121 @@ class SegmentReplay:
         return frozenset(frozenset(pair) for pair in self.segment.may_touch)
 
 
-def replay(plan: Plan, step: float) -> Iterator[SegmentReplay]:
-    """Play a plan.
+@dataclass
+class Replay:
+    """Follows a plan, and collects what its actions and what it declares disagree in.
 
-    Args:
+    Attributes:
         plan: The plan.
+        arm: The arm.
         step: Largest change of a joint between two states [rad].
-
-    Yields:
-        Its segments in order. What is let go falls to where its placement says.
+        taken: Objects that were taken and let go again, with the indices of the steps, in order.
     """
-    up = np.array(plan.up)
-    poses = {thing.name: np.eye(4) for thing in plan.objects}
-    q = np.array(plan.q_start)
-    for index, part in enumerate(plan.steps):
-        hold = {held.object: np.array(held.pose_start_to_tool) for held in part.attachments}
-        after = np.array(part.placement.pose_before_to_after)
-        after[:3, 3] -= part.placement.drop * up
-        taken = False
-        for segment in part.segments:
-            if segment.kind == "release" and taken:
-                for name in hold:
-                    poses[name] = after @ poses[name]
-            taken = segment.holding is not None
-            rest = {name: pose for name, pose in poses.items() if not (taken and name in hold)}
-            states = resampled(segment, q, step)
-            q = states[-1]
-            yield SegmentReplay(index, part, segment, states, rest, hold if taken else {})
+
+    plan: Plan
+    arm: Arm
+    step: float
+    taken: list[tuple[int, str]] = field(default_factory=list[tuple[int, str]])
+    grips: Worst = field(default_factory=lambda: Worst("grasps that hold nothing", "1"))
+    idle: Worst = field(default_factory=lambda: Worst("steps that do not move their object", "1"))
+    kept: Worst = field(default_factory=lambda: Worst("objects in the hand when a step ends", "1"))
+    told: Worst = field(default_factory=lambda: Worst("what is said to be in the hand and is not", "1"))
+    hand: Worst = field(default_factory=lambda: Worst("hand that changes while it holds", "m", OPENED))
+    place: Worst = field(default_factory=lambda: Worst("object against its place", "m", 2.0 * OFF))
+
+    def __post_init__(self) -> None:
+        self.poses = {thing.name: np.eye(4) for thing in self.plan.objects}
+        self._held: dict[str, FloatArray] = {}
+        self._tool, self._hand = "", ToolState()
+        self._grip = Grip(self.plan, self.arm)
+
+    def segments(self) -> Iterator[SegmentReplay]:
+        """Play the plan; yields its segments in order."""
+        q = np.array(self.plan.q_start)
+        for index, part in enumerate(self.plan.steps):
+            before, moved = dict(self.poses), len(self.taken)
+            for segment in part.segments:
+                where = f"step {index + 1} ({part.object}), {segment.kind}"
+                states = resampled(segment, q, self.step)
+                q = states[-1]
+                hand = ToolState(segment.hand.opening, segment.hand.cup_extension)
+                if segment.kind == Kind.GRASP:
+                    self._take(part, segment, hand, q, where)
+                elif segment.kind == Kind.RELEASE:
+                    self._let_go(index, part, hand, q, before, where)
+                elif self._held:
+                    self._keep(hand, where)
+                self._say(segment, where)
+                self._hand = hand
+                rest = {name: pose for name, pose in self.poses.items() if name not in self._held}
+                yield SegmentReplay(index, part, segment, states, rest, dict(self._held), before)
+            where = f"step {index + 1} ({part.object})"
+            if self._held:
+                self.kept.note(len(self._held), f"{where}: {', '.join(self._held)}")
+            if not any(name == part.object for _, name in self.taken[moved:]):
+                self.idle.note(self.idle.value + 1.0, f"{where}: it is never taken and let go")
+
+    def residuals(self) -> tuple[Residual, ...]:
+        """What was found."""
+        found = (self.grips, self.idle, self.kept, self.told, self.hand, self.place)
+        return tuple(worst.residual() for worst in found)
+
+    def _take(self, part: Step, segment: SegmentData, hand: ToolState, q: FloatArray, where: str) -> None:
+        """Close the hand: what is then in it moves with it."""
+        tool = tool_poses(self.arm, self.plan, segment.tool, q[None])[0]
+        words = "something is in it already" if self._held else None
+        words = words or self._grip.fails(part, segment.tool, self._hand, hand, tool, self.poses)
+        if words is not None:
+            self.grips.note(self.grips.value + 1.0, f"{where}: {words}")
+            return
+        self._tool = segment.tool
+        riding = [held.object for held in part.attachments if held.object != part.object]
+        for name in (part.object, *riding):
+            if name == part.object or self._grip.rides(name, part.object, self.poses):
+                self._held[name] = inverse(tool) @ self.poses[name]
+            else:
+                self.grips.note(self.grips.value + 1.0, f"{where}: {name} does not lie in {part.object}")
+
+    def _keep(self, hand: ToolState, where: str) -> None:
+        """A hand that holds stays as it is."""
+        self.hand.note(abs(hand.opening - self._hand.opening), where)
+        self.hand.note(abs(hand.cup_extension - self._hand.cup_extension), where)
+
+    def _let_go(
+        self,
+        index: int,
+        part: Step,
+        hand: ToolState,
+        q: FloatArray,
+        before: dict[str, FloatArray],
+        where: str,
+    ) -> None:
+        """Open the hand: what was in it lies there, or falls as far as its step says."""
+        if not self._held:
+            return
+        if self._tool == "fingers" and hand.opening <= self._hand.opening + OPENED:
+            self.told.note(self.told.value + 1.0, f"{where}: the pads stay closed")
+            return
+        tool = tool_poses(self.arm, self.plan, self._tool, q[None])[0]
+        declared = np.array(part.placement.pose_before_to_after)
+        fall = part.placement.drop * np.array(self.plan.up)
+        for name, to_tool in self._held.items():
+            pose = tool @ to_tool
+            if name in before:
+                self.place.note(off_by(pose, declared @ before[name]), f"{where}: {name}")
+            self.poses[name] = pose.copy()
+            self.poses[name][:3, 3] -= fall
+            self.taken.append((index, name))
+        self._held = {}
+
+    def _say(self, segment: SegmentData, where: str) -> None:
+        """Hold what a segment says of its hand against what is in it."""
+        if (segment.holding is not None) != bool(self._held) or (
+            segment.holding is not None and segment.holding not in self._held
+        ):
+            truth = ", ".join(self._held) or "nothing"
+            words = f"{where}: {segment.holding or 'nothing'} is said, {truth} is in it"
+            self.told.note(self.told.value + 1.0, words)
 
 
 def resampled(segment: SegmentData, q: FloatArray, step: float) -> FloatArray:
@@ -100,11 +199,16 @@ def tool_poses(arm: Arm, plan: Plan, tool: str, states: FloatArray) -> FloatArra
     return np.matmul(np.array(plan.pose_base_to_world), arm.tool_pose(states, tool))
 
 
+def off_by(a: FloatArray, b: FloatArray) -> float:
+    """How far two poses (4, 4) are apart: metres, or a tenth of the angle [rad] where that is more."""
+    return max(float(np.linalg.norm(a[:3, 3] - b[:3, 3])), angle_between(a, b) / 10.0)
+
+
 def parts_of(plan: Plan) -> dict[str, list[FloatArray]]:
     """Convex parts (V, 3) of every object, where it was when the plan began [m]."""
     return {thing.name: [np.array(part) for part in thing.parts] for thing in plan.objects}
 
 
-def whole_of(plan: Plan) -> dict[str, list[FloatArray]]:
+def completed_of(plan: Plan) -> dict[str, list[FloatArray]]:
     """The same with the hidden sides [m]."""
     return {thing.name: [np.array(part) for part in thing.whole or thing.parts] for thing in plan.objects}

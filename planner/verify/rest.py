@@ -3,7 +3,6 @@
 from dataclasses import dataclass, field
 
 import numpy as np
-from scipy.spatial import ConvexHull
 
 from topple.planner.decide.goal import How
 from topple.planner.formats.plan_format import Plan
@@ -11,9 +10,9 @@ from topple.planner.formats.verification import Residual, Worst
 from topple.planner.placement.drops import Drops
 from topple.planner.placement.proof import settled
 from topple.planner.placement.tolerances import SHIFT, TURN
-from topple.planner.verify.replay import SegmentReplay, parts_of, whole_of
+from topple.planner.verify.replay import SegmentReplay, completed_of, parts_of
 from topple.planner.verify.tolerances import ROUNDED
-from topple.topology.bodies.solids import moved
+from topple.topology.bodies.solids import hull_faces, moved
 
 
 @dataclass(eq=False)
@@ -37,7 +36,7 @@ class RestCheck:
 
     def __post_init__(self) -> None:
         self._up = np.array(self.plan.up)
-        self._parts, self._whole = parts_of(self.plan), whole_of(self.plan)
+        self._parts, self._whole = parts_of(self.plan), completed_of(self.plan)
 
     def look(self, piece: SegmentReplay) -> None:
         """Let go what a step puts down; the piece is the one in which it does."""
@@ -71,7 +70,7 @@ def _around(plan: Plan) -> Residual:
     """How far what was seen of the objects sticks out of the bodies that are taken for whole."""
     worst = Worst("bodies outside of their wholes", "m", ROUNDED)
     for thing in plan.objects:
-        hulls = [ConvexHull(np.array(part), qhull_options="QJ").equations for part in thing.whole]
+        hulls = [hull_faces(np.array(part)) for part in thing.whole]
         if hulls:
             seen = np.vstack(thing.parts)
             beyond = [(seen @ faces[:, :3].T + faces[:, 3]).max(axis=1) for faces in hulls]

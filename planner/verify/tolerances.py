@@ -64,3 +64,27 @@ AT_REST = 1e-3
 
 ROUNDED = 1e-4
 """[m] what six digits and joggled hulls are off."""
+
+
+# -- grip and replay
+
+OPENED = 0.001
+"""[m] a hand whose pads or cup change by less is the same: two readings of an encoder."""
+
+LIP = 0.001
+"""[m] what a plan says of the same width or extension at two places may differ by: rounding."""
+
+CLOSED = 0.012
+"""[m] the pads' distance against the body between them: its hull bridges hollows of 8 mm, and depth noise."""
+
+FEWEST_BETWEEN = 5
+"""Points of a body between the pads: fewer are its edge."""
+
+
+# -- claims
+
+ROUNDED_SCORE = 1e-4
+"""Scores and terms are written with six digits."""
+
+UPWARD = 0.001
+"""[rad] directions of up this close are the same: six digits."""

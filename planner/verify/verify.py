@@ -1,16 +1,19 @@
 """Plans checked again by other means: python-fcl state by state, PyBullet, limits, order, physics, goal."""
 
+from dataclasses import replace
+
 import numpy as np
 
 from topple.planner.formats.plan_format import Plan
 from topple.planner.formats.plan_robot import arm_from
 from topple.planner.formats.verification import BROKEN, Residual, Verification, not_evaluated
 from topple.planner.verify.by_fcl import FclCheck
+from topple.planner.verify.claims import check_claims, check_scene
 from topple.planner.verify.clouds import CloudCheck
 from topple.planner.verify.handled import HandCheck
 from topple.planner.verify.motions import check_motions
 from topple.planner.verify.outcome import check_goal, check_precedence
-from topple.planner.verify.replay import SegmentReplay, replay
+from topple.planner.verify.replay import Replay, SegmentReplay
 from topple.planner.verify.rest import RestCheck
 from topple.robots.arm.arm import Arm
 from topple.robots.catalog import robot as robot_named
@@ -52,11 +55,11 @@ def verify(
     arm = _arm(plan, robot)
     if scene is not None:
         _check_names(plan, scene)
-    fcl_check, hands = FclCheck(plan, arm), HandCheck(plan, arm)
+    played, fcl_check, hands = Replay(plan, arm, step), FclCheck(plan, arm), HandCheck(plan, arm)
     clouds = None if scene is None else CloudCheck(plan, arm, scene)
     put: list[SegmentReplay] = []
     with BulletCheck(plan, arm) as bullet:
-        for piece in replay(plan, step):
+        for piece in played.segments():
             hands.look(piece)
             fcl_check.look(piece)
             bullet.look(_thinned(piece))
@@ -72,13 +75,19 @@ def verify(
         *bullet.residuals(),
         *check_motions(plan, arm),
         *hands.residuals(),
-        *check_precedence(plan, scene),
+        *played.residuals(),
+        *check_claims(plan),
+        *check_precedence(plan, played.taken, scene),
         *rest.residuals(),
     ]
     if scene is None or clouds is None:
         residuals += _left_out()
     else:
-        residuals += [*clouds.residuals(), check_goal(plan, scene)]
+        residuals += [
+            *clouds.residuals(),
+            *check_scene(plan, scene),
+            check_goal(plan, played.poses, played.taken, scene),
+        ]
     return Verification(tuple(residuals), fcl_check.states, tuple(rest.allowed))
 
 
@@ -87,6 +96,8 @@ def _left_out() -> list[Residual]:
         not_evaluated(BROKEN, "1", NO_SCENE),
         not_evaluated("seen points entered", "m", NO_SCENE),
         not_evaluated("points outside of the plan's bodies", "m", NO_SCENE),
+        not_evaluated("up of the plan against the scene's", "rad", NO_SCENE),
+        not_evaluated("bodies of the plan beyond the scene's", "m", NO_SCENE),
         not_evaluated("goal clauses unmet", "1", NO_SCENE),
     ]
 
@@ -94,7 +105,7 @@ def _left_out() -> list[Residual]:
 def _thinned(piece: SegmentReplay) -> SegmentReplay:
     """The piece with fewer states, its last one among them."""
     index = np.unique(np.append(np.arange(0, len(piece.states), COARSE), len(piece.states) - 1))
-    return SegmentReplay(piece.index, piece.step, piece.segment, piece.states[index], piece.poses, piece.held)
+    return replace(piece, states=piece.states[index])
 
 
 def _arm(plan: Plan, robot: Arm | str | None) -> Arm:

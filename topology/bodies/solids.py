@@ -210,6 +210,14 @@ def drawn_down(part: FloatArray, depth: float, up: FloatArray) -> FloatArray:
     return part if depth <= 0.0 else np.vstack([part, part - depth * up])
 
 
+def hull_faces(points: FloatArray) -> FloatArray:
+    """Planes (F, 4) of the faces of the hull of (N, 3) points [m], joggled where they are flat.
+
+    Each is a unit normal that points out and an offset: `normal @ p + offset` is negative inside.
+    """
+    return np.asarray(ConvexHull(points, qhull_options="QJ").equations, dtype=np.float64)
+
+
 def hull_vertices(points: FloatArray) -> FloatArray:
     """Corners of the convex hull of a cloud, flat ones too.
 

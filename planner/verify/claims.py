@@ -1,0 +1,66 @@
+"""What a plan says of its scene, its grasps and what is kept upright, held against these."""
+
+import numpy as np
+
+from topple.planner.formats.plan_format import Plan
+from topple.planner.formats.verification import Residual, Worst
+from topple.planner.grasp.grasp import KINDS, GraspKind
+from topple.planner.grasp.score import score_of
+from topple.planner.verify.clouds import outside
+from topple.planner.verify.replay import parts_of
+from topple.planner.verify.tolerances import FILLED, ROUNDED_SCORE, UPWARD
+from topple.topology.bodies.solids import hull_faces
+from topple.topology.scene import Scene
+from topple.topology.situation import Situation
+
+
+def check_claims(plan: Plan) -> tuple[Residual, ...]:
+    """Check what can be checked of a plan by itself.
+
+    Args:
+        plan: The plan.
+
+    Returns:
+        Residuals: scores that are not what their terms make, and marks of what is kept upright.
+    """
+    scores = Worst("scores against their terms", "1", ROUNDED_SCORE)
+    upright = Worst("steps upright that are not to be, or the other way round", "1")
+    wrong: list[str] = []
+    for index, step in enumerate(plan.steps):
+        where = f"step {index + 1} ({step.object})"
+        grasp = step.grasp
+        if grasp.terms and grasp.kind in KINDS:
+            try:
+                off = abs(score_of(GraspKind(grasp.kind), grasp.terms) - grasp.score)
+            except KeyError as error:
+                off = np.inf
+                where = f"{where}: a {grasp.kind} has a term {error}"
+            scores.note(off, where)
+        if step.upright != (step.object in plan.upright):
+            wrong.append(where)
+    upright.note(float(len(wrong)), "; ".join(wrong))
+    return scores.residual(), upright.residual()
+
+
+def check_scene(plan: Plan, scene: Scene) -> tuple[Residual, ...]:
+    """Check whether a plan is of a scene.
+
+    Args:
+        plan: The plan.
+        scene: What was seen.
+
+    Returns:
+        Residuals: the angle between their up directions, and how far the plan's bodies stand out beyond
+        those of the scene.
+    """
+    tilt = Worst("up of the plan against the scene's", "rad", UPWARD)
+    bodies = Worst("bodies of the plan beyond the scene's", "m", FILLED)
+    situation = Situation(scene)
+    cosine = float(np.clip(np.array(plan.up) @ situation.up, -1.0, 1.0))
+    tilt.note(float(np.arccos(cosine)), f"the plan has {list(plan.up)}, the scene {situation.up.tolist()}")
+    for name, parts in parts_of(plan).items():
+        if name not in scene.fixed:
+            faces = [hull_faces(part) for part in situation.solids[name]]
+            corners = np.vstack(parts)
+            bodies.note(float(np.min([outside(corners, each) for each in faces], axis=0).max()), name)
+    return tilt.residual(), bodies.residual()

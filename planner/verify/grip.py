@@ -1,0 +1,117 @@
+"""Whether a hand that closes where a plan closes it takes hold of the object there."""
+
+from collections.abc import Mapping
+
+import numpy as np
+from scipy.spatial import ConvexHull
+
+from topple.planner.formats.plan_format import Plan, Step
+from topple.planner.grasp.grasp import GraspKind
+from topple.planner.verify.tolerances import CLOSED, FEWEST_BETWEEN, LIP, OPENED, REACHED
+from topple.robots.arm.arm import Arm
+from topple.robots.arm.gripper import ToolState
+from topple.robots.collision.fcl_bodies import fcl_body
+from topple.robots.poses import inverse
+from topple.topology.arrays import FloatArray
+from topple.topology.bodies.solids import level_axes
+from topple.topology.geometry.samples import sampled
+
+SPACING = 0.002  # [m] between the points of a body that are looked for between the pads
+
+
+class Grip:
+    """Holds a plan's grasps against its bodies.
+
+    Args:
+        plan: The plan.
+        arm: The arm.
+    """
+
+    def __init__(self, plan: Plan, arm: Arm) -> None:
+        self.arm, self._up = arm, np.array(plan.up)
+        self._parts = {thing.name: [np.array(part) for part in thing.parts] for thing in plan.objects}
+
+    def fails(
+        self,
+        step: Step,
+        tool: str,
+        before: ToolState,
+        closed: ToolState,
+        pose_tool_to_world: FloatArray,
+        poses: Mapping[str, FloatArray],
+    ) -> str | None:
+        """Say why a hand takes no hold of a step's object.
+
+        Args:
+            step: The step.
+            tool: The tool that closes.
+            before: The hand on the way in.
+            closed: The hand it is brought to.
+            pose_tool_to_world: (4, 4) where the tool is.
+            poses: Transforms (4, 4) of the objects since the plan began.
+
+        Returns:
+            The reason; None where it holds.
+        """
+        if tool not in self.arm.tools:
+            return f"the arm has no {tool}"
+        if (step.grasp.kind == GraspKind.SUCTION) != (tool == "suction"):
+            return f"a grasp by {step.grasp.kind} is no matter of the {tool}"
+        to_tool = inverse(pose_tool_to_world) @ poses[step.object]
+        parts = [part @ to_tool[:3, :3].T + to_tool[:3, 3] for part in self._parts[step.object]]
+        if tool == "suction":
+            return self._cup_fails(step, closed, parts)
+        return self._pads_fail(step, before, closed, parts)
+
+    def rides(self, name: str, carrier: str, poses: Mapping[str, FloatArray]) -> bool:
+        """Whether an object lies in or on another: its middle is over that, its bottom not below."""
+        axes = np.stack(level_axes(self._up))
+        own, other = (self._corners(each, poses) for each in (name, carrier))
+        outline = ConvexHull(other @ axes.T).equations
+        middle = own.mean(axis=0)
+        over = (outline[:, :2] @ (axes @ middle) + outline[:, 2]).max() <= 0.0
+        return bool(over and (own @ self._up).min() > (other @ self._up).min() - REACHED)
+
+    def _corners(self, name: str, poses: Mapping[str, FloatArray]) -> FloatArray:
+        pose = poses[name]
+        return np.vstack(self._parts[name]) @ pose[:3, :3].T + pose[:3, 3]
+
+    def _cup_fails(self, step: Step, closed: ToolState, parts: list[FloatArray]) -> str | None:
+        ready = self.arm.tools["suction"].ready.cup_extension
+        if abs(closed.cup_extension - ready) > LIP:
+            out = 1e3 * closed.cup_extension
+            return f"the cup is {out:.0f} mm out, and takes hold {1e3 * ready:.0f} mm out"
+        if step.grasp.width != 0.0:
+            return f"a cup takes nothing {1e3 * step.grasp.width:.0f} mm wide between pads"
+        gap = distance(np.zeros(3), parts)
+        return f"the lip ends {1e3 * gap:.0f} mm from {step.object}" if gap > REACHED else None
+
+    def _pads_fail(
+        self, step: Step, before: ToolState, closed: ToolState, parts: list[FloatArray]
+    ) -> str | None:
+        jaw = self.arm.jaw
+        assert jaw is not None
+        if abs(closed.opening - step.grasp.width) > LIP:
+            told, to = 1e3 * step.grasp.width, 1e3 * closed.opening
+            return f"the grasp is {told:.0f} mm wide and the pads close to {to:.0f} mm"
+        if closed.opening > before.opening - OPENED:
+            return f"the pads come in {1e3 * before.opening:.0f} mm apart and do not close"
+        half = np.array([jaw.pad_size[0], before.opening, jaw.pad_size[1]]) / 2.0
+        points = np.vstack([*parts, sampled(parts, SPACING)])
+        between = points[(np.abs(points) <= half + SPACING * np.array([0.0, 1.0, 0.0])).all(axis=1)]
+        if len(between) < FEWEST_BETWEEN and distance(half, parts) > REACHED:
+            return f"nothing of {step.object} is between the pads"
+        wide = float(np.ptp(between[:, 1])) if len(between) else 0.0
+        if step.grasp.kind == GraspKind.PINCH and abs(wide - closed.opening) > CLOSED:
+            to = 1e3 * closed.opening
+            return f"{step.object} is {1e3 * wide:.0f} mm wide between the pads, which close to {to:.0f} mm"
+        return None
+
+
+def distance(half: FloatArray, parts: list[FloatArray]) -> float:
+    """Distance [m] to convex parts from a box about the origin, half its extents (3,), or from the origin."""
+    import fcl
+
+    box = fcl.CollisionObject(fcl.Box(*np.maximum(2.0 * half, 1e-4).tolist()))
+    ways = (float(fcl.distance(box, fcl_body(part), fcl.DistanceRequest())) for part in parts)
+    return max(0.0, min(ways))
