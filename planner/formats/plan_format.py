@@ -344,6 +344,8 @@ def _check(plan: Plan, name: str) -> None:
             if which not in names:
                 known = ", ".join(sorted(names)) or "nothing"
                 raise InvalidInput(f"{name} is no plan: `{here}.{key}` is {which!r}, its objects are {known}")
+        if step.placement.how and step.placement.into is None:
+            raise InvalidInput(f"{name} is no plan: `{here}.placement.how` is given, and no `into`")
         for k, held in enumerate(step.attachments):
             _matrix(held.pose_start_to_tool, 4, 4, f"{here}.attachments[{k}].pose_start_to_tool", name)
         for k, before in enumerate(step.after):

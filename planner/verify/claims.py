@@ -8,7 +8,7 @@ from topple.planner.grasp.grasp import KINDS, GraspKind
 from topple.planner.grasp.score import score_of
 from topple.planner.verify.clouds import outside
 from topple.planner.verify.replay import parts_of
-from topple.planner.verify.tolerances import FILLED, ROUNDED_SCORE, UPWARD
+from topple.planner.verify.tolerances import ROUNDED_SCORE, SAME, UPWARD
 from topple.topology.bodies.solids import hull_faces
 from topple.topology.scene import Scene
 from topple.topology.situation import Situation
@@ -21,7 +21,7 @@ def check_claims(plan: Plan) -> tuple[Residual, ...]:
         plan: The plan.
 
     Returns:
-        Residuals: scores that are not what their terms make, and marks of what is kept upright.
+        Residuals: scores that are not what their terms make, marks of what is kept upright, and the order.
     """
     scores = Worst("scores against their terms", "1", ROUNDED_SCORE)
     upright = Worst("steps upright that are not to be, or the other way round", "1")
@@ -33,13 +33,15 @@ def check_claims(plan: Plan) -> tuple[Residual, ...]:
             try:
                 off = abs(score_of(GraspKind(grasp.kind), grasp.terms) - grasp.score)
             except KeyError as error:
-                off = np.inf
+                off = 1.0
                 where = f"{where}: a {grasp.kind} has a term {error}"
             scores.note(off, where)
         if step.upright != (step.object in plan.upright):
             wrong.append(where)
     upright.note(float(len(wrong)), "; ".join(wrong))
-    return scores.residual(), upright.residual()
+    order = Worst("order against the steps", "1")
+    order.note(float(plan.order != [step.object for step in plan.steps]), ", ".join(plan.order))
+    return scores.residual(), upright.residual(), order.residual()
 
 
 def check_scene(plan: Plan, scene: Scene) -> tuple[Residual, ...]:
@@ -50,11 +52,11 @@ def check_scene(plan: Plan, scene: Scene) -> tuple[Residual, ...]:
         scene: What was seen.
 
     Returns:
-        Residuals: the angle between their up directions, and how far the plan's bodies stand out beyond
-        those of the scene.
+        Residuals: the angle between their up directions, how far the plan's bodies stand out beyond those of
+        the scene, and objects that never move in one of them alone.
     """
     tilt = Worst("up of the plan against the scene's", "rad", UPWARD)
-    bodies = Worst("bodies of the plan beyond the scene's", "m", FILLED)
+    bodies = Worst("bodies of the plan beyond the scene's", "m", SAME)
     situation = Situation(scene)
     cosine = float(np.clip(np.array(plan.up) @ situation.up, -1.0, 1.0))
     tilt.note(float(np.arccos(cosine)), f"the plan has {list(plan.up)}, the scene {situation.up.tolist()}")
@@ -63,4 +65,7 @@ def check_scene(plan: Plan, scene: Scene) -> tuple[Residual, ...]:
             faces = [hull_faces(part) for part in situation.solids[name]]
             corners = np.vstack(parts)
             bodies.note(float(np.min([outside(corners, each) for each in faces], axis=0).max()), name)
-    return tilt.residual(), bodies.residual()
+    fixed = Worst("objects fixed in the plan or the scene alone", "1")
+    odd = {thing.name for thing in plan.objects if thing.fixed} ^ set(scene.fixed)
+    fixed.note(float(len(odd)), ", ".join(sorted(odd)))
+    return tilt.residual(), bodies.residual(), fixed.residual()

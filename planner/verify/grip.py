@@ -6,7 +6,7 @@ import numpy as np
 from scipy.spatial import ConvexHull
 
 from topple.planner.formats.plan_format import Plan, Step
-from topple.planner.grasp.grasp import GraspKind
+from topple.planner.grasp.grasp import KINDS, GraspKind
 from topple.planner.verify.tolerances import CLOSED, FEWEST_BETWEEN, LIP, OPENED, REACHED
 from topple.robots.arm.arm import Arm
 from topple.robots.arm.gripper import ToolState
@@ -55,6 +55,8 @@ class Grip:
         """
         if tool not in self.arm.tools:
             return f"the arm has no {tool}"
+        if step.grasp.kind not in KINDS:
+            return f"{step.grasp.kind!r} is no kind of grasp"
         if (step.grasp.kind == GraspKind.SUCTION) != (tool == "suction"):
             return f"a grasp by {step.grasp.kind} is no matter of the {tool}"
         to_tool = inverse(pose_tool_to_world) @ poses[step.object]

@@ -49,9 +49,13 @@ class HandCheck:
             self.grasp.note(off_by(ends, grasp), piece.where)
             self.reach.note(self._to_object(piece, ends), piece.where)
         if kind == "grasp":
-            told = {held.object: np.array(held.pose_start_to_tool) for held in piece.step.attachments}
+            told = {
+                held.object: np.array(held.pose_start_to_tool)
+                for held in piece.step.attachments
+                if held.tool == piece.segment.tool
+            }
             for name, to_tool in piece.held.items():
-                off = off_by(to_tool, told[name]) if name in told else np.inf
+                off = off_by(to_tool, told[name]) if name in told else 1.0  # not said at all
                 self.held.note(off, f"{piece.where}: {name}")
         if kind == "place":
             wanted = np.array(piece.step.placement.pose_before_to_after) @ grasp

@@ -77,6 +77,7 @@ class Replay:
     idle: Worst = field(default_factory=lambda: Worst("steps that do not move their object", "1"))
     kept: Worst = field(default_factory=lambda: Worst("objects in the hand when a step ends", "1"))
     told: Worst = field(default_factory=lambda: Worst("what is said to be in the hand and is not", "1"))
+    told_into: Worst = field(default_factory=lambda: Worst("put into what it is not over", "1"))
     hand: Worst = field(default_factory=lambda: Worst("hand that changes while it holds", "m", OPENED))
     place: Worst = field(default_factory=lambda: Worst("object against its place", "m", 2.0 * OFF))
 
@@ -114,7 +115,7 @@ class Replay:
 
     def residuals(self) -> tuple[Residual, ...]:
         """What was found."""
-        found = (self.grips, self.idle, self.kept, self.told, self.hand, self.place)
+        found = (self.grips, self.idle, self.kept, self.told, self.told_into, self.hand, self.place)
         return tuple(worst.residual() for worst in found)
 
     def _take(self, part: Step, segment: SegmentData, hand: ToolState, q: FloatArray, where: str) -> None:
@@ -164,6 +165,9 @@ class Replay:
             self.poses[name][:3, 3] -= fall
             self.taken.append((index, name))
         self._held = {}
+        into = part.placement.into
+        if into is not None and not self._grip.rides(part.object, into, self.poses):
+            self.told_into.note(self.told_into.value + 1.0, f"{where}: it is not over {into}")
 
     def _say(self, segment: SegmentData, where: str) -> None:
         """Hold what a segment says of its hand against what is in it."""

@@ -88,3 +88,6 @@ ROUNDED_SCORE = 1e-4
 
 UPWARD = 0.001
 """[rad] directions of up this close are the same: six digits."""
+
+SAME = 0.002
+"""[m] bodies made of the same clouds are the same but for what writing them with six digits moves."""

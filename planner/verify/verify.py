@@ -98,6 +98,7 @@ def _left_out() -> list[Residual]:
         not_evaluated("points outside of the plan's bodies", "m", NO_SCENE),
         not_evaluated("up of the plan against the scene's", "rad", NO_SCENE),
         not_evaluated("bodies of the plan beyond the scene's", "m", NO_SCENE),
+        not_evaluated("objects fixed in the plan or the scene alone", "1", NO_SCENE),
         not_evaluated("goal clauses unmet", "1", NO_SCENE),
     ]
 
