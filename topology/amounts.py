@@ -2,13 +2,13 @@
 
 from collections.abc import Iterable, Mapping
 from sys import float_info
-from types import MappingProxyType
 from typing import cast
 
 import numpy as np
 
 from topple.topology.errors import InvalidInput, UnknownObject
 from topple.topology.statics.matter import ROUGHEST, SLIPPERIEST
+from topple.topology.values import FrozenDict
 
 
 def as_masses(given: object, names: Iterable[str]) -> Mapping[str, float]:
@@ -62,7 +62,7 @@ def as_friction(given: object, names: Iterable[str]) -> Mapping[str, float]:
 def _numbers(given: object, names: Iterable[str], one: str, all_: str, expected: str) -> Mapping[str, float]:
     """Finite numbers by name."""
     if given is None:
-        return MappingProxyType({})
+        return FrozenDict({})
     if not isinstance(given, Mapping):
         raise InvalidInput(f"{all_}: found {type(given).__name__}, expected {{name: number}}, in {expected}")
     known = frozenset(names)
@@ -75,4 +75,4 @@ def _numbers(given: object, names: Iterable[str], one: str, all_: str, expected:
         if not abs(value) < float_info.max:  # NaN, infinity, and whole numbers beyond all floats
             raise InvalidInput(f"{one} of {name!r} is not finite: expected a number, {expected}")
         checked[name] = float(value)
-    return MappingProxyType(checked)
+    return FrozenDict(checked)

@@ -2,7 +2,6 @@
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field
-from types import MappingProxyType
 
 import numpy as np
 from numpy.typing import NDArray
@@ -10,12 +9,13 @@ from numpy.typing import NDArray
 from topple.topology.arrays import BoolArray, FloatArray, IntArray, frozen, frozen_int
 from topple.topology.checks import as_intrinsics, as_name, as_pose, numeric
 from topple.topology.errors import InvalidInput
+from topple.topology.values import ByValue, FrozenDict
 
 _FARTHEST = 20.0  # [m] beyond the reach of any depth camera; a depth in millimetres is far above
 
 
 @dataclass(frozen=True, eq=False)
-class DepthImage:
+class DepthImage(ByValue):
     """A depth image with instance labels.
 
     Attributes:
@@ -57,7 +57,7 @@ class DepthImage:
         object.__setattr__(
             self, "pose_camera_to_world", as_pose(self.pose_camera_to_world, "pose_camera_to_world")
         )
-        object.__setattr__(self, "names", MappingProxyType(names))
+        object.__setattr__(self, "names", FrozenDict(names))
         object.__setattr__(self, "rgb", _as_rgb(self.rgb, depth.shape))
 
     def __reduce__(self) -> tuple[object, ...]:

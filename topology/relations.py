@@ -12,6 +12,7 @@ import numpy as np
 from topple.topology.arrays import FloatArray, IntArray
 from topple.topology.errors import InvalidInput, UnknownObject
 from topple.topology.sixim.table import Relation, converse_matrix
+from topple.topology.values import ByValue, same
 
 if TYPE_CHECKING:
     from topple.topology.scene import Scene
@@ -21,7 +22,7 @@ FORMAT_VERSION = 1
 
 
 @dataclass(frozen=True, eq=False)
-class PairRelation:
+class PairRelation(ByValue):
     """The relation of one object to another: "a relation b".
 
     Attributes:
@@ -60,6 +61,15 @@ class PairRelation:
     def gap(self) -> float:
         """Smallest distance of the two surfaces [m], negative by the depth of overlap."""
         return self.distance() if callable(self.distance) else self.distance
+
+    def _compared(self) -> list[Any]:
+        """What is counted and measured, not how that comes about."""
+        return [self.matrix, self.gap, *self.to_json().values()]
+
+    def __reduce__(self) -> tuple[object, ...]:
+        """Pickle what is counted and measured."""
+        more = (self.gap_exact, self.confidence, self.observed, self.kind, self.inferred, self.reason)
+        return (PairRelation, (self.a, self.b, self.relation, self.matrix, self.gap, *more))
 
     @property
     def converse(self) -> "PairRelation":
@@ -362,6 +372,19 @@ class Relations:
                 near[i, j] = rule.relate(prepared[i], prepared[j])
         related = replace(self, rule=rule, near=near, prepared=tuple(prepared), scene=scene)
         return rule.conclude(scene, related)
+
+    def __eq__(self, other: object) -> bool:
+        """Compare the scenes and what is said of every pair."""
+        if not isinstance(other, Relations):
+            return NotImplemented
+        if self is other:
+            return True
+        alike = self.deviation == other.deviation and same(self.near, other.near)
+        return alike and self.scene == other.scene
+
+    def __hash__(self) -> int:
+        """Hash the names."""
+        return hash(self.objects)
 
     def to_json(self) -> dict[str, Any]:
         """The relations as plain JSON data: format "topple.relations", version 1."""

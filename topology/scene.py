@@ -2,7 +2,6 @@
 
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
-from types import MappingProxyType
 from typing import Literal, TypeVar
 
 import numpy as np
@@ -15,6 +14,7 @@ from topple.topology.checks import as_direction, as_name, as_points, as_pose, as
 from topple.topology.errors import InvalidInput, UnknownObject
 from topple.topology.geometry.plane import TABLE, table_by_name, up_from_fixed
 from topple.topology.image import DepthImage
+from topple.topology.values import ByValue, FrozenDict
 
 _Value = TypeVar("_Value")
 
@@ -23,7 +23,7 @@ _FEWEST_SEEN = 4  # points: fewer pixels than this span no solid, and are as lik
 
 
 @dataclass(frozen=True, eq=False)
-class Mesh:
+class Mesh(ByValue):
     """A triangle mesh in world coordinates.
 
     Attributes:
@@ -54,7 +54,7 @@ class Mesh:
 
 
 @dataclass(frozen=True, eq=False, init=False)
-class Scene:
+class Scene(ByValue):
     """Objects as point clouds in one frame; a Scene that exists has been checked.
 
     Attributes:
@@ -132,12 +132,12 @@ class Scene:
             if abs(float(np.linalg.norm(given)) - 1) > 1e-3:
                 notes.append(f"up was given with length {np.linalg.norm(given):.4g} and scaled to 1")
         put = object.__setattr__
-        put(self, "clouds", MappingProxyType(checked))
+        put(self, "clouds", FrozenDict(checked))
         put(self, "fixed", frozenset(fixed))
         put(self, "up", up)
         put(self, "viewpoints", as_viewpoints([] if viewpoints is None else viewpoints))
         put(self, "images", tuple(images))
-        put(self, "meshes", MappingProxyType(dict(meshes or {})))
+        put(self, "meshes", FrozenDict(dict(meshes or {})))
         put(self, "robot_base", None if robot_base is None else as_pose(robot_base, "robot_base"))
         put(self, "assumptions", tuple(dict.fromkeys(notes)))
         put(self, "masses", as_masses(masses, checked))
@@ -251,7 +251,7 @@ class Scene:
             InvalidInput: If the cloud is not what it should be.
         """
         clouds = {**self.clouds, as_name(name): as_points(points, f"cloud {name!r}")}
-        return self._changed(clouds=MappingProxyType(clouds), meshes=_except(name, self.meshes))
+        return self._changed(clouds=FrozenDict(clouds), meshes=_except(name, self.meshes))
 
     def without(self, name: str) -> "Scene":
         """Take an object out of the scene.
@@ -272,7 +272,7 @@ class Scene:
         if not clouds:
             raise InvalidInput(f"without {name!r} the scene has no objects: expected at least one")
         return self._changed(
-            clouds=MappingProxyType(clouds),
+            clouds=FrozenDict(clouds),
             fixed=self.fixed - {name},
             meshes=_except(name, self.meshes),
             masses=_except(name, self.masses),
@@ -296,8 +296,8 @@ class Scene:
             UnknownObject: If there is no such object.
         """
         return self._changed(
-            masses=MappingProxyType({**self.masses, **as_masses(masses, self.clouds)}),
-            friction=MappingProxyType({**self.friction, **as_friction(friction, self.clouds)}),
+            masses=FrozenDict({**self.masses, **as_masses(masses, self.clouds)}),
+            friction=FrozenDict({**self.friction, **as_friction(friction, self.clouds)}),
         )
 
     def _changed(self, **checked: object) -> "Scene":
@@ -312,7 +312,7 @@ class Scene:
 
 def _except(name: str, values: Mapping[str, _Value]) -> Mapping[str, _Value]:
     """What is known of all objects but one, read-only."""
-    return MappingProxyType({other: value for other, value in values.items() if other != name})
+    return FrozenDict({other: value for other, value in values.items() if other != name})
 
 
 def _check_unit(movable: Mapping[str, FloatArray]) -> None:

@@ -2,7 +2,6 @@
 
 from collections.abc import Collection, Mapping
 from dataclasses import dataclass, field, replace
-from types import MappingProxyType
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -10,6 +9,7 @@ import numpy as np
 from topple.topology.arrays import FloatArray, bounds, frozen
 from topple.topology.bodies.tops import SUNK, Tops, tops_of
 from topple.topology.errors import InvalidInput
+from topple.topology.values import FrozenDict
 
 if TYPE_CHECKING:
     from topple.topology.scene import Scene
@@ -44,7 +44,7 @@ class Upright:
     floor: float
     tops: Mapping[str, tuple[FloatArray, ...]]
     rest: Mapping[str, FloatArray]
-    friction: Mapping[str, float] = field(default_factory=lambda: MappingProxyType({}))
+    friction: Mapping[str, float] = field(default_factory=lambda: FrozenDict({}))
 
     @property
     def movable(self) -> tuple[str, ...]:
@@ -54,7 +54,7 @@ class Upright:
     def among(self, names: Collection[str]) -> "Upright":
         """The fixed objects, and of the movable ones only those named."""
         kept = {name: cloud for name, cloud in self.clouds.items() if name in self.fixed or name in names}
-        return replace(self, clouds=MappingProxyType(kept))
+        return replace(self, clouds=FrozenDict(kept))
 
     def floor_under(self, points: FloatArray) -> float:
         """Height [m] of the highest top below the middle of an object, (N, 3) points; else the floor."""
@@ -102,12 +102,12 @@ class Upright:
         views = None if len(scene.viewpoints) == 0 else scene.viewpoints @ rotation.T
         return Upright(
             rotation=frozen(rotation),
-            clouds=MappingProxyType({name: frozen(clouds[name]) for name in scene.clouds}),
+            clouds=FrozenDict({name: frozen(clouds[name]) for name in scene.clouds}),
             fixed=frozenset(scene.fixed),
             viewpoints=None if views is None else frozen(views),
             floor=_floor(clouds, tops, lowest),
-            tops=MappingProxyType(tops),
-            rest=MappingProxyType(rest),
+            tops=FrozenDict(tops),
+            rest=FrozenDict(rest),
             friction=scene.friction,
         )
 

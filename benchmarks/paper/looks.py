@@ -1,7 +1,6 @@
 """What is seen of a staged scene: few depth images, or whole surfaces."""
 
 from collections.abc import Mapping
-from types import MappingProxyType
 
 import numpy as np
 
@@ -12,6 +11,7 @@ from topple.robots.world.world import World
 from topple.topology.arrays import FloatArray
 from topple.topology.image import DepthImage
 from topple.topology.scene import Scene
+from topple.topology.values import FrozenDict
 
 POINTS = 10_000
 """Points of a whole surface: one every 2 mm to 4 mm."""
@@ -27,7 +27,7 @@ WHOLE = "whole surfaces"
 ONE = "1 view"
 THREE = "3 views"
 
-_AZIMUTHS: Mapping[int, tuple[float, float]] = MappingProxyType(
+_AZIMUTHS: Mapping[int, tuple[float, float]] = FrozenDict(
     {1: (-20, 130), 2: (-100, 50), 3: (15, 75), 4: (-25, 25), 5: (-20, 130), 6: (-40, 120), 7: (20, 170)}
 )
 """Where the two cameras of scenes 1 to 7 stand [degrees]. The paper has images of all sides but of scenes 3,

@@ -7,9 +7,9 @@ ground touches the ground too. A pair that is not listed is disjoint.
 from collections.abc import Mapping
 from dataclasses import dataclass
 from itertools import combinations
-from types import MappingProxyType
 
 from topple.topology.sixim.table import Relation
+from topple.topology.values import FrozenDict
 
 TOUCH, WITHIN, PARTIAL = Relation.TOUCH, Relation.WITHIN, Relation.PARTIAL_WITHIN
 
@@ -58,7 +58,7 @@ def _scene(number: int, objects: str, **listed: str) -> PaperScene:
     return PaperScene(number, names, tuple(found))
 
 
-SCENES: Mapping[int, PaperScene] = MappingProxyType(
+SCENES: Mapping[int, PaperScene] = FrozenDict(
     {
         scene.number: scene
         for scene in (

@@ -4,7 +4,6 @@ import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from itertools import permutations
-from types import MappingProxyType
 from typing import Any
 
 import networkx as nx
@@ -14,10 +13,11 @@ from topple.planner.decide.dependency import DependencyGraph
 from topple.planner.decide.sequence import safest
 from topple.topology.arrays import FloatArray
 from topple.topology.statics.support import Support
+from topple.topology.values import ByValue, FrozenDict
 
 
 @dataclass(frozen=True, eq=False)
-class Order:
+class Order(ByValue):
     """A safe order, and everything it was derived from.
 
     Attributes:
@@ -47,8 +47,8 @@ class Order:
     assumptions: tuple[str, ...] = ()
     explanation: tuple[str, ...] = ()
     verified: bool = False
-    chances: Mapping[tuple[str, str], float] = field(default_factory=lambda: MappingProxyType({}))
-    notes: Mapping[str, Any] = field(default_factory=lambda: MappingProxyType({}))
+    chances: Mapping[tuple[str, str], float] = field(default_factory=lambda: FrozenDict({}))
+    notes: Mapping[str, Any] = field(default_factory=lambda: FrozenDict({}))
 
     def to_json(self) -> dict[str, Any]:
         """The object that `topple order --json` prints."""
@@ -128,7 +128,7 @@ def arrange(
         supports=carried,
         groups=groups,
         unresolved=(),
-        risk=MappingProxyType(_risks(units, graph, chances)),
+        risk=FrozenDict(_risks(units, graph, chances)),
         assumptions=assumptions,
         explanation=_explain(steps, groups, graph, set(wanted), chances),
     )

@@ -4,12 +4,14 @@ from collections.abc import Collection, Mapping
 from dataclasses import dataclass, field
 from statistics import fmean
 
+from topple.topology.values import ByValue
+
 Pair = tuple[str, str]
 """(first, then): whether taking `then` moves `first`."""
 
 
 @dataclass(frozen=True, eq=False)
-class Beliefs:
+class Beliefs(ByValue):
     """Kept from look to look of a scene that is taken apart.
 
     Attributes:

@@ -18,6 +18,7 @@ from topple.topology.situation import Situation
 from topple.topology.sixim.table import Relation
 from topple.topology.statics.rest import Statics
 from topple.topology.statics.sweep import Overlap, overlap
+from topple.topology.values import ByValue
 
 if TYPE_CHECKING:
     from topple.topology.relations import Relations
@@ -102,7 +103,7 @@ class Dependency:
 
 
 @dataclass(frozen=True, eq=False)
-class DependencyGraph:
+class DependencyGraph(ByValue):
     """Dependencies between named objects, edges first -> then.
 
     Attributes:

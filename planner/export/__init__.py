@@ -1,7 +1,6 @@
 """Plans handed on: to task planners, behaviour trees, MoveIt, and graph viewers."""
 
 from collections.abc import Callable, Mapping
-from types import MappingProxyType
 
 from topple.planner.export.behavior_tree import behavior_tree
 from topple.planner.export.graph import dot, graphml
@@ -9,8 +8,9 @@ from topple.planner.export.moveit import moveit_scene
 from topple.planner.export.pddl import pddl
 from topple.planner.formats.plan_format import Plan, plan_to_json
 from topple.topology.errors import InvalidInput
+from topple.topology.values import FrozenDict
 
-EXPORTERS: Mapping[str, Callable[[Plan], str]] = MappingProxyType(
+EXPORTERS: Mapping[str, Callable[[Plan], str]] = FrozenDict(
     {
         "json": lambda plan: plan_to_json(plan).decode("utf-8"),
         "dot": dot,

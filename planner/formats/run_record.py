@@ -6,6 +6,7 @@ from typing import Any
 
 from topple.topology.arrays import FloatArray
 from topple.topology.scene import Scene
+from topple.topology.values import ByValue
 
 INTERRUPTED = "interrupted"
 """What a run is stopped by that somebody ended."""
@@ -15,7 +16,7 @@ Document = Mapping[str, Any]
 
 
 @dataclass(frozen=True, eq=False)
-class StepRecord:
+class StepRecord(ByValue):
     """One action of the arm: what was seen before it, what it did, what was seen after it.
 
     Attributes:
@@ -97,7 +98,7 @@ class StepRecord:
 
 
 @dataclass(frozen=True, eq=False)
-class RunRecord:
+class RunRecord(ByValue):
     """A whole run: the goal, every step, and whether the goal holds at the end with nothing disturbed.
 
     Attributes:

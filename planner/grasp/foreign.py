@@ -13,6 +13,7 @@ import numpy as np
 from topple.planner.grasp.stored import MOST_BYTES, Key, Stored, read_stored
 from topple.topology.arrays import FloatArray, frozen
 from topple.topology.errors import InvalidInput
+from topple.topology.values import ByValue
 
 HAND_TO_PADS = (
     0.1034  # Panda hand's origin to the middle between its pads, the frame of two of the formats [m]
@@ -23,7 +24,7 @@ GRASPNET_COLUMNS = 17  # score, width, height, depth, rotation (9), translation 
 
 
 @dataclass(frozen=True, eq=False)
-class ForeignGrasps:
+class ForeignGrasps(ByValue):
     """Grasps as another pipeline proposes them.
 
     Attributes:

@@ -7,6 +7,7 @@ import numpy as np
 
 from topple.topology.arrays import FloatArray, frozen
 from topple.topology.errors import InvalidInput
+from topple.topology.values import ByValue
 
 
 class GraspKind(str, Enum):
@@ -30,7 +31,7 @@ HALF_TURN = frozen(np.diag([-1.0, -1.0, 1.0, 1.0]))
 
 
 @dataclass(frozen=True, eq=False)
-class Grasp:
+class Grasp(ByValue):
     """A hand pose at which closing the fingers, or switching the cup on, holds an object.
 
     Attributes:

@@ -20,6 +20,7 @@ from topple.topology.checks import as_pose
 from topple.topology.errors import InvalidInput, UnknownObject
 from topple.topology.scene import Scene
 from topple.topology.statics.gravity import check_up
+from topple.topology.values import ByValue
 
 GivenGrasps = ForeignGrasps | Sequence[Grasp] | FloatArray
 """Grasps of `read_grasps`, of this project, or an (N, 4, 4) or (N, 17) array."""
@@ -29,7 +30,7 @@ _WHERE = {"fingers": "between its pads", "suction": "under its cup"}
 
 
 @dataclass(frozen=True, eq=False)
-class RankedGrasp:
+class RankedGrasp(ByValue):
     """One grasp and what speaks against it.
 
     Attributes:

@@ -4,7 +4,6 @@ import time
 from collections.abc import Callable, Sequence
 from dataclasses import replace
 from functools import partial
-from types import MappingProxyType
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -18,6 +17,7 @@ from topple.planner.planning.tolerances import REMOVAL_RISK
 from topple.topology.errors import InvalidInput, UnknownObject
 from topple.topology.situation import Situation
 from topple.topology.statics.gravity import check_up
+from topple.topology.values import FrozenDict
 
 if TYPE_CHECKING:
     from topple.robots.arm.arm import Arm
@@ -91,7 +91,7 @@ def order(
     risked = (beliefs or Beliefs()).weighed(chance, edges)
     found = arrange(full.reduced(), wanted, tops, situation.supports, said, risked, removal_risk)
     checked = verify and not notes["budget_exhausted"]
-    found = replace(found, verified=checked, chances=MappingProxyType(chance), notes=MappingProxyType(notes))
+    found = replace(found, verified=checked, chances=FrozenDict(chance), notes=FrozenDict(notes))
     return found if robot is None else _with_access(found, situation, robot)
 
 

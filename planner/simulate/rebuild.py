@@ -2,7 +2,6 @@
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
-from types import MappingProxyType
 
 import numpy as np
 from scipy.spatial import ConvexHull
@@ -17,6 +16,7 @@ from topple.topology.bodies.complete import is_hollow
 from topple.topology.statics.grounds import planes_and_rest
 from topple.topology.statics.rest import Statics
 from topple.topology.upright import Upright
+from topple.topology.values import FrozenDict
 
 FLOOR = "the floor"
 """What everything stands on in a rebuilt world."""
@@ -38,7 +38,7 @@ class Rebuilt:
     grounds: tuple[Body, ...]
     poses: Mapping[str, FloatArray]
     floor: float
-    friction: Mapping[str, float] = field(default_factory=lambda: MappingProxyType({}))
+    friction: Mapping[str, float] = field(default_factory=lambda: FrozenDict({}))
 
     def world(self) -> World:
         """All bodies on a floor in a world of their own, which the caller closes."""

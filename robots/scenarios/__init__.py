@@ -1,7 +1,6 @@
 """Built-in scenes: settled worlds with cameras, a robot's place and a task, each made from a seed."""
 
 from collections.abc import Callable, Mapping
-from types import MappingProxyType
 
 from topple.robots.scenarios.dishes import dishes
 from topple.robots.scenarios.lemon import lemon_in_bowl
@@ -10,8 +9,9 @@ from topple.robots.scenarios.scenario import Scenario
 from topple.robots.scenarios.sort import sort
 from topple.robots.scenarios.tower import tower
 from topple.topology.errors import InvalidInput
+from topple.topology.values import FrozenDict
 
-SCENARIOS: Mapping[str, Callable[[int], Scenario]] = MappingProxyType(
+SCENARIOS: Mapping[str, Callable[[int], Scenario]] = FrozenDict(
     {"dishes": dishes, "lemon": lemon_in_bowl, "tower": tower, "pile": pile, "sort": sort}
 )
 """Every scenario by its name, to be called with a seed."""

@@ -9,13 +9,14 @@ from topple.topology.arrays import FloatArray, IntArray, frozen, frozen_int
 from topple.topology.errors import InvalidInput
 from topple.topology.geometry.extremes import without_inner_points
 from topple.topology.tolerances import TOLERANCES
+from topple.topology.values import ByValue
 
 BLOCK = 1 << 16
 """Numbers a distance table may hold at once (0.5 MB): it stays in a core's own cache for any cloud."""
 
 
 @dataclass(frozen=True, eq=False)
-class Hull:
+class Hull(ByValue):
     """The smallest convex set that contains a cloud; flat, collinear and single-point clouds have one too.
 
     The hull is the set of x with `normals @ x + offsets <= 0`. A hull without extent along some axes is

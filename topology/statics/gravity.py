@@ -2,7 +2,6 @@
 
 from collections.abc import Iterator, Sequence
 from dataclasses import replace
-from types import MappingProxyType
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -14,6 +13,7 @@ from topple.topology.statics.contact import Contact, find_contacts
 from topple.topology.statics.equilibrium import balance
 from topple.topology.statics.rest import Statics, within_reach
 from topple.topology.upright import SPACING
+from topple.topology.values import FrozenDict
 
 if TYPE_CHECKING:
     from topple.topology.scene import Scene
@@ -95,8 +95,8 @@ def _standing(statics: Statics) -> tuple[Contact, ...]:
     along, across = (np.arange(low[k], high[k] + SPACING, 2 * SPACING) for k in (0, 1))
     plan = np.stack(np.meshgrid(along, across), axis=-1).reshape(-1, 2)
     floor = np.column_stack([plan, np.full(len(plan), low[2])])
-    clouds = MappingProxyType({**statics.upright.clouds, _FLOOR: floor})
-    tops, rest = MappingProxyType({_FLOOR: (floor,)}), MappingProxyType({_FLOOR: np.empty((0, 3))})
+    clouds = FrozenDict({**statics.upright.clouds, _FLOOR: floor})
+    tops, rest = FrozenDict({_FLOOR: (floor,)}), FrozenDict({_FLOOR: np.empty((0, 3))})
     upright = replace(statics.upright, clouds=clouds, fixed=frozenset({_FLOOR}), tops=tops, rest=rest)
     return find_contacts(upright, {**statics.surfaces, _FLOOR: floor})
 

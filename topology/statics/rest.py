@@ -3,7 +3,6 @@
 from collections.abc import Collection, Mapping
 from dataclasses import dataclass, field
 from functools import cached_property
-from types import MappingProxyType
 from typing import TYPE_CHECKING
 from weakref import WeakKeyDictionary
 
@@ -19,6 +18,7 @@ from topple.topology.statics.falling import REACH, Fall, catching, falls, island
 from topple.topology.statics.hidden import hidden_contacts
 from topple.topology.statics.matter import DENSITY
 from topple.topology.upright import SPACING, Upright
+from topple.topology.values import FrozenDict
 from topple.topology.views.sight import Sight
 
 if TYPE_CHECKING:
@@ -136,8 +136,8 @@ class Statics:
             upright,
             surfaces,
             contacts,
-            MappingProxyType(weights),
-            MappingProxyType(dict(unexplained)),
+            FrozenDict(weights),
+            FrozenDict(dict(unexplained)),
             sight,
             meeting,
         )

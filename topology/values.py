@@ -1,0 +1,64 @@
+"""What frozen types are made of: mappings that cannot be written to and travel, and equality by value."""
+
+from collections.abc import Mapping
+from dataclasses import fields
+from typing import Any, NoReturn, TypeVar
+
+import numpy as np
+
+_Key = TypeVar("_Key")
+_Value = TypeVar("_Value")
+
+
+class FrozenDict(dict[_Key, _Value]):
+    """A dict that nobody can write to; unlike a mappingproxy it pickles, copies and is JSON."""
+
+    def _refuse(self, *_: object, **__: object) -> NoReturn:
+        raise TypeError("this mapping is read-only: make a dict of it to change it")
+
+    __setitem__ = __delitem__ = __ior__ = clear = pop = popitem = setdefault = update = _refuse  # type: ignore[assignment]
+
+    def __reduce__(self) -> tuple[object, ...]:
+        """Pickle by value."""
+        return (FrozenDict, (dict(self),))
+
+
+class ByValue:
+    """Equality of frozen dataclasses that hold arrays: equal where all their fields are."""
+
+    def _compared(self) -> list[Any]:
+        """What is compared: all fields, unless a class says otherwise."""
+        return [getattr(self, each.name) for each in fields(self) if each.compare]  # type: ignore[arg-type]
+
+    def __eq__(self, other: object) -> bool:
+        """Compare field by field; arrays by shape, type and every value."""
+        if type(other) is not type(self):
+            return NotImplemented
+        return self is other or same(self._compared(), other._compared())  # type: ignore[attr-defined]
+
+    def __hash__(self) -> int:
+        """Hash what is short of it: equal objects have equal hashes, and most others have not."""
+        return hash((type(self).__name__, *(_short(part) for part in self._compared())))
+
+
+def _short(value: Any) -> str | int | float:
+    """What stands for a value in a hash: itself, or its length where it has one."""
+    if isinstance(value, (str, int, float)):
+        return value
+    return len(value) if isinstance(value, (tuple, Mapping)) else 0
+
+
+def same(a: Any, b: Any) -> bool:
+    """Whether two values are equal: arrays in every number, mappings and sequences entry by entry."""
+    if isinstance(a, np.ndarray) or isinstance(b, np.ndarray):
+        return (
+            isinstance(a, np.ndarray)
+            and isinstance(b, np.ndarray)
+            and a.dtype == b.dtype
+            and bool(np.array_equal(a, b, equal_nan=a.dtype.kind == "f"))
+        )
+    if isinstance(a, Mapping) and isinstance(b, Mapping):
+        return list(a) == list(b) and all(same(a[key], b[key]) for key in a)
+    if isinstance(a, (tuple, list)) and isinstance(b, (tuple, list)):
+        return len(a) == len(b) and all(same(x, y) for x, y in zip(a, b, strict=True))
+    return bool(a == b)
