@@ -75,7 +75,7 @@ LIP = 0.001
 """[m] what a plan says of the same width or extension at two places may differ by: rounding."""
 
 CLOSED = 0.012
-"""[m] the pads' distance against the body between them: its hull bridges hollows of 8 mm, and depth noise."""
+"""[m] pads that close to more than the body between them touch nothing: parts stand out 8 mm, depth noise."""
 
 FEWEST_BETWEEN = 5
 """Points of a body between the pads: fewer are its edge."""
