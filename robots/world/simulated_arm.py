@@ -220,7 +220,6 @@ class SimulatedArm:
     def open(self, opening: float | None = None) -> None:
         """Opens the jaw to a pad distance in [m], fully if not given, and waits for it."""
         if self.jaw:
-            self.world.solve_contacts(closely=False)
             self._opening = self.jaw.max_opening if opening is None else min(opening, self.jaw.max_opening)
             self._grip_force = self.jaw.force
             self._wait_for_hand()
@@ -239,7 +238,6 @@ class SimulatedArm:
         """
         if not self.jaw:
             raise InvalidInput(f"{self.arm.name} has no fingers to close: use a robot with a parallel jaw")
-        self.world.solve_contacts(closely=True)
         self._opening = 0.0
         force = min(force, self.jaw.force)
         self._grip_force = min(force, self.control.gentle)
@@ -272,7 +270,6 @@ class SimulatedArm:
         """
         if not self.cup:
             raise InvalidInput(f"{self.arm.name} has no suction cup: use a robot such as panda-suction")
-        self.world.solve_contacts(closely=True)
         tool = self.arm.tool("suction")
         pose_lip_to_world = self.link_pose(tool.link) @ tool.pose_tool_to_link
         self.vacuum = Vacuum.on(self.world, self.id, self._link[self.cup.link], pose_lip_to_world, self.cup)
@@ -284,7 +281,6 @@ class SimulatedArm:
     def release(self, opening: float | None = None) -> None:
         """Switches the vacuum off, or opens the jaw to a pad distance in [m], fully if not given."""
         if self.vacuum is not None:
-            self.world.solve_contacts(closely=False)
             self.vacuum.off()
             self.vacuum = None
         else:
