@@ -25,6 +25,10 @@ class Tolerances:
         floor_drop: Depth of the floor below a table: a usual table's height.
         cell: Spacing of the rays that sample a foreign world's surfaces.
         thinnest: Thickness given to a cloud without any, that of sheet steel.
+        empty_jaw: Jaws that stop this much short of where they were told to close have something between:
+            sheet steel, and five times what the encoders of their motors are off.
+        stalled: Share of its force limit beyond which a jaw's motor is held up: one that moves or rests
+            at its end takes a fiftieth; where linkages share the load, a third is left.
         grazing: Incidence in [rad] beyond which a depth camera mostly sees nothing (about 80 degrees).
         edge_jump: Depth step between neighbouring pixels that counts as an object's edge.
     """
@@ -42,6 +46,8 @@ class Tolerances:
     floor_drop: float = 0.75
     cell: float = 0.004
     thinnest: float = 0.001
+    empty_jaw: float = 5e-4
+    stalled: float = 0.2
     grazing: float = 1.4
     edge_jump: float = 0.01
 
