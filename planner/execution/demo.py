@@ -112,6 +112,7 @@ def loop_in(
     robot: str | None = None,
     cameras: int = 3,
     mask_noise: float = 0.0,
+    shuffle_labels: bool = False,
     orderer: Orderer = cautious,
     seed: int = 0,
     progress: Progress | None = None,
@@ -123,6 +124,7 @@ def loop_in(
         robot: The arm; the one the scene is made for where None.
         cameras: How many depth cameras look on.
         mask_noise: By how many pixels the edges of their masks are wrong (standard deviation).
+        shuffle_labels: Whether names of objects are not kept between looks.
         orderer: Who decides the order.
         seed: Of the sensor noise and every search.
         progress: Called with a line before and after each action.
@@ -140,6 +142,7 @@ def loop_in(
         orderer=orderer,
         seed=seed,
         progress=progress,
+        shuffle_labels=shuffle_labels,
     )
 
 

@@ -6,10 +6,11 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from topple.planner.bodies.solids import up_of
+from topple.planner.execution.associate import GONE, associated, seen_through
 from topple.planner.pictures import picture
 from topple.robots.world.camera import Camera
 from topple.robots.world.world import World
-from topple.topology.arrays import BoolArray, FloatArray
+from topple.topology.arrays import FloatArray
 from topple.topology.bodies.tops import tops_of
 from topple.topology.cloud import clean, thinned
 from topple.topology.errors import InvalidInput
@@ -21,8 +22,6 @@ from topple.topology.sixim.table import Relation
 FINE = 0.002  # [m] between the points kept of an object: what three cameras at a metre see apart
 COARSE = 0.008  # [m] between those of a table: finer than the foot of what stands on it
 MOVED = 0.01  # [m] from where on a thing lies elsewhere than expected: three times the depth noise
-SEEN_THROUGH = 0.02  # [m] beyond a remembered point a camera sees: ten times the depth noise
-GONE = 0.5  # share of its points that must be seen through until a remembered thing is believed to be gone
 
 
 @dataclass(frozen=True, eq=False)
@@ -56,6 +55,8 @@ class Observer:
         up: (3,) up direction in the world.
         masses: Masses [kg] by name of what was weighed, seen or not.
         friction: Coefficients of surfaces by name of what was tried, seen or not.
+        shuffle_labels: Whether names of objects are not kept between looks: what is seen is matched with what
+            is expected, by place and shape.
     """
 
     world: World
@@ -65,6 +66,7 @@ class Observer:
     up: FloatArray = field(default_factory=lambda: np.array([0.0, 0.0, 1.0]))
     masses: Mapping[str, float] = field(default_factory=dict[str, float])
     friction: Mapping[str, float] = field(default_factory=dict[str, float])
+    shuffle_labels: bool = False
 
     def look(self, expected: Scene | None = None) -> Look:
         """Takes a picture with every camera and relates what is seen.
@@ -84,6 +86,8 @@ class Observer:
             raise InvalidInput(
                 f"none of {len(images)} cameras sees anything: expected objects with a mask and a depth"
             )
+        if self.shuffle_labels and expected is not None:
+            images = associated(images, expected, self.rng)
         fixed = [name for name in self.fixed if any(name in image.names.values() for image in images)]
         scene = _thinned(Scene.from_images(images, fixed=fixed, up=self.up))
         surprises: dict[str, str] = {}
@@ -106,7 +110,7 @@ def _joined(seen: Scene, expected: Scene) -> tuple[Scene, dict[str, str]]:
                 said[name] = f"{name} is {1e3 * way:.0f} mm from where it should be"
         elif name in expected.fixed:
             clouds[name], fixed = cloud, fixed | {name}
-        elif _seen_through(cloud, seen.images).mean() > GONE:
+        elif seen_through(cloud, seen.images).mean() > GONE:
             said[name] = f"{name} is not where it should be, and seen nowhere"
         else:
             clouds[name] = cloud
@@ -142,11 +146,6 @@ def _moved(now: FloatArray, before: FloatArray) -> bool:
     away = np.quantile(KDTree(before).query(now)[0], 0.9)
     back = np.quantile(KDTree(now).query(before)[0], 0.9)
     return bool(min(away, back) > MOVED)
-
-
-def _seen_through(cloud: FloatArray, images: Sequence[DepthImage]) -> BoolArray:
-    """Which of (N, 3) points some camera sees something clearly behind."""
-    return np.any([image.depth_past(cloud) > SEEN_THROUGH for image in images], axis=0)
 
 
 def unexpected(predicted: Relations, observed: Relations) -> list[str]:

@@ -57,6 +57,7 @@ def run(
     base: FloatArray | None = None,
     cameras: int = 3,
     mask_noise: float = 0.0,
+    shuffle_labels: bool = False,
     video: Path | None = None,
     rerun: Path | None = None,
     grasps: OwnGrasps | None = None,
@@ -73,6 +74,7 @@ def run(
         base: (4, 4) pose_base_to_scene; the scene's `robot_base`, or else searched for.
         cameras: How many depth cameras look on, 1 to 3.
         mask_noise: By how many pixels the edges of their masks are wrong (standard deviation).
+        shuffle_labels: Whether names of objects are not kept between looks.
         video: Where a film of it is written, an MP4 file.
         rerun: Where a recording for the Rerun viewer is written, an .rrd file.
         grasps: Grasps of your own, in the scene's frame, as for `topple.planner.plan`. They count for an
@@ -111,6 +113,7 @@ def run(
             progress=progress,
             masses=scene.masses,
             friction=scene.friction,
+            shuffle_labels=shuffle_labels,
         )
         recording = Recording(loop.robot, RERUN_RATE) if rerun is not None else None
         with filmed(video, loop.robot, stage.cameras[0]):
@@ -162,6 +165,7 @@ class ClosedLoop:
         progress: Called with a line before and after each action.
         masses: Masses [kg] by name of what was weighed; what is seen anew keeps them.
         friction: Coefficients of surfaces by name of what was tried, likewise.
+        shuffle_labels: Whether names of objects are not kept between looks.
 
     After `run`, `followed` holds the steps that were done, with their transfers.
     """
@@ -179,9 +183,10 @@ class ClosedLoop:
     progress: Progress | None = None
     masses: Mapping[str, float] = field(default_factory=dict[str, float])
     friction: Mapping[str, float] = field(default_factory=dict[str, float])
+    shuffle_labels: bool = False
 
     def __post_init__(self) -> None:
-        rng, known = np.random.default_rng(self.seed), (self.masses, self.friction)
+        rng, known = np.random.default_rng(self.seed), (self.masses, self.friction, self.shuffle_labels)
         self._observer = Observer(self.world, self.cameras, rng, self.fixed, self.up, *known)
         self._done: list[tuple[str, str]] = []
         self.followed: list[NextStep] = []
