@@ -38,6 +38,8 @@ class Episode:
         cameras: How many of the scene's cameras look.
         rule: Who decides the order: `TOPPLE`, one of `topple.benchmarks.rules.RULES`, or `IDEAL`.
         folder: Where the frame is; empty for a built-in scene.
+        mask_noise: Standard deviation in pixels by which edges of masks are wrong.
+        shuffle_labels: Whether names of objects are not kept between looks.
     """
 
     scenario: str
@@ -45,6 +47,8 @@ class Episode:
     cameras: int = 3
     rule: str = TOPPLE
     folder: str = ""
+    mask_noise: float = 0.0
+    shuffle_labels: bool = False
 
 
 @dataclass(frozen=True)
@@ -150,7 +154,10 @@ def _played(episode: Episode, begun: float) -> Ending:
             return _possible(episode, stage, begun)
         base = stage.pose_base_to_world
         orderer = cautious if episode.rule == TOPPLE else order_by(episode.rule, base)
-        loop = loop_in(stage, seed=episode.seed, cameras=episode.cameras, orderer=orderer)
+        loop = loop_in(
+            stage, seed=episode.seed, cameras=episode.cameras, orderer=orderer,
+            mask_noise=episode.mask_noise, shuffle_labels=episode.shuffle_labels,
+        )  # fmt: skip
         first = loop.look()
         goal = parse_goal(stage.goal, first.scene)
         record = loop.run(first)

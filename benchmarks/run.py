@@ -2,6 +2,7 @@
 
 - dishes, lemon and tower with three cameras; random piles of five to eight things of which one is freed, with
   three cameras and with one; a pile sorted into two bins.
+- The same piles with masks whose edges are a pixel off, and with names of objects not kept between looks.
 - With `--data DIR`, annotated camera frames, each rebuilt as bodies in which an arm frees the object that
   most others have to go before.
 - Of the same piles, how many any order of ideal lifts could free at all, were all known perfectly.
@@ -51,6 +52,8 @@ class Series:
         bar: Share of successes that is aimed at [%], None where there is none.
         folder: Where the frames are; None for a scenario.
         frames: Their names.
+        mask_noise: Standard deviation in pixels by which edges of masks are wrong.
+        shuffle_labels: Whether names of objects are not kept between looks.
     """
 
     scenario: str
@@ -60,6 +63,8 @@ class Series:
     bar: int | None = None
     folder: Path | None = None
     frames: tuple[str, ...] = ()
+    mask_noise: float = 0.0
+    shuffle_labels: bool = False
 
     def episodes(self, seed: int) -> list[Episode]:
         """Its episodes, from a first seed on."""
@@ -67,13 +72,19 @@ class Series:
             folder = str(self.folder.resolve())
             return [Episode(name, seed, self.cameras, self.rule, folder) for name in self.frames]
         return [
-            Episode(self.scenario, seed + number, self.cameras, self.rule) for number in range(self.seeds)
-        ]
+            Episode(
+                self.scenario, seed + number, self.cameras, self.rule,
+                mask_noise=self.mask_noise, shuffle_labels=self.shuffle_labels,
+            )
+            for number in range(self.seeds)
+        ]  # fmt: skip
 
     def __str__(self) -> str:
         """As it stands in a table."""
         eyes = f"{self.cameras} camera{'s' if self.cameras > 1 else ''}"
-        return f"{self.scenario}, {eyes}" + ("" if self.rule == TOPPLE else f", {self.rule}")
+        masks = f", masks {self.mask_noise:g} px off" if self.mask_noise else ""
+        names = ", labels shuffled" if self.shuffle_labels else ""
+        return f"{self.scenario}, {eyes}{masks}{names}" + ("" if self.rule == TOPPLE else f", {self.rule}")
 
 
 FULL = (
@@ -82,6 +93,8 @@ FULL = (
     Series("tower", 40, bar=95),
     Series("pile", 60, bar=90),
     Series("pile", 60, cameras=1, bar=80),
+    Series("pile", 60, mask_noise=1.0),
+    Series("pile", 60, shuffle_labels=True),
     Series("sort", 20, bar=85),
     *(Series("pile", 60, rule=rule) for rule in RULES),
     Series("pile", 60, rule=IDEAL),
@@ -310,7 +323,8 @@ def _against_rules(found: Mapping[Series, Sequence[Ending]]) -> list[Row]:
 
 
 def _same(one: Series, rule: str) -> bool:
-    return one.scenario == "pile" and one.cameras == 3 and one.rule == rule
+    """Whether a series plays the piles that rules are compared on, by a rule."""
+    return one.episodes(0)[:1] == [Episode("pile", 0, rule=rule)]
 
 
 def _growth(endings: Sequence[Ending]) -> float | None:

@@ -63,7 +63,7 @@ class Driver(Protocol):
 
     @property
     def holding(self) -> bool:
-        """Whether both pads press on something, or the cup's vacuum stands."""
+        """Whether the jaw stalls on something before it is closed, or the cup's vacuum stands."""
         ...
 
     def follow(self, trajectory: Motion, *, keep_offset: bool = False) -> float:

@@ -9,13 +9,11 @@ class Tolerances:
 
     Attributes:
         time_step: 240 Hz, Bullet's own: what has fallen 5 cm goes 4 mm a step, as thick as a plate.
-        solver_iterations: With 60 a stack of eight blocks sways, with 100 it stands; at rest the solver stops
-            early, so that they cost little.
-        solver_residual: Change of speeds in an iteration, squared, at which the solver stops: Bullet's own.
-        holding_iterations: While a hand holds something: with 100 a fork of 45 g held by its neck with 42 N
-            creeps in it and turns by 90 degrees in two seconds; with 400 it stays to 0.5 mm.
-        holding_residual: The residual meanwhile: with Bullet's own such a fork creeps by 3 mm; less than this
-            costs more than it gains.
+        solver_iterations: With 100 a stack of eight blocks stands, but a fork of 45 g held by its neck turns
+            by 6 degrees in the hand in two seconds; with 250 it stays, but a box in the fingers of a linkage
+            of six hinges shifts by 3 mm on its way; with 400 by 1 mm.
+        solver_residual: Change of speeds in an iteration, squared, at which the solver stops before: at rest
+            it does. Ten times less holds no better and makes piles settle more slowly.
         margin: Radius of the edges of simulated bodies: contacts are fast and steady while only margins
             overlap. More would round cutlery away.
         margin_share: Share of the thinnest part that the margin may be: a core must remain.
@@ -27,15 +25,17 @@ class Tolerances:
         floor_drop: Depth of the floor below a table: a usual table's height.
         cell: Spacing of the rays that sample a foreign world's surfaces.
         thinnest: Thickness given to a cloud without any, that of sheet steel.
+        empty_jaw: Jaws that stop this much short of where they were told to close have something between:
+            sheet steel, and five times what the encoders of their motors are off.
+        stalled: Share of its force limit beyond which a jaw's motor is held up: one that moves or rests
+            at its end takes a fiftieth; where linkages share the load, a third is left.
         grazing: Incidence in [rad] beyond which a depth camera mostly sees nothing (about 80 degrees).
         edge_jump: Depth step between neighbouring pixels that counts as an object's edge.
     """
 
     time_step: float = 1 / 240
-    solver_iterations: int = 100
-    solver_residual: float = 1e-7
-    holding_iterations: int = 400
-    holding_residual: float = 1e-9
+    solver_iterations: int = 400
+    solver_residual: float = 1e-8
     margin: float = 1e-3
     margin_share: float = 0.3
     seam: float = 2e-4
@@ -46,6 +46,8 @@ class Tolerances:
     floor_drop: float = 0.75
     cell: float = 0.004
     thinnest: float = 0.001
+    empty_jaw: float = 5e-4
+    stalled: float = 0.2
     grazing: float = 1.4
     edge_jump: float = 0.01
 

@@ -31,6 +31,11 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     add_goal(parser)
     add_robot(parser)
     add_cameras(parser)
+    parser.add_argument(
+        "--shuffle-labels",
+        action="store_true",
+        help="keep no names between looks: match what is seen with what is remembered",
+    )
     add_recordings(parser)
     parser.add_argument("--report", metavar="FILE", help="where to write the report, e.g. out.html")
 
@@ -60,7 +65,8 @@ def execute(args: argparse.Namespace) -> int:
         progress(f"{path}: rebuilding the scene")
         record = run(
             scene, goal, arm_of(args), base=base_of(args, scene), cameras=args.cameras,
-            mask_noise=args.mask_noise, video=video, rerun=rerun, seed=args.seed, progress=progress,
+            mask_noise=args.mask_noise, shuffle_labels=args.shuffle_labels, video=video, rerun=rerun,
+            seed=args.seed, progress=progress,
         )  # fmt: skip
         if place is not None:
             from topple.planner.report.run_page import run_page

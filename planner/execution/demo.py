@@ -113,6 +113,7 @@ def loop_in(
     robot: str | None = None,
     cameras: int = 3,
     mask_noise: float = 0.0,
+    shuffle_labels: bool = False,
     orderer: Orderer = cautious,
     seed: int = 0,
     progress: Progress | None = None,
@@ -124,6 +125,7 @@ def loop_in(
         robot: The arm; the one the scene is made for where None.
         cameras: How many depth cameras look on.
         mask_noise: By how many pixels the edges of their masks are wrong (standard deviation).
+        shuffle_labels: Whether names of objects are not kept between looks.
         orderer: What decides the order.
         seed: Of the sensor noise and every search.
         progress: Called with a line before and after each action.
@@ -141,6 +143,7 @@ def loop_in(
         orderer=orderer,
         seed=seed,
         progress=progress,
+        shuffle_labels=shuffle_labels,
     )
 
 

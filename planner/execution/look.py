@@ -6,11 +6,12 @@ from typing import Protocol
 
 import numpy as np
 
-from topple.planner.execution.tolerances import COARSE, FINE, GONE, MOVED, SEEN_THROUGH
+from topple.planner.execution.associate import associated, seen_through
+from topple.planner.execution.tolerances import COARSE, FINE, GONE, MOVED
 from topple.planner.pictures import picture
 from topple.robots.world.camera import Camera
 from topple.robots.world.world import World
-from topple.topology.arrays import BoolArray, FloatArray
+from topple.topology.arrays import FloatArray
 from topple.topology.bodies.solids import up_of
 from topple.topology.bodies.tops import tops_of
 from topple.topology.cloud import clean, thinned
@@ -69,6 +70,8 @@ class Observer:
         up: (3,) up direction in the world.
         masses: Masses [kg] by name of what was weighed, seen or not.
         friction: Coefficients of surfaces by name of what was tried, seen or not.
+        shuffle_labels: Whether names of objects are not kept between looks: what is seen is matched with what
+            is expected, by place and shape.
     """
 
     world: World
@@ -78,6 +81,7 @@ class Observer:
     up: FloatArray = field(default_factory=lambda: np.array([0.0, 0.0, 1.0]))
     masses: Mapping[str, float] = field(default_factory=dict[str, float])
     friction: Mapping[str, float] = field(default_factory=dict[str, float])
+    shuffle_labels: bool = False
 
     def look(self, expected: Scene | None = None) -> Look:
         """Takes a picture with every camera and relates what is seen.
@@ -97,6 +101,8 @@ class Observer:
             raise InvalidInput(
                 f"none of {len(images)} cameras sees anything: expected objects with a mask and a depth"
             )
+        if self.shuffle_labels and expected is not None:
+            images = associated(images, expected, self.rng)
         fixed = [name for name in self.fixed if any(name in image.names.values() for image in images)]
         scene = _thinned(Scene.from_images(images, fixed=fixed, up=self.up))
         surprises: dict[str, str] = {}
@@ -119,7 +125,7 @@ def _joined(seen: Scene, expected: Scene) -> tuple[Scene, dict[str, str]]:
                 said[name] = f"{name} is {1e3 * way:.0f} mm from where it should be"
         elif name in expected.fixed:
             clouds[name], fixed = cloud, fixed | {name}
-        elif _seen_through(cloud, seen.images).mean() > GONE:
+        elif seen_through(cloud, seen.images).mean() > GONE:
             said[name] = f"{name} is not where it should be, and seen nowhere"
         else:
             clouds[name] = cloud
@@ -155,11 +161,6 @@ def _moved(now: FloatArray, before: FloatArray) -> bool:
     away = np.quantile(KDTree(before).query(now)[0], 0.9)
     back = np.quantile(KDTree(now).query(before)[0], 0.9)
     return bool(min(away, back) > MOVED)
-
-
-def _seen_through(cloud: FloatArray, images: Sequence[DepthImage]) -> BoolArray:
-    """Which of (N, 3) points some camera sees something clearly behind."""
-    return np.any([image.depth_past(cloud) > SEEN_THROUGH for image in images], axis=0)
 
 
 def unexpected(predicted: Relations, observed: Relations) -> list[str]:

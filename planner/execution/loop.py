@@ -108,6 +108,7 @@ class ClosedLoop:
         seed: int = 0,
         masses: Mapping[str, float] | None = None,
         friction: Mapping[str, float] | None = None,
+        shuffle_labels: bool = False,
         **more: Any,
     ) -> "ClosedLoop":
         """Close the loop in a PyBullet world, judged by its true poses.
@@ -122,11 +123,12 @@ class ClosedLoop:
             seed: Seed of sensor noise and of every search.
             masses: Masses [kg] by name of what was weighed; what is seen anew keeps them.
             friction: Coefficients of surfaces by name of what was tried, likewise.
+            shuffle_labels: Whether names of objects are not kept between looks.
             **more: As the attributes of this class.
         """
         up = np.array([0.0, 0.0, 1.0]) if up is None else up
         rng = np.random.default_rng(seed)
-        eyes = Observer(world, cameras, rng, fixed, up, masses or {}, friction or {})
+        eyes = Observer(world, cameras, rng, fixed, up, masses or {}, friction or {}, shuffle_labels)
         return cls(robot, eyes, goal, seed=seed, judge=Judge(robot, fixed, up), **more)
 
     def look(self) -> Look:

@@ -34,6 +34,7 @@ def run(
     base: FloatArray | None = None,
     cameras: int = 3,
     mask_noise: float = 0.0,
+    shuffle_labels: bool = False,
     video: Path | None = None,
     rerun: Path | None = None,
     grasps: OwnGrasps | None = None,
@@ -50,6 +51,7 @@ def run(
         base: (4, 4) pose_base_to_scene; the scene's `robot_base`, or else searched for.
         cameras: How many depth cameras look on, 1 to 3.
         mask_noise: By how many pixels the edges of their masks are wrong (standard deviation).
+        shuffle_labels: Whether names of objects are not kept between looks.
         video: Where a film of it is written, an MP4 file.
         rerun: Where a recording for the Rerun viewer is written, an .rrd file.
         grasps: Grasps of your own, in the scene's frame, as for `topple.planner.plan`. They count for an
@@ -89,6 +91,7 @@ def run(
             progress=progress,
             masses=scene.masses,
             friction=scene.friction,
+            shuffle_labels=shuffle_labels,
         )
         recording = Recording(acting, RERUN_RATE) if rerun is not None else None
         with filmed(video, acting, stage.cameras[0]):

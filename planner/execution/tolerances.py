@@ -55,3 +55,14 @@ SAGGED = 0.01
 
 EDGE = 0.02
 """[m] a table reaches beyond what was seen of it."""
+
+# -- associate
+
+STAYED = 0.03
+"""[m] between clouds of one object: it was nudged, or is seen from another side."""
+
+ELSEWHERE = 0.3
+"""[m] that an object falls or rolls at most while the arm acts, unlike it may look included."""
+
+LIKENESS = 4.0
+"""[m] of way that a metre of difference in spread counts: a box spreads by a quarter of its edge."""

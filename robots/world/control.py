@@ -15,6 +15,7 @@ class Control:
         stall: Pad speed in [m/s] below which a closing jaw counts as closed on something.
         turn_admittance: Speed in [rad/s] at which a closing hand turns under a torque of 1 N m on its pads.
         gentle: Force in [N] with which a jaw closes until both pads lie on something: less than turns a bowl.
+        tare: Seconds of readings at rest whose mean tares the wrist: it leaves a fifth of their noise.
         seating: Force in [N] that pushes a cup out until it holds something: enough to seat its lip.
     """
 
@@ -25,4 +26,5 @@ class Control:
     stall: float = 2e-3
     turn_admittance: float = 12.0
     gentle: float = 5.0
+    tare: float = 0.1
     seating: float = 10.0

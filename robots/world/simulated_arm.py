@@ -12,11 +12,12 @@ from topple.robots.arm.gripper import ToolState
 from topple.robots.driver import Motion
 from topple.robots.engine import pybullet
 from topple.robots.poses import inverse, pose_from, position_and_quaternion
+from topple.robots.tolerances import TOLERANCES
 from topple.robots.world.compliance import Compliance
 from topple.robots.world.control import Control
 from topple.robots.world.vacuum import Vacuum
 from topple.robots.world.world import World
-from topple.robots.world.wrist import Wrist
+from topple.robots.world.wrist import TorqueNoise, Wrist
 from topple.topology.arrays import FloatArray
 from topple.topology.errors import InvalidInput
 
@@ -39,6 +40,8 @@ class SimulatedArm:
         pose_base_to_world: (4, 4) where it stands.
         q: (n,) joint values to start with; the arm's home if not given.
         control: Gains and waits.
+        noise: Of the joints' torque sensors; None: as of an arm made for touching.
+        rng: Where the noise comes from; None: a generator seeded with 0.
     """
 
     def __init__(
@@ -48,6 +51,9 @@ class SimulatedArm:
         pose_base_to_world: FloatArray,
         q: FloatArray | None = None,
         control: Control | None = None,
+        *,
+        noise: TorqueNoise | None = None,
+        rng: np.random.Generator | None = None,
     ) -> None:
         self.world, self.arm, self.control = world, arm, control or Control()
         self.pose_base_to_world = np.array(pose_base_to_world, dtype=float)
@@ -76,7 +82,7 @@ class SimulatedArm:
         self._reset()
         self._couple_fingers()
         self.wrist = Wrist(
-            world.client, self.id, arm, self._arm_joints, world.physics.gravity, world.time_step
+            world.client, self.id, arm, self._arm_joints, world.physics.gravity, world.time_step, noise, rng
         )
         self.vacuum: Vacuum | None = None
         self.touched: dict[str, Touch] = {}
@@ -139,18 +145,32 @@ class SimulatedArm:
         return self.jaw.opening({name: state[0] for name, state in zip(self.jaw.joints, states, strict=True)})
 
     @property
+    def grip_force(self) -> float:
+        """Force in [N] with which the jaw's motors press each pad, as currents tell; 0 without a jaw."""
+        if not self.jaw:
+            return 0.0
+        states: Any = pybullet.getJointStates(
+            self.id, [self._index[name] for name in self.jaw.joints], physicsClientId=self.world.client
+        )
+        pushed = [abs(s[3]) / self.jaw.lever(name) for name, s in zip(self.jaw.joints, states, strict=True)]
+        return float(sum(pushed)) / 2.0  # all joints together press both pads
+
+    @property
     def tool_state(self) -> ToolState:
         """How the hand is told to stand."""
         return ToolState(self._opening, self._extension)
 
     @property
     def holding(self) -> bool:
-        """Whether both pads press on something, or the cup's vacuum stands."""
+        """Whether the jaw stalls on something before it is where it was told to close, or the vacuum stands.
+
+        It is what an encoder and the motor's current tell, not what is between the pads: fingers that are
+        held up from outside count as well.
+        """
         if self.vacuum is not None:
             return self.vacuum.sealed
-        points: Any = pybullet.getContactPoints(bodyA=self.id, physicsClientId=self.world.client)
-        pressing = {self._names[point[3]] for point in points if point[9] > 0.0 and point[2] != self.id}
-        return self.jaw is not None and all(link in pressing for link in self.jaw.links)
+        short = self.opening - self._opening
+        return short > TOLERANCES.empty_jaw and self.grip_force > TOLERANCES.stalled * self._grip_force
 
     def pose_in_hand(self, name: str, tool: str) -> FloatArray:
         """(4, 4) pose_object_to_tool of an object: how it moves in the hand is what a judge asks."""
@@ -186,6 +206,8 @@ class SimulatedArm:
     def follow_until(self, trajectory: Motion, force: float) -> float:
         """Follow a joint trajectory, and stop where something holds the hand up: a guarded motion.
 
+        The arm holds still for a moment before, to tare the wrist.
+
         Args:
             trajectory: It should start where the arm is.
             force: In [N], what the wrist feels more than at the start when the arm stops.
@@ -193,8 +215,16 @@ class SimulatedArm:
         Returns:
             The largest joint error at the end in [rad], or 0 where it stopped before.
         """
-        self.wrist.zero()
+        self.tare()
         return self._follow(trajectory, force)
+
+    def tare(self) -> None:
+        """Hold still for a moment and take what the wrist feels for its offset and the weight of the hand."""
+        readings: list[FloatArray] = []
+        for _ in range(max(1, round(self.control.tare / self.world.time_step))):
+            self.step()
+            readings.append(self.wrist.reading())
+        self.wrist.tare(readings)
 
     def _follow(self, trajectory: Motion, force: float = math.inf, keep_offset: bool = False) -> float:
         times, steps = trajectory.times, int(np.ceil(trajectory.times[-1] / self.world.time_step))
@@ -220,7 +250,6 @@ class SimulatedArm:
     def open(self, opening: float | None = None) -> None:
         """Opens the jaw to a pad distance in [m], fully if not given, and waits for it."""
         if self.jaw:
-            self.world.solve_contacts(closely=False)
             self._opening = self.jaw.max_opening if opening is None else min(opening, self.jaw.max_opening)
             self._grip_force = self.jaw.force
             self._wait_for_hand()
@@ -239,7 +268,6 @@ class SimulatedArm:
         """
         if not self.jaw:
             raise InvalidInput(f"{self.arm.name} has no fingers to close: use a robot with a parallel jaw")
-        self.world.solve_contacts(closely=True)
         self._opening = 0.0
         force = min(force, self.jaw.force)
         self._grip_force = min(force, self.control.gentle)
@@ -272,7 +300,6 @@ class SimulatedArm:
         """
         if not self.cup:
             raise InvalidInput(f"{self.arm.name} has no suction cup: use a robot such as panda-suction")
-        self.world.solve_contacts(closely=True)
         tool = self.arm.tool("suction")
         pose_lip_to_world = self.link_pose(tool.link) @ tool.pose_tool_to_link
         self.vacuum = Vacuum.on(self.world, self.id, self._link[self.cup.link], pose_lip_to_world, self.cup)
@@ -284,7 +311,6 @@ class SimulatedArm:
     def release(self, opening: float | None = None) -> None:
         """Switches the vacuum off, or opens the jaw to a pad distance in [m], fully if not given."""
         if self.vacuum is not None:
-            self.world.solve_contacts(closely=False)
             self.vacuum.off()
             self.vacuum = None
         else:

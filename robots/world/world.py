@@ -101,9 +101,10 @@ class World:
         pybullet.setPhysicsEngineParameter(
             fixedTimeStep=self.physics.time_step,
             deterministicOverlappingPairs=1,
+            numSolverIterations=self.physics.iterations,
+            solverResidualThreshold=TOLERANCES.solver_residual,
             physicsClientId=self.client,
         )
-        self.solve_contacts(closely=False)
 
     def __enter__(self) -> "World":
         return self
@@ -212,15 +213,6 @@ class World:
     def register_robot(self, number: int) -> None:
         """Note that PyBullet's body `number` is a robot: no object, and background to the cameras."""
         self.robots.add(number)
-
-    def solve_contacts(self, *, closely: bool) -> None:
-        """Solve contacts from now on closely, as what is held between two pads asks for, or as usual."""
-        few, many = self.physics.iterations, TOLERANCES.holding_iterations
-        pybullet.setPhysicsEngineParameter(
-            numSolverIterations=max(few, many) if closely else few,
-            solverResidualThreshold=TOLERANCES.holding_residual if closely else TOLERANCES.solver_residual,
-            physicsClientId=self.client,
-        )
 
     def remove(self, name: str) -> None:
         """Take a body out of the world."""
