@@ -10,6 +10,8 @@ import numpy as np
 from topple.topology.arrays import FloatArray, bounds, frozen
 from topple.topology.bodies.tops import SUNK, Tops, tops_of
 from topple.topology.errors import InvalidInput
+from topple.topology.geometry.axes import own_axes, upright_axes
+from topple.topology.geometry.thin import voxel_means
 
 if TYPE_CHECKING:
     from topple.topology.scene import Scene
@@ -19,6 +21,10 @@ SPACING = 0.004
 
 REACH = 0.06
 """Fixed surfaces are kept this far [m] around the objects: further ones carry nothing."""
+
+
+LONG = 1e-3
+"""Share of its spread by which a cloud is longer than wide if it is to say how the frame is turned."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -87,16 +93,16 @@ class Upright:
             raise InvalidInput(
                 f"the scene does not say where up is, so nothing can be said about gravity: {cure}"
             )
-        rotation = upright_axes(scene.up)
+        rotation = _axes(scene, scene.up)
         turned = {name: np.asarray(cloud) @ rotation.T for name, cloud in scene.clouds.items()}
         movable = [name for name in turned if name not in scene.fixed]
-        clouds = {name: thin(turned[name], SPACING) for name in movable}
+        clouds = {name: voxel_means(turned[name], SPACING) for name in movable}
         near = _box(list(clouds.values()))
         tops: dict[str, tuple[FloatArray, ...]] = {}
         rest: dict[str, FloatArray] = {}
         for name in turned:
             if name in scene.fixed:
-                clouds[name] = thin(_within(turned[name], *near), 2 * SPACING)
+                clouds[name] = voxel_means(_within(turned[name], *near), 2 * SPACING)
                 tops[name], rest[name] = _taken_apart(turned[name], clouds[name], *near)
         lowest = min((float(clouds[name][:, 2].min()) for name in movable), default=np.inf)
         views = None if len(scene.viewpoints) == 0 else scene.viewpoints @ rotation.T
@@ -112,43 +118,21 @@ class Upright:
         )
 
 
-def upright_axes(up: FloatArray) -> FloatArray:
-    """Axes of a frame whose z axis is `up`.
+def _axes(scene: "Scene", up: FloatArray) -> FloatArray:
+    """(3, 3) upright axes that turn with the scene: the first one lies along what is fixed, else the longest.
 
-    Args:
-        up: (3,) vector against gravity, any length but zero.
-
-    Returns:
-        (3, 3) rotation, rows x, y, z; the identity for up = (0, 0, 1).
+    What is fixed tells whatever else comes into the scene, if it is longer than wide.
     """
-    z = np.asarray(up, dtype=np.float64) / np.linalg.norm(up)
-    if z[2] > 1 - 1e-9:
-        return np.eye(3)
-    seed = np.eye(3)[int(np.argmin(np.abs(z)))]
-    x = seed - (seed @ z) * z
-    x /= np.linalg.norm(x)
-    return np.asarray(np.stack([x, np.cross(z, x), z]), dtype=np.float64)
-
-
-def thin(points: FloatArray, spacing: float) -> FloatArray:
-    """Keep one point per voxel, the mean of the points in it, which also averages their noise.
-
-    Args:
-        points: (N, 3) points [m].
-        spacing: Voxel edge [m].
-
-    Returns:
-        (M, 3) points, M <= N, ordered by voxel.
-    """
-    if len(points) == 0:
-        return points
-    lower, upper = bounds(points)
-    cells = np.floor((points - lower) / spacing).astype(np.int64)
-    sizes = np.floor((upper - lower) / spacing).astype(np.int64) + 1
-    keys = (cells[:, 0] * sizes[1] + cells[:, 1]) * sizes[2] + cells[:, 2]
-    _, inverse, counts = np.unique(keys, return_inverse=True, return_counts=True)
-    sums = np.stack([np.bincount(inverse, weights=points[:, k]) for k in range(3)], axis=1)
-    return sums / counts[:, None]
+    level = upright_axes(up)[:2]
+    flat = {name: (cloud - cloud.mean(axis=0)) @ level.T for name, cloud in scene.clouds.items()}
+    spreads = {name: np.linalg.eigvalsh(points.T @ points / len(points)) for name, points in flat.items()}
+    long = {name: float(spread[1] - spread[0]) for name, spread in spreads.items()}
+    ground = {name: long[name] for name in scene.fixed if long[name] > LONG * spreads[name][1]}
+    longest = max(ground or long, key=long.__getitem__)
+    if long[longest] <= 0.0:
+        return upright_axes(up)
+    along = own_axes(scene.clouds[longest] @ level.T @ level)[0]
+    return np.asarray(np.stack([along, np.cross(up, along), up]), dtype=np.float64)
 
 
 def _box(clouds: list[FloatArray]) -> tuple[FloatArray, FloatArray]:
@@ -175,7 +159,7 @@ def _taken_apart(
     if found.flat:
         return (near,), np.empty((0, 3))
     pieces = [piece[((piece >= lower) & (piece <= upper)).all(axis=1)] for piece in _pieces(found)]
-    *tops, rest = (thin(piece, 2 * SPACING) for piece in pieces)
+    *tops, rest = (voxel_means(piece, 2 * SPACING) for piece in pieces)
     kept = tuple(frozen(top) for top in tops if len(top))
     return kept, frozen(rest) if kept else near
 

@@ -11,8 +11,9 @@ from topple.robots.world.camera import Camera
 from topple.robots.world.world import World
 from topple.topology.arrays import BoolArray, FloatArray
 from topple.topology.bodies.tops import tops_of
-from topple.topology.cloud import clean, thinned
+from topple.topology.cloud import clean
 from topple.topology.errors import InvalidInput
+from topple.topology.geometry.thin import thinned
 from topple.topology.image import DepthImage
 from topple.topology.rule.relate import Relations, relate
 from topple.topology.scene import Scene

@@ -13,7 +13,7 @@ from scipy.spatial import ConvexHull, QhullError
 from topple.robots.collision.convex import hull_of
 from topple.robots.world.body_clouds import Piece
 from topple.topology.arrays import BoolArray, FloatArray, IntArray
-from topple.topology.views.sight import Sight
+from topple.topology.views.free_space import FreeSpace
 
 CELL = 0.006
 """Edge [m] of the plan cells in which an underside is held against what lies below it: a spoon has five."""
@@ -178,7 +178,7 @@ class Seat:
 
 def seat(
     name: str, shapes: Mapping[str, Shape], grounds: Mapping[str, Shape], floor: float,
-    centre: FloatArray, sight: Sight | None,
+    centre: FloatArray, sight: FreeSpace | None,
 ) -> Seat:  # fmt: skip
     """Set a body down on what lies below it, in place, and say where its weight may be.
 

@@ -6,10 +6,12 @@ from dataclasses import dataclass
 import numpy as np
 from scipy.spatial import ConvexHull, Delaunay, KDTree, QhullError
 
-from topple.topology.arrays import FloatArray, perpendiculars
+from topple.topology.arrays import FloatArray
+from topple.topology.geometry.axes import perpendiculars
 from topple.topology.geometry.round import flattest_side, round_body
-from topple.topology.upright import SPACING, Upright, thin
-from topple.topology.views.sight import Sight
+from topple.topology.geometry.thin import voxel_means
+from topple.topology.upright import SPACING, Upright
+from topple.topology.views.free_space import FreeSpace
 
 BARE = 0.01
 """A place on the hull this far [m] from every point has no surface near it: twice a cloud's spacing."""
@@ -55,7 +57,7 @@ class Box:
         return np.minimum(np.abs(local - self.lower), np.abs(local - self.upper)).min(axis=1)
 
 
-def complete(upright: Upright, sight: Sight | None) -> Mapping[str, FloatArray]:
+def complete(upright: Upright, sight: FreeSpace | None) -> Mapping[str, FloatArray]:
     """Add the surfaces that no camera saw.
 
     Bodies without a cavity are taken to be symmetric about the centre of their box, hollow ones about
@@ -76,7 +78,7 @@ def complete(upright: Upright, sight: Sight | None) -> Mapping[str, FloatArray]:
     return done
 
 
-def complete_body(points: FloatArray, sight: Sight | None, floor: float = -np.inf) -> FloatArray:
+def complete_body(points: FloatArray, sight: FreeSpace | None, floor: float = -np.inf) -> FloatArray:
     """Add the hidden surface of one body.
 
     Args:
@@ -107,7 +109,7 @@ def complete_body(points: FloatArray, sight: Sight | None, floor: float = -np.in
     return np.concatenate([points, *extra])
 
 
-def is_hollow(points: FloatArray, sight: Sight | None) -> bool:
+def is_hollow(points: FloatArray, sight: FreeSpace | None) -> bool:
     """Whether a body has a cavity: its hull has a mouth, with none of the (N, 3) points [m] near it."""
     hull = _hull(points)
     return hull is not None and _mouth_share(points, hull, sight) > MOUTH
@@ -180,7 +182,7 @@ def _box_along(points: FloatArray, axis: FloatArray) -> Box:
     return Box(axes, lower, upper)
 
 
-def _as_round(points: FloatArray, box: Box, sight: Sight | None, floor: float) -> FloatArray:
+def _as_round(points: FloatArray, box: Box, sight: FreeSpace | None, floor: float) -> FloatArray:
     """The hidden surface of a ball, a spheroid or a cylinder; (0, 3) where the body is none."""
     normals = _normals(points[:: max(1, len(points) // 200)], points)
     box_residual = float(np.sqrt(np.mean(box.distances(points) ** 2)))
@@ -203,7 +205,7 @@ def _turned(points: FloatArray, box: Box) -> FloatArray:
 def _believable(
     guess: FloatArray,
     known: FloatArray,
-    sight: Sight | None,
+    sight: FreeSpace | None,
     partly: bool = False,
     refuted: float = REFUTED,
 ) -> FloatArray:
@@ -218,7 +220,7 @@ def _believable(
     """
     if len(guess) == 0:
         return guess
-    guess = thin(guess, SPACING)
+    guess = voxel_means(guess, SPACING)
     distance, _ = KDTree(known).query(guess, distance_upper_bound=0.05)
     guess = guess[distance > 1.5 * SPACING]
     if sight is None or len(guess) == 0:
@@ -330,7 +332,7 @@ def _is_closed(points: FloatArray, hull: ConvexHull) -> bool:
     return bool((distance < 2.5 * SPACING).mean() > CLOSED)
 
 
-def _mouth_share(points: FloatArray, hull: ConvexHull, sight: Sight | None) -> float:
+def _mouth_share(points: FloatArray, hull: ConvexHull, sight: FreeSpace | None) -> float:
     """Share of the hull's surface that is a mouth: no points near it, and seen through if anybody looked."""
     corners = points[hull.simplices]
     areas = np.linalg.norm(np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0]), axis=1)

@@ -13,7 +13,8 @@ import numpy as np
 from scipy.ndimage import binary_closing, binary_dilation, distance_transform_edt
 from scipy.spatial import ConvexHull, KDTree
 
-from topple.topology.arrays import BoolArray, FloatArray, IntArray, frozen, perpendiculars
+from topple.topology.arrays import BoolArray, FloatArray, IntArray, frozen
+from topple.topology.geometry.axes import perpendiculars
 from topple.topology.geometry.plane import fit_plane
 
 FLAT = 0.02  # a cloud no thicker than this is one surface: depth noise is 2-4 mm [m]

@@ -7,8 +7,8 @@ crescent, but over the circle the crescent is part of.
 import numpy as np
 
 from topple.topology.arrays import FloatArray
+from topple.topology.geometry.axes import upright_axes
 from topple.topology.geometry.hull import Hull
-from topple.topology.upright import upright_axes
 
 ROUND = 0.06
 """Distance from the circle, as a share of its radius, that an arc may have (rms): a plate's rim, seen from

@@ -4,7 +4,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from topple.topology.arrays import BoolArray, FloatArray, perpendiculars
+from topple.topology.arrays import BoolArray, FloatArray
+from topple.topology.geometry.axes import perpendiculars
 
 ROUNDS = 12
 """Steps of least squares: a fit of half a ball is still after five."""

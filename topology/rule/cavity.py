@@ -4,8 +4,9 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from topple.topology.arrays import BoolArray, FloatArray, frozen, perpendiculars
+from topple.topology.arrays import BoolArray, FloatArray, frozen
 from topple.topology.errors import InvalidInput
+from topple.topology.geometry.axes import perpendiculars
 from topple.topology.geometry.hull import Hull
 from topple.topology.tolerances import TOLERANCES
 

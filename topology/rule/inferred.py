@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from topple.topology.arrays import FloatArray
+from topple.topology.geometry.axes import upright_axes
 from topple.topology.geometry.outline import covers, outline
 from topple.topology.relations import PairRelation, Relations
 from topple.topology.scene import Scene
@@ -14,7 +15,7 @@ from topple.topology.sixim.table import Relation
 from topple.topology.statics.contact import TOLERANCES as CONTACT
 from topple.topology.statics.contact import find_contacts
 from topple.topology.tolerances import TOLERANCES
-from topple.topology.upright import Upright, upright_axes
+from topple.topology.upright import Upright
 
 if TYPE_CHECKING:
     from topple.topology.statics.support import Support

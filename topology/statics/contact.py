@@ -8,9 +8,10 @@ from scipy.spatial import KDTree
 
 from topple.topology.arrays import BoolArray, FloatArray, IntArray, bounds
 from topple.topology.geometry.broadphase import near_pairs
+from topple.topology.geometry.thin import voxel_means
 from topple.topology.statics.grounds import Plane, planes_and_rest
 from topple.topology.statics.matter import FRICTION, friction_between
-from topple.topology.upright import SPACING, Upright, thin
+from topple.topology.upright import SPACING, Upright
 
 
 @dataclass(frozen=True)
@@ -243,7 +244,7 @@ def _between(
     if not close.any():
         return None
     middles = (candidates[close] + first[nearest[close]]) / 2
-    spots = thin(middles, TOLERANCES.footprint)
+    spots = voxel_means(middles, TOLERANCES.footprint)
     return _patch(a, b, spots, surfaces, trees, reach)
 
 

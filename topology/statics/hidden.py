@@ -10,7 +10,7 @@ from topple.topology.statics.contact import TOLERANCES, Contact, rubbing
 from topple.topology.statics.equilibrium import Weight, balance
 from topple.topology.statics.grounds import Plane, planes_and_rest
 from topple.topology.upright import Upright
-from topple.topology.views.sight import Sight
+from topple.topology.views.free_space import FreeSpace
 
 CELL = 0.012
 """Edge [m] of the plan cells in which an underside is held against what lies below it."""
@@ -34,7 +34,7 @@ def hidden_contacts(
     contacts: Sequence[Contact],
     weights: Mapping[str, Weight],
     wanting: Sequence[str],
-    sight: Sight | None,
+    sight: FreeSpace | None,
     among: Collection[frozenset[str]] | None = None,
 ) -> tuple[Contact, ...]:
     """The cheapest contacts that put everything at rest.
@@ -109,7 +109,7 @@ class _Tops:
         return top, other
 
 
-def _below(name: str, surface: FloatArray, tops: _Tops, sight: Sight | None) -> list[Contact]:
+def _below(name: str, surface: FloatArray, tops: _Tops, sight: FreeSpace | None) -> list[Contact]:
     """For each object under `name`, the cells in which its underside faces the highest top below it."""
     under = _plan(surface, np.minimum)
     spots = np.array([((i + 0.5) * CELL, (j + 0.5) * CELL, z) for (i, j), z in under.items()])

@@ -2,9 +2,10 @@ import numpy as np
 import pytest
 
 from topple.topology import InvalidInput, Scene
+from topple.topology.geometry.axes import upright_axes
 from topple.topology.statics.contact import find_contacts
 from topple.topology.statics.grounds import Plane
-from topple.topology.upright import Upright, upright_axes
+from topple.topology.upright import Upright
 
 
 def box(

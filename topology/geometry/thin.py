@@ -1,0 +1,54 @@
+"""Clouds thinned to one point per voxel: the first that lies in it, or the mean of all that do."""
+
+import numpy as np
+
+from topple.topology.arrays import FloatArray, IntArray, bounds
+
+
+def cell_keys(points: FloatArray, lower: FloatArray, upper: FloatArray, edge: float) -> IntArray:
+    """Number of the cubic cell each point lies in.
+
+    Args:
+        points: (N, 3) points [m].
+        lower: (3,) corner at which the first cell begins [m].
+        upper: (3,) greatest coordinates of any point [m].
+        edge: Edge of the cells [m], > 0.
+
+    Returns:
+        (N,) numbers; they rise along the last axis first.
+    """
+    cells = ((points - lower) / edge).astype(np.int64)
+    counts = ((upper - lower) / edge).astype(np.int64) + 1
+    return (cells[:, 0] * counts[1] + cells[:, 1]) * counts[2] + cells[:, 2]
+
+
+def thinned(points: FloatArray, spacing: float) -> FloatArray:
+    """Keep one point per cubic cell, the one that comes first.
+
+    Args:
+        points: (N, 3) points [m].
+        spacing: Edge of the cells [m], > 0.
+
+    Returns:
+        (M, 3) points of the cloud, M <= N, at most `spacing` * √3 from every dropped one.
+    """
+    keys = cell_keys(points, *bounds(points), spacing)
+    return points[np.sort(np.unique(keys, return_index=True)[1])]
+
+
+def voxel_means(points: FloatArray, spacing: float) -> FloatArray:
+    """Keep the mean of the points in each cubic cell, which also averages their noise.
+
+    Args:
+        points: (N, 3) points [m].
+        spacing: Edge of the cells [m], > 0.
+
+    Returns:
+        (M, 3) points, M <= N, ordered by cell.
+    """
+    if len(points) == 0:
+        return points
+    keys = cell_keys(points, *bounds(points), spacing)
+    _, inverse, counts = np.unique(keys, return_inverse=True, return_counts=True)
+    sums = np.stack([np.bincount(inverse, weights=points[:, k]) for k in range(3)], axis=1)
+    return sums / counts[:, None]
