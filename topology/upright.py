@@ -10,7 +10,7 @@ import numpy as np
 from topple.topology.arrays import FloatArray, bounds, frozen
 from topple.topology.bodies.tops import SUNK, Tops, tops_of
 from topple.topology.errors import InvalidInput
-from topple.topology.geometry.axes import own_axes, upright_axes
+from topple.topology.geometry.axes import upright_axes
 from topple.topology.geometry.thin import voxel_means
 
 if TYPE_CHECKING:
@@ -21,10 +21,6 @@ SPACING = 0.004
 
 REACH = 0.06
 """Fixed surfaces are kept this far [m] around the objects: further ones carry nothing."""
-
-
-LONG = 1e-3
-"""Share of its spread by which a cloud is longer than wide if it is to say how the frame is turned."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -93,7 +89,7 @@ class Upright:
             raise InvalidInput(
                 f"the scene does not say where up is, so nothing can be said about gravity: {cure}"
             )
-        rotation = _axes(scene, scene.up)
+        rotation = upright_axes(scene.up)
         turned = {name: np.asarray(cloud) @ rotation.T for name, cloud in scene.clouds.items()}
         movable = [name for name in turned if name not in scene.fixed]
         clouds = {name: voxel_means(turned[name], SPACING) for name in movable}
@@ -116,23 +112,6 @@ class Upright:
             rest=MappingProxyType(rest),
             friction=scene.friction,
         )
-
-
-def _axes(scene: "Scene", up: FloatArray) -> FloatArray:
-    """(3, 3) upright axes that turn with the scene: the first one lies along what is fixed, else the longest.
-
-    What is fixed tells whatever else comes into the scene, if it is longer than wide.
-    """
-    level = upright_axes(up)[:2]
-    flat = {name: (cloud - cloud.mean(axis=0)) @ level.T for name, cloud in scene.clouds.items()}
-    spreads = {name: np.linalg.eigvalsh(points.T @ points / len(points)) for name, points in flat.items()}
-    long = {name: float(spread[1] - spread[0]) for name, spread in spreads.items()}
-    ground = {name: long[name] for name in scene.fixed if long[name] > LONG * spreads[name][1]}
-    longest = max(ground or long, key=long.__getitem__)
-    if long[longest] <= 0.0:
-        return upright_axes(up)
-    along = own_axes(scene.clouds[longest] @ level.T @ level)[0]
-    return np.asarray(np.stack([along, np.cross(up, along), up]), dtype=np.float64)
 
 
 def _box(clouds: list[FloatArray]) -> tuple[FloatArray, FloatArray]:
