@@ -19,6 +19,9 @@ BARE = 0.01
 BLOCK = 1 << 16
 """Pairs of a cell and a triangle looked at at once (0.5 MB)."""
 
+TURNS = 30
+"""Angles tried for a box, three degrees apart, and again a fifth of a degree apart about the best one."""
+
 SAMPLES = 400
 """Places on a hull that are looked at: a mouth of a tenth of its surface is 40 of them."""
 
@@ -169,17 +172,22 @@ def _box_along(points: FloatArray, axis: FloatArray) -> Box:
     """The smallest box with one direction given: the least rectangle of the projection."""
     u, v = perpendiculars(axis)
     flat = points @ np.stack([u, v], axis=1)
-    angles = np.linspace(0.0, np.pi / 2, 30, endpoint=False)
-    turns = np.stack([np.cos(angles), np.sin(angles)])
-    first = flat @ turns
-    second = flat @ np.stack([-turns[1], turns[0]])
-    best = int(np.argmin(np.ptp(first, axis=0) * np.ptp(second, axis=0)))
-    c, s = turns[:, best]
+    angles = np.linspace(0.0, np.pi / 2, TURNS, endpoint=False)
+    best = _least_turn(flat, angles)
+    best = _least_turn(flat, best + np.linspace(-1.0, 1.0, TURNS + 1) * angles[1])
+    c, s = np.cos(best), np.sin(best)
     axes = np.stack([axis, c * u + s * v, -s * u + c * v])
     local = points @ axes.T
     # One point in two hundred may be stray on each side.
     lower, upper = np.quantile(local, [0.005, 0.995], axis=0)
     return Box(axes, lower, upper)
+
+
+def _least_turn(flat: FloatArray, angles: FloatArray) -> float:
+    """The one of some angles [rad] at which a rectangle around points (N, 2) is smallest."""
+    turns = np.stack([np.cos(angles), np.sin(angles)])
+    area = np.ptp(flat @ turns, axis=0) * np.ptp(flat @ np.stack([-turns[1], turns[0]]), axis=0)
+    return float(angles[np.argmin(area)])
 
 
 def _as_round(points: FloatArray, box: Box, sight: FreeSpace | None, floor: float) -> FloatArray:
