@@ -6,6 +6,7 @@ import numpy as np
 from scipy.spatial import KDTree
 
 from topple.topology.arrays import FloatArray
+from topple.topology.geometry.normals import patch_planes
 from topple.topology.scene import Scene
 from topple.topology.tolerances import TOLERANCES
 
@@ -39,10 +40,9 @@ def noise_and_spacing(points: FloatArray) -> tuple[float, float]:
     probes = points[:: -(-len(points) // PROBES)]
     tree = KDTree(points)
     distance, index = tree.query(probes, k=min(NEIGHBOURS, len(points)))
-    patches = points[index] - points[index].mean(axis=1, keepdims=True)
-    least = np.linalg.eigvalsh(np.einsum("pki,pkj->pij", patches, patches))[:, 0]
+    least = patch_planes(points[index])[2][:, 0]
     # A plane through k points takes three degrees of freedom from their residuals.
-    noise = float(np.sqrt(np.median(np.maximum(least, 0.0)) / max(patches.shape[1] - 3, 1)))
+    noise = float(np.sqrt(np.median(least) / max(np.shape(index)[1] - 3, 1)))
     return noise, float(np.median(np.asarray(distance)[:, 4]))
 
 

@@ -10,7 +10,7 @@ import numpy as np
 from topple.topology.arrays import FloatArray, bounds, frozen
 from topple.topology.bodies.tops import SUNK, Tops, tops_of
 from topple.topology.errors import InvalidInput
-from topple.topology.geometry.axes import upright_axes
+from topple.topology.geometry.axes import level_axes
 from topple.topology.geometry.thin import voxel_means
 
 if TYPE_CHECKING:
@@ -89,7 +89,7 @@ class Upright:
             raise InvalidInput(
                 f"the scene does not say where up is, so nothing can be said about gravity: {cure}"
             )
-        rotation = upright_axes(scene.up)
+        rotation = np.stack([*level_axes(scene.up), scene.up])
         turned = {name: np.asarray(cloud) @ rotation.T for name, cloud in scene.clouds.items()}
         movable = [name for name in turned if name not in scene.fixed]
         clouds = {name: voxel_means(turned[name], SPACING) for name in movable}

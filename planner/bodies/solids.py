@@ -8,12 +8,12 @@ import numpy as np
 from scipy.spatial import ConvexHull, QhullError
 
 from topple.planner.bodies.plates import FEWEST, plates_of
+from topple.planner.bodies.samples import voxel_means
 from topple.robots.collision.convex import hull_of
 from topple.topology.arrays import BoolArray, FloatArray
 from topple.topology.bodies.parts import convex_parts
 from topple.topology.bodies.tops import Top, tops_of
 from topple.topology.errors import InvalidInput
-from topple.topology.geometry.thin import voxel_means
 from topple.topology.scene import Scene
 
 Solids = Mapping[str, Sequence[FloatArray]]

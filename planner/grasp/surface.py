@@ -6,10 +6,9 @@ from dataclasses import dataclass
 import numpy as np
 from scipy.spatial import KDTree
 
-from topple.planner.bodies.samples import sampled_with_normals, volume_and_centre
+from topple.planner.bodies.samples import sampled_with_normals, volume_and_centre, voxel_means
 from topple.planner.grasp.tolerances import GRASP_TOLERANCES, GraspTolerances
 from topple.topology.arrays import BoolArray, FloatArray
-from topple.topology.geometry.thin import voxel_means
 from topple.topology.image import DepthImage
 
 

@@ -6,10 +6,10 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
+from topple.planner.bodies.samples import voxel_means
 from topple.planner.grasp.tolerances import GRASP_TOLERANCES, GraspTolerances
 from topple.topology.arrays import BoolArray, FloatArray, IntArray, bounds, frozen
 from topple.topology.bodies.tops import tops_of
-from topple.topology.geometry.thin import voxel_means
 from topple.topology.scene import Scene
 
 ITSELF = "its own sides"

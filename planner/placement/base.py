@@ -5,6 +5,7 @@ from collections.abc import Sequence
 import numpy as np
 from scipy.spatial import KDTree
 
+from topple.planner.bodies.samples import voxel_means
 from topple.planner.bodies.solids import Solids, level_axes, solids_of, up_of
 from topple.planner.motion.collision import Checker
 from topple.planner.placement.free_space import FreeSpace, free_spaces
@@ -14,7 +15,6 @@ from topple.robots.arm.arm import Arm
 from topple.topology.arrays import FloatArray
 from topple.topology.bodies.tops import lowest_in_use, tops_of
 from topple.topology.errors import ToppleError
-from topple.topology.geometry.thin import voxel_means
 from topple.topology.scene import Scene
 
 DISTANCES = (

@@ -5,6 +5,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
+from topple.planner.bodies.samples import voxel_means
 from topple.planner.bodies.solids import Solids, level_axes, solids_of, up_of
 from topple.planner.placement.free_space import FreeSpace, free_spaces
 from topple.planner.placement.resting import (
@@ -16,7 +17,6 @@ from topple.planner.placement.resting import (
 )
 from topple.topology.arrays import BoolArray, FloatArray, frozen
 from topple.topology.errors import UnknownObject
-from topple.topology.geometry.thin import voxel_means
 from topple.topology.scene import Scene
 
 KEPT = 80  # best places of each attitude and heading that are compared

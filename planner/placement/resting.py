@@ -6,10 +6,9 @@ from dataclasses import dataclass
 import numpy as np
 from scipy.spatial import ConvexHull, QhullError
 
-from topple.planner.bodies.samples import centre_of_mass
+from topple.planner.bodies.samples import centre_of_mass, voxel_means
 from topple.planner.bodies.solids import hull_vertices, level_axes
 from topple.topology.arrays import FloatArray
-from topple.topology.geometry.thin import voxel_means
 
 FLATNESS = 0.2  # thickness over length below which a thing lies flat by itself, as cutlery does
 MOST_TILT = 0.35  # what turned over by so much comes to lie on another face [rad]

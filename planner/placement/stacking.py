@@ -6,7 +6,7 @@ import numpy as np
 from scipy.ndimage import binary_closing, distance_transform_edt
 from scipy.spatial import ConvexHull, QhullError
 
-from topple.planner.bodies.samples import centre_of_mass, sampled
+from topple.planner.bodies.samples import centre_of_mass, sampled, voxel_means
 from topple.planner.bodies.solids import Solids, hull_vertices, level_axes, solids_of, up_of
 from topple.planner.placement.placement import Placement
 from topple.planner.placement.resting import (
@@ -19,7 +19,6 @@ from topple.planner.placement.resting import (
 from topple.topology.arrays import FloatArray, IntArray
 from topple.topology.bodies.tops import tops_of
 from topple.topology.errors import UnknownObject
-from topple.topology.geometry.thin import voxel_means
 from topple.topology.scene import Scene
 
 CELL = 0.005  # grid of heights: half a finger's thickness [m]

@@ -8,6 +8,7 @@ from scipy.spatial import ConvexHull, Delaunay, KDTree, QhullError
 
 from topple.topology.arrays import FloatArray
 from topple.topology.geometry.axes import perpendiculars
+from topple.topology.geometry.normals import patch_planes
 from topple.topology.geometry.round import flattest_side, round_body
 from topple.topology.geometry.thin import voxel_means
 from topple.topology.upright import SPACING, Upright
@@ -162,10 +163,8 @@ def _candidate_axes(points: FloatArray, upright_only: bool) -> list[FloatArray]:
 def _normals(spots: FloatArray, points: FloatArray) -> FloatArray:
     """(M, 3) local normals of the flat spots among the given ones."""
     neighbours = points[KDTree(points).query(spots, k=min(12, len(points)))[1]]
-    centred = neighbours - neighbours.mean(axis=1, keepdims=True)
-    values, vectors = np.linalg.eigh(np.einsum("nki,nkj->nij", centred, centred))
-    flat = values[:, 0] < 0.05 * values[:, 1]
-    return np.asarray(vectors[flat][:, :, 0], dtype=np.float64)
+    _, normals, squares = patch_planes(neighbours)
+    return normals[squares[:, 0] < 0.05 * squares[:, 1]]
 
 
 def _box_along(points: FloatArray, axis: FloatArray) -> Box:

@@ -19,22 +19,19 @@ def perpendiculars(axis: FloatArray) -> tuple[FloatArray, FloatArray]:
     return first, np.cross(axis, first).astype(np.float64)
 
 
-def upright_axes(up: FloatArray) -> FloatArray:
-    """Axes of a frame whose z axis is `up`.
+def level_axes(up: FloatArray) -> tuple[FloatArray, FloatArray]:
+    """Two unit vectors that span the level plane.
 
     Args:
-        up: (3,) vector against gravity, any length but zero.
+        up: (3,) unit vector.
 
     Returns:
-        (3, 3) rotation, rows x, y, z; the identity for up = (0, 0, 1).
+        x and y with x cross y = up; the world's x and y where up is its z.
     """
-    z = np.asarray(up, dtype=np.float64) / np.linalg.norm(up)
-    if z[2] > 1 - 1e-9:
-        return np.eye(3)
-    seed = np.eye(3)[int(np.argmin(np.abs(z)))]
-    x = seed - (seed @ z) * z
+    y = np.array([0.0, 1.0, 0.0]) if abs(up[1]) < 0.9 else np.array([0.0, 0.0, 1.0])
+    x = np.cross(y, up)
     x /= np.linalg.norm(x)
-    return np.asarray(np.stack([x, np.cross(z, x), z]), dtype=np.float64)
+    return x, np.cross(up, x)
 
 
 def own_axes(points: FloatArray, up: FloatArray | None = None) -> FloatArray:
@@ -52,7 +49,7 @@ def own_axes(points: FloatArray, up: FloatArray | None = None) -> FloatArray:
     if up is None:
         axes = np.linalg.eigh(centred.T @ centred)[1].T[::-1]
     else:
-        level = np.stack(perpendiculars(up))
+        level = np.stack(level_axes(up))
         flat = centred @ level.T
         axes = np.vstack([np.linalg.eigh(flat.T @ flat)[1].T[::-1] @ level, up])
     tails = ((centred @ axes[:2].T) ** 3).sum(axis=0)

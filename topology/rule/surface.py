@@ -11,6 +11,7 @@ from scipy.spatial import KDTree
 from topple.topology.arrays import BoolArray, FloatArray, IntArray, bounds
 from topple.topology.geometry.axes import own_axes
 from topple.topology.geometry.hull import Hull
+from topple.topology.geometry.normals import patch_planes
 from topple.topology.geometry.thin import cell_keys
 from topple.topology.tolerances import TOLERANCES
 
@@ -287,10 +288,7 @@ def _to_surface(points: FloatArray, tree: KDTree) -> tuple[FloatArray, FloatArra
     if count < 3:
         return distance[:, 0], nearest
     patch = surface[index]
-    middle = patch.mean(axis=1)
-    spread = patch - middle[:, None]
-    _, axes = np.linalg.eigh(np.einsum("nki,nkj->nij", spread, spread))
-    normal = axes[:, :, 0]
+    middle, normal, _ = patch_planes(patch)
     height = np.abs(np.einsum("ni,ni->n", points - middle, normal))
     # Samples reach half their spacing beyond the last one.
     reach = 0.5 * np.linalg.norm(patch[:, 1:4] - nearest[:, None], axis=2).mean(axis=1)
