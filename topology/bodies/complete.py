@@ -6,11 +6,11 @@ from dataclasses import dataclass
 import numpy as np
 from scipy.spatial import ConvexHull, Delaunay, KDTree, QhullError
 
-from topple.topology.arrays import FloatArray
+from topple.topology.arrays import FloatArray, bounds
 from topple.topology.geometry.axes import perpendiculars
 from topple.topology.geometry.normals import patch_planes
 from topple.topology.geometry.round import flattest_side, round_body
-from topple.topology.geometry.thin import voxel_means
+from topple.topology.geometry.thin import cell_keys, voxel_means
 from topple.topology.upright import SPACING, Upright
 from topple.topology.views.free_space import FreeSpace
 
@@ -246,10 +246,10 @@ def _underside(points: FloatArray, hull: ConvexHull) -> FloatArray:
 
 def _roof(points: FloatArray) -> FloatArray:
     """The upper side where something hid it: heights interpolated between the seen ones."""
-    keys = np.floor(points[:, :2] / SPACING).astype(np.int64)
-    order = np.lexsort((-points[:, 2], keys[:, 1], keys[:, 0]))
-    _, first = np.unique(keys[order], axis=0, return_index=True)
-    tops = points[order[first]]
+    flat = points[:, :2]
+    keys = cell_keys(flat, *bounds(flat), SPACING)
+    order = np.lexsort((-points[:, 2], keys))
+    tops = points[order[np.unique(keys[order], return_index=True)[1]]]
     if len(tops) < 4:
         return points[:0]
     lower, upper = tops[:, :2].min(axis=0), tops[:, :2].max(axis=0)

@@ -9,9 +9,9 @@ def cell_keys(points: FloatArray, lower: FloatArray, upper: FloatArray, edge: fl
     """Number of the cubic cell each point lies in.
 
     Args:
-        points: (N, 3) points [m].
-        lower: (3,) corner at which the first cell begins [m].
-        upper: (3,) greatest coordinates of any point [m].
+        points: (N, d) points [m], d = 2 or 3.
+        lower: (d,) corner at which the first cell begins [m].
+        upper: (d,) greatest coordinates of any point [m].
         edge: Edge of the cells [m], > 0.
 
     Returns:
@@ -19,7 +19,10 @@ def cell_keys(points: FloatArray, lower: FloatArray, upper: FloatArray, edge: fl
     """
     cells = ((points - lower) / edge).astype(np.int64)
     counts = ((upper - lower) / edge).astype(np.int64) + 1
-    return (cells[:, 0] * counts[1] + cells[:, 1]) * counts[2] + cells[:, 2]
+    keys = cells[:, 0]
+    for axis in range(1, points.shape[1]):
+        keys = keys * counts[axis] + cells[:, axis]
+    return keys
 
 
 def thinned(points: FloatArray, spacing: float) -> FloatArray:

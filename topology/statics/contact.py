@@ -8,7 +8,7 @@ from scipy.spatial import KDTree
 
 from topple.topology.arrays import BoolArray, FloatArray, IntArray, bounds
 from topple.topology.geometry.broadphase import near_pairs
-from topple.topology.geometry.thin import voxel_means
+from topple.topology.geometry.thin import cell_keys, voxel_means
 from topple.topology.statics.grounds import Plane, planes_and_rest
 from topple.topology.statics.matter import FRICTION, friction_between
 from topple.topology.upright import SPACING, Upright
@@ -217,10 +217,8 @@ def _lowest(points: FloatArray, cell: float) -> FloatArray:
 
 def _first_of_cells(points: FloatArray, cell: float) -> IntArray:
     """Positions of the first point in every plan cell, ascending."""
-    cells = np.floor(points[:, :2] / cell).astype(np.int64)
-    cells -= cells.min(axis=0)
-    keys = cells[:, 0] * (cells[:, 1].max() + 1) + cells[:, 1]
-    return np.sort(np.unique(keys, return_index=True)[1])
+    flat = points[:, :2]
+    return np.sort(np.unique(cell_keys(flat, *bounds(flat), cell), return_index=True)[1])
 
 
 def _between(
