@@ -9,6 +9,7 @@ from scipy.spatial import ConvexHull, Delaunay, KDTree, QhullError
 from topple.topology.arrays import FloatArray, bounds
 from topple.topology.geometry.axes import perpendiculars
 from topple.topology.geometry.normals import patch_planes
+from topple.topology.geometry.outline import least_rectangle
 from topple.topology.geometry.round import flattest_side, round_body
 from topple.topology.geometry.thin import cell_keys, voxel_means
 from topple.topology.upright import SPACING, Upright
@@ -19,9 +20,6 @@ BARE = 0.01
 
 BLOCK = 1 << 16
 """Pairs of a cell and a triangle looked at at once (0.5 MB)."""
-
-TURNS = 30
-"""Angles tried for a box, three degrees apart, and again a fifth of a degree apart about the best one."""
 
 SAMPLES = 400
 """Places on a hull that are looked at: a mouth of a tenth of its surface is 40 of them."""
@@ -169,24 +167,13 @@ def _normals(spots: FloatArray, points: FloatArray) -> FloatArray:
 
 def _box_along(points: FloatArray, axis: FloatArray) -> Box:
     """The smallest box with one direction given: the least rectangle of the projection."""
-    u, v = perpendiculars(axis)
-    flat = points @ np.stack([u, v], axis=1)
-    angles = np.linspace(0.0, np.pi / 2, TURNS, endpoint=False)
-    best = _least_turn(flat, angles)
-    best = _least_turn(flat, best + np.linspace(-1.0, 1.0, TURNS + 1) * angles[1])
-    c, s = np.cos(best), np.sin(best)
-    axes = np.stack([axis, c * u + s * v, -s * u + c * v])
+    across = np.stack(perpendiculars(axis))
+    side = least_rectangle(points @ across.T) @ across
+    axes = np.stack([axis, side, np.cross(axis, side)])
     local = points @ axes.T
     # One point in two hundred may be stray on each side.
     lower, upper = np.quantile(local, [0.005, 0.995], axis=0)
     return Box(axes, lower, upper)
-
-
-def _least_turn(flat: FloatArray, angles: FloatArray) -> float:
-    """The one of some angles [rad] at which a rectangle around points (N, 2) is smallest."""
-    turns = np.stack([np.cos(angles), np.sin(angles)])
-    area = np.ptp(flat @ turns, axis=0) * np.ptp(flat @ np.stack([-turns[1], turns[0]]), axis=0)
-    return float(angles[np.argmin(area)])
 
 
 def _as_round(points: FloatArray, box: Box, sight: FreeSpace | None, floor: float) -> FloatArray:

@@ -34,29 +34,19 @@ def level_axes(up: FloatArray) -> tuple[FloatArray, FloatArray]:
     return x, np.cross(up, x)
 
 
-def own_axes(points: FloatArray, up: FloatArray | None = None) -> FloatArray:
+def own_axes(points: FloatArray) -> FloatArray:
     """Axes of a cloud that turn with it: grids laid along them cut it the same way in every frame.
 
     Args:
         points: (N, 3) points [m], N >= 1.
-        up: (3,) unit vector that is to be the third axis; None: the direction in which the cloud is thinnest.
 
     Returns:
         (3, 3) rotation, rows the principal axes, widest first, each towards the longer tail of the points.
     """
     some = points[:: -(-len(points) // _ENOUGH)]
     centred = some - some.mean(axis=0)
-    if up is None:
-        axes = np.linalg.eigh(centred.T @ centred)[1].T[::-1]
-    else:
-        level = np.stack(level_axes(up))
-        flat = centred @ level.T
-        axes = np.vstack([np.linalg.eigh(flat.T @ flat)[1].T[::-1] @ level, up])
-    tails = ((centred @ axes[:2].T) ** 3).sum(axis=0)
-    axes[:2] *= np.where(tails < 0, -1.0, 1.0)[:, None]
-    third = np.cross(axes[0], axes[1])
-    if up is None:
-        axes[2] = third
-    elif third @ up < 0:
-        axes[1] *= -1.0
-    return np.asarray(axes, dtype=np.float64)
+    axes = np.linalg.eigh(centred.T @ centred)[1].T[::-1]
+    tails = ((centred @ axes.T) ** 3).sum(axis=0)
+    axes = np.where(tails < 0, -1.0, 1.0)[:, None] * axes
+    axes[2] = np.cross(axes[0], axes[1])
+    return axes

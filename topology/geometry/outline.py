@@ -5,6 +5,7 @@ crescent, but over the circle the crescent is part of.
 """
 
 import numpy as np
+from scipy.spatial import ConvexHull, QhullError
 
 from topple.topology.arrays import FloatArray
 from topple.topology.geometry.axes import level_axes
@@ -41,6 +42,29 @@ def outline(points: FloatArray, up: FloatArray) -> FloatArray:
         return flat
     centre, radius = circle
     return np.concatenate([flat, centre + radius * np.stack([np.cos(CORNERS), np.sin(CORNERS)], axis=1)])
+
+
+def least_rectangle(flat: FloatArray) -> FloatArray:
+    """Direction of a side of the least rectangle around points in a plane.
+
+    One of its sides lies along an edge of the points' hull, so only these directions are tried.
+
+    Args:
+        flat: (N, 2) points [m], N >= 1.
+
+    Returns:
+        (2,) unit vector; along the points where they lie in one line.
+    """
+    try:
+        corners = flat[ConvexHull(flat).vertices]
+    except QhullError:
+        middle = flat - flat.mean(axis=0)
+        return np.asarray(np.linalg.eigh(middle.T @ middle)[1][:, 1], dtype=np.float64)
+    sides = np.roll(corners, -1, axis=0) - corners
+    sides /= np.linalg.norm(sides, axis=1, keepdims=True)
+    across = np.stack([-sides[:, 1], sides[:, 0]], axis=1)
+    areas = np.ptp(corners @ sides.T, axis=0) * np.ptp(corners @ across.T, axis=0)
+    return sides[int(np.argmin(areas))]
 
 
 def covers(outlines: list[FloatArray], place: FloatArray, slack: float) -> bool:

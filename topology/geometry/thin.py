@@ -4,21 +4,26 @@ import numpy as np
 
 from topple.topology.arrays import FloatArray, IntArray, bounds
 
+BEFORE = 2e-5
+"""How far before the first point cells begin [m]: files round to tenths of millimetres, and what is rounded
+shall not lie on the edge of a cell, where the last bit of a number decides."""
+
 
 def cell_keys(points: FloatArray, lower: FloatArray, upper: FloatArray, edge: float) -> IntArray:
     """Number of the cubic cell each point lies in.
 
     Args:
         points: (N, d) points [m], d = 2 or 3.
-        lower: (d,) corner at which the first cell begins [m].
+        lower: (d,) least coordinates of any point [m]; cells begin just before.
         upper: (d,) greatest coordinates of any point [m].
         edge: Edge of the cells [m], > 0.
 
     Returns:
         (N,) numbers; they rise along the last axis first.
     """
-    cells = ((points - lower) / edge).astype(np.int64)
-    counts = ((upper - lower) / edge).astype(np.int64) + 1
+    first = lower - BEFORE
+    cells = ((points - first) / edge).astype(np.int64)
+    counts = ((upper - first) / edge).astype(np.int64) + 1
     keys = cells[:, 0]
     for axis in range(1, points.shape[1]):
         keys = keys * counts[axis] + cells[:, axis]

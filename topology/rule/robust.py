@@ -60,7 +60,7 @@ class RobustRule:
 
     def prepare(self, name: str, cloud: FloatArray) -> SurfaceCloud:
         """Clean and thin a cloud (N, 3)."""
-        return SurfaceCloud.of(name, cloud, self.up)
+        return SurfaceCloud.of(name, cloud)
 
     def relate(self, a: SurfaceCloud, b: SurfaceCloud) -> PairRelation:
         """Relate two prepared clouds."""

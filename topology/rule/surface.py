@@ -66,15 +66,14 @@ class SurfaceCloud:
     tree: KDTree
 
     @staticmethod
-    def of(name: str, cloud: FloatArray, up: FloatArray | None = None) -> "SurfaceCloud":
+    def of(name: str, cloud: FloatArray) -> "SurfaceCloud":
         """Thin a cloud and drop its stray pieces.
 
         Args:
             name: Name of the object.
             cloud: (N, 3) points [m].
-            up: (3,) unit vector against gravity, along which the cells stand, where it is known.
         """
-        order, starts, cell = _cells(cloud, up)
+        order, starts, cell = _cells(cloud)
         points = cloud[order]
         sizes = np.diff(starts)
         coarse = np.add.reduceat(points, starts[:-1], axis=0) / sizes[:, None]
@@ -125,11 +124,11 @@ class SurfaceCloud:
         return self.points[first + np.arange(len(first))]
 
 
-def _cells(cloud: FloatArray, up: FloatArray | None) -> tuple[IntArray, IntArray, float]:
+def _cells(cloud: FloatArray) -> tuple[IntArray, IntArray, float]:
     """Order of the points by cell, where each cell starts, and the cell's edge; cells lie along the cloud."""
     if len(cloud) <= COARSE:
         return np.arange(len(cloud)), np.arange(len(cloud) + 1), 0.0
-    local = (cloud - cloud[0]) @ own_axes(cloud, up).T
+    local = (cloud - cloud[0]) @ own_axes(cloud).T
     lower, upper = bounds(local)
     extent = upper - lower
     cell = max(float(extent.max()), 1e-9) / 40

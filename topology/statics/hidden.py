@@ -6,6 +6,7 @@ from dataclasses import replace
 import numpy as np
 
 from topple.topology.arrays import FloatArray, bounds
+from topple.topology.geometry.thin import BEFORE
 from topple.topology.statics.contact import TOLERANCES, Contact, rubbing
 from topple.topology.statics.equilibrium import Weight, balance
 from topple.topology.statics.grounds import Plane, planes_and_rest
@@ -55,7 +56,7 @@ def hidden_contacts(
         New contacts, marked as inferred, with gaps counted from the loaded points.
     """
     # Cells begin where the objects do: they are the same wherever the scene is.
-    corner = np.min([bounds(surfaces[name])[0][:2] for name in weights], axis=0)
+    corner = np.min([bounds(surfaces[name])[0][:2] for name in weights], axis=0) - BEFORE
     tops = _Tops(upright, surfaces, corner)
     candidates: list[Contact] = []
     for name in wanting:
