@@ -100,9 +100,11 @@ def find_contacts(
         among: The pairs that are asked about; all of them where not given.
 
     Returns:
-        Contacts with at least one movable side, in the order of the objects' names in the scene.
+        Contacts with at least one movable side, from the lower object to the higher and the lower objects'
+        first, so that they are the same in whatever order the objects are named.
     """
-    surfaces = dict(upright.clouds if clouds is None else clouds)
+    given = upright.clouds if clouds is None else clouds
+    surfaces = {name: given[name] for name in _rising(upright, given)}
     grounds = {name: planes_and_rest(upright, name) for name in surfaces if name in upright.fixed}
     planes = {name: planes for name, (planes, _) in grounds.items()}
     sides = {**surfaces, **{name: rest for name, (_, rest) in grounds.items()}}
@@ -120,6 +122,11 @@ def find_contacts(
             touching.append(_between(a, b, sides, trees, reach))
         found += _joined([contact for contact in touching if contact is not None])
     return tuple(rubbing(contact, upright.friction) for contact in found)
+
+
+def _rising(upright: Upright, surfaces: Mapping[str, FloatArray]) -> list[str]:
+    """Names of surfaces, what is fixed first, the others by their middle heights."""
+    return sorted(surfaces, key=lambda name: (name not in upright.fixed, float(surfaces[name][:, 2].mean())))
 
 
 def closed(upright: Upright, surfaces: Mapping[str, FloatArray], a: str, b: str) -> tuple[Contact, ...]:

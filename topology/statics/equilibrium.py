@@ -68,9 +68,10 @@ def balance(
     Returns:
         The deficits and the loads of one optimal solution.
     """
-    names = list(weights)
-    if not names:
+    if not weights:
         return Balance({}, tuple(np.zeros(len(c.gaps)) for c in contacts))
+    weights = rising(weights)
+    names = list(weights)
     matrix, demand, count = equations(weights, contacts)
     owner = np.repeat(np.arange(len(contacts)), [CONE_EDGES * len(c.gaps) for c in contacts])
     price = np.concatenate([_prices(contacts, costs, owner, weights), np.ones(12 * len(names))])
@@ -84,6 +85,18 @@ def balance(
     ends = np.cumsum([len(c.gaps) for c in contacts])[:-1]
     loads = np.split(forces, ends) if len(contacts) else []
     return Balance({name: float(s) for name, s in zip(names, slack, strict=True)}, tuple(loads))
+
+
+def rising(weights: Mapping[str, Weight]) -> Mapping[str, Weight]:
+    """Some weights, the lowest centre of mass first.
+
+    Where several answers are as good, which one a programme finds hangs on the order of its equations: it
+    shall not be the order in which objects happen to be named.
+
+    Args:
+        weights: The objects that can move.
+    """
+    return dict(sorted(weights.items(), key=lambda item: float(item[1].centre[2])))
 
 
 def equations(

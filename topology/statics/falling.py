@@ -19,7 +19,7 @@ from scipy.spatial import ConvexHull, QhullError
 
 from topple.topology.arrays import FloatArray
 from topple.topology.statics.contact import Contact
-from topple.topology.statics.equilibrium import CONE_EDGES, Weight, equations
+from topple.topology.statics.equilibrium import CONE_EDGES, Weight, equations, rising
 
 FARTHEST = 0.02
 """Displacement [m] at which a body is followed no further: twice what counts as a move."""
@@ -130,14 +130,14 @@ def falls(
     Returns:
         name -> fall, for all that are left and asked about.
     """
-    left = {name: weight for name, weight in weights.items() if name not in without}
+    left = {name: weight for name, weight in rising(weights).items() if name not in without}
     near = [c for c in contacts if c.a not in without and c.b not in without]
     found: dict[str, Fall] = {}
     for island in islands(left, near):
         if beside is None or not island.isdisjoint(beside):
             part = {name: weight for name, weight in left.items() if name in island}
             found |= _sunk(part, [c for c in near if c.a in island or c.b in island])
-    return {name: found[name] for name in left if name in found}
+    return {name: found[name] for name in weights if name in found}
 
 
 def _sunk(left: Mapping[str, Weight], near: Sequence[Contact]) -> dict[str, Fall]:
