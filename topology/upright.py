@@ -11,6 +11,7 @@ from topple.topology.arrays import FloatArray, bounds, frozen
 from topple.topology.bodies.tops import SUNK, Tops, tops_of
 from topple.topology.errors import InvalidInput
 from topple.topology.geometry.axes import level_axes
+from topple.topology.geometry.outline import least_rectangle
 from topple.topology.geometry.thin import voxel_means
 
 if TYPE_CHECKING:
@@ -89,7 +90,7 @@ class Upright:
             raise InvalidInput(
                 f"the scene does not say where up is, so nothing can be said about gravity: {cure}"
             )
-        rotation = np.stack([*level_axes(scene.up), scene.up])
+        rotation = _axes(scene, scene.up)
         turned = {name: np.asarray(cloud) @ rotation.T for name, cloud in scene.clouds.items()}
         movable = [name for name in turned if name not in scene.fixed]
         clouds = {name: voxel_means(turned[name], SPACING) for name in movable}
@@ -112,6 +113,23 @@ class Upright:
             rest=MappingProxyType(rest),
             friction=scene.friction,
         )
+
+
+def _axes(scene: "Scene", up: FloatArray) -> FloatArray:
+    """(3, 3) upright axes that turn with the scene: x is along a side of the widest fixed thing.
+
+    Of the four sides it is the one towards the longer tail of its points. What is fixed tells whatever else
+    comes into the scene; where nothing is, the widest object does.
+    """
+    level = np.stack(level_axes(up))
+    plans = [scene.clouds[name] @ level.T for name in scene.names if name in scene.fixed or not scene.fixed]
+    widest = max(plans, key=lambda plan: float(plan.var(axis=0).sum()), default=np.zeros((1, 2)))
+    side = least_rectangle(widest)
+    across = np.array([-side[1], side[0]])
+    sides = np.stack([side, across, -side, -across])
+    tails = (((widest - widest.mean(axis=0)) @ sides.T) ** 3).sum(axis=0)
+    along = sides[int(np.argmax(tails))] @ level
+    return np.stack([along, np.cross(up, along), up])
 
 
 def _box(clouds: list[FloatArray]) -> tuple[FloatArray, FloatArray]:
