@@ -17,6 +17,9 @@ from topple.topology.geometry.thin import voxel_means
 if TYPE_CHECKING:
     from topple.topology.scene import Scene
 
+_Box = tuple[FloatArray, FloatArray]
+"""Least and greatest corner, (3,) each [m]."""
+
 SPACING = 0.004
 """Voxel edge [m]: half the thickness of a spoon's bowl, and fine enough for centimetre questions."""
 
@@ -94,13 +97,14 @@ class Upright:
         turned = {name: np.asarray(cloud) @ rotation.T for name, cloud in scene.clouds.items()}
         movable = [name for name in turned if name not in scene.fixed]
         clouds = {name: voxel_means(turned[name], SPACING) for name in movable}
-        near = _box(list(clouds.values()))
+        near = _surroundings(list(clouds.values()))
         tops: dict[str, tuple[FloatArray, ...]] = {}
         rest: dict[str, FloatArray] = {}
         for name in turned:
             if name in scene.fixed:
-                clouds[name] = voxel_means(_within(turned[name], *near), 2 * SPACING)
-                tops[name], rest[name] = _taken_apart(turned[name], clouds[name], *near)
+                cut = _cut(turned[name], near)
+                clouds[name] = cut if len(cut) else voxel_means(turned[name], 2 * SPACING)
+                tops[name], rest[name] = _taken_apart(turned[name], clouds[name], near)
         lowest = min((float(clouds[name][:, 2].min()) for name in movable), default=np.inf)
         views = None if len(scene.viewpoints) == 0 else scene.viewpoints @ rotation.T
         return Upright(
@@ -132,31 +136,44 @@ def _axes(scene: "Scene", up: FloatArray) -> FloatArray:
     return np.stack([along, np.cross(up, along), up])
 
 
-def _box(clouds: list[FloatArray]) -> tuple[FloatArray, FloatArray]:
-    """Box around the clouds, grown by `REACH`; unbounded where there is no cloud."""
+def _surroundings(clouds: list[FloatArray]) -> list[_Box]:
+    """Boxes around clouds near each other, grown by `REACH`; all there is where there is no cloud."""
     if not clouds:
-        return np.full(3, -np.inf), np.full(3, np.inf)
-    corners = np.array([bounds(cloud) for cloud in clouds])
-    lower, upper = corners[:, 0].min(axis=0) - REACH, corners[:, 1].max(axis=0) + REACH
-    lower[2] = -np.inf  # what lies far below still catches what falls
-    return lower, upper
+        return [(np.full(3, -np.inf), np.full(3, np.inf))]
+    found: list[_Box] = []
+    for lower, upper in map(bounds, clouds):
+        lower, upper = lower - REACH, upper + REACH
+        while meeting := [
+            box for box in found if (box[0] <= upper)[:2].all() and (lower <= box[1])[:2].all()
+        ]:
+            found = [box for box in found if all(box is not other for other in meeting)]
+            lower = np.min([lower, *(box[0] for box in meeting)], axis=0)
+            upper = np.max([upper, *(box[1] for box in meeting)], axis=0)
+        found.append((lower, upper))
+    for lower, _ in found:
+        lower[2] = -np.inf  # what lies far below still catches what falls
+    return found
 
 
-def _within(points: FloatArray, lower: FloatArray, upper: FloatArray) -> FloatArray:
-    """The points inside a box; all of them where none is."""
-    inside = ((points >= lower) & (points <= upper)).all(axis=1)
-    return points[inside] if inside.any() else points
+def _meet(one: _Box, other: _Box) -> bool:
+    """Whether two boxes overlap in plan."""
+    return bool((one[0] <= other[1])[:2].all() and (other[0] <= one[1])[:2].all())
+
+
+def _cut(points: FloatArray, boxes: list[_Box]) -> FloatArray:
+    """The points inside of boxes, thinned in each by itself: what is far away moves no cell."""
+    inside = [points[((points >= lower) & (points <= upper)).all(axis=1)] for lower, upper in boxes]
+    return np.concatenate([voxel_means(part, 2 * SPACING) for part in inside])
 
 
 def _taken_apart(
-    points: FloatArray, near: FloatArray, lower: FloatArray, upper: FloatArray
+    points: FloatArray, near: FloatArray, boxes: list[_Box]
 ) -> tuple[tuple[FloatArray, ...], FloatArray]:
-    """The tops of a fixed cloud and its other points, both cut to a box and thinned as `near` is."""
+    """The tops of a fixed cloud and its other points, both cut to boxes and thinned as `near` is."""
     found = tops_of(points, np.array([0.0, 0.0, 1.0]))
     if found.flat:
         return (near,), np.empty((0, 3))
-    pieces = [piece[((piece >= lower) & (piece <= upper)).all(axis=1)] for piece in _pieces(found)]
-    *tops, rest = (voxel_means(piece, 2 * SPACING) for piece in pieces)
+    *tops, rest = (_cut(piece, boxes) for piece in _pieces(found))
     kept = tuple(frozen(top) for top in tops if len(top))
     return kept, frozen(rest) if kept else near
 

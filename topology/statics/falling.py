@@ -11,7 +11,6 @@ what stays at rest.
 from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass
 
-import networkx as nx
 import numpy as np
 from scipy.optimize import linprog
 from scipy.sparse import eye_array, hstack, kron
@@ -19,7 +18,7 @@ from scipy.spatial import ConvexHull, QhullError
 
 from topple.topology.arrays import FloatArray
 from topple.topology.statics.contact import Contact
-from topple.topology.statics.equilibrium import CONE_EDGES, Weight, equations, rising
+from topple.topology.statics.equilibrium import CONE_EDGES, Weight, equations, islands, rising
 
 FARTHEST = 0.02
 """Displacement [m] at which a body is followed no further: twice what counts as a move."""
@@ -98,19 +97,6 @@ def _outline(contact: Contact) -> Contact:
     keep = np.zeros(len(contact.gaps), dtype=np.bool_)
     keep[hull.vertices[hull.vertices < len(keep)]] = True
     return contact.only(keep) or contact
-
-
-def islands(names: Collection[str], contacts: Sequence[Contact]) -> list[frozenset[str]]:
-    """Sets of names that contacts join: how one set sinks does not depend on any other.
-
-    Args:
-        names: The objects that can move.
-        contacts: Patches; those with anything else join nothing.
-    """
-    network: nx.Graph[str] = nx.Graph()
-    network.add_nodes_from(names)
-    network.add_edges_from((c.a, c.b) for c in contacts if c.a in network and c.b in network)
-    return [frozenset(island) for island in nx.connected_components(network)]
 
 
 def falls(

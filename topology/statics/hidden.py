@@ -55,12 +55,9 @@ def hidden_contacts(
     Returns:
         New contacts, marked as inferred, with gaps counted from the loaded points.
     """
-    # Cells begin where the objects do: they are the same wherever the scene is.
-    corner = np.min([bounds(surfaces[name])[0][:2] for name in weights], axis=0) - BEFORE
-    tops = _Tops(upright, surfaces, corner)
     candidates: list[Contact] = []
     for name in wanting:
-        below = _below(name, surfaces[name], tops, sight)
+        below = _below(name, surfaces[name], _Tops.under(name, upright, surfaces), sight)
         candidates += [
             rubbing(contact, upright.friction)
             for contact in below
@@ -83,7 +80,21 @@ def hidden_contacts(
 
 
 class _Tops:
-    """What stands highest over each plan cell: tables everywhere, other surfaces where they have points."""
+    """What stands highest over each plan cell: tables everywhere, other surfaces where they have points.
+
+    Cells begin where the object begins that is asked about: the same ones wherever it is, whatever else is there.
+    """
+
+    @staticmethod
+    def under(name: str, upright: Upright, surfaces: Mapping[str, FloatArray]) -> "_Tops":
+        """Those of the surfaces that are over or under an object, or fixed."""
+        lower, upper = (corner[:2] for corner in bounds(surfaces[name]))
+        near: dict[str, FloatArray] = {}
+        for other, points in surfaces.items():
+            least, most = (corner[:2] for corner in bounds(points))
+            if other in upright.fixed or ((least <= upper + CELL) & (lower - CELL <= most)).all():
+                near[other] = points
+        return _Tops(upright, near, lower - BEFORE)
 
     def __init__(self, upright: Upright, surfaces: Mapping[str, FloatArray], corner: FloatArray) -> None:
         self.corner = corner

@@ -14,8 +14,8 @@ from topple.topology.arrays import BoolArray, FloatArray, bounds
 from topple.topology.bodies.complete import complete
 from topple.topology.sixim.table import Relation
 from topple.topology.statics.contact import TOLERANCES, Contact, closed, find_contacts
-from topple.topology.statics.equilibrium import Weight, balance
-from topple.topology.statics.falling import REACH, Fall, catching, falls, islands
+from topple.topology.statics.equilibrium import Weight, balance, islands
+from topple.topology.statics.falling import REACH, Fall, catching, falls
 from topple.topology.statics.hidden import hidden_contacts
 from topple.topology.statics.matter import DENSITY
 from topple.topology.upright import SPACING, Upright
