@@ -254,10 +254,6 @@ class Relations:
             if pair.relation is not Relation.DISJOINT
         )
 
-    def meet(self, a: str, b: str) -> bool:
-        """Whether two objects are in contact or in each other."""
-        return frozenset((a, b)) in self.meeting
-
     def with_relation(self, a: str, b: str, relation: Relation | str) -> "Relations":
         """Copy in which one pair has another relation, as somebody knows better; its matrix stays as counted.
 

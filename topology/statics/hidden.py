@@ -82,7 +82,7 @@ def hidden_contacts(
 class _Tops:
     """What stands highest over each plan cell: tables everywhere, other surfaces where they have points.
 
-    Cells begin where the object begins that is asked about: the same ones wherever it is, whatever else is there.
+    Cells begin where the object does that is asked about: the same ones wherever it is, whatever else is.
     """
 
     @staticmethod
