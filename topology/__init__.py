@@ -4,9 +4,9 @@ from importlib import import_module
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
-    from topple.topology.cloud import thinned
     from topple.topology.errors import InvalidInput, NotInstalled, ToppleError, UnknownObject
     from topple.topology.geometry.hull import Hull
+    from topple.topology.geometry.thin import thinned
     from topple.topology.image import DepthImage
     from topple.topology.io import load_scene, load_sequence
     from topple.topology.relations import PairRelation, Relations
@@ -51,7 +51,7 @@ _HOME = {
     "load_sequence": "io",
     "relate": "rule.relate",
     "relate_all": "rule.relate",
-    "thinned": "cloud",
+    "thinned": "geometry.thin",
 }
 
 

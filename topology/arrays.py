@@ -21,17 +21,6 @@ def bounds(points: FloatArray) -> tuple[FloatArray, FloatArray]:
     return columns.min(axis=1), columns.max(axis=1)
 
 
-def perpendiculars(axis: FloatArray) -> tuple[FloatArray, FloatArray]:
-    """Two unit vectors square to a direction and to each other; with it they are right-handed.
-
-    Args:
-        axis: (3,) unit vector.
-    """
-    first = np.cross(axis, np.eye(3)[int(np.argmin(np.abs(axis)))]).astype(np.float64)
-    first /= np.linalg.norm(first)
-    return first, np.cross(axis, first).astype(np.float64)
-
-
 def frozen(array: ArrayLike) -> FloatArray:
     """Copy an array into one nobody can write to.
 

@@ -1,11 +1,12 @@
-"""One object's points: duplicates, spacing, noise, and the deviation they amount to."""
+"""One object's points: spacing, noise, the deviation they amount to, and strays."""
 
 from collections.abc import Mapping
 
 import numpy as np
 from scipy.spatial import KDTree
 
-from topple.topology.arrays import FloatArray, bounds
+from topple.topology.arrays import FloatArray
+from topple.topology.geometry.normals import patch_planes
 from topple.topology.scene import Scene
 from topple.topology.tolerances import TOLERANCES
 
@@ -19,36 +20,6 @@ STRAY = 2.5
 """Usual distances that make a neighbour too far: sides seen at 80 degrees are 2.4 times as sparse."""
 MOST_STRAYS = 0.1
 """Share of a cloud that strays are at most: cameras leave up to 3 % of them."""
-
-
-def deduplicated(points: FloatArray) -> FloatArray:
-    """Drop points that occur again, in order of first appearance.
-
-    Args:
-        points: (N, 3) points [m].
-
-    Returns:
-        (M, 3) points, M <= N.
-    """
-    _, first = np.unique(points, axis=0, return_index=True)
-    return points[np.sort(first)]
-
-
-def thinned(points: FloatArray, spacing: float) -> FloatArray:
-    """Keep one point per cubic cell, the one that comes first.
-
-    Args:
-        points: (N, 3) points [m].
-        spacing: Edge of the cells [m], > 0.
-
-    Returns:
-        (M, 3) points of the cloud, M <= N, at most `spacing` * √3 from every dropped one.
-    """
-    lower, upper = bounds(points)
-    cells = np.floor((points - lower) / spacing).astype(np.int64)
-    counts = np.floor((upper - lower) / spacing).astype(np.int64) + 1
-    _, first = np.unique((cells[:, 0] * counts[1] + cells[:, 1]) * counts[2] + cells[:, 2], return_index=True)
-    return points[np.sort(first)]
 
 
 def noise_and_spacing(points: FloatArray) -> tuple[float, float]:
@@ -69,10 +40,9 @@ def noise_and_spacing(points: FloatArray) -> tuple[float, float]:
     probes = points[:: -(-len(points) // PROBES)]
     tree = KDTree(points)
     distance, index = tree.query(probes, k=min(NEIGHBOURS, len(points)))
-    patches = points[index] - points[index].mean(axis=1, keepdims=True)
-    least = np.linalg.eigvalsh(np.einsum("pki,pkj->pij", patches, patches))[:, 0]
+    least = patch_planes(points[index])[2][:, 0]
     # A plane through k points takes three degrees of freedom from their residuals.
-    noise = float(np.sqrt(np.median(np.maximum(least, 0.0)) / max(patches.shape[1] - 3, 1)))
+    noise = float(np.sqrt(np.median(least) / max(np.shape(index)[1] - 3, 1)))
     return noise, float(np.median(np.asarray(distance)[:, 4]))
 
 

@@ -1,6 +1,6 @@
 """What `relate` answers: one relation for every unordered pair of objects."""
 
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Collection, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from functools import cached_property, partial
 from importlib import import_module
@@ -162,8 +162,12 @@ class Rule(Protocol):
         """Relate two prepared clouds."""
         ...
 
-    def after(self, name: str, cloud: FloatArray) -> "Rule":
-        """The rule for a scene in which one object's cloud is another."""
+    def after(self, scene: "Scene", changed: Collection[str], looked_again: bool) -> "Rule":
+        """The rule for the same objects where some have other clouds, and cameras may have looked again."""
+        ...
+
+    def look_again(self, pair: PairRelation, a: Any, b: Any) -> PairRelation:
+        """A pair whose clouds are the same, when others have changed or cameras have looked again."""
         ...
 
     def conclude(self, scene: "Scene", relations: "Relations") -> "Relations":
@@ -260,10 +264,6 @@ class Relations:
             if pair.relation is not Relation.DISJOINT
         )
 
-    def meet(self, a: str, b: str) -> bool:
-        """Whether two objects are in contact or in each other."""
-        return frozenset((a, b)) in self.meeting
-
     def with_relation(self, a: str, b: str, relation: Relation | str) -> "Relations":
         """Copy in which one pair has another relation, as somebody knows better; its matrix stays as counted.
 
@@ -324,8 +324,8 @@ class Relations:
     def updated(self, name: str, cloud: FloatArray) -> "Relations":
         """Relations of the scene in which one object's cloud changed, as `relate` would find them.
 
-        Only the object's own pairs are looked at again, and those that were inferred from gravity. The
-        deviation stays, and so does what a camera once saw of pairs that did not move.
+        Only the object's own pairs are related again, those that were inferred from gravity, and whether
+        the gaps of the others are still in sight. The deviation stays.
 
         Args:
             name: Name of the object.
@@ -350,18 +350,24 @@ class Relations:
         if scene.names != self.objects:
             raise InvalidInput(f"the frame has {', '.join(scene.names)}, expected {', '.join(self.objects)}")
         changed = [name for name, cloud in scene.clouds.items() if cloud is not self.scene.clouds[name]]
-        return self._moved(scene, changed) if changed else self
+        again = len(scene.images) != len(self.scene.images) or not np.array_equal(
+            scene.viewpoints, self.scene.viewpoints
+        )
+        again = again or any(new is not old for new, old in zip(scene.images, self.scene.images, strict=True))
+        return self._moved(scene, changed, again) if changed or again else self
 
-    def _moved(self, scene: "Scene", names: Sequence[str]) -> "Relations":
+    def _moved(self, scene: "Scene", names: Sequence[str], looked_again: bool = False) -> "Relations":
         """Relations of a scene of the same objects in which some have other clouds."""
-        rule, prepared = self.rule, list(self.prepared)
-        for name in names:
-            rule = rule.after(name, scene.clouds[name])
+        rule, prepared = self.rule.after(scene, names, looked_again), list(self.prepared)
         for name in names:
             prepared[self._position(name)] = rule.prepare(name, scene.clouds[name])
         moved = {self._position(name) for name in names}
         again = {key for key, pair in self.near.items() if pair.inferred and moved.isdisjoint(key)}
-        near = {key: pair for key, pair in self.near.items() if moved.isdisjoint(key) and key not in again}
+        near = {
+            (i, j): rule.look_again(pair, prepared[i], prepared[j])
+            for (i, j), pair in self.near.items()
+            if moved.isdisjoint((i, j)) and (i, j) not in again
+        }
         lower = np.array([other.lower for other in prepared]) - rule.reach
         upper = np.array([other.upper for other in prepared]) + rule.reach
         for one in moved:

@@ -9,10 +9,16 @@ import numpy as np
 from topple.topology.arrays import FloatArray, bounds, frozen
 from topple.topology.bodies.tops import SUNK, Tops, tops_of
 from topple.topology.errors import InvalidInput
+from topple.topology.geometry.axes import level_axes
+from topple.topology.geometry.outline import least_rectangle
+from topple.topology.geometry.thin import voxel_means
 from topple.topology.values import FrozenDict
 
 if TYPE_CHECKING:
     from topple.topology.scene import Scene
+
+_Box = tuple[FloatArray, FloatArray]
+"""Least and greatest corner, (3,) each [m]."""
 
 SPACING = 0.004
 """Voxel edge [m]: half the thickness of a spoon's bowl, and fine enough for centimetre questions."""
@@ -87,17 +93,18 @@ class Upright:
             raise InvalidInput(
                 f"the scene does not say where up is, so nothing can be said about gravity: {cure}"
             )
-        rotation = upright_axes(scene.up)
+        rotation = _axes(scene, scene.up)
         turned = {name: np.asarray(cloud) @ rotation.T for name, cloud in scene.clouds.items()}
         movable = [name for name in turned if name not in scene.fixed]
-        clouds = {name: thin(turned[name], SPACING) for name in movable}
-        near = _box(list(clouds.values()))
+        clouds = {name: voxel_means(turned[name], SPACING) for name in movable}
+        near = _surroundings(list(clouds.values()))
         tops: dict[str, tuple[FloatArray, ...]] = {}
         rest: dict[str, FloatArray] = {}
         for name in turned:
             if name in scene.fixed:
-                clouds[name] = thin(_within(turned[name], *near), 2 * SPACING)
-                tops[name], rest[name] = _taken_apart(turned[name], clouds[name], *near)
+                cut = _cut(turned[name], near)
+                clouds[name] = cut if len(cut) else voxel_means(turned[name], 2 * SPACING)
+                tops[name], rest[name] = _taken_apart(turned[name], clouds[name], near)
         lowest = min((float(clouds[name][:, 2].min()) for name in movable), default=np.inf)
         views = None if len(scene.viewpoints) == 0 else scene.viewpoints @ rotation.T
         return Upright(
@@ -112,70 +119,59 @@ class Upright:
         )
 
 
-def upright_axes(up: FloatArray) -> FloatArray:
-    """Axes of a frame whose z axis is `up`.
+def _axes(scene: "Scene", up: FloatArray) -> FloatArray:
+    """(3, 3) upright axes that turn with the scene: x is along a side of the widest fixed thing.
 
-    Args:
-        up: (3,) vector against gravity, any length but zero.
-
-    Returns:
-        (3, 3) rotation, rows x, y, z; the identity for up = (0, 0, 1).
+    Of the four sides it is the one towards the longer tail of its points. What is fixed tells whatever else
+    comes into the scene; where nothing is, the widest object does.
     """
-    z = np.asarray(up, dtype=np.float64) / np.linalg.norm(up)
-    if z[2] > 1 - 1e-9:
-        return np.eye(3)
-    seed = np.eye(3)[int(np.argmin(np.abs(z)))]
-    x = seed - (seed @ z) * z
-    x /= np.linalg.norm(x)
-    return np.asarray(np.stack([x, np.cross(z, x), z]), dtype=np.float64)
+    level = np.stack(level_axes(up))
+    plans = [scene.clouds[name] @ level.T for name in scene.names if name in scene.fixed or not scene.fixed]
+    widest = max(plans, key=lambda plan: float(plan.var(axis=0).sum()), default=np.zeros((1, 2)))
+    side = least_rectangle(widest)
+    across = np.array([-side[1], side[0]])
+    sides = np.stack([side, across, -side, -across])
+    tails = (((widest - widest.mean(axis=0)) @ sides.T) ** 3).sum(axis=0)
+    along = sides[int(np.argmax(tails))] @ level
+    return np.stack([along, np.cross(up, along), up]).astype(np.float64)
 
 
-def thin(points: FloatArray, spacing: float) -> FloatArray:
-    """Keep one point per voxel, the mean of the points in it, which also averages their noise.
-
-    Args:
-        points: (N, 3) points [m].
-        spacing: Voxel edge [m].
-
-    Returns:
-        (M, 3) points, M <= N, ordered by voxel.
-    """
-    if len(points) == 0:
-        return points
-    lower, upper = bounds(points)
-    cells = np.floor((points - lower) / spacing).astype(np.int64)
-    sizes = np.floor((upper - lower) / spacing).astype(np.int64) + 1
-    keys = (cells[:, 0] * sizes[1] + cells[:, 1]) * sizes[2] + cells[:, 2]
-    _, inverse, counts = np.unique(keys, return_inverse=True, return_counts=True)
-    sums = np.stack([np.bincount(inverse, weights=points[:, k]) for k in range(3)], axis=1)
-    return sums / counts[:, None]
-
-
-def _box(clouds: list[FloatArray]) -> tuple[FloatArray, FloatArray]:
-    """Box around the clouds, grown by `REACH`; unbounded where there is no cloud."""
+def _surroundings(clouds: list[FloatArray]) -> list[_Box]:
+    """Boxes around clouds near each other, grown by `REACH`; all there is where there is no cloud."""
     if not clouds:
-        return np.full(3, -np.inf), np.full(3, np.inf)
-    corners = np.array([bounds(cloud) for cloud in clouds])
-    lower, upper = corners[:, 0].min(axis=0) - REACH, corners[:, 1].max(axis=0) + REACH
-    lower[2] = -np.inf  # what lies far below still catches what falls
-    return lower, upper
+        return [(np.full(3, -np.inf), np.full(3, np.inf))]
+    found: list[_Box] = []
+    for lower, upper in map(bounds, clouds):
+        lower, upper = lower - REACH, upper + REACH
+        while meeting := [box for box in found if _meet(box, (lower, upper))]:
+            found = [box for box in found if all(box is not other for other in meeting)]
+            lower = np.min([lower, *(box[0] for box in meeting)], axis=0)
+            upper = np.max([upper, *(box[1] for box in meeting)], axis=0)
+        found.append((lower, upper))
+    for lower, _ in found:
+        lower[2] = -np.inf  # what lies far below still catches what falls
+    return found
 
 
-def _within(points: FloatArray, lower: FloatArray, upper: FloatArray) -> FloatArray:
-    """The points inside a box; all of them where none is."""
-    inside = ((points >= lower) & (points <= upper)).all(axis=1)
-    return points[inside] if inside.any() else points
+def _meet(one: _Box, other: _Box) -> bool:
+    """Whether two boxes overlap in plan."""
+    return bool((one[0] <= other[1])[:2].all() and (other[0] <= one[1])[:2].all())
+
+
+def _cut(points: FloatArray, boxes: list[_Box]) -> FloatArray:
+    """The points inside of boxes, thinned in each by itself: what is far away moves no cell."""
+    inside = [points[((points >= lower) & (points <= upper)).all(axis=1)] for lower, upper in boxes]
+    return np.concatenate([voxel_means(part, 2 * SPACING) for part in inside])
 
 
 def _taken_apart(
-    points: FloatArray, near: FloatArray, lower: FloatArray, upper: FloatArray
+    points: FloatArray, near: FloatArray, boxes: list[_Box]
 ) -> tuple[tuple[FloatArray, ...], FloatArray]:
-    """The tops of a fixed cloud and its other points, both cut to a box and thinned as `near` is."""
+    """The tops of a fixed cloud and its other points, both cut to boxes and thinned as `near` is."""
     found = tops_of(points, np.array([0.0, 0.0, 1.0]))
     if found.flat:
         return (near,), np.empty((0, 3))
-    pieces = [piece[((piece >= lower) & (piece <= upper)).all(axis=1)] for piece in _pieces(found)]
-    *tops, rest = (thin(piece, 2 * SPACING) for piece in pieces)
+    *tops, rest = (_cut(piece, boxes) for piece in _pieces(found))
     kept = tuple(frozen(top) for top in tops if len(top))
     return kept, frozen(rest) if kept else near
 

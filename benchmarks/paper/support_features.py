@@ -12,9 +12,10 @@ from itertools import combinations
 import numpy as np
 from scipy.spatial import KDTree
 
-from topple.topology.arrays import FloatArray, IntArray, perpendiculars
-from topple.topology.cloud import thinned
+from topple.topology.arrays import FloatArray, IntArray
+from topple.topology.geometry.axes import perpendiculars
 from topple.topology.geometry.hull import Hull
+from topple.topology.geometry.thin import thinned
 from topple.topology.scene import Scene
 from topple.topology.sixim.table import Relation
 from topple.topology.statics.contact import local_normals

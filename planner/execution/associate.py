@@ -9,7 +9,7 @@ from scipy.spatial import KDTree
 
 from topple.planner.execution.tolerances import ELSEWHERE, GONE, LIKENESS, SEEN_THROUGH, STAYED
 from topple.topology.arrays import BoolArray, FloatArray
-from topple.topology.cloud import thinned
+from topple.topology.geometry.thin import thinned
 from topple.topology.image import DepthImage
 from topple.topology.scene import Scene
 

@@ -14,8 +14,9 @@ from topple.robots.world.world import World
 from topple.topology.arrays import FloatArray
 from topple.topology.bodies.solids import up_of
 from topple.topology.bodies.tops import tops_of
-from topple.topology.cloud import clean, thinned
+from topple.topology.cloud import clean
 from topple.topology.errors import InvalidInput
+from topple.topology.geometry.thin import thinned
 from topple.topology.image import DepthImage
 from topple.topology.relations import Relations
 from topple.topology.scene import Scene

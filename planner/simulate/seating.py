@@ -24,7 +24,7 @@ from topple.planner.simulate.tolerances import (
 from topple.robots.collision.convex import hull_of
 from topple.robots.world.body_clouds import Piece
 from topple.topology.arrays import BoolArray, FloatArray, IntArray
-from topple.topology.views.sight import Sight
+from topple.topology.views.free_space import FreeSpace
 
 STEPS = (0.006, 0.012, 0.025, 0.05)
 """Further gaps [m] that are closed under a hidden underside until the weight lies over what carries it."""
@@ -163,7 +163,7 @@ class Seat:
 
 def seat(
     name: str, shapes: Mapping[str, Shape], grounds: Mapping[str, Shape], floor: float,
-    centre: FloatArray, sight: Sight | None,
+    centre: FloatArray, sight: FreeSpace | None,
 ) -> Seat:  # fmt: skip
     """Set a body down on what lies below it, in place, and say where its weight may be.
 

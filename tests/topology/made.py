@@ -1,5 +1,6 @@
 """Scenes made for tests without an engine: boxes on a table, whole or as depth cameras see them; bowls."""
 
+from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
@@ -137,6 +138,42 @@ def moved(scene: Scene, turn: FloatArray, shift: FloatArray) -> Scene:
         scene.viewpoints @ turn.T + shift,
         images,
     )
+
+
+def reordered(scene: Scene, rng: np.random.Generator) -> Scene:
+    """The same objects, named in another order."""
+    return _with({name: scene.clouds[name] for name in rng.permutation(scene.names).tolist()}, scene)
+
+
+def blurred(scene: Scene, rng: np.random.Generator) -> Scene:
+    """The same points, off by what nobody can measure: 1e-7 m."""
+    return _with(
+        {name: cloud + rng.normal(0, 1e-7, cloud.shape) for name, cloud in scene.clouds.items()}, scene
+    )
+
+
+def with_far_ball(scene: Scene, rng: np.random.Generator) -> Scene:
+    """The scene with a ball, "far", 8 m away."""
+    return _with({**scene.clouds, "far": ball(rng, 0.03, np.array([8.0, 0.0, 0.03]))}, scene)
+
+
+def _with(clouds: dict[str, FloatArray], scene: Scene) -> Scene:
+    return Scene(clouds, scene.fixed, scene.up, scene.viewpoints, scene.images)
+
+
+CHANGES: dict[str, Callable[[Scene, np.random.Generator], Scene]] = {
+    "turned about the vertical": lambda scene, rng: moved(
+        scene, Rotation.from_euler("z", rng.uniform(0.2, 6.0)).as_matrix(), np.zeros(3)
+    ),
+    "turned": lambda scene, rng: moved(
+        scene, Rotation.random(random_state=int(rng.integers(1 << 30))).as_matrix(), np.zeros(3)
+    ),
+    "shifted": lambda scene, rng: moved(scene, np.eye(3), rng.uniform(-1, 1, 3)),
+    "in another order": reordered,
+    "with a ball 8 m away": with_far_ball,
+    "blurred": blurred,
+}
+"""What changes how a scene is told and nothing that is in it."""
 
 
 def told(relations: Relations) -> dict[tuple[str, str], tuple[str, bool, bool]]:

@@ -1,16 +1,12 @@
 import numpy as np
 import pytest
 
-from topple.topology.cloud import clean, deduplicated, estimate_deviation, noise_and_spacing, thinned
+from topple.topology.cloud import clean, estimate_deviation, noise_and_spacing
+from topple.topology.geometry.thin import thinned
 
 
 def plate(rng, noise, count=3000):
     return np.c_[rng.uniform(-0.1, 0.1, (count, 2)), rng.normal(0, noise, count)]
-
-
-def test_duplicates_are_dropped_in_order():
-    points = np.array([[1.0, 0, 0], [0, 0, 0], [1, 0, 0]])
-    assert deduplicated(points).tolist() == [[1, 0, 0], [0, 0, 0]]
 
 
 def test_thinning_leaves_a_point_near_every_dropped_one():

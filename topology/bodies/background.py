@@ -5,7 +5,8 @@ from collections.abc import Mapping
 import numpy as np
 from scipy import ndimage
 
-from topple.topology.arrays import BoolArray, FloatArray, bounds, perpendiculars
+from topple.topology.arrays import BoolArray, FloatArray, bounds
+from topple.topology.geometry.axes import perpendiculars
 from topple.topology.geometry.plane import fit_plane
 
 NEAR = 0.3

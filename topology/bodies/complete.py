@@ -6,10 +6,14 @@ from dataclasses import dataclass
 import numpy as np
 from scipy.spatial import ConvexHull, Delaunay, KDTree, QhullError
 
-from topple.topology.arrays import FloatArray, perpendiculars
+from topple.topology.arrays import FloatArray, bounds
+from topple.topology.geometry.axes import perpendiculars
+from topple.topology.geometry.normals import patch_planes
+from topple.topology.geometry.outline import least_rectangle
 from topple.topology.geometry.round import flattest_side, round_body
-from topple.topology.upright import SPACING, Upright, thin
-from topple.topology.views.sight import Sight
+from topple.topology.geometry.thin import cell_keys, voxel_means
+from topple.topology.upright import SPACING, Upright
+from topple.topology.views.free_space import FreeSpace
 
 BARE = 0.01
 """A place on the hull this far [m] from every point has no surface near it: twice a cloud's spacing."""
@@ -55,7 +59,7 @@ class Box:
         return np.minimum(np.abs(local - self.lower), np.abs(local - self.upper)).min(axis=1)
 
 
-def complete(upright: Upright, sight: Sight | None) -> Mapping[str, FloatArray]:
+def complete(upright: Upright, sight: FreeSpace | None) -> Mapping[str, FloatArray]:
     """Add the surfaces that no camera saw.
 
     Bodies without a cavity are taken to be symmetric about the centre of their box, hollow ones about
@@ -76,7 +80,7 @@ def complete(upright: Upright, sight: Sight | None) -> Mapping[str, FloatArray]:
     return done
 
 
-def complete_body(points: FloatArray, sight: Sight | None, floor: float = -np.inf) -> FloatArray:
+def complete_body(points: FloatArray, sight: FreeSpace | None, floor: float = -np.inf) -> FloatArray:
     """Add the hidden surface of one body.
 
     Args:
@@ -107,7 +111,7 @@ def complete_body(points: FloatArray, sight: Sight | None, floor: float = -np.in
     return np.concatenate([points, *extra])
 
 
-def is_hollow(points: FloatArray, sight: Sight | None) -> bool:
+def is_hollow(points: FloatArray, sight: FreeSpace | None) -> bool:
     """Whether a body has a cavity: its hull has a mouth, with none of the (N, 3) points [m] near it."""
     hull = _hull(points)
     return hull is not None and _mouth_share(points, hull, sight) > MOUTH
@@ -157,30 +161,22 @@ def _candidate_axes(points: FloatArray, upright_only: bool) -> list[FloatArray]:
 def _normals(spots: FloatArray, points: FloatArray) -> FloatArray:
     """(M, 3) local normals of the flat spots among the given ones."""
     neighbours = points[KDTree(points).query(spots, k=min(12, len(points)))[1]]
-    centred = neighbours - neighbours.mean(axis=1, keepdims=True)
-    values, vectors = np.linalg.eigh(np.einsum("nki,nkj->nij", centred, centred))
-    flat = values[:, 0] < 0.05 * values[:, 1]
-    return np.asarray(vectors[flat][:, :, 0], dtype=np.float64)
+    _, normals, squares = patch_planes(neighbours)
+    return normals[squares[:, 0] < 0.05 * squares[:, 1]]
 
 
 def _box_along(points: FloatArray, axis: FloatArray) -> Box:
     """The smallest box with one direction given: the least rectangle of the projection."""
-    u, v = perpendiculars(axis)
-    flat = points @ np.stack([u, v], axis=1)
-    angles = np.linspace(0.0, np.pi / 2, 30, endpoint=False)
-    turns = np.stack([np.cos(angles), np.sin(angles)])
-    first = flat @ turns
-    second = flat @ np.stack([-turns[1], turns[0]])
-    best = int(np.argmin(np.ptp(first, axis=0) * np.ptp(second, axis=0)))
-    c, s = turns[:, best]
-    axes = np.stack([axis, c * u + s * v, -s * u + c * v])
+    across = np.stack(perpendiculars(axis))
+    side = least_rectangle(points @ across.T) @ across
+    axes = np.stack([axis, side, np.cross(axis, side)])
     local = points @ axes.T
     # One point in two hundred may be stray on each side.
     lower, upper = np.quantile(local, [0.005, 0.995], axis=0)
     return Box(axes, lower, upper)
 
 
-def _as_round(points: FloatArray, box: Box, sight: Sight | None, floor: float) -> FloatArray:
+def _as_round(points: FloatArray, box: Box, sight: FreeSpace | None, floor: float) -> FloatArray:
     """The hidden surface of a ball, a spheroid or a cylinder; (0, 3) where the body is none."""
     normals = _normals(points[:: max(1, len(points) // 200)], points)
     box_residual = float(np.sqrt(np.mean(box.distances(points) ** 2)))
@@ -203,7 +199,7 @@ def _turned(points: FloatArray, box: Box) -> FloatArray:
 def _believable(
     guess: FloatArray,
     known: FloatArray,
-    sight: Sight | None,
+    sight: FreeSpace | None,
     partly: bool = False,
     refuted: float = REFUTED,
 ) -> FloatArray:
@@ -218,7 +214,7 @@ def _believable(
     """
     if len(guess) == 0:
         return guess
-    guess = thin(guess, SPACING)
+    guess = voxel_means(guess, SPACING)
     distance, _ = KDTree(known).query(guess, distance_upper_bound=0.05)
     guess = guess[distance > 1.5 * SPACING]
     if sight is None or len(guess) == 0:
@@ -237,10 +233,10 @@ def _underside(points: FloatArray, hull: ConvexHull) -> FloatArray:
 
 def _roof(points: FloatArray) -> FloatArray:
     """The upper side where something hid it: heights interpolated between the seen ones."""
-    keys = np.floor(points[:, :2] / SPACING).astype(np.int64)
-    order = np.lexsort((-points[:, 2], keys[:, 1], keys[:, 0]))
-    _, first = np.unique(keys[order], axis=0, return_index=True)
-    tops = points[order[first]]
+    flat = points[:, :2]
+    keys = cell_keys(flat, *bounds(flat), SPACING)
+    order = np.lexsort((-points[:, 2], keys))
+    tops = points[order[np.unique(keys[order], return_index=True)[1]]]
     if len(tops) < 4:
         return points[:0]
     lower, upper = tops[:, :2].min(axis=0), tops[:, :2].max(axis=0)
@@ -330,7 +326,7 @@ def _is_closed(points: FloatArray, hull: ConvexHull) -> bool:
     return bool((distance < 2.5 * SPACING).mean() > CLOSED)
 
 
-def _mouth_share(points: FloatArray, hull: ConvexHull, sight: Sight | None) -> float:
+def _mouth_share(points: FloatArray, hull: ConvexHull, sight: FreeSpace | None) -> float:
     """Share of the hull's surface that is a mouth: no points near it, and seen through if anybody looked."""
     corners = points[hull.simplices]
     areas = np.linalg.norm(np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0]), axis=1)

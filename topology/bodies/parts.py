@@ -12,8 +12,8 @@ import numpy as np
 from scipy.spatial import KDTree
 
 from topple.topology.arrays import BoolArray, FloatArray
-from topple.topology.cloud import thinned
 from topple.topology.geometry.hull import Hull
+from topple.topology.geometry.thin import thinned
 
 FRACTIONS = (0.25, 0.5, 0.75)
 """Where cuts are tried along each axis, as quantiles of the points: enough to find a handle or a wall."""

@@ -13,8 +13,9 @@ import numpy as np
 from scipy.ndimage import binary_closing, binary_dilation, distance_transform_edt
 from scipy.spatial import ConvexHull, KDTree
 
-from topple.topology.arrays import BoolArray, FloatArray, IntArray, frozen, perpendiculars
-from topple.topology.geometry.plane import fit_plane
+from topple.topology.arrays import BoolArray, FloatArray, IntArray, frozen
+from topple.topology.geometry.axes import perpendiculars
+from topple.topology.geometry.plane import fit_plane, plane_through
 
 FLAT = 0.02  # a cloud no thicker than this is one surface: depth noise is 2-4 mm [m]
 ENOUGH = 4000  # points that settle a plane to a tenth of a millimetre
@@ -162,9 +163,8 @@ def _surface(cloud: FloatArray, up: FloatArray) -> tuple[FloatArray, float] | No
     kept = cloud
     normal = up
     for _ in range(3):
-        middle = kept.mean(axis=0)
-        _, _, axes = np.linalg.svd(kept - middle, full_matrices=False)
-        normal = axes[2] if axes[2] @ up >= 0 else -axes[2]
+        middle, normal = plane_through(kept)
+        normal = normal if normal @ up >= 0 else -normal
         distance = np.abs((cloud - middle) @ normal)
         kept = cloud[distance <= np.quantile(distance, 0.9)]
         if len(kept) < 3:
@@ -299,8 +299,7 @@ def _densest(points: FloatArray, up: FloatArray) -> tuple[FloatArray, float]:
         near = some[np.abs(some @ normal - height) <= BAND]
         if len(near) < 3:
             break
-        middle = near.mean(axis=0)
-        normal = np.linalg.eigh((near - middle).T @ (near - middle))[1][:, 0]
+        middle, normal = plane_through(near)
         height = float(middle @ normal)
     return (normal, height) if normal @ up > 0 else (-normal, -height)
 

@@ -7,6 +7,7 @@ from scipy.spatial import ConvexHull, QhullError
 
 from topple.topology.arrays import FloatArray, IntArray, frozen, frozen_int
 from topple.topology.errors import InvalidInput
+from topple.topology.geometry.axes import own_axes
 from topple.topology.geometry.extremes import without_inner_points
 from topple.topology.tolerances import TOLERANCES
 from topple.topology.values import ByValue
@@ -112,6 +113,32 @@ class Hull(ByValue):
                 nearest[outside] = self._distance_outside(block[outside], triangles)
             distance[start : start + step] = nearest
         return distance
+
+    def spread(self, count: int) -> FloatArray:
+        """Places spread evenly over the boundary, the same ones in whatever frame the hull is.
+
+        Args:
+            count: How many places.
+
+        Returns:
+            (count, 3) places [m]; the corners of a hull without faces.
+        """
+        if len(self.faces) == 0:
+            return self.vertices
+        axes = own_axes(self.vertices)
+        first = (self.vertices @ axes[0])[self.faces].argmin(axis=1)[:, None]
+        corners = self.vertices[np.take_along_axis(self.faces, (first + np.arange(3)) % 3, axis=1)]
+        across = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
+        area = np.linalg.norm(across, axis=1)
+        # Plane after plane: of four corners in one plane Qhull may join either two.
+        order = np.argsort(across @ axes[0] / np.maximum(area, 1e-300), kind="stable")
+        corners, area = corners[order], area[order]
+        number = np.arange(count)
+        face = np.searchsorted(np.cumsum(area) / area.sum(), (number + 0.5) / count).clip(max=len(area) - 1)
+        # A low-discrepancy sequence, folded from the unit square into the triangle by the square root.
+        u, v = np.sqrt((number * 0.7548776662466927) % 1), (number * 0.5698402909980532) % 1
+        weights = np.stack([1 - u, u * (1 - v), u * v], axis=1)
+        return np.einsum("sk,skj->sj", weights, corners[face])
 
     def _distance_outside(self, points: FloatArray, triangles: FloatArray) -> FloatArray:
         """Euclidean distance of points outside: to the point, the segment or the triangles."""

@@ -5,10 +5,12 @@ crescent, but over the circle the crescent is part of.
 """
 
 import numpy as np
+from scipy.spatial import ConvexHull, QhullError
 
 from topple.topology.arrays import FloatArray
+from topple.topology.geometry.axes import level_axes
 from topple.topology.geometry.hull import Hull
-from topple.topology.upright import upright_axes
+from topple.topology.geometry.round import sphere_through
 
 ROUND = 0.06
 """Distance from the circle, as a share of its radius, that an arc may have (rms): a plate's rim, seen from
@@ -34,12 +36,35 @@ def outline(points: FloatArray, up: FloatArray) -> FloatArray:
     Returns:
         (M, 2) points [m] in the plane across `up`, the seen ones first.
     """
-    flat = points @ upright_axes(up)[:2].T
+    flat = points @ np.stack(level_axes(up), axis=1)
     circle = _circle(flat)
     if circle is None:
         return flat
     centre, radius = circle
     return np.concatenate([flat, centre + radius * np.stack([np.cos(CORNERS), np.sin(CORNERS)], axis=1)])
+
+
+def least_rectangle(flat: FloatArray) -> FloatArray:
+    """Direction of a side of the least rectangle around points in a plane.
+
+    One of its sides lies along an edge of the points' hull, so only these directions are tried.
+
+    Args:
+        flat: (N, 2) points [m], N >= 1.
+
+    Returns:
+        (2,) unit vector; along the points where they lie in one line.
+    """
+    try:
+        corners = flat[ConvexHull(flat).vertices]
+    except QhullError:
+        middle = flat - flat.mean(axis=0)
+        return np.asarray(np.linalg.eigh(middle.T @ middle)[1][:, 1], dtype=np.float64)
+    sides = np.roll(corners, -1, axis=0) - corners
+    sides /= np.linalg.norm(sides, axis=1, keepdims=True)
+    across = np.stack([-sides[:, 1], sides[:, 0]], axis=1)
+    areas = np.ptp(corners @ sides.T, axis=0) * np.ptp(corners @ across.T, axis=0)
+    return sides[int(np.argmin(areas))]
 
 
 def covers(outlines: list[FloatArray], place: FloatArray, slack: float) -> bool:
@@ -53,17 +78,14 @@ def _circle(flat: FloatArray) -> tuple[FloatArray, float] | None:
     """Centre and radius of the circle of which points (N, 2) are an arc, if they are one."""
     if len(flat) < FEWEST:
         return None
-    middle = flat.mean(axis=0)
-    local = flat - middle
-    squares = np.einsum("ni,ni->n", local, local)
-    # |p|^2 = 2 c.p + r^2 - |c|^2 is linear in c and in what remains.
-    terms = np.column_stack([2 * local, np.ones(len(local))])
-    solved = np.linalg.lstsq(terms, squares, rcond=None)[0]
-    radius = float(np.sqrt(max(solved[2] + solved[:2] @ solved[:2], 0.0)))
-    chord = float(np.linalg.norm(np.ptp(local, axis=0)))
-    if radius == 0.0 or radius > OPENED * chord:
+    fit = sphere_through(flat)
+    if fit is None:
         return None
-    off = np.linalg.norm(local - solved[:2], axis=1) - radius
+    centre, radius = fit
+    chord = float(np.linalg.norm(np.ptp(flat, axis=0)))
+    if radius > OPENED * chord:
+        return None
+    off = np.linalg.norm(flat - centre, axis=1) - radius
     if float(np.sqrt(np.mean(off**2))) > ROUND * radius:
         return None
-    return middle + solved[:2], radius
+    return centre, radius

@@ -5,6 +5,7 @@ from collections.abc import Iterable, Mapping
 import numpy as np
 
 from topple.topology.arrays import FloatArray
+from topple.topology.geometry.normals import patch_planes
 
 _DRAWS = 200  # a plane holding 40 % of the points is missed by all draws with probability 1e-6
 _LEVEL_DRAWS = 4000  # draws of which the level ones vote: one in thirty is on one of a shelf's boards
@@ -61,15 +62,19 @@ def fit_plane(
     return plane, share
 
 
+def plane_through(points: FloatArray) -> tuple[FloatArray, FloatArray]:
+    """Middle (3,) [m] and unit normal (3,) of either sign of the plane nearest to points (N, 3)."""
+    middles, normals, _ = patch_planes(points[None])
+    return middles[0], normals[0]
+
+
 def _least_squares(points: FloatArray, otherwise: FloatArray) -> FloatArray:
     if len(points) < 3:
         return otherwise
-    centre = points.mean(axis=0)
-    spread, axes = np.linalg.eigh(np.cov((points - centre).T))
-    if spread[1] <= 1e-14:  # collinear: any plane through the line fits as well
+    middles, normals, squares = patch_planes(points[None])
+    if squares[0, 1] <= 1e-14 * len(points):  # collinear: any plane through the line fits as well
         return otherwise
-    normal = axes[:, 0]
-    return np.append(normal, -normal @ centre)
+    return np.append(normals[0], -normals[0] @ middles[0])
 
 
 def up_from_fixed(

@@ -4,7 +4,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from topple.topology.arrays import BoolArray, FloatArray, perpendiculars
+from topple.topology.arrays import BoolArray, FloatArray
+from topple.topology.geometry.axes import perpendiculars
 
 ROUNDS = 12
 """Steps of least squares: a fit of half a ball is still after five."""
@@ -184,18 +185,36 @@ def _ball(points: FloatArray, axis: FloatArray, stretch: float) -> Spheroid | No
     return Spheroid(centre, radius, axis, stretch) if depth > LEAST_CAP else None
 
 
-def _sphere(points: FloatArray) -> tuple[FloatArray, float] | None:
-    """(d,) centre and radius of the sphere (d = 2: circle) through points (N, d), by least squares."""
+def sphere_through(points: FloatArray) -> tuple[FloatArray, float] | None:
+    """The sphere through points, by least squares of the squared distances: a linear problem.
+
+    Args:
+        points: (N, d) points [m]; a circle for d = 2.
+
+    Returns:
+        (d,) centre and radius [m]; None where the points lie in a plane (on a line).
+    """
     size = points.shape[1]
     middle = points.mean(axis=0)
     local = points - middle
+    # |p|^2 = 2 c.p + r^2 - |c|^2 is linear in c and in what remains.
     system = np.column_stack([2.0 * local, np.ones(len(local))])
     solution, _, rank, _ = np.linalg.lstsq(system, (local**2).sum(axis=1), rcond=None)
     if rank <= size:
         return None
     centre = solution[:size]
-    radius = float(np.sqrt(max(solution[size] + centre @ centre, 1e-12)))
-    for _ in range(ROUNDS):  # of the distances, where the first solution is of their squares
+    return centre + middle, float(np.sqrt(max(solution[size] + centre @ centre, 1e-12)))
+
+
+def _sphere(points: FloatArray) -> tuple[FloatArray, float] | None:
+    """(d,) centre and radius of the sphere nearest to points (N, d), by least squares of the distances."""
+    first = sphere_through(points)
+    if first is None:
+        return None
+    size = points.shape[1]
+    middle = points.mean(axis=0)
+    local, centre, radius = points - middle, first[0] - middle, first[1]
+    for _ in range(ROUNDS):
         rays = local - centre
         far = np.maximum(np.linalg.norm(rays, axis=1), 1e-9)
         system = np.column_stack([-rays / far[:, None], -np.ones(len(rays))])

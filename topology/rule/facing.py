@@ -8,9 +8,8 @@ is settled where both surfaces were seen, or where a camera looked through betwe
 import numpy as np
 
 from topple.topology.arrays import BoolArray, FloatArray
-from topple.topology.geometry.hull import Hull
 from topple.topology.rule.surface import SurfaceCloud
-from topple.topology.views.visibility import MARGIN, Visibility
+from topple.topology.views.free_space import FreeSpace
 
 PLACES = 256
 """Places looked at on a hull: one in 1.5 cm of a box with edges of 10 cm."""
@@ -20,11 +19,13 @@ COVERED = 2.0
 """Spacings of a cloud within which a place of its hull has a seen surface."""
 SHARES = np.array([0.1, 0.3, 0.5, 0.7, 0.9])[:, None, None]
 """Where between two surfaces a camera may have looked through."""
+NOISE = 0.006
+"""How far [m] noise of a depth camera puts points of one surface apart."""
 SETTLED = 0.95
 """Share of the facing places that must be settled: a stem or a foot takes a twentieth of an underside."""
 
 
-def facing_seen(a: SurfaceCloud, b: SurfaceCloud, sight: Visibility) -> bool:
+def facing_seen(a: SurfaceCloud, b: SurfaceCloud, sight: FreeSpace) -> bool:
     """Whether the surfaces two objects turn to each other were seen, or the space between them was.
 
     Args:
@@ -35,7 +36,7 @@ def facing_seen(a: SurfaceCloud, b: SurfaceCloud, sight: Visibility) -> bool:
     return settled_share(a, b, sight) >= SETTLED
 
 
-def settled_share(a: SurfaceCloud, b: SurfaceCloud, sight: Visibility) -> float:
+def settled_share(a: SurfaceCloud, b: SurfaceCloud, sight: FreeSpace) -> float:
     """Share of the facing places, on both hulls, where no contact can be hidden.
 
     Args:
@@ -52,51 +53,27 @@ def settled_share(a: SurfaceCloud, b: SurfaceCloud, sight: Visibility) -> float:
         if len(start):
             seen = _seen(one, start, end, sight) & _seen(other, end, start, sight)
             between = start * (1 - SHARES) + end * SHARES
-            free = sight.free(between.reshape(-1, 3)).reshape(len(SHARES), -1).any(axis=0)
+            free = sight.empty(between.reshape(-1, 3), NOISE).reshape(len(SHARES), -1).any(axis=0)
             settled.append(seen | free)
     return float(np.concatenate(settled).mean())
 
 
 def _across(a: SurfaceCloud, b: SurfaceCloud) -> tuple[FloatArray, FloatArray, FloatArray]:
     """Places (N, 3) on A's hull, the places (N, 3) on B they face, and how far those are [m]."""
-    places = spread(a.hull)
+    places = a.hull.spread(PLACES)
     table = places @ b.hull.normals.T + b.hull.offsets
     facet = table.argmax(axis=1)
     length = table[np.arange(len(places)), facet]
     ends = places - length[:, None] * b.hull.normals[facet]
     # Inside the other's hull, and beside its faces, the nearest point of its surface is faced.
-    aside = (length <= MARGIN) | (b.hull.facet_distance(ends) > MARGIN)
+    aside = (length <= NOISE) | (b.hull.facet_distance(ends) > NOISE)
     if aside.any():
         distance, index = b.tree.query(places[aside])
         ends[aside], length[aside] = b.coarse[np.asarray(index)], np.asarray(distance)
     return places, ends, length
 
 
-def _seen(a: SurfaceCloud, places: FloatArray, towards: FloatArray, sight: Visibility) -> BoolArray:
+def _seen(a: SurfaceCloud, places: FloatArray, towards: FloatArray, sight: FreeSpace) -> BoolArray:
     """Which places of a hull have a surface near them that some camera sees from the side it faces."""
-    covered = np.asarray(a.tree.query(places)[0]) <= max(COVERED * a.spacing, MARGIN)
-    outward = towards - places
-    from_outside = np.einsum("vpi,pi->vp", sight.viewpoints[:, None] - places, outward) > 0
-    return covered & from_outside.any(axis=0)
-
-
-def spread(hull: Hull, count: int = PLACES) -> FloatArray:
-    """Places spread evenly over a hull, always the same for the same hull.
-
-    Args:
-        hull: The hull.
-        count: How many places.
-
-    Returns:
-        (count, 3) places [m]; the corners of a hull without faces.
-    """
-    if len(hull.faces) == 0:
-        return hull.vertices
-    corners = hull.vertices[hull.faces]
-    area = np.linalg.norm(np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0]), axis=1)
-    number = np.arange(count)
-    face = np.searchsorted(np.cumsum(area) / area.sum(), (number + 0.5) / count).clip(max=len(area) - 1)
-    # A low-discrepancy sequence, folded from the unit square into the triangle by the square root.
-    u, v = np.sqrt((number * 0.7548776662466927) % 1), (number * 0.5698402909980532) % 1
-    weights = np.stack([1 - u, u * (1 - v), u * v], axis=1)
-    return np.einsum("sk,skj->sj", weights, corners[face])
+    covered = np.asarray(a.tree.query(places)[0]) <= max(COVERED * a.spacing, NOISE)
+    return covered & sight.facing(places, towards - places)

@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from topple.topology.arrays import FloatArray
+from topple.topology.geometry.axes import level_axes
 from topple.topology.geometry.outline import covers, outline
 from topple.topology.relations import PairRelation, Relations
 from topple.topology.scene import Scene
@@ -14,7 +15,7 @@ from topple.topology.sixim.table import Relation
 from topple.topology.statics.contact import TOLERANCES as CONTACT
 from topple.topology.statics.contact import find_contacts
 from topple.topology.tolerances import TOLERANCES
-from topple.topology.upright import Upright, upright_axes
+from topple.topology.upright import Upright
 
 if TYPE_CHECKING:
     from topple.topology.statics.support import Support
@@ -92,7 +93,7 @@ def _uppermost(name: str, below: Sequence["Support"], scene: Scene, relations: R
     Between the two lies the upper one, hidden as it may be: a bowl on two plates meets the upper plate.
     """
     up = np.asarray(scene.up)
-    middle = scene.clouds[name].mean(axis=0) @ upright_axes(up)[:2].T
+    middle = scene.clouds[name].mean(axis=0) @ np.stack(level_axes(up), axis=1)
     seen = {pair.b for pair in relations.of(name) if _holds(pair, scene.clouds, up, scene.fixed)}
     height = {other: _height(scene.clouds[other], up) for other in seen.union(one.supporter for one in below)}
     reaching = [
@@ -136,7 +137,7 @@ def _held(name: str, scene: Scene, relations: Relations, up: FloatArray) -> bool
         return True
     if not holders:
         return False
-    middle = scene.clouds[name].mean(axis=0) @ upright_axes(up)[:2].T
+    middle = scene.clouds[name].mean(axis=0) @ np.stack(level_axes(up), axis=1)
     return covers([outline(scene.clouds[pair.b], up) for pair in holders], middle, TOLERANCES.flat)
 
 

@@ -10,11 +10,10 @@ from topple.topology.cloud import estimate_deviation
 from topple.topology.errors import InvalidInput
 from topple.topology.geometry.broadphase import near_pairs
 from topple.topology.relations import PairRelation, Relations, Rule
-from topple.topology.rule.robust import RobustRule
+from topple.topology.rule.robust import RobustRule, seen_in
 from topple.topology.scene import Scene
 from topple.topology.sixim.fast.rule import PlainRule
 from topple.topology.tolerances import TOLERANCES
-from topple.topology.views.visibility import Visibility
 
 __all__ = ["PairRelation", "Relations", "relate", "relate_all"]
 
@@ -66,12 +65,8 @@ def _rule(scene: Scene, deviation: float | None, plain: bool) -> Rule:
         _check_deviation(scene, deviation)
     if plain:
         return PlainRule(TOLERANCES.plain_deviation if deviation is None else float(deviation))
-    sight = Visibility(scene.clouds, scene.viewpoints, scene.images)
-    return RobustRule(
-        deviation=estimate_deviation(scene) if deviation is None else float(deviation),
-        up=scene.up,
-        sight=sight if sight.known else None,
-    )
+    estimated = estimate_deviation(scene) if deviation is None else float(deviation)
+    return RobustRule(deviation=estimated, up=scene.up, sight=seen_in(scene))
 
 
 def _check_deviation(scene: Scene, deviation: float) -> None:

@@ -7,6 +7,7 @@ contacts, which the distance of the surfaces decides: it is finer than counts of
 answer then differs from what Table 1 reads in the matrix, the pair says why.
 """
 
+from collections.abc import Collection
 from dataclasses import dataclass, field, replace
 
 import numpy as np
@@ -21,12 +22,14 @@ from topple.topology.rule.surface import SurfaceCloud, closest
 from topple.topology.scene import Scene
 from topple.topology.sixim.table import Relation, classify, kind_of
 from topple.topology.tolerances import TOLERANCES
-from topple.topology.views.visibility import Visibility
+from topple.topology.views.free_space import FreeSpace
 
 WALL = 600
 """Points that stand for a container's wall: 24 directions, some 25 each."""
 CONTENT = 400
 """Points of the content that are looked at: one in a hundred still shows."""
+RAYS = 10_000
+"""Points of a cloud that end lines of sight where there is no image: a table's every 5 mm."""
 CLOSE = "surfaces within the deviation"
 """Why two touch although no mean point of either is near the other: the contact lies between them."""
 APART = "surfaces further apart than the deviation"
@@ -52,7 +55,7 @@ class RobustRule:
 
     deviation: float
     up: FloatArray | None = None
-    sight: Visibility | None = field(default=None, repr=False)
+    sight: FreeSpace | None = field(default=None, repr=False)
     reach: float = TOLERANCES.reach
 
     def prepare(self, name: str, cloud: FloatArray) -> SurfaceCloud:
@@ -68,24 +71,41 @@ class RobustRule:
         relation = self._relation(one, other, touching)
         depth = max(one.depth, other.depth) if relation is Relation.CROSS else 0.0
         reason = _reason(matrix, relation)
+        # A patch reaches half its spacing beyond the last sample; what is apart is not that close.
+        distance = -depth if depth > 0 else near.gap if touching else max(near.gap, box_distance(a, b))
         # What is in something, or on it, was seen there; what seems apart may meet where nobody looked.
-        observed = relation is not Relation.DISJOINT or self.sight is None or facing_seen(a, b, self.sight)
+        observed = relation is not Relation.DISJOINT or self._seen_apart(a, b, near.gap)
         return PairRelation(
             a=a.name,
             b=b.name,
             relation=relation,
             counts=matrix,
-            # A patch reaches half its spacing beyond the last sample; what is apart is not that close.
-            distance=-depth if depth > 0 else near.gap if touching else max(near.gap, box_distance(a, b)),
-            confidence=self._confidence(relation, near.gap, matrix, observed),
+            distance=distance,
+            confidence=self._confidence(relation, distance, matrix, observed),
             observed=observed,
             kind=kind_of(matrix) if reason is None else None,
             reason=reason,
         )
 
-    def after(self, name: str, cloud: FloatArray) -> "RobustRule":
-        """The rule that knows what the cameras see once one object's cloud is another."""
-        return self if self.sight is None else replace(self, sight=self.sight.after(name, cloud))
+    def _seen_apart(self, a: SurfaceCloud, b: SurfaceCloud, gap: float) -> bool:
+        """Whether two disjoint objects were seen not to meet, or are too far apart to meet unseen."""
+        return self.sight is None or gap > self.reach or facing_seen(a, b, self.sight)
+
+    def after(self, scene: Scene, changed: Collection[str], looked_again: bool) -> "RobustRule":
+        """The rule that knows what the cameras see now."""
+        if self.sight is None and not looked_again:
+            return self
+        if self.sight is None or looked_again:
+            return replace(self, sight=seen_in(scene))
+        return replace(self, sight=self.sight.replaced({name: seen_points(scene, name) for name in changed}))
+
+    def look_again(self, pair: PairRelation, a: SurfaceCloud, b: SurfaceCloud) -> PairRelation:
+        """Whether a gap between two that stayed is still in sight."""
+        if pair.relation is not Relation.DISJOINT or self.sight is None:
+            return pair
+        observed = self._seen_apart(a, b, pair.gap)
+        confidence = self._confidence(pair.relation, pair.gap, pair.matrix, observed)
+        return replace(pair, observed=observed, confidence=confidence)
 
     def conclude(self, scene: Scene, relations: Relations) -> Relations:
         """Add the hidden contacts that gravity demands of the objects without their stray points."""
@@ -209,3 +229,17 @@ def _reason(matrix: IntArray, relation: Relation) -> str | None:
 
 def _in_box(points: FloatArray, lower: FloatArray, upper: FloatArray) -> BoolArray:
     return np.asarray(((points >= lower) & (points <= upper)).all(axis=1))
+
+
+def seen_in(scene: Scene) -> FreeSpace | None:
+    """What the cameras of a scene saw to be empty, None where no camera is known."""
+    if not scene.images and len(scene.viewpoints) == 0:
+        return None
+    clouds = {name: seen_points(scene, name) for name in scene.names}
+    return FreeSpace(clouds, scene.viewpoints, scene.images)
+
+
+def seen_points(scene: Scene, name: str) -> FloatArray:
+    """(N, 3) points of an object that end lines of sight [m]: a spread of them, of a dense cloud."""
+    cloud = scene.clouds[name]
+    return cloud if scene.images else cloud[:: -(-len(cloud) // RAYS)]

@@ -9,7 +9,10 @@ from scipy.sparse.csgraph import connected_components
 from scipy.spatial import KDTree
 
 from topple.topology.arrays import BoolArray, FloatArray, IntArray, bounds
+from topple.topology.geometry.axes import own_axes
 from topple.topology.geometry.hull import Hull
+from topple.topology.geometry.normals import patch_planes
+from topple.topology.geometry.thin import cell_keys
 from topple.topology.tolerances import TOLERANCES
 
 COARSE = 1500
@@ -122,27 +125,22 @@ class SurfaceCloud:
 
 
 def _cells(cloud: FloatArray) -> tuple[IntArray, IntArray, float]:
-    """Order of the points by cell, where each cell starts, and the cell's edge."""
+    """Order of the points by cell, where each cell starts, and the cell's edge; cells lie along the cloud."""
     if len(cloud) <= COARSE:
         return np.arange(len(cloud)), np.arange(len(cloud) + 1), 0.0
-    lower, upper = bounds(cloud)
+    local = (cloud - cloud[0]) @ own_axes(cloud).T
+    lower, upper = bounds(local)
     extent = upper - lower
     cell = max(float(extent.max()), 1e-9) / 40
     # Cells of a surface go with the inverse square of their edge: one look at a part settles the edge.
-    probe = cloud[:: -(-len(cloud) // (8 * COARSE))]
-    occupied = len(np.unique(_cell_keys(probe, lower, extent, cell)))
+    probe = local[:: -(-len(cloud) // (8 * COARSE))]
+    occupied = len(np.unique(cell_keys(probe, lower, upper, cell)))
     cell = min(float(np.clip(cell * (occupied / COARSE) ** 0.5, cell / 6, 2 * cell)), LARGEST_CELL)
-    keys = _cell_keys(cloud, lower, extent, cell)
+    keys = cell_keys(local, lower, upper, cell)
     order = np.argsort(keys, kind="stable")
     ordered = keys[order]
     starts = np.flatnonzero(np.concatenate([[True], ordered[1:] != ordered[:-1]]))
     return order, np.append(starts, len(cloud)), cell
-
-
-def _cell_keys(points: FloatArray, lower: FloatArray, extent: FloatArray, cell: float) -> IntArray:
-    index = ((points - lower) / cell).astype(np.int32)
-    counts = (extent / cell).astype(np.int64) + 1
-    return (index[:, 0] * counts[1] + index[:, 1]) * counts[2] + index[:, 2]
 
 
 def _well_connected(tree: KDTree, sizes: IntArray, cell: float) -> BoolArray:
@@ -289,10 +287,7 @@ def _to_surface(points: FloatArray, tree: KDTree) -> tuple[FloatArray, FloatArra
     if count < 3:
         return distance[:, 0], nearest
     patch = surface[index]
-    middle = patch.mean(axis=1)
-    spread = patch - middle[:, None]
-    _, axes = np.linalg.eigh(np.einsum("nki,nkj->nij", spread, spread))
-    normal = axes[:, :, 0]
+    middle, normal, _ = patch_planes(patch)
     height = np.abs(np.einsum("ni,ni->n", points - middle, normal))
     # Samples reach half their spacing beyond the last one.
     reach = 0.5 * np.linalg.norm(patch[:, 1:4] - nearest[:, None], axis=2).mean(axis=1)

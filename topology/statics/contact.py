@@ -8,9 +8,10 @@ from scipy.spatial import KDTree
 
 from topple.topology.arrays import BoolArray, FloatArray, IntArray, bounds
 from topple.topology.geometry.broadphase import near_pairs
+from topple.topology.geometry.thin import cell_keys, voxel_means
 from topple.topology.statics.grounds import Plane, planes_and_rest
 from topple.topology.statics.matter import FRICTION, friction_between
-from topple.topology.upright import SPACING, Upright, thin
+from topple.topology.upright import SPACING, Upright
 
 
 @dataclass(frozen=True)
@@ -99,9 +100,11 @@ def find_contacts(
         among: The pairs that are asked about; all of them where not given.
 
     Returns:
-        Contacts with at least one movable side, in the order of the objects' names in the scene.
+        Contacts with at least one movable side, from the lower object to the higher and the lower objects'
+        first, so that they are the same in whatever order the objects are named.
     """
-    surfaces = dict(upright.clouds if clouds is None else clouds)
+    given = upright.clouds if clouds is None else clouds
+    surfaces = {name: given[name] for name in _rising(upright, given)}
     grounds = {name: planes_and_rest(upright, name) for name in surfaces if name in upright.fixed}
     planes = {name: planes for name, (planes, _) in grounds.items()}
     sides = {**surfaces, **{name: rest for name, (_, rest) in grounds.items()}}
@@ -119,6 +122,11 @@ def find_contacts(
             touching.append(_between(a, b, sides, trees, reach))
         found += _joined([contact for contact in touching if contact is not None])
     return tuple(rubbing(contact, upright.friction) for contact in found)
+
+
+def _rising(upright: Upright, surfaces: Mapping[str, FloatArray]) -> list[str]:
+    """Names of surfaces, what is fixed first, the others by their middle heights."""
+    return sorted(surfaces, key=lambda name: (name not in upright.fixed, float(surfaces[name][:, 2].mean())))
 
 
 def closed(upright: Upright, surfaces: Mapping[str, FloatArray], a: str, b: str) -> tuple[Contact, ...]:
@@ -216,10 +224,8 @@ def _lowest(points: FloatArray, cell: float) -> FloatArray:
 
 def _first_of_cells(points: FloatArray, cell: float) -> IntArray:
     """Positions of the first point in every plan cell, ascending."""
-    cells = np.floor(points[:, :2] / cell).astype(np.int64)
-    cells -= cells.min(axis=0)
-    keys = cells[:, 0] * (cells[:, 1].max() + 1) + cells[:, 1]
-    return np.sort(np.unique(keys, return_index=True)[1])
+    flat = points[:, :2]
+    return np.sort(np.unique(cell_keys(flat, *bounds(flat), cell), return_index=True)[1])
 
 
 def _between(
@@ -243,7 +249,7 @@ def _between(
     if not close.any():
         return None
     middles = (candidates[close] + first[nearest[close]]) / 2
-    spots = thin(middles, TOLERANCES.footprint)
+    spots = voxel_means(middles, TOLERANCES.footprint)
     return _patch(a, b, spots, surfaces, trees, reach)
 
 

@@ -1,8 +1,9 @@
 """Static equilibrium with dry friction: a linear programme over contact forces."""
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass
 
+import networkx as nx
 import numpy as np
 from scipy.optimize import linprog
 from scipy.sparse import coo_array, csr_array
@@ -68,12 +69,27 @@ def balance(
     Returns:
         The deficits and the loads of one optimal solution.
     """
+    priced = [np.zeros(len(contact.gaps)) for contact in contacts] if costs is None else list(costs)
+    loads = [np.zeros(len(contact.gaps)) for contact in contacts]
+    deficit: dict[str, float] = {}
+    weights = rising(weights)
+    for island in islands(weights, contacts):
+        part = {name: weight for name, weight in weights.items() if name in island}
+        concerned = [k for k, contact in enumerate(contacts) if contact.a in island or contact.b in island]
+        held = _balanced(part, [contacts[k] for k in concerned], [priced[k] for k in concerned])
+        deficit |= held.deficit
+        for k, load in zip(concerned, held.loads, strict=True):
+            loads[k] = load
+    return Balance({name: deficit[name] for name in weights}, tuple(loads))
+
+
+def _balanced(
+    weights: Mapping[str, Weight], contacts: Sequence[Contact], costs: Sequence[FloatArray]
+) -> Balance:
+    """The balance of one island."""
     names = list(weights)
-    if not names:
-        return Balance({}, tuple(np.zeros(len(c.gaps)) for c in contacts))
     matrix, demand, count = equations(weights, contacts)
-    owner = np.repeat(np.arange(len(contacts)), [CONE_EDGES * len(c.gaps) for c in contacts])
-    price = np.concatenate([_prices(contacts, costs, owner, weights), np.ones(12 * len(names))])
+    price = np.concatenate([_prices(contacts, costs, weights), np.ones(12 * len(names))])
     solution = linprog(
         price, A_eq=matrix, b_eq=demand, bounds=(0, None), method="highs", options={"presolve": False}
     )
@@ -84,6 +100,31 @@ def balance(
     ends = np.cumsum([len(c.gaps) for c in contacts])[:-1]
     loads = np.split(forces, ends) if len(contacts) else []
     return Balance({name: float(s) for name, s in zip(names, slack, strict=True)}, tuple(loads))
+
+
+def rising(weights: Mapping[str, Weight]) -> Mapping[str, Weight]:
+    """Some weights, the lowest centre of mass first.
+
+    Where several answers are as good, which one a programme finds hangs on the order of its equations: it
+    shall not be the order in which objects happen to be named.
+
+    Args:
+        weights: The objects that can move.
+    """
+    return dict(sorted(weights.items(), key=lambda item: float(item[1].centre[2])))
+
+
+def islands(names: Collection[str], contacts: Sequence[Contact]) -> list[frozenset[str]]:
+    """Sets of names that contacts join: what holds one set, or how it sinks, does not depend on any other.
+
+    Args:
+        names: The objects that can move.
+        contacts: Patches; those with anything else join nothing.
+    """
+    network: nx.Graph[str] = nx.Graph()
+    network.add_nodes_from(names)
+    network.add_edges_from((c.a, c.b) for c in contacts if c.a in network and c.b in network)
+    return [frozenset(island) for island in nx.connected_components(network)]
 
 
 def equations(
@@ -117,15 +158,10 @@ def equations(
 
 
 def _prices(
-    contacts: Sequence[Contact],
-    costs: Sequence[FloatArray] | None,
-    owner: np.ndarray,
-    weights: Mapping[str, Weight],
+    contacts: Sequence[Contact], costs: Sequence[FloatArray], weights: Mapping[str, Weight]
 ) -> FloatArray:
     """Price of each force variable."""
-    if costs is None or len(owner) == 0:
-        return np.zeros(len(owner))
-    parts: list[FloatArray] = []
+    parts = [np.zeros(0)]
     for contact, cost in zip(contacts, costs, strict=True):
         carried = weights.get(contact.b) or weights[contact.a]
         parts.append(np.repeat(np.asarray(cost, dtype=np.float64) / carried.litres, CONE_EDGES))

@@ -11,7 +11,6 @@ what stays at rest.
 from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass
 
-import networkx as nx
 import numpy as np
 from scipy.optimize import linprog
 from scipy.sparse import eye_array, hstack, kron
@@ -19,7 +18,7 @@ from scipy.spatial import ConvexHull, QhullError
 
 from topple.topology.arrays import FloatArray
 from topple.topology.statics.contact import Contact
-from topple.topology.statics.equilibrium import CONE_EDGES, Weight, equations
+from topple.topology.statics.equilibrium import CONE_EDGES, Weight, equations, islands, rising
 
 FARTHEST = 0.02
 """Displacement [m] at which a body is followed no further: twice what counts as a move."""
@@ -100,19 +99,6 @@ def _outline(contact: Contact) -> Contact:
     return contact.only(keep) or contact
 
 
-def islands(names: Collection[str], contacts: Sequence[Contact]) -> list[frozenset[str]]:
-    """Sets of names that contacts join: how one set sinks does not depend on any other.
-
-    Args:
-        names: The objects that can move.
-        contacts: Patches; those with anything else join nothing.
-    """
-    network: nx.Graph[str] = nx.Graph()
-    network.add_nodes_from(names)
-    network.add_edges_from((c.a, c.b) for c in contacts if c.a in network and c.b in network)
-    return [frozenset(island) for island in nx.connected_components(network)]
-
-
 def falls(
     weights: Mapping[str, Weight],
     contacts: Sequence[Contact],
@@ -130,14 +116,14 @@ def falls(
     Returns:
         name -> fall, for all that are left and asked about.
     """
-    left = {name: weight for name, weight in weights.items() if name not in without}
+    left = {name: weight for name, weight in rising(weights).items() if name not in without}
     near = [c for c in contacts if c.a not in without and c.b not in without]
     found: dict[str, Fall] = {}
     for island in islands(left, near):
         if beside is None or not island.isdisjoint(beside):
             part = {name: weight for name, weight in left.items() if name in island}
             found |= _sunk(part, [c for c in near if c.a in island or c.b in island])
-    return {name: found[name] for name in left if name in found}
+    return {name: found[name] for name in weights if name in found}
 
 
 def _sunk(left: Mapping[str, Weight], near: Sequence[Contact]) -> dict[str, Fall]:

@@ -5,12 +5,13 @@ from dataclasses import replace
 
 import numpy as np
 
-from topple.topology.arrays import FloatArray
+from topple.topology.arrays import FloatArray, bounds
+from topple.topology.geometry.thin import BEFORE
 from topple.topology.statics.contact import TOLERANCES, Contact, rubbing
 from topple.topology.statics.equilibrium import Weight, balance
 from topple.topology.statics.grounds import Plane, planes_and_rest
 from topple.topology.upright import Upright
-from topple.topology.views.sight import Sight
+from topple.topology.views.free_space import FreeSpace
 
 CELL = 0.012
 """Edge [m] of the plan cells in which an underside is held against what lies below it."""
@@ -34,7 +35,7 @@ def hidden_contacts(
     contacts: Sequence[Contact],
     weights: Mapping[str, Weight],
     wanting: Sequence[str],
-    sight: Sight | None,
+    sight: FreeSpace | None,
     among: Collection[frozenset[str]] | None = None,
 ) -> tuple[Contact, ...]:
     """The cheapest contacts that put everything at rest.
@@ -54,10 +55,9 @@ def hidden_contacts(
     Returns:
         New contacts, marked as inferred, with gaps counted from the loaded points.
     """
-    tops = _Tops(upright, surfaces)
     candidates: list[Contact] = []
     for name in wanting:
-        below = _below(name, surfaces[name], tops, sight)
+        below = _below(name, surfaces[name], _Tops.under(name, upright, surfaces), sight)
         candidates += [
             rubbing(contact, upright.friction)
             for contact in below
@@ -80,15 +80,30 @@ def hidden_contacts(
 
 
 class _Tops:
-    """What stands highest over each plan cell: tables everywhere, other surfaces where they have points."""
+    """What stands highest over each plan cell: tables everywhere, other surfaces where they have points.
 
-    def __init__(self, upright: Upright, surfaces: Mapping[str, FloatArray]) -> None:
+    Cells begin where the object does that is asked about: the same ones wherever it is, whatever else is.
+    """
+
+    @staticmethod
+    def under(name: str, upright: Upright, surfaces: Mapping[str, FloatArray]) -> "_Tops":
+        """Those of the surfaces that are over or under an object, or fixed."""
+        lower, upper = (corner[:2] for corner in bounds(surfaces[name]))
+        near: dict[str, FloatArray] = {}
+        for other, points in surfaces.items():
+            least, most = (corner[:2] for corner in bounds(points))
+            if other in upright.fixed or ((least <= upper + CELL) & (lower - CELL <= most)).all():
+                near[other] = points
+        return _Tops(upright, near, lower - BEFORE)
+
+    def __init__(self, upright: Upright, surfaces: Mapping[str, FloatArray], corner: FloatArray) -> None:
+        self.corner = corner
         self._planes: list[tuple[int, str, Plane]] = []
         self._cells: dict[tuple[int, int], list[tuple[int, str, float]]] = {}
         for order, (name, points) in enumerate(surfaces.items()):
             planes, sides = planes_and_rest(upright, name) if name in upright.fixed else ((), points)
             self._planes += [(order, name, plane) for plane in planes]
-            for cell, height in _plan(sides, np.maximum).items():
+            for cell, height in _plan(sides, np.maximum, corner).items():
                 self._cells.setdefault(cell, []).append((order, name, height))
 
     def below(self, name: str, cell: tuple[int, int], spot: FloatArray) -> tuple[float, str] | None:
@@ -109,10 +124,11 @@ class _Tops:
         return top, other
 
 
-def _below(name: str, surface: FloatArray, tops: _Tops, sight: Sight | None) -> list[Contact]:
+def _below(name: str, surface: FloatArray, tops: _Tops, sight: FreeSpace | None) -> list[Contact]:
     """For each object under `name`, the cells in which its underside faces the highest top below it."""
-    under = _plan(surface, np.minimum)
-    spots = np.array([((i + 0.5) * CELL, (j + 0.5) * CELL, z) for (i, j), z in under.items()])
+    under = _plan(surface, np.minimum, tops.corner)
+    x, y = tops.corner
+    spots = np.array([(x + (i + 0.5) * CELL, y + (j + 0.5) * CELL, z) for (i, j), z in under.items()])
     facing: dict[str, list[tuple[FloatArray, float]]] = {}
     for spot, cell in zip(spots, under, strict=True):
         best = tops.below(name, cell, spot)
@@ -133,9 +149,9 @@ def _below(name: str, surface: FloatArray, tops: _Tops, sight: Sight | None) -> 
     return found
 
 
-def _plan(points: FloatArray, extreme: np.ufunc) -> dict[tuple[int, int], float]:
+def _plan(points: FloatArray, extreme: np.ufunc, corner: FloatArray) -> dict[tuple[int, int], float]:
     """Highest (or lowest) height per plan cell."""
-    cells = np.floor(points[:, :2] / CELL).astype(np.int64)
+    cells = np.floor((points[:, :2] - corner) / CELL).astype(np.int64)
     unique, inverse = np.unique(cells, axis=0, return_inverse=True)
     heights = np.full(len(unique), -np.inf if extreme is np.maximum else np.inf)
     extreme.at(heights, inverse.ravel(), points[:, 2])

@@ -13,13 +13,13 @@ from topple.topology.arrays import BoolArray, FloatArray, bounds
 from topple.topology.bodies.complete import complete
 from topple.topology.sixim.table import Relation
 from topple.topology.statics.contact import TOLERANCES, Contact, closed, find_contacts
-from topple.topology.statics.equilibrium import Weight, balance
-from topple.topology.statics.falling import REACH, Fall, catching, falls, islands
+from topple.topology.statics.equilibrium import Weight, balance, islands
+from topple.topology.statics.falling import REACH, Fall, catching, falls
 from topple.topology.statics.hidden import hidden_contacts
 from topple.topology.statics.matter import DENSITY
 from topple.topology.upright import SPACING, Upright
 from topple.topology.values import FrozenDict
-from topple.topology.views.sight import Sight
+from topple.topology.views.free_space import FreeSpace
 
 if TYPE_CHECKING:
     from topple.topology.relations import Relations
@@ -52,7 +52,7 @@ class _Completed:
     """The bodies of a scene, each completed once for all who ask, in whatever company."""
 
     upright: Upright
-    sight: Sight | None
+    sight: FreeSpace | None
     _done: dict[str, FloatArray] = field(default_factory=dict[str, FloatArray])
 
     @staticmethod
@@ -60,8 +60,9 @@ class _Completed:
         upright = Upright.of(scene)
         if upright.viewpoints is None:
             return _Completed(upright, None)
-        everything = np.concatenate(list(upright.clouds.values()))
-        return _Completed(upright, Sight(everything, upright.viewpoints, scene.images, upright.rotation))
+        return _Completed(
+            upright, FreeSpace(upright.clouds, upright.viewpoints, scene.images, upright.rotation)
+        )
 
     def among(self, names: Collection[str]) -> dict[str, FloatArray]:
         """Upright points (N, 3) [m] of the whole surfaces, by name."""
@@ -94,7 +95,7 @@ class Statics:
     contacts: tuple[Contact, ...]
     weights: Mapping[str, Weight]
     unexplained: Mapping[str, float]
-    sight: Sight | None = None
+    sight: FreeSpace | None = None
     meeting: frozenset[frozenset[str]] | None = None
 
     @staticmethod

@@ -1,1 +1,1 @@
-"""What the cameras saw to be empty, and what they could not see."""
+"""Free space: what the cameras saw to be empty, and what they could not see."""

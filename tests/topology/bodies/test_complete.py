@@ -3,7 +3,7 @@ import pytest
 from scipy.interpolate import LinearNDInterpolator
 
 from topple.topology.bodies.complete import _interpolated, complete_body
-from topple.topology.views.sight import Sight
+from topple.topology.views.free_space import FreeSpace
 
 
 @pytest.mark.parametrize("count", [3, 30, 500])
@@ -25,7 +25,7 @@ def test_a_bowl_seen_from_one_side_gets_its_far_wall_and_its_foot():
     near = np.c_[0.08 * share * np.cos(angle), 0.08 * share * np.sin(angle), 0.05 * share**2]
     rim = rng.uniform(-np.pi, np.pi, 600)
     seen = np.concatenate([near, np.c_[0.08 * np.cos(rim), 0.08 * np.sin(rim), np.full(600, 0.05)]])
-    whole = complete_body(seen, Sight(seen, np.array([[0.0, -0.5, 0.5]])))
+    whole = complete_body(seen, FreeSpace({"seen": seen}, np.array([[0.0, -0.5, 0.5]])))
     added = whole[len(seen) :]
     assert (whole[: len(seen)] == seen).all()
     assert (added[:, 1] > 0.02).any()

@@ -3,7 +3,7 @@ import pytest
 
 from topple.topology.bodies.parts import convex_parts
 from topple.topology.geometry.hull import Hull
-from topple.topology.rule.cavity import cavity, surrounded
+from topple.topology.rule.cavity import surrounded
 
 UP = np.array([0.0, 0, 1])
 LINE = np.linspace([0, 0, 0], [0.1, 0, 0], 30)
@@ -69,30 +69,6 @@ def test_sides_no_camera_saw_are_no_hollow():
 )
 def test_degenerate_clouds_are_one_part(points):
     assert len(convex_parts(points, viewpoints=COMPLETE)) == 1
-
-
-def test_a_bowl_has_a_cavity_with_its_rim_and_floor():
-    found = cavity(bowl(), UP)
-    assert found is not None
-    assert found.rim == pytest.approx(0.05, abs=0.006)
-    assert 0 <= found.floor < 0.015
-    np.testing.assert_allclose(found.centre[:2], 0, atol=0.01)
-
-
-def test_the_cavity_holds_what_is_below_the_rim_and_nothing_above_or_beside():
-    found = cavity(bowl(), UP)
-    assert found is not None
-    places = np.array([[0, 0, 0.03], [0.02, 0.01, 0.02], [0, 0, 0.07], [0.12, 0, 0.02], [0, 0, -0.01]])
-    assert found.holds(places).tolist() == [True, True, False, False, False]
-
-
-@pytest.mark.parametrize("shape", [box, arc])
-def test_what_is_closed_or_open_to_a_side_has_no_cavity(shape):
-    assert cavity(shape(), UP) is None
-
-
-def test_a_bowl_upside_down_has_no_cavity():
-    assert cavity(bowl() * [1, 1, -1], UP) is None
 
 
 def test_a_wall_with_a_gap_of_a_quarter_still_surrounds_and_half_a_wall_does_not():

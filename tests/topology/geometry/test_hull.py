@@ -112,3 +112,20 @@ def test_any_small_cloud_has_a_hull_that_holds_it(seed, count):
 def test_what_is_no_cloud_is_refused(bad):
     with pytest.raises(InvalidInput, match="finite points"):
         Hull.of(bad)
+
+
+def test_places_lie_on_the_hull_and_all_over_it():
+    hull = Hull.of(np.random.default_rng(0).normal(size=(200, 3)))
+    places = hull.spread(256)
+    np.testing.assert_allclose(hull.facet_distance(places), 0, atol=1e-9)
+    assert np.ptp(places, axis=0).min() > 0.7 * np.ptp(hull.vertices, axis=0).min()
+    assert len(Hull.of(np.zeros((1, 3))).spread(256)) == 1
+
+
+def test_places_turn_with_the_hull():
+    rng = np.random.default_rng(3)
+    points, turn = rng.normal(size=(300, 3)) * [0.05, 0.04, 0.02], np.linalg.qr(rng.normal(size=(3, 3)))[0]
+    turn *= np.linalg.det(turn)
+    np.testing.assert_allclose(
+        Hull.of(points @ turn.T).spread(64), Hull.of(points).spread(64) @ turn.T, atol=1e-9
+    )

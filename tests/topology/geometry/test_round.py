@@ -6,7 +6,7 @@ import pytest
 from topple.topology.arrays import FloatArray
 from topple.topology.bodies.complete import complete_body
 from topple.topology.geometry.round import Cylinder, Spheroid, round_body
-from topple.topology.views.sight import Sight
+from topple.topology.views.free_space import FreeSpace
 
 EYE = np.array([0.6, 0.0, 0.6])
 
@@ -90,7 +90,7 @@ def test_a_ball_is_completed_to_its_far_side() -> None:
     x, y = np.meshgrid(np.arange(-0.4, 0.4, 0.01), np.arange(-0.4, 0.4, 0.01))
     table = np.column_stack([x.ravel(), y.ravel(), np.zeros(x.size)])
     shadow = np.linalg.norm(table - [-0.03, 0.0, 0.0], axis=1) < 0.08
-    sight = Sight(np.concatenate([points, table[~shadow]]), EYE[None])
+    sight = FreeSpace({"seen": np.concatenate([points, table[~shadow]])}, EYE[None])
     whole = complete_body(points, sight, floor=0.0)
     assert np.ptp(points[:, 0]) < 0.066
     assert np.ptp(whole, axis=0) == pytest.approx([0.07, 0.07, 0.07], abs=0.005)

@@ -4,13 +4,12 @@ import pytest
 from topple.robots import shapes
 from topple.robots.world.camera import Camera
 from topple.robots.world.world import World
-from topple.topology.geometry.hull import Hull
-from topple.topology.rule.facing import settled_share, spread
+from topple.topology.rule.facing import settled_share
 from topple.topology.rule.relate import relate
 from topple.topology.rule.surface import SurfaceCloud
 from topple.topology.scene import Scene
 from topple.topology.sixim.table import Relation
-from topple.topology.views.visibility import Visibility
+from topple.topology.views.free_space import FreeSpace
 
 
 def pose(x, y, z):
@@ -73,14 +72,6 @@ def test_what_is_seen_does_not_depend_on_which_object_is_named_first():
     scene = rendered(
         [(shapes.can("can"), (0, 0, 0.03)), (shapes.box("box", (0.1, 0.1, 0.05)), (0.1, 0, 0))], FRONT
     )
-    sight = Visibility(scene.clouds, scene.viewpoints, scene.images)
+    sight = FreeSpace(scene.clouds, scene.viewpoints, scene.images)
     one, other = (SurfaceCloud.of(name, scene.clouds[name]) for name in ("can", "box"))
     assert settled_share(one, other, sight) == settled_share(other, one, sight)
-
-
-def test_places_lie_on_the_hull_and_all_over_it():
-    hull = Hull.of(np.random.default_rng(0).normal(size=(200, 3)))
-    places = spread(hull)
-    np.testing.assert_allclose(hull.facet_distance(places), 0, atol=1e-9)
-    assert np.ptp(places, axis=0).min() > 0.7 * np.ptp(hull.vertices, axis=0).min()
-    assert len(spread(Hull.of(np.zeros((1, 3))))) == 1

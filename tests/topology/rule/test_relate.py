@@ -1,3 +1,7 @@
+import sys
+from dataclasses import replace
+from pathlib import Path
+
 import numpy as np
 import pytest
 from hypothesis import given, settings
@@ -9,6 +13,9 @@ from topple.topology.geometry.broadphase import near_pairs
 from topple.topology.rule.relate import relate, relate_all
 from topple.topology.scene import Scene
 from topple.topology.sixim.table import Relation
+
+sys.path.insert(0, str(Path(__file__).parents[1]))
+from made import UP, Box, look, pile, seen, told
 
 
 def box(rng, size, centre, count=300):
@@ -110,8 +117,49 @@ def test_an_update_infers_what_relating_the_new_scene_infers(seed):
             assert (other.relation, other.inferred) == (pair.relation, pair.inferred)
             assert (other.gap, other.gap_exact) == (pair.gap, pair.gap_exact)
             np.testing.assert_array_equal(other.matrix, pair.matrix)
-            if name in (pair.a, pair.b):
-                assert (other.observed, other.confidence) == (pair.observed, pair.confidence)
+            assert (other.observed, other.confidence) == (pair.observed, pair.confidence)
+
+
+@pytest.mark.parametrize("seed", [79, 90])
+def test_an_update_sees_that_an_object_hides_a_gap_between_others(seed):
+    """Scenes in which one that moved comes between a camera and two that stay where they are."""
+    test_an_update_infers_what_relating_the_new_scene_infers.hypothesis.inner_test(seed)
+
+
+def test_a_followed_frame_is_seen_by_its_own_images():
+    """A hand that hides the gap between two boxes in the second frame, and is gone again in the third."""
+    cube, eye = np.full(3, 0.06), np.array([0.0, -0.35, 0.7])
+    boxes = {f"at {x}": Box(np.array([x, 0.0, 0.03]), cube, 0.0) for x in (-0.05, 0.05)}
+
+    def frame(hand):
+        image = look({**boxes, "hand": hand}, eye, np.random.default_rng(1))
+        return Scene.from_images([image], fixed=["table"], up=UP)
+
+    palm = np.array([0.035, 0.06, 0.02])
+    aside, before = (Box(eye / 2 + [x, 0.0, 0.01], palm, 0.0) for x in (0.12, 0.0))
+    frames = [frame(aside), frame(before), frame(aside)]
+    relations = relate(frames[0])
+    changed = 0
+    for scene in frames[1:]:
+        relations = relations.followed(scene)
+        fresh = relate(scene, deviation=relations.deviation)
+        earlier = {(p.a, p.b): p.observed for p in relate(frames[0])}
+        changed += sum(earlier[pair.a, pair.b] != pair.observed for pair in fresh)
+        assert told(relations) == told(fresh)
+        for pair in fresh:
+            assert relations.between(pair.a, pair.b).confidence == pair.confidence
+    assert changed > 0
+
+
+def test_a_frame_of_the_same_clouds_and_new_images_is_looked_at_again():
+    rng = np.random.default_rng(5)
+    boxes = pile(rng)
+    scene = seen(boxes, rng, 1)
+    blind = [replace(image, depth=np.zeros_like(image.depth)) for image in scene.images]
+    later = Scene(scene.clouds, scene.fixed, scene.up, scene.viewpoints, blind)
+    relations = relate(scene)
+    assert told(relations.followed(later)) == told(relate(later, deviation=relations.deviation))
+    assert told(relations.followed(later)) != told(relations)
 
 
 def test_an_update_forgets_the_contact_that_held_an_object_in_its_old_place():

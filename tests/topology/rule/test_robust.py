@@ -9,7 +9,7 @@ from topple.topology.rule.relate import relate
 from topple.topology.rule.surface import SurfaceCloud, closest
 from topple.topology.scene import Scene
 from topple.topology.sixim.table import Relation
-from topple.topology.views.visibility import Visibility
+from topple.topology.views.free_space import FreeSpace
 
 SHARED = Path(__file__).resolve().parents[3].parent / "shared"
 LINE = np.linspace([0, 0, 0], [0.1, 0, 0], 9)
@@ -131,9 +131,9 @@ def test_sight_ends_at_the_first_surface():
     wall = np.stack(np.meshgrid([0.5], np.linspace(-0.2, 0.2, 90), np.linspace(-0.2, 0.2, 90)), -1).reshape(
         -1, 3
     )
-    sight = Visibility({"wall": wall}, np.zeros((1, 3)))
+    sight = FreeSpace({"wall": wall}, np.zeros((1, 3)))
     assert sight.known
-    assert sight.free(np.array([[0.3, 0, 0], [0.7, 0, 0]])).tolist() == [True, False]
+    assert sight.empty(np.array([[0.3, 0, 0], [0.7, 0, 0]])).tolist() == [True, False]
 
 
 @pytest.mark.parametrize(

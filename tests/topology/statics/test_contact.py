@@ -1,10 +1,11 @@
 import numpy as np
 import pytest
+from scipy.spatial.transform import Rotation
 
 from topple.topology import InvalidInput, Scene
 from topple.topology.statics.contact import find_contacts
 from topple.topology.statics.grounds import Plane
-from topple.topology.upright import Upright, upright_axes
+from topple.topology.upright import Upright
 
 
 def box(
@@ -53,7 +54,7 @@ def test_a_tilted_frame_finds_the_same_contacts() -> None:
         "top": box((0.06,) * 3, (0, 0, 0.08)),
         "table": table(),
     }
-    turn = upright_axes(np.array([0.2, -0.7, 0.5]))
+    turn = Rotation.from_rotvec([1.1, 0.4, -0.3]).as_matrix()
     tilted = Scene({n: c @ turn for n, c in clouds.items()}, fixed=["table"], up=turn[2])
     pairs = {frozenset((c.a, c.b)) for c in find_contacts(Upright.of(tilted)) if c.gaps.min() < 0.002}
     assert pairs == {frozenset(("low", "table")), frozenset(("low", "top"))}

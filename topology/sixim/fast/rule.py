@@ -4,6 +4,7 @@ The relation needs six bits, not six counts, and few bits need a hull: bounds of
 hulls the rest. Counts and gap are worked out when somebody asks for them.
 """
 
+from collections.abc import Collection
 from dataclasses import dataclass
 from functools import cached_property, partial
 
@@ -92,9 +93,13 @@ class PlainRule:
             kind=kind_of(bits),
         )
 
-    def after(self, name: str, cloud: FloatArray) -> "PlainRule":
+    def after(self, scene: Scene, changed: Collection[str], looked_again: bool) -> "PlainRule":
         """The same rule: it looks at two clouds and nothing else."""
         return self
+
+    def look_again(self, pair: PairRelation, a: PlainCloud, b: PlainCloud) -> PairRelation:
+        """The same pair, for the same reason."""
+        return pair
 
     def conclude(self, scene: Scene, relations: Relations) -> Relations:
         """Nothing follows from all pairs together."""

@@ -1,0 +1,52 @@
+"""Frames: axes square to a direction, and axes that turn with a cloud."""
+
+import numpy as np
+
+from topple.topology.arrays import FloatArray
+
+_ENOUGH = 4000
+"""Points that tell how a cloud lies."""
+
+
+def perpendiculars(axis: FloatArray) -> tuple[FloatArray, FloatArray]:
+    """Two unit vectors square to a direction and to each other; with it they are right-handed.
+
+    Args:
+        axis: (3,) unit vector.
+    """
+    first = np.cross(axis, np.eye(3)[int(np.argmin(np.abs(axis)))]).astype(np.float64)
+    first /= np.linalg.norm(first)
+    return first, np.cross(axis, first).astype(np.float64)
+
+
+def level_axes(up: FloatArray) -> tuple[FloatArray, FloatArray]:
+    """Two unit vectors that span the level plane.
+
+    Args:
+        up: (3,) unit vector.
+
+    Returns:
+        x and y with x cross y = up; the world's x and y where up is its z.
+    """
+    y = np.array([0.0, 1.0, 0.0]) if abs(up[1]) < 0.9 else np.array([0.0, 0.0, 1.0])
+    x = np.cross(y, up)
+    x /= np.linalg.norm(x)
+    return x, np.cross(up, x)
+
+
+def own_axes(points: FloatArray) -> FloatArray:
+    """Axes of a cloud that turn with it: grids laid along them cut it the same way in every frame.
+
+    Args:
+        points: (N, 3) points [m], N >= 1.
+
+    Returns:
+        (3, 3) rotation, rows the principal axes, widest first, each towards the longer tail of the points.
+    """
+    some = points[:: -(-len(points) // _ENOUGH)]
+    centred = some - some.mean(axis=0)
+    axes = np.linalg.eigh(centred.T @ centred)[1].T[::-1]
+    tails = ((centred @ axes.T) ** 3).sum(axis=0)
+    axes = np.where(tails < 0, -1.0, 1.0)[:, None] * axes
+    axes[2] = np.cross(axes[0], axes[1])
+    return axes

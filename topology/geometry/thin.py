@@ -1,0 +1,62 @@
+"""Clouds thinned to one point per voxel: the first that lies in it, or the mean of all that do."""
+
+import numpy as np
+
+from topple.topology.arrays import FloatArray, IntArray, bounds
+
+BEFORE = 2e-5
+"""How far before the first point cells begin [m]: files round to tenths of millimetres, and what is rounded
+shall not lie on the edge of a cell, where the last bit of a number decides."""
+
+
+def cell_keys(points: FloatArray, lower: FloatArray, upper: FloatArray, edge: float) -> IntArray:
+    """Number of the cubic cell each point lies in.
+
+    Args:
+        points: (N, d) points [m], d = 2 or 3.
+        lower: (d,) least coordinates of any point [m]; cells begin just before.
+        upper: (d,) greatest coordinates of any point [m].
+        edge: Edge of the cells [m], > 0.
+
+    Returns:
+        (N,) numbers; they rise along the last axis first.
+    """
+    first = lower - BEFORE
+    cells = ((points - first) / edge).astype(np.int64)
+    counts = ((upper - first) / edge).astype(np.int64) + 1
+    keys = cells[:, 0]
+    for axis in range(1, points.shape[1]):
+        keys = keys * counts[axis] + cells[:, axis]
+    return keys
+
+
+def thinned(points: FloatArray, spacing: float) -> FloatArray:
+    """Keep one point per cubic cell, the one that comes first.
+
+    Args:
+        points: (N, 3) points [m].
+        spacing: Edge of the cells [m], > 0.
+
+    Returns:
+        (M, 3) points of the cloud, M <= N, at most `spacing` * √3 from every dropped one.
+    """
+    keys = cell_keys(points, *bounds(points), spacing)
+    return points[np.sort(np.unique(keys, return_index=True)[1])]
+
+
+def voxel_means(points: FloatArray, spacing: float) -> FloatArray:
+    """Keep the mean of the points in each cubic cell, which also averages their noise.
+
+    Args:
+        points: (N, 3) points [m].
+        spacing: Edge of the cells [m], > 0.
+
+    Returns:
+        (M, 3) points, M <= N, ordered by cell.
+    """
+    if len(points) == 0:
+        return points
+    keys = cell_keys(points, *bounds(points), spacing)
+    _, inverse, counts = np.unique(keys, return_inverse=True, return_counts=True)
+    sums = np.stack([np.bincount(inverse, weights=points[:, k]) for k in range(3)], axis=1)
+    return sums / counts[:, None]

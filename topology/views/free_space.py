@@ -1,0 +1,146 @@
+"""What the cameras saw to be empty: where a line of sight went on to something further away.
+
+A camera is known by its depth image, or only by where it stood: then its lines of sight are those to the
+points of the clouds. Either way it knows nothing of a direction from which nothing came back, nor of what is
+beside its picture: glass, soot and the sky return nothing, and so does a wall out of range.
+"""
+
+from collections.abc import Mapping, Sequence
+from copy import copy
+from dataclasses import dataclass
+
+import numpy as np
+from scipy.spatial import KDTree
+
+from topple.topology.arrays import BoolArray, FloatArray
+from topple.topology.image import DepthImage
+
+WIDTH = float(np.radians(1.0))
+"""A line of sight speaks for directions this close [rad]: the spacing of a thinned surface from 50 cm."""
+MARGIN = 0.012
+"""A place is seen to be empty where the surface behind it is this much [m] further off."""
+WITNESSES = 3
+"""Lines of sight that must agree: at an outline one neighbour alone may belong to the background."""
+
+
+@dataclass(frozen=True, eq=False)
+class _Rays:
+    """Directions in which a camera has points before it, and how far away they are [m]."""
+
+    centre: FloatArray
+    directions: KDTree
+    ranges: FloatArray
+
+    @staticmethod
+    def of(points: FloatArray, centre: FloatArray) -> "_Rays":
+        rays = points - centre
+        ranges = np.linalg.norm(rays, axis=1)
+        return _Rays(centre, KDTree(rays / np.maximum(ranges, 1e-12)[:, None]), ranges)
+
+    def past(self, places: FloatArray) -> FloatArray:
+        """(N,) how much further than places (N, 3) all witnesses reach [m], NaN where there are too few."""
+        if len(self.ranges) < WITNESSES:
+            return np.full(len(places), np.nan)
+        rays = places - self.centre
+        far = np.linalg.norm(rays, axis=1)
+        nearest = self.directions.query(
+            rays / np.maximum(far, 1e-12)[:, None], k=WITNESSES, distance_upper_bound=WIDTH
+        )
+        distance, index = np.asarray(nearest[0]), np.asarray(nearest[1])
+        reach = self.ranges[np.minimum(index, len(self.ranges) - 1)].min(axis=1)
+        return np.where(np.isfinite(distance).all(axis=1), reach - far, np.nan)
+
+
+class FreeSpace:
+    """The free space of a scene, from its depth images or, without them, from clouds and camera centres."""
+
+    def __init__(
+        self,
+        clouds: Mapping[str, FloatArray],
+        viewpoints: FloatArray,
+        images: Sequence[DepthImage] = (),
+        rotation: FloatArray | None = None,
+    ) -> None:
+        """Take in what is known of the cameras.
+
+        Args:
+            clouds: Points (N, 3) [m] by name.
+            viewpoints: (k, 3) camera centres [m], same frame.
+            images: What they took; where there are any, they replace the camera centres.
+            rotation: (3, 3) whose rows are the frame's axes in the images' world; the same frame if None.
+        """
+        self._images = tuple(images)
+        self._rotation = np.eye(3) if rotation is None else rotation
+        centres = np.array([image.viewpoint for image in images]) @ self._rotation.T if images else viewpoints
+        self.viewpoints: FloatArray = np.asarray(centres).reshape(-1, 3)
+        """(k, 3) centres of all cameras [m]."""
+        self._shown = {name: self._news(cloud) for name, cloud in clouds.items()}
+        self._rays = self._gathered()
+
+    def replaced(self, clouds: Mapping[str, FloatArray]) -> "FreeSpace":
+        """The free space once some objects have other clouds; images stay what they are.
+
+        Args:
+            clouds: Their new points (N, 3) [m] by name.
+        """
+        changed = copy(self)
+        changed._shown = {**self._shown, **{name: self._news(cloud) for name, cloud in clouds.items()}}
+        changed._rays = changed._gathered()
+        return changed
+
+    @property
+    def known(self) -> bool:
+        """Whether any camera is known."""
+        return len(self.viewpoints) > 0
+
+    def empty(self, places: FloatArray, margin: float = MARGIN) -> BoolArray:
+        """Which places lie where a camera saw through.
+
+        Args:
+            places: (N, 3) places [m].
+            margin: How much further off the surface behind a place must be at least [m].
+
+        Returns:
+            (N,) True where at least one camera saw something further away in that direction, and nothing
+            nearer; False where it is hidden, where nothing came back, or nobody looked.
+        """
+        found = np.zeros(len(places), dtype=np.bool_)
+        if len(places) == 0:
+            return found
+        for number, rays in enumerate(self._rays):
+            past = rays.past(places)
+            if self._images:
+                blocked = past <= margin
+                found |= (self._images[number].depth_past(places @ self._rotation) > margin) & ~blocked
+            else:
+                found |= past > margin
+        return found
+
+    def facing(self, places: FloatArray, outward: FloatArray) -> BoolArray:
+        """Which places of a surface are on a side of it that a camera looks at.
+
+        Args:
+            places: (N, 3) places [m].
+            outward: (N, 3) directions out of the body there.
+
+        Returns:
+            (N,) True where at least one camera is on the outer side.
+        """
+        return (np.einsum("vpi,pi->vp", self.viewpoints[:, None] - places, outward) > 0.0).any(axis=0)
+
+    def _news(self, cloud: FloatArray) -> tuple[FloatArray, ...]:
+        """What a cloud adds to what each camera is known to have seen: all of it, but for what it pictured.
+
+        Points in space that a picture shows empty have come there since: they end its lines of sight.
+        """
+        if not self._images:
+            return (cloud,) * len(self.viewpoints)
+        world = cloud @ self._rotation
+        return tuple(cloud[image.depth_past(world) > MARGIN] for image in self._images)
+
+    def _gathered(self) -> list[_Rays]:
+        """The lines of sight of each camera to the points of the clouds that count for it."""
+        return [
+            _Rays.of(np.concatenate([news[number] for news in self._shown.values()]), centre)
+            for number, centre in enumerate(self.viewpoints)
+        ]
