@@ -40,12 +40,12 @@ def add_common(parser: argparse.ArgumentParser, *, scenes: str | None) -> None:
             metavar="SCENE" if scenes == "one" else "SCENE...",
             help=".npz of clouds, folder of cloud or mesh files, or RGB-D .npz / .npy",
         )
-        parser.add_argument(
-            "--max-mb",
-            type=float,
-            metavar="MB",
-            help="what a file of the scene may unpack to (536): more is refused before it is read",
-        )
+    parser.add_argument(
+        "--max-mb",
+        type=float,
+        metavar="MB",
+        help="what a file of a scene may unpack to (536): more is refused before it is read",
+    )
     parser.add_argument("--fixed", nargs="+", action="extend", metavar="NAME", help="objects that never move")
     parser.add_argument(
         "--up", nargs=3, type=float, metavar=("X", "Y", "Z"), help="direction against gravity"
