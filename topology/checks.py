@@ -7,6 +7,7 @@ from topple.topology.arrays import FloatArray, bounds, frozen
 from topple.topology.errors import InvalidInput
 
 _LARGEST_EXTENT = 20.0  # [m] no object on a table, nor the table, is longer; millimetres always are
+_FARTHEST = 1e8  # [m] beyond it float64 cannot tell a hundredth of a millimetre; no map's frame goes so far
 _RIGID = 1e-3  # rotations stored as float32 or printed to four digits are off by less
 
 
@@ -23,6 +24,8 @@ def numeric(values: ArrayLike, what: str) -> FloatArray:
     Raises:
         InvalidInput: If they are not real numbers, or their rows differ in length.
     """
+    if isinstance(values, np.ma.MaskedArray) and np.ma.getmaskarray(values).any():
+        raise InvalidInput(f"{what} has masked entries, which would count: leave these rows out")
     try:
         array = np.asarray(values)
     except ValueError as error:  # ragged nested lists
@@ -30,7 +33,14 @@ def numeric(values: ArrayLike, what: str) -> FloatArray:
     if array.dtype.kind not in "fiub":
         raise InvalidInput(f"{what} holds {_kind(array)}, expected real numbers")
     with np.errstate(invalid="ignore"):  # a signalling NaN is a NaN like any other
-        return array.astype(np.float64, copy=False)
+        read = array.astype(np.float64, copy=False)
+        beyond = bool((np.abs(read) > _FARTHEST).any()) and bool(np.isfinite(read).all())
+    if beyond:
+        raise InvalidInput(
+            f"{what} has a number of {float(np.abs(read).max()):.3g}, beyond {_FARTHEST:g}: there "
+            "millimetres are lost; expected metres near the objects"
+        )
+    return read
 
 
 def _kind(array: np.ndarray) -> str:

@@ -19,6 +19,7 @@ from topple.topology.values import ByValue, FrozenDict
 _Value = TypeVar("_Value")
 
 _LARGEST_HELD = 2.0  # [m] no arm takes a longer thing; what is fixed may be as large as a hall
+_SMALLEST_SEEN = 0.001  # [m] no scene is of things all smaller than a grain of rice
 _FEWEST_SEEN = 4  # points: fewer pixels than this span no solid, and are as likely a mask's edge as an object
 
 
@@ -323,6 +324,14 @@ def _check_unit(movable: Mapping[str, FloatArray]) -> None:
     """
     if not movable:
         return
+    seen = {name: points for name, points in movable.items() if len(points) > _FEWEST_SEEN}
+    widths = {name: float(np.ptp(points, axis=0).max()) for name, points in seen.items()}
+    if widths and max(widths.values()) < _SMALLEST_SEEN:
+        name = max(widths, key=widths.__getitem__)
+        raise InvalidInput(
+            f"no object is larger than {1e3 * _SMALLEST_SEEN:g} mm, {name!r} has {1e3 * widths[name]:.3g}: "
+            "too small; topple takes metres, so scale the scene (kilometres: points * 1000)"
+        )
     ends = {name: np.quantile(points, (0.05, 0.95), axis=0) for name, points in movable.items()}  # no strays
     extents = {name: float((high - low).max()) for name, (low, high) in ends.items()}
     name = sorted(extents, key=extents.__getitem__)[(len(extents) - 1) // 4]

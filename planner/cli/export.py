@@ -9,6 +9,7 @@ from topple.planner.cli.console import print_json, print_text
 from topple.planner.cli.main import DONE
 from topple.planner.cli.options import add_common
 from topple.planner.files import check_writable, write_whole
+from topple.topology.io.limits import MOST_BYTES, check_size
 
 if TYPE_CHECKING:
     from topple.planner.formats.plan_format import Plan
@@ -84,5 +85,9 @@ def _read(path: str) -> "Plan":
     from topple.planner.formats.plan_format import plan_from_json
 
     if path == "-":
-        return plan_from_json(sys.stdin.buffer.read(), "stdin")
-    return plan_from_json(Path(path).read_bytes(), path)
+        data, name = sys.stdin.buffer.read(MOST_BYTES + 1), "stdin"
+    else:
+        with Path(path).open("rb") as file:
+            data, name = file.read(MOST_BYTES + 1), path
+    check_size(len(data), name)
+    return plan_from_json(data, name)

@@ -13,7 +13,8 @@ from typing import NoReturn
 
 from topple.planner.cli.console import complain
 
-DONE, NO_SAFE_PLAN, WRONG_USE, INTERRUPTED = 0, 1, 2, 130
+DONE, NO_SAFE_PLAN, WRONG_USE, CRASHED, INTERRUPTED = 0, 1, 2, 70, 130
+"""70 as in sysexits: what went wrong is neither the input nor the plan."""
 
 COMMANDS = {
     "relate": "decide how every two objects lie to each other",
@@ -28,7 +29,8 @@ COMMANDS = {
 }
 
 _EPILOG = (
-    "exit codes: 0 done; 1 no safe plan or a failed run; 2 wrong use or unreadable input; 130 interrupted"
+    "exit codes: 0 done; 1 no safe plan or a failed run; 2 wrong use or unreadable input; 70 a fault of "
+    "topple itself; 130 interrupted"
 )
 
 
@@ -60,8 +62,8 @@ def main(argv: Sequence[str] | None = None) -> int:
         argv: Arguments after the program's name; those of the process where None.
 
     Returns:
-        The exit code: 0 done, 1 no safe plan or a failed run, 2 wrong use or unreadable input, 130
-        interrupted.
+        The exit code: 0 done, 1 no safe plan or a failed run, 2 wrong use or unreadable input, 70 a fault of
+        topple itself, 130 interrupted.
     """
     arguments = list(sys.argv[1:] if argv is None else argv)
     # small matrices by the thousand: BLAS threads cost more than they bring, and processes share the cores
@@ -83,7 +85,28 @@ def main(argv: Sequence[str] | None = None) -> int:
     except OSError as error:
         complain(f"{error.filename or 'output'}: {error.strerror or error}")
         return WRONG_USE
+    except Exception as error:  # what nobody foresaw: a fault of topple, told apart from a refusal
+        complain(_crashed(error, arguments))
+        return CRASHED
     return code
+
+
+def _crashed(error: Exception, arguments: list[str]) -> str:
+    """One line for a fault of topple, its trace written down."""
+    import tempfile
+    import traceback
+
+    what = " ".join(f"{type(error).__name__}: {error}".split())[:200]
+    try:
+        with tempfile.NamedTemporaryFile(
+            "w", prefix="topple-crash-", suffix=".txt", delete=False, encoding="utf-8"
+        ) as file:
+            file.write(f"topple {' '.join(arguments)}\n")
+            file.write("".join(traceback.format_exception(error)))
+        where = f"the trace is in {file.name}"
+    except OSError:
+        where = "its trace could not be written"
+    return f"a fault of topple itself, please report it ({what}); {where}"
 
 
 def _run(arguments: list[str]) -> int:

@@ -40,6 +40,12 @@ def add_common(parser: argparse.ArgumentParser, *, scenes: str | None) -> None:
             metavar="SCENE" if scenes == "one" else "SCENE...",
             help=".npz of clouds, folder of cloud or mesh files, or RGB-D .npz / .npy",
         )
+    parser.add_argument(
+        "--max-mb",
+        type=float,
+        metavar="MB",
+        help="what a file of a scene may unpack to (536): more is refused before it is read",
+    )
     parser.add_argument("--fixed", nargs="+", action="extend", metavar="NAME", help="objects that never move")
     parser.add_argument(
         "--up", nargs=3, type=float, metavar=("X", "Y", "Z"), help="direction against gravity"
@@ -124,7 +130,8 @@ def read_scene(args: argparse.Namespace, path: str) -> "Scene":
     """
     from topple.topology.io import load_scene
 
-    return load_scene(path, fixed=args.fixed or (), up=args.up)
+    most = None if args.max_mb is None else int(1e6 * args.max_mb)
+    return load_scene(path, fixed=args.fixed or (), up=args.up, most_bytes=most)
 
 
 def for_each_scene(

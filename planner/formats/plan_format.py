@@ -307,7 +307,7 @@ def plan_from_json(data: bytes | str, name: str = "plan.json") -> Plan:
         plan = msgspec.json.decode(data, type=Plan)
     except msgspec.ValidationError as error:
         raise InvalidInput(f"{name} is no plan: {error}") from error
-    except msgspec.DecodeError as error:
+    except (msgspec.DecodeError, UnicodeDecodeError) as error:
         raise InvalidInput(f"{name} is no JSON: {error}") from error
     if plan.format != FORMAT or plan.format_version != FORMAT_VERSION:
         expected = f"expected {FORMAT} version {FORMAT_VERSION}"

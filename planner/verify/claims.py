@@ -10,7 +10,6 @@ from topple.planner.verify.clouds import outside
 from topple.planner.verify.replay import parts_of
 from topple.planner.verify.tolerances import ROUNDED_SCORE, SAME, UPWARD
 from topple.topology.bodies.solids import hull_faces
-from topple.topology.scene import Scene
 from topple.topology.situation import Situation
 
 
@@ -44,12 +43,12 @@ def check_claims(plan: Plan) -> tuple[Residual, ...]:
     return scores.residual(), upright.residual(), order.residual()
 
 
-def check_scene(plan: Plan, scene: Scene) -> tuple[Residual, ...]:
+def check_scene(plan: Plan, situation: Situation) -> tuple[Residual, ...]:
     """Check whether a plan is of a scene.
 
     Args:
         plan: The plan.
-        scene: What was seen.
+        situation: What was seen.
 
     Returns:
         Residuals: the angle between their up directions, how far the plan's bodies stand out beyond those of
@@ -57,7 +56,7 @@ def check_scene(plan: Plan, scene: Scene) -> tuple[Residual, ...]:
     """
     tilt = Worst("up of the plan against the scene's", "rad", UPWARD)
     bodies = Worst("bodies of the plan beyond the scene's", "m", SAME)
-    situation = Situation(scene)
+    scene = situation.scene
     cosine = float(np.clip(np.array(plan.up) @ situation.up, -1.0, 1.0))
     tilt.note(float(np.arccos(cosine)), f"the plan has {list(plan.up)}, the scene {situation.up.tolist()}")
     for name, parts in parts_of(plan).items():

@@ -10,17 +10,18 @@ from topple.planner.formats.plan_format import Plan
 from topple.planner.formats.verification import BROKEN, Residual, Worst
 from topple.topology.arrays import FloatArray
 from topple.topology.scene import Scene
+from topple.topology.situation import Situation
 
 
 def check_precedence(
-    plan: Plan, taken: Sequence[tuple[int, str]], scene: Scene | None
+    plan: Plan, taken: Sequence[tuple[int, str]], situation: Situation | None
 ) -> tuple[Residual, ...]:
     """Check that nothing is taken before what has to go first.
 
     Args:
         plan: The plan.
         taken: What is taken, with the index of the step, as the actions have it.
-        scene: What was seen; its dependencies are derived again. Edges of cycles are left out, and what a
+        situation: What was seen; its dependencies are derived again. Edges of cycles are left out, and what a
             step says to go against if it is more likely wrong than right.
 
     Returns:
@@ -52,7 +53,7 @@ def check_precedence(
         if edge.then != step.object or first.get(edge.first, never) < index or edge.confidence >= LIKELY
     ]
     excused.note(float(len(idle)), "; ".join(idle))
-    if scene is None:
+    if situation is None:
         return own.residual(), waits.residual(), excused.residual()
     from topple.planner.decide.dependency import dependencies
 
@@ -60,7 +61,7 @@ def check_precedence(
     against = {(edge.first, edge.then) for step in plan.steps for edge in step.against}
     edges = [
         (edge.first, edge.then)
-        for edge in dependencies(scene).dependencies
+        for edge in dependencies(situation).dependencies
         if edge.confidence >= LIKELY or (edge.first, edge.then) not in against
     ]
     graph: nx.DiGraph[str] = nx.DiGraph(edges)
@@ -93,8 +94,6 @@ def check_goal(
     Returns:
         The number of clauses that do not hold.
     """
-    from topple.topology.situation import Situation
-
     after = scene
     for name in {name for _, name in taken}:
         cloud, pose = after.clouds[name], poses[name]

@@ -19,6 +19,7 @@ from topple.robots.arm.arm import Arm
 from topple.robots.catalog import robot as robot_named
 from topple.topology.errors import InvalidInput
 from topple.topology.scene import Scene
+from topple.topology.situation import Situation
 
 STEP = 0.002  # [rad] between the states that python-fcl looks at
 COARSE = 5  # PyBullet looks at every fifth of them: 0.01 rad
@@ -26,7 +27,11 @@ NO_SCENE = "no scene was given"
 
 
 def verify(
-    plan: Plan, scene: Scene | None = None, robot: Arm | str | None = None, *, step: float = STEP
+    plan: Plan,
+    scene: Scene | Situation | None = None,
+    robot: Arm | str | None = None,
+    *,
+    step: float = STEP,
 ) -> Verification:
     """Check a plan by other means than it was made with.
 
@@ -37,7 +42,7 @@ def verify(
 
     Args:
         plan: The plan, fresh or read back from JSON.
-        scene: What it was made for; None: what needs clouds is not evaluated.
+        scene: What it was made for, or what was read of it; None: what needs clouds is not evaluated.
         robot: The arm or its name; the one the plan names where None, from the URDF it was made with.
         step: Spacing of the states [rad].
 
@@ -53,6 +58,8 @@ def verify(
     from topple.planner.verify.by_bullet import BulletCheck
 
     arm = _arm(plan, robot)
+    situation = None if scene is None else Situation.of(scene)
+    scene = None if situation is None else situation.scene
     if scene is not None:
         _check_names(plan, scene)
     played, fcl_check, hands = Replay(plan, arm, step), FclCheck(plan, arm), HandCheck(plan, arm)
@@ -77,15 +84,15 @@ def verify(
         *hands.residuals(),
         *played.residuals(),
         *check_claims(plan),
-        *check_precedence(plan, played.taken, scene),
+        *check_precedence(plan, played.taken, situation),
         *rest.residuals(),
     ]
-    if scene is None or clouds is None:
+    if scene is None or situation is None or clouds is None:
         residuals += _left_out()
     else:
         residuals += [
             *clouds.residuals(),
-            *check_scene(plan, scene),
+            *check_scene(plan, situation),
             check_goal(plan, played.poses, played.taken, scene),
         ]
     return Verification(tuple(residuals), fcl_check.states, tuple(rest.allowed))

@@ -1,5 +1,6 @@
 """One object's file: a cloud as it is, a mesh sampled over its surface."""
 
+from collections.abc import Callable
 from pathlib import Path
 from typing import Any, cast
 
@@ -8,6 +9,7 @@ import numpy as np
 from topple.topology.arrays import FloatArray, IntArray
 from topple.topology.checks import as_points
 from topple.topology.errors import InvalidInput
+from topple.topology.io.limits import check_size
 from topple.topology.io.pcd import read_pcd
 
 SUFFIXES = (".ply", ".pcd", ".xyz", ".txt", ".obj", ".stl", ".glb")
@@ -91,6 +93,9 @@ def _read_xyz(path: Path, what: str) -> FloatArray:
 def _read_with_trimesh(path: Path, what: str) -> tuple[FloatArray, IntArray]:
     import trimesh
 
+    check_size(path.stat().st_size, what)
+    if path.suffix.lower() in _DECLARED:
+        _DECLARED[path.suffix.lower()](path, what)
     try:
         loaded: Any = trimesh.load(path, process=False)
         if isinstance(loaded, trimesh.Scene):
@@ -107,6 +112,33 @@ def _read_with_trimesh(path: Path, what: str) -> tuple[FloatArray, IntArray]:
             f"{what} has a face naming vertex {faces.max()}, but only {len(vertices)} vertices"
         )
     return vertices, faces
+
+
+def _check_ply(path: Path, what: str) -> None:
+    """Refuse a PLY text that has other lines than it declares; in the binary kind trimesh notices."""
+    with path.open("rb") as file:
+        head = [line.split() for line in iter(file.readline, b"") if not line.startswith(b"comment")]
+    end = next((number for number, words in enumerate(head) if words == [b"end_header"]), None)
+    if end is None or [b"format", b"ascii"] not in [words[:2] for words in head[:end]]:
+        return
+    elements = [words[1:3] for words in head[:end] if words[:1] == [b"element"] and len(words) == 3]
+    counts = {name.decode("ascii", "replace"): int(count) for name, count in elements if count.isdigit()}
+    lines = sum(bool(words) for words in head[end + 1 :])
+    if lines != sum(counts.values()):
+        said = " and ".join(f"{count} of {name}" for name, count in counts.items())
+        raise InvalidInput(f"{what} declares {said}, and has {lines} lines of them: write it again")
+
+
+def _check_obj(path: Path, what: str) -> None:
+    """Refuse faces of vertex 0: OBJ counts from 1, and readers take 0 for the last one."""
+    with path.open(encoding="utf-8", errors="replace") as file:
+        for number, line in enumerate(file, start=1):
+            words = line.split()
+            if words[:1] == ["f"] and any(word.split("/")[0].lstrip("+-") == "0" for word in words[1:]):
+                raise InvalidInput(f"{what} names vertex 0 in line {number}: expected counts from 1")
+
+
+_DECLARED: dict[str, Callable[[Path, str], None]] = {".ply": _check_ply, ".obj": _check_obj}
 
 
 def _sampled(vertices: FloatArray, faces: IntArray) -> FloatArray:

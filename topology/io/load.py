@@ -13,13 +13,18 @@ from topple.topology.io.assemble import Parts, assemble
 from topple.topology.io.clouds import parts_from_clouds
 from topple.topology.io.folder import parts_from_folder
 from topple.topology.io.labelled import parts_from_labelled
+from topple.topology.io.limits import at_most
 from topple.topology.io.pcd import is_pcd, read_labelled_pcd
 from topple.topology.io.rgbd import parts_from_rgbd
 from topple.topology.scene import Scene
 
 
 def load_scene(
-    path: str | os.PathLike[str], *, fixed: Iterable[str] = (), up: ArrayLike | None = None
+    path: str | os.PathLike[str],
+    *,
+    fixed: Iterable[str] = (),
+    up: ArrayLike | None = None,
+    most_bytes: int | None = None,
 ) -> Scene:
     """Read a scene from a file or a folder, told apart by content.
 
@@ -36,6 +41,7 @@ def load_scene(
         path: File or folder.
         fixed: Names of objects that never move, beside those the file names.
         up: Direction (3,) against gravity.
+        most_bytes: What the files may unpack to; half a gigabyte where None.
 
     Returns:
         The scene; `assumptions` says what was assumed and not given.
@@ -47,7 +53,8 @@ def load_scene(
     given_up = None if up is None else as_direction(up, "up")
     place = Path(path)
     try:
-        parts = _read(place)
+        with at_most(most_bytes):
+            parts = _read(place)
         return assemble(
             parts, [fixed] if isinstance(fixed, str) else list(fixed), given_up if up is None else up
         )

@@ -10,6 +10,7 @@ import numpy as np
 
 from topple.topology.arrays import FloatArray
 from topple.topology.errors import InvalidInput
+from topple.topology.io.limits import check_size
 
 _TYPES = {kind + size: f"<{kind.lower()}{size}" for kind in "IU" for size in "1248"} | {
     "F4": "<f4",
@@ -120,12 +121,17 @@ def _read_header(content: bytes) -> tuple[_Header, int]:
     # Padding fields may all be called "_": only what is read needs its own name.
     kept = ("x", "y", "z", *_LABELS)
     names = [field if field in kept else f"{field}#{place}" for place, field in enumerate(fields)]
+    if not len(fields) == len(kinds) == len(counts):
+        raise ValueError(f"it has {len(fields)} fields, {len(kinds)} types and {len(counts)} counts")
     layout = [(name, _TYPES[kind], (count,)) for name, kind, count in zip(names, kinds, counts, strict=True)]
     points = (
         int(entries["POINTS"][0])
         if "POINTS" in entries
         else int(entries["WIDTH"][0]) * int(entries["HEIGHT"][0])
     )
+    if points < 0 or min(counts, default=1) < 1:
+        raise ValueError(f"it declares {points} points of {' '.join(map(str, counts))} numbers a field")
+    check_size(points * np.dtype(layout).itemsize, "the PCD file")
     organised = int(entries.get("HEIGHT", ["1"])[0]) > 1
     viewpoint = np.array([float(value) for value in entries.get("VIEWPOINT", ["0"] * 3)[:3]])
     return _Header(np.dtype(layout), points, entries["DATA"][0].lower(), organised, viewpoint), position
@@ -139,6 +145,9 @@ def _read_records(body: bytes, header: _Header) -> np.ndarray:
     if header.storage != "binary_compressed":
         raise ValueError(f"its DATA is {header.storage!r}, expected ascii, binary or binary_compressed")
     packed, unpacked = np.frombuffer(body, dtype="<u4", count=2)
+    wanted = header.points * header.record.itemsize
+    if int(unpacked) != wanted or int(packed) > len(body) - 8:
+        raise ValueError(f"it unpacks to {int(unpacked)} bytes, expected {wanted} of {header.points} points")
     flat = _decompress(body[8 : 8 + int(packed)], int(unpacked))
     records = np.empty(header.points, dtype=header.record)
     position = 0

@@ -30,5 +30,7 @@ def read_json(text: str, where: str) -> Any:
 
     try:
         return json.loads(text, object_pairs_hook=without_doubles)
-    except json.JSONDecodeError as error:
+    except ValueError as error:  # a number of thousands of digits, too
         raise InvalidInput(f"{where} is not JSON: {error}") from error
+    except RecursionError as error:
+        raise InvalidInput(f"{where} is nested too deeply to be read") from error

@@ -1,0 +1,178 @@
+"""Files that would crash a reader, exhaust the memory or be misread are refused in one line."""
+
+import io
+import json
+import tracemalloc
+import zipfile
+from collections.abc import Callable
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from topple.topology import InvalidInput, Scene, load_scene
+
+CLOUD = np.random.default_rng(0).uniform(0.0, 0.05, (300, 3))
+AWAY = np.eye(4)
+AWAY[0, 3] = 1e308
+PCD = (
+    "# .PCD v0.7\nVERSION 0.7\nFIELDS x y z\nSIZE 4 4 4\nTYPE F F F\nCOUNT {count}\nWIDTH 2\nHEIGHT 1\n"
+    "VIEWPOINT 0 0 0 1 0 0 0\nPOINTS {points}\nDATA {data}\n"
+)
+
+
+def npy(points: np.ndarray = CLOUD) -> bytes:
+    buffer = io.BytesIO()
+    np.save(buffer, points)
+    return buffer.getvalue()
+
+
+def zipped(path: Path, member: bytes, compression: int = zipfile.ZIP_DEFLATED) -> Path:
+    with zipfile.ZipFile(path, "w", compression) as archive:
+        archive.writestr("a.npy", member)
+    return path
+
+
+def folder(path: Path, files: dict[str, str | bytes]) -> Path:
+    path.mkdir()
+    for name, content in files.items():
+        place = path / name
+        place.write_bytes(content) if isinstance(content, bytes) else place.write_text(content)
+    return path
+
+
+def corrupt(path: Path) -> Path:
+    zipped(path, npy(), zipfile.ZIP_LZMA)
+    content = bytearray(path.read_bytes())
+    content[60] ^= 255
+    content[80] ^= 255
+    path.write_bytes(content)
+    return path
+
+
+def ply(declared: int, given: int) -> str:
+    rows = "".join(f"0.1 {0.1 * row:.2f} 0.3\n" for row in range(given))
+    properties = "property float x\nproperty float y\nproperty float z\n"
+    return f"ply\nformat ascii 1.0\nelement vertex {declared}\n{properties}end_header\n{rows}"
+
+
+def huge(path: Path) -> Path:
+    """A header that declares three gigabytes, and nothing behind it."""
+    buffer = io.BytesIO()
+    header = {"descr": "<f8", "fortran_order": False, "shape": (130_000_000, 3)}
+    np.lib.format.write_array_header_1_0(buffer, header)
+    return zipped(path, buffer.getvalue())
+
+
+def bomb(path: Path) -> Path:
+    """Zeros that deflate to a thousandth."""
+    return zipped(path, npy(np.zeros((24_000_000, 3))))
+
+
+def saved(path: Path, **arrays: object) -> Path:
+    np.savez(path, **arrays)  # type: ignore[arg-type]
+    return path
+
+
+HOSTILE: dict[str, tuple[Callable[[Path], Path], str]] = {
+    "a header that does not end": (
+        lambda at: zipped(at / "a.npz", npy().replace(b"}", b"(", 1)), "'a' is broken"
+    ),
+    "corrupt compression": (lambda at: corrupt(at / "a.npz"), "broken"),
+    "a declared size that is not there": (lambda at: huge(at / "a.npz"), "3120 MB.*--max-mb"),
+    "a bomb": (lambda at: bomb(at / "a.npz"), "576 MB.*--max-mb"),
+    "json of a hundred thousand brackets": (
+        lambda at: folder(at / "f", {"a.npy": npy(), "scene.json": "[" * 100_000 + "]" * 100_000}),
+        "nested too deeply",
+    ),
+    "a number of five thousand digits": (
+        lambda at: folder(at / "f", {"a.xyz": "0 0 0\n", "scene.json": '{"up": [0, 0, ' + "9" * 5000 + "]}"}),
+        "scene.json is not JSON",
+    ),
+    "a far cloud": (lambda at: saved(at / "a.npz", a=CLOUD + 1e15), "1e\\+15, beyond 1e\\+08"),
+    "an endless cloud": (lambda at: saved(at / "a.npz", a=CLOUD + 1e200), "beyond 1e\\+08"),
+    "a plane of no size": (
+        lambda at: saved(at / "a.npz", a=CLOUD, table_plane=[0, 0, 1e300, 1e300]), "table_plane.*beyond"
+    ),
+    "a pose out of this world": (
+        lambda at: folder(
+            at / "f",
+            {
+                "a.xyz": "0 0 0\n0.1 0 0\n",
+                "scene.json": json.dumps({"poses": {"a": AWAY.tolist()}}),
+            },
+        ),
+        "pose of 'a'.*beyond",
+    ),
+    "micrometres": (lambda at: saved(at / "a.npz", a=1e-6 * CLOUD), "too small; topple takes metres"),
+    "a ply with fewer points than declared": (
+        lambda at: folder(at / "f", {"a.ply": ply(100, 4)}), "declares 100 of vertex, and has 4 lines"
+    ),
+    "a ply with more points than declared": (
+        lambda at: folder(at / "f", {"a.ply": ply(2, 4)}), "declares 2 of vertex, and has 4 lines"
+    ),
+    "a face of vertex 0": (
+        lambda at: folder(at / "f", {"a.obj": "v 0 0 0\nv 0.1 0 0\nv 0 0.1 0\nf 0 1 2\n"}),
+        "vertex 0 in line 4",
+    ),
+    "a negative number of points": (
+        lambda at: folder(at / "f", {"a.pcd": PCD.format(count="1 1 1", points=-1, data="binary")}),
+        "declares -1 points",
+    ),
+    "counts of nothing": (
+        lambda at: folder(at / "f", {"a.pcd": PCD.format(count="1 1 0", points=2, data="ascii")}),
+        "declares 2 points of 1 1 0",
+    ),
+    "counts left out": (
+        lambda at: folder(at / "f", {"a.pcd": PCD.format(count="1 1", points=2, data="ascii")}),
+        "3 fields, 3 types and 2 counts",
+    ),
+    "a billion points": (
+        lambda at: folder(at / "f", {"a.pcd": PCD.format(count="1 1 1", points=10**9, data="binary")}),
+        "12000 MB.*--max-mb",
+    ),
+    "compressed points that unpack to more": (
+        lambda at: folder(
+            at / "f",
+            {
+                "a.pcd": PCD.format(count="1 1 1", points=2, data="binary_compressed").encode()
+                + np.array([4, 1 << 30], dtype="<u4").tobytes() + b"\0" * 4
+            },
+        ),
+        "unpacks to 1073741824 bytes, expected 24",
+    ),
+}  # fmt: skip
+
+
+@pytest.mark.parametrize("name", HOSTILE)
+def test_it_is_refused_in_one_line_with_little_memory(name: str, tmp_path: Path) -> None:
+    make, words = HOSTILE[name]
+    path = make(tmp_path)
+    tracemalloc.start()
+    try:
+        with pytest.raises(InvalidInput, match=words) as caught:
+            load_scene(path)
+        peak = tracemalloc.get_traced_memory()[1]
+    finally:
+        tracemalloc.stop()
+    assert "\n" not in str(caught.value) and str(caught.value).startswith(str(path))
+    assert peak < 200e6
+
+
+def test_the_limit_is_an_option(tmp_path: Path) -> None:
+    path = saved(tmp_path / "a.npz", a=CLOUD)
+    with pytest.raises(InvalidInput, match="--max-mb"):
+        load_scene(path, most_bytes=1000)
+    assert load_scene(path, most_bytes=10_000).names == ("a",)
+
+
+def test_masked_points_are_not_taken_for_points() -> None:
+    masked = np.ma.masked_array(CLOUD, mask=np.zeros(CLOUD.shape, dtype=bool))
+    assert Scene({"a": masked}).names == ("a",)
+    masked[3] = np.ma.masked
+    with pytest.raises(InvalidInput, match="masked entries"):
+        Scene({"a": masked})
+
+
+def test_an_lzma_archive_is_read(tmp_path: Path) -> None:
+    assert load_scene(zipped(tmp_path / "a.npz", npy(), zipfile.ZIP_LZMA)).names == ("a",)
