@@ -8,7 +8,7 @@ import numpy as np
 from scipy.spatial import ConvexHull, QhullError
 
 from topple.topology.arrays import FloatArray, IntArray
-from topple.topology.sixim.fast.gauge import Gauge
+from topple.topology.geometry.gauge import Gauge
 
 SMALL = 8000
 """Clouds below this size go straight to Qhull, which takes about as long as the sample's hull would."""

@@ -3,8 +3,8 @@
 import numpy as np
 
 from topple.topology.arrays import BoolArray, FloatArray, IntArray
+from topple.topology.geometry.gauge import Gauge
 from topple.topology.geometry.hull import BLOCK, Hull
-from topple.topology.sixim.fast.gauge import Gauge
 
 PROBES = 24
 """Points whose furthest facets are tried first: a handful of facets bars the way to most points."""
