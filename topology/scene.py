@@ -326,7 +326,7 @@ def _check_unit(movable: Mapping[str, FloatArray]) -> None:
         return
     seen = {name: points for name, points in movable.items() if len(points) > _FEWEST_SEEN}
     widths = {name: float(np.ptp(points, axis=0).max()) for name, points in seen.items()}
-    if widths and max(widths.values()) < _SMALLEST_SEEN:
+    if 0.0 < max(widths.values(), default=0.0) < _SMALLEST_SEEN:  # points in one place tell no unit
         name = max(widths, key=widths.__getitem__)
         raise InvalidInput(
             f"no object is larger than {1e3 * _SMALLEST_SEEN:g} mm, {name!r} has {1e3 * widths[name]:.3g}: "

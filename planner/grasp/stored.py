@@ -68,8 +68,9 @@ def read_stored(data: bytes, name: str) -> Stored:
         return _filled(rest, shape, dtype, fortran)
     except _Refused as error:
         raise InvalidInput(f"{name}: holds a pickle that is no dict of arrays: {error}") from error
-    except (ValueError, TypeError, OverflowError, RecursionError, MemoryError) as error:
-        raise InvalidInput(f"{name}: is no stored array: {error}") from error
+    except Exception as error:  # the header is Python text, and what is wrong with it fails in many ways
+        reason = " ".join(str(error).split())[:120] or type(error).__name__
+        raise InvalidInput(f"{name}: is no stored array: {reason}") from error
 
 
 class _Refused(Exception):

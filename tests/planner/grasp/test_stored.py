@@ -149,3 +149,11 @@ def test_headers_that_claim_more_than_there_is_are_refused() -> None:
 
 def test_a_far_place_in_the_memo_takes_no_memory() -> None:
     assert read_stored(wrapped(HEADER + b"}r\xff\xff\xff\xff."), "g") == {}
+
+
+def test_a_header_that_does_not_end_is_refused_in_a_line() -> None:
+    file = io.BytesIO()
+    np.save(file, np.tile(np.eye(4), (2, 1, 1)))
+    with pytest.raises(InvalidInput, match=r"^grasps\.npy: is no stored array: ") as caught:
+        read_stored(file.getvalue().replace(b"}", b"(", 1), "grasps.npy")
+    assert "\n" not in str(caught.value)
