@@ -46,6 +46,11 @@ def add_common(parser: argparse.ArgumentParser, *, scenes: str | None) -> None:
         metavar="MB",
         help="what a file of a scene may unpack to (536): more is refused before it is read",
     )
+    parser.add_argument(
+        "--allow-outside",
+        action="store_true",
+        help="let scene.json name files that are not below its folder",
+    )
     parser.add_argument("--fixed", nargs="+", action="extend", metavar="NAME", help="objects that never move")
     parser.add_argument(
         "--up", nargs=3, type=float, metavar=("X", "Y", "Z"), help="direction against gravity"
@@ -131,7 +136,9 @@ def read_scene(args: argparse.Namespace, path: str) -> "Scene":
     from topple.topology.io import load_scene
 
     most = None if args.max_mb is None else int(1e6 * args.max_mb)
-    return load_scene(path, fixed=args.fixed or (), up=args.up, most_bytes=most)
+    return load_scene(
+        path, fixed=args.fixed or (), up=args.up, most_bytes=most, allow_outside=args.allow_outside
+    )
 
 
 def for_each_scene(

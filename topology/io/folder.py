@@ -11,6 +11,7 @@ from topple.topology.checks import as_name, as_points, as_pose
 from topple.topology.errors import InvalidInput
 from topple.topology.io.assemble import Parts
 from topple.topology.io.geometry import SUFFIXES, is_cloud_text, read_geometry
+from topple.topology.io.limits import outside_allowed
 from topple.topology.io.strict_json import read_json
 from topple.topology.scene import Mesh
 
@@ -89,6 +90,11 @@ def _files_by_object(folder: Path, described: dict[str, Any]) -> dict[str, Path]
         if not isinstance(file, str):
             raise InvalidInput(f"{_DESCRIPTION} gives {file!r} as the file of {name!r}: expected a file name")
         place = folder / file
+        if not outside_allowed() and not place.resolve().is_relative_to(folder.resolve()):
+            raise InvalidInput(
+                f"{_DESCRIPTION} gives {file!r} as the file of {name!r}, which is not below the folder: "
+                "copy it there, or allow it with --allow-outside (load_scene(..., allow_outside=True))"
+            )
         if not place.is_file():
             raise InvalidInput(
                 f"{_DESCRIPTION} gives {file!r} as the file of {name!r}, and it does not exist"

@@ -1,4 +1,4 @@
-"""How much a file may unpack to: bounded before anything is allocated or decompressed."""
+"""What a scene's files may be: how much they unpack to, asked before it is allocated, and where they lie."""
 
 from collections.abc import Generator
 from contextlib import contextmanager
@@ -11,20 +11,28 @@ MOST_BYTES = 1 << 29
 a few times over."""
 
 _most: ContextVar[int] = ContextVar("_most", default=MOST_BYTES)
+_outside: ContextVar[bool] = ContextVar("_outside", default=False)
 
 
 @contextmanager
-def at_most(size: int | None) -> Generator[None, None, None]:
-    """Bound what files may unpack to in a block.
+def allowing(size: int | None, outside: bool) -> Generator[None, None, None]:
+    """Say in a block what files may be.
 
     Args:
-        size: Bytes; as before where None.
+        size: Bytes that they may unpack to; as before where None.
+        outside: Whether `files` of a scene.json may lie elsewhere than below its folder.
     """
-    token = _most.set(_most.get() if size is None else size)
+    most, away = _most.set(_most.get() if size is None else size), _outside.set(outside)
     try:
         yield
     finally:
-        _most.reset(token)
+        _most.reset(most)
+        _outside.reset(away)
+
+
+def outside_allowed() -> bool:
+    """Whether files may lie elsewhere than below the scene's folder."""
+    return _outside.get()
 
 
 def check_size(size: int, what: str) -> None:

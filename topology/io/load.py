@@ -13,7 +13,7 @@ from topple.topology.io.assemble import Parts, assemble
 from topple.topology.io.clouds import parts_from_clouds
 from topple.topology.io.folder import parts_from_folder
 from topple.topology.io.labelled import parts_from_labelled
-from topple.topology.io.limits import at_most
+from topple.topology.io.limits import allowing
 from topple.topology.io.pcd import is_pcd, read_labelled_pcd
 from topple.topology.io.rgbd import parts_from_rgbd
 from topple.topology.scene import Scene
@@ -25,6 +25,7 @@ def load_scene(
     fixed: Iterable[str] = (),
     up: ArrayLike | None = None,
     most_bytes: int | None = None,
+    allow_outside: bool = False,
 ) -> Scene:
     """Read a scene from a file or a folder, told apart by content.
 
@@ -42,6 +43,7 @@ def load_scene(
         fixed: Names of objects that never move, beside those the file names.
         up: Direction (3,) against gravity.
         most_bytes: What the files may unpack to; half a gigabyte where None.
+        allow_outside: Whether `files` of a scene.json may lie elsewhere than below its folder.
 
     Returns:
         The scene; `assumptions` says what was assumed and not given.
@@ -53,7 +55,7 @@ def load_scene(
     given_up = None if up is None else as_direction(up, "up")
     place = Path(path)
     try:
-        with at_most(most_bytes):
+        with allowing(most_bytes, allow_outside):
             parts = _read(place)
         return assemble(
             parts, [fixed] if isinstance(fixed, str) else list(fixed), given_up if up is None else up

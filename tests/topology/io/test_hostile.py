@@ -176,3 +176,16 @@ def test_masked_points_are_not_taken_for_points() -> None:
 
 def test_an_lzma_archive_is_read(tmp_path: Path) -> None:
     assert load_scene(zipped(tmp_path / "a.npz", npy(), zipfile.ZIP_LZMA)).names == ("a",)
+
+
+def test_files_below_the_folder_are_read_and_others_only_where_that_is_allowed(tmp_path: Path) -> None:
+    folder(tmp_path / "elsewhere", {"secret.xyz": "0 0 0\n0.1 0 0\n0 0.1 0\n"})
+    told = json.dumps({"files": {"a": "../elsewhere/secret.xyz"}})
+    scene = folder(tmp_path / "scene", {"scene.json": told})
+    with pytest.raises(InvalidInput, match="not below the folder.*--allow-outside"):
+        load_scene(scene)
+    assert load_scene(scene, allow_outside=True).names == ("a",)
+    (scene / "link.xyz").symlink_to(tmp_path / "elsewhere" / "secret.xyz")
+    (scene / "scene.json").write_text(json.dumps({"files": {"a": "link.xyz"}}))
+    with pytest.raises(InvalidInput, match="not below the folder"):
+        load_scene(scene)
