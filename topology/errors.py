@@ -9,6 +9,9 @@ DISTRIBUTION = "topple-planner"
 class ToppleError(Exception):
     """Base of every error raised on purpose; its text is one line fit to be printed as it is."""
 
+    def __init__(self, message: str = "", *more: object) -> None:
+        super().__init__(" ".join(message.splitlines()), *more)
+
 
 class InvalidInput(ToppleError):
     """Wrong use or unreadable input: says what is wrong, where, what was expected and what to do."""

@@ -104,6 +104,10 @@ def _read_with_trimesh(path: Path, what: str) -> tuple[FloatArray, IntArray]:
         faces = np.asarray(getattr(loaded, "faces", np.empty((0, 3))), dtype=np.int64).reshape(-1, 3)
     except OSError:
         raise
+    except ImportError as error:  # trimesh guesses the encoding of what is neither kind of STL
+        raise InvalidInput(
+            f"{what} is no readable {path.suffix[1:].upper()} file: it is cut short, or another kind of file"
+        ) from error
     except Exception as error:  # each of trimesh's readers fails on a broken file in its own way
         reason = " ".join(str(error).split())[:120] or type(error).__name__
         raise InvalidInput(f"{what} is no readable {path.suffix[1:].upper()} file: {reason}") from error

@@ -1,13 +1,16 @@
 """A fault of topple itself has an exit code of its own, one line, and its trace in a file."""
 
 import re
+import subprocess
 import sys
 from pathlib import Path
 from types import ModuleType
 
+import numpy as np
 import pytest
 
 from topple.planner.cli import main as entry
+from topple.topology import InvalidInput
 
 
 def test_a_fault_is_told_apart_from_a_refusal(
@@ -26,3 +29,16 @@ def test_a_fault_is_told_apart_from_a_refusal(
     assert written is not None
     text = Path(written.group(1)).read_text(encoding="utf-8")
     assert text.startswith("topple broken\n") and "Traceback" in text and "1 // 0" in text
+
+
+@pytest.mark.parametrize("closed", ["<&-", ">&-", "2>&-", "<&- >&- 2>&-"])
+def test_closed_streams_are_no_fault(closed: str, tmp_path: Path) -> None:
+    np.savez(tmp_path / "scene.npz", a=np.random.default_rng(0).uniform(0.0, 0.1, (200, 3)))
+    command = f'exec "{sys.executable}" -m topple.planner.cli.main relate '
+    for scene, code in (("scene.npz", 0), ("missing.npz", 2)):
+        done = subprocess.run(["sh", "-c", command + f"{scene} {closed}"], cwd=tmp_path, capture_output=True)
+        assert done.returncode == code, done.stderr
+
+
+def test_the_text_of_an_error_is_one_line() -> None:
+    assert str(InvalidInput("two\nlines")) == "two lines"

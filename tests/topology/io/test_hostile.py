@@ -182,7 +182,7 @@ def test_files_below_the_folder_are_read_and_others_only_where_that_is_allowed(t
     folder(tmp_path / "elsewhere", {"secret.xyz": "0 0 0\n0.1 0 0\n0 0.1 0\n"})
     told = json.dumps({"files": {"a": "../elsewhere/secret.xyz"}})
     scene = folder(tmp_path / "scene", {"scene.json": told})
-    with pytest.raises(InvalidInput, match="not below the folder.*--allow-outside"):
+    with pytest.raises(InvalidInput, match=r"not below the folder.*--allow-outside"):
         load_scene(scene)
     assert load_scene(scene, allow_outside=True).names == ("a",)
     (scene / "link.xyz").symlink_to(tmp_path / "elsewhere" / "secret.xyz")
