@@ -12,6 +12,7 @@ from topple.topology.errors import InvalidInput
 from topple.topology.scene import Mesh
 
 SIDES = 24  # a prism of 24 sides around a cylinder is 0.9 % wider than it
+PARTS = 48  # parts of a concave mesh: a tube as wide as it is high then keeps nine tenths of its bore
 SAMPLES = 6000  # points on a concave mesh's surface: 2 mm apart on something as large as a plate
 NO_VIEWPOINTS = np.empty((0, 3))  # tells `convex_parts` that nothing of the surface is missing
 
@@ -91,7 +92,7 @@ def _of_mesh(mesh: Mesh) -> Sequence[FloatArray]:
         return (mesh.vertices,)
     sampled: Any = trimesh.sample.sample_surface(whole, SAMPLES, seed=0)
     points = np.concatenate([mesh.vertices, np.asarray(sampled[0], dtype=float)])
-    return convex_parts(points, viewpoints=NO_VIEWPOINTS)
+    return convex_parts(points, viewpoints=NO_VIEWPOINTS, most=PARTS, finest=len(points))
 
 
 def _prism(radius: float, length: float) -> FloatArray:

@@ -71,7 +71,8 @@ class _Judge:
             sparse: How much wider the points are spaced than in the whole cloud.
         """
         if hull.dimension < 3:
-            return 0.0
+            complete = self.viewpoints is not None and len(self.viewpoints) == 0
+            return self._bare(points, cuts, hull, sparse) if complete and hull.dimension == 2 else 0.0
         depth = -hull.facet_distance(points)
         rank = len(depth) - 1 - len(depth) // 50
         deep = float(np.partition(depth, rank)[rank])

@@ -69,7 +69,7 @@ def supports(statics: Statics, relations: "Relations") -> tuple[Support, ...]:
 
 def _read(contact: Contact, statics: Statics, relations: "Relations") -> Support | None:
     """The support a contact stands for: the side below its normals carries the other."""
-    up = float(contact.normals[:, 2].mean())
+    up = float(np.median(contact.normals[:, 2]))  # at the rim of a patch normals turn round the edges
     if abs(up) < 0.1:  # a wall beside a wall: nobody carries, unless friction does
         return None
     below, above = (contact.a, contact.b) if up > 0 else (contact.b, contact.a)

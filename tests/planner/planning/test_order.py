@@ -221,11 +221,11 @@ def test_an_object_sunk_into_the_table_is_said() -> None:
     table = np.column_stack([rng.uniform(-0.5, 0.5, (6000, 2)), np.zeros(6000)])
     clouds = {
         "table": table,
-        "sunk": box - np.array([0, 0, 0.05]),
+        "sunk": box - np.array([0, 0, 0.04]),
         "fine": box + np.array([0.2, 0, 0]),
-        "aside": box + np.array([0.45, 0, -0.05]),
+        "aside": box + np.array([0.45, 0, -0.04]),
     }
     said = order(Scene(clouds, fixed=["table"], up=(0, 0, 1))).assumptions
     assert [line for line in said if "into table" in line] == [
-        "sunk reaches 5 cm into table, which no body can: where one of them was seen is wrong by as much"
+        "sunk reaches 4 cm into table, which no body can: where one of them was seen is wrong by as much"
     ]
