@@ -6,7 +6,8 @@ import numpy as np
 
 from topple.planner.motion.exact import ExactPhase
 from topple.planner.motion.model import CollisionModel
-from topple.planner.motion.ompl_search import RANGE, state_of, state_space, values_of
+from topple.planner.motion.ompl_search import state_of, state_space, values_of
+from topple.planner.motion.tolerances import RANGE
 from topple.robots.arm.arm import Arm
 from topple.topology.arrays import BoolArray, FloatArray
 

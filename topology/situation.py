@@ -11,7 +11,8 @@ import numpy as np
 
 from topple.topology.arrays import FloatArray
 from topple.topology.bodies.completed import completed_bodies, with_level_undersides
-from topple.topology.bodies.solids import GRAIN, Solids, moved, solids_of, up_of
+from topple.topology.bodies.solids import Solids, moved, solids_of, up_of
+from topple.topology.bodies.tolerances import GRAIN
 from topple.topology.evidence import Evidence
 from topple.topology.geometry.samples import sampled
 from topple.topology.relations import Relations

@@ -7,7 +7,8 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from topple.topology.arrays import FloatArray, bounds, frozen
-from topple.topology.bodies.tops import SUNK, Tops, tops_of
+from topple.topology.bodies.tolerances import SUNK
+from topple.topology.bodies.tops import Tops, tops_of
 from topple.topology.errors import InvalidInput
 from topple.topology.geometry.axes import level_axes
 from topple.topology.geometry.outline import least_rectangle
@@ -20,8 +21,9 @@ if TYPE_CHECKING:
 _Box = tuple[FloatArray, FloatArray]
 """Least and greatest corner, (3,) each [m]."""
 
-SPACING = 0.004
-"""Voxel edge [m]: half the thickness of a spoon's bowl, and fine enough for centimetre questions."""
+SPACING = 0.003
+"""Voxel edge [m]: half the thickness of a spoon's bowl, and fine enough that what is found hangs little on
+where the cells begin."""
 
 REACH = 0.06
 """Fixed surfaces are kept this far [m] around the objects: further ones carry nothing."""

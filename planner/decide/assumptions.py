@@ -10,8 +10,8 @@ from topple.planner.decide.tolerances import BELOW, DEEP, SHARE, SUNK
 from topple.topology.arrays import FloatArray, bounds
 from topple.topology.bodies.complete import is_hollow
 from topple.topology.statics.grounds import planes_and_rest
-from topple.topology.statics.matter import DENSEST, DENSITY, FRICTION
 from topple.topology.statics.rest import Statics, hull_volume
+from topple.topology.statics.tolerances import DENSEST, DENSITY, FRICTION
 
 if TYPE_CHECKING:
     from topple.topology.scene import Scene

@@ -7,13 +7,11 @@ import numpy as np
 from scipy.optimize import linear_sum_assignment
 from scipy.spatial import KDTree
 
-from topple.planner.execution.tolerances import ELSEWHERE, GONE, LIKENESS, SEEN_THROUGH, STAYED
+from topple.planner.execution.tolerances import ELSEWHERE, GONE, LIKENESS, SEEN_THROUGH, SPACING, STAYED
 from topple.topology.arrays import BoolArray, FloatArray
 from topple.topology.geometry.thin import thinned
 from topple.topology.image import DepthImage
 from topple.topology.scene import Scene
-
-SPACING = 0.005  # [m] between points that are compared: finer than STAYED
 
 
 def associated(

@@ -13,7 +13,8 @@ from topple.robots.arm.arm import Arm
 from topple.robots.poses import inverse
 from topple.robots.scenarios.scenario import around
 from topple.robots.world.camera import Camera
-from topple.robots.world.world import TABLE_FRICTION, World
+from topple.robots.world.tolerances import TABLE_FRICTION
+from topple.robots.world.world import World
 from topple.topology.arrays import FloatArray
 from topple.topology.bodies.solids import fixed_parts, up_of
 from topple.topology.bodies.tops import lowest_in_use, tops_of

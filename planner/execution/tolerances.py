@@ -66,3 +66,8 @@ ELSEWHERE = 0.3
 
 LIKENESS = 4.0
 """[m] of way that a metre of difference in spread counts: a box spreads by a quarter of its edge."""
+
+# -- associate
+
+SPACING = 0.005
+"""[m] between points that are compared: finer than STAYED."""

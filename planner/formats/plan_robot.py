@@ -8,8 +8,9 @@ from typing import TYPE_CHECKING
 
 import msgspec
 
-from topple.robots.arm.gripper import CUP_FRICTION, ParallelJaw, SuctionCup, Tool
+from topple.robots.arm.gripper import ParallelJaw, SuctionCup, Tool
 from topple.robots.arm.gripper_file import Gripper
+from topple.robots.arm.tolerances import CUP_FRICTION
 from topple.topology.errors import InvalidInput
 
 if TYPE_CHECKING:

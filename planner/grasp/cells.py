@@ -10,10 +10,9 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from topple.planner.grasp.tolerances import CELLS_EDGE, GROUP
 from topple.topology.arrays import BoolArray, FloatArray, IntArray
 
-EDGE = 0.012  # [m] of a cell: half as large, a frame takes twice as long, since there are more of them
-GROUP = 0.1  # [m] grasps within cubes of this share what is near them
 MOST = 64  # grasps of a group worked on at once: their tables stay within the processor's cache
 ROUNDING = 1e-9  # [m] by which a cell has to be within or beside a box to count as a whole
 
@@ -56,7 +55,7 @@ class Cells:
     half: FloatArray
 
     @classmethod
-    def of(cls, clouds: Sequence[FloatArray], edge: float = EDGE) -> "Cells":
+    def of(cls, clouds: Sequence[FloatArray], edge: float = CELLS_EDGE) -> "Cells":
         """Gather points.
 
         Args:

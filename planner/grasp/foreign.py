@@ -10,14 +10,11 @@ from typing import Any
 import numpy as np
 
 from topple.planner.grasp.stored import MOST_BYTES, Key, Stored, read_stored
+from topple.planner.grasp.tolerances import HAND_TO_PADS, PAD_HALF
 from topple.topology.arrays import FloatArray, frozen
 from topple.topology.errors import InvalidInput
 from topple.topology.values import ByValue
 
-HAND_TO_PADS = (
-    0.1034  # Panda hand's origin to the middle between its pads, the frame of two of the formats [m]
-)
-PAD_HALF = 0.01  # half a pad's length: GraspNet's depth reaches to the finger tips [m]
 READ = {"pred_grasps_cam", "gripper_openings", "poses", "scores"}  # of an .npz
 GRASPNET_COLUMNS = 17  # score, width, height, depth, rotation (9), translation (3), object
 

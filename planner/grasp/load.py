@@ -8,7 +8,7 @@ from topple.planner.grasp.suction import CupShape
 from topple.planner.grasp.tolerances import HOLD_SPREAD, STRONGEST, WEIGHT_SPREAD
 from topple.robots.arm.gripper import vacuum_load
 from topple.topology.arrays import FloatArray
-from topple.topology.statics.matter import DENSITY
+from topple.topology.statics.tolerances import DENSITY
 
 GRAVITY = 9.81  # [m/s2]
 

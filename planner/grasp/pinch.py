@@ -20,11 +20,11 @@ from topple.planner.grasp.tolerances import (
     OWN_MARGIN,
     PINCH_BRUSH,
     PINCH_TIGHT,
+    ROUGH,
     GraspTolerances,
 )
 from topple.topology.arrays import BoolArray, FloatArray, IntArray
 
-ROUGH = 1e-5  # more than single precision is off by at the size of a hand [m]
 NOTHING = "nothing between the pads"
 WIDE = "wider than the hand opens"
 BELOW = "the hand would go below the ground"

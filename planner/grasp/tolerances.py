@@ -182,3 +182,26 @@ RING = (0.8, 1.4)
 
 SHARES = (1.0, 0.5)
 """Of the way from the opening that was found to the largest, widest first."""
+
+# -- cells
+
+CELLS_EDGE = 0.012
+"""[m] of a cell: half as large, a frame takes twice as long, since there are more of them."""
+
+GROUP = 0.1
+"""[m] grasps within cubes of this share what is near them."""
+
+
+# -- foreign
+
+HAND_TO_PADS = 0.1034
+"""Panda hand's origin to the middle between its pads, the frame of two of the formats [m]."""
+
+PAD_HALF = 0.01
+"""Half a pad's length: GraspNet's depth reaches to the finger tips [m]."""
+
+
+# -- pinch
+
+ROUGH = 1e-5
+"""More than single precision is off by at the size of a hand [m]."""

@@ -3,14 +3,12 @@
 import numpy as np
 
 from topple.planner.motion.collision import Checker
-from topple.planner.motion.tolerances import TURN
+from topple.planner.motion.tolerances import JUMP, SPACING, TURN
 from topple.robots.arm.arm import Arm
 from topple.robots.arm.inverse import InverseTolerances, solve
 from topple.robots.arm.kinematics import rotation_vectors
 from topple.topology.arrays import FloatArray
 
-SPACING = 0.01  # [m] between waypoints: the tool strays less than 0.1 mm from the line in between
-JUMP = 0.25  # [rad] largest joint change between waypoints; more means another branch of solutions
 CONTINUED = InverseTolerances(iterations=16, step=0.2)  # the start is close: few and short steps
 
 

@@ -11,14 +11,9 @@ import numpy as np
 
 from topple.planner.motion.bounds import MotionBounds
 from topple.planner.motion.collision import Checker, Contact
+from topple.planner.motion.tolerances import DEPTH, DIRECTIONS, FINEST, FIRST, PIECES
 from topple.robots.collision.separation import ROUNDING, Candidates, Float32Array, Frames, gaps
 from topple.topology.arrays import BoolArray, FloatArray, IntArray
-
-FIRST = 0.05  # [rad] length of the first intervals, in the largest joint change
-FINEST = 2e-4  # [m] motion within an interval below which a pair that is still open is given to python-fcl
-PIECES = 4  # parts an interval is divided into where a pair is open: fewer, larger batches than by halves
-DEPTH = 12  # levels; a motion of a metre is below FINEST after 7
-DIRECTIONS = 4  # separating directions tried for a pair before its interval is divided
 
 
 @dataclass(frozen=True, eq=False)

@@ -5,10 +5,9 @@ from typing import Any
 import numpy as np
 
 from topple.planner.motion.collision import Checker
+from topple.planner.motion.tolerances import RANGE
 from topple.robots.arm.arm import Arm
 from topple.topology.arrays import FloatArray
-
-RANGE = 1.0  # [rad] longest branch; beats OMPL's default of 20 % of the space in clutter
 
 
 def ompl_path(

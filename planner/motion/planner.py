@@ -10,14 +10,18 @@ from topple.planner.motion.certificate import Certificate, Certifier
 from topple.planner.motion.collision import Checker, Contact
 from topple.planner.motion.rrt import rrt_connect
 from topple.planner.motion.shortcut import densely, length, shortcut
-from topple.planner.motion.tolerances import CLEARANCE, EDGE_STEP, PATIENCE, RELAXED
+from topple.planner.motion.tolerances import (
+    ATTEMPTS,
+    CLEARANCE,
+    DIRECT,
+    EDGE_STEP,
+    OWN_SHARE,
+    PATIENCE,
+    RELAXED,
+)
 from topple.topology.arrays import BoolArray, FloatArray, frozen
 from topple.topology.errors import InvalidInput
 from topple.topology.rounded import rounded
-
-DIRECT = 16  # goals tried by a straight edge: the nearest with the first check, then the others at once
-ATTEMPTS = 4  # searches with different seeds before a path that could not be certified is returned
-OWN_SHARE = 0.7  # of the time left, for our own search; the rest is OMPL's
 
 
 @dataclass(frozen=True, eq=False)

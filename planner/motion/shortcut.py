@@ -5,11 +5,11 @@ from itertools import pairwise
 
 import numpy as np
 
+from topple.planner.motion.tolerances import SHORTCUT_ROUNDS
 from topple.topology.arrays import BoolArray, FloatArray
 
 POINTS = 16  # points a path is divided into; 24 give paths 2 % shorter in twice the time
 TRIES = 32  # alternatives checked with the best path in one batch: mostly one batch is then enough
-ROUNDS = 40  # batches before what is known must do
 
 EdgesFree = Callable[[FloatArray, FloatArray], BoolArray]
 
@@ -76,7 +76,7 @@ def _shortest(points: FloatArray, edges_free: EdgesFree, trusted: bool) -> Float
     count = len(points)
     cost = np.linalg.norm(points[:, None] - points[None], axis=2)
     known = np.eye(count, k=1, dtype=np.bool_) & trusted
-    for _ in range(ROUNDS):
+    for _ in range(SHORTCUT_ROUNDS):
         best, ahead, behind = _best_way(cost)
         if not np.isfinite(ahead[-1]):
             return None

@@ -37,3 +37,68 @@ STEP = 0.01
 
 WITHIN = 0.6
 """Share of the tilt that states are turned back to: the rest is for the edges between them."""
+
+# -- cartesian
+
+SPACING = 0.01
+"""[m] between waypoints: the tool strays less than 0.1 mm from the line in between."""
+
+JUMP = 0.25
+"""[rad] largest joint change between waypoints; more means another branch of solutions."""
+
+
+# -- certificate
+
+FIRST = 0.05
+"""[rad] length of the first intervals, in the largest joint change."""
+
+FINEST = 2e-4
+"""[m] motion within an interval below which a pair that is still open is given to python-fcl."""
+
+PIECES = 4
+"""Parts an interval is divided into where a pair is open: fewer, larger batches than by halves."""
+
+DEPTH = 12
+"""Levels; a motion of a metre is below FINEST after 7."""
+
+DIRECTIONS = 4
+"""Separating directions tried for a pair before its interval is divided."""
+
+
+# -- ompl_search
+
+RANGE = 1.0
+"""[rad] longest branch; beats OMPL's default of 20 % of the space in clutter."""
+
+
+# -- planner
+
+DIRECT = 16
+"""Goals tried by a straight edge: the nearest with the first check, then the others at once."""
+
+ATTEMPTS = 4
+"""Searches with different seeds before a path that could not be certified is returned."""
+
+OWN_SHARE = 0.7
+"""Of the time left, for our own search; the rest is OMPL's."""
+
+
+# -- shortcut
+
+SHORTCUT_ROUNDS = 40
+"""Batches before what is known must do."""
+
+
+# -- trajectory
+
+PERIOD = 1 / 240
+"""[s] sampling of a trajectory: one PyBullet step."""
+
+
+# -- upright
+
+UPRIGHT_ROUNDS = 12
+"""Steps of turning back; tilts of 0.5 rad take five."""
+
+DAMPING = 1e-3
+"""Of the least squares that turn a state upright, in [rad²]: steps stay short where a joint hardly helps."""

@@ -4,11 +4,9 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from topple.planner.motion.tolerances import CORNER_SHARE
+from topple.planner.motion.tolerances import CORNER_SHARE, PERIOD
 from topple.robots.arm.arm import Arm
 from topple.topology.arrays import FloatArray, frozen
-
-PERIOD = 1 / 240  # [s] sampling of a trajectory: one PyBullet step
 
 
 @dataclass(frozen=True, eq=False)

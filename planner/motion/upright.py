@@ -10,13 +10,11 @@ from topple.planner.motion.collision import Checker
 from topple.planner.motion.planner import Motion, MotionFailure, keeping
 from topple.planner.motion.rrt import RRTSettings, rrt_connect
 from topple.planner.motion.shortcut import shortcut
-from topple.planner.motion.tolerances import CLEARANCE, STEP, WITHIN
+from topple.planner.motion.tolerances import CLEARANCE, DAMPING, STEP, UPRIGHT_ROUNDS, WITHIN
 from topple.robots.arm.arm import Arm
 from topple.topology.arrays import BoolArray, FloatArray
 
-ROUNDS = 12  # steps of turning back; tilts of 0.5 rad take five
 REACH = RRTSettings(reach=0.35)  # [rad] longer branches leave the band of small tilts more often than not
-DAMPING = 1e-3
 
 
 @dataclass(frozen=True, eq=False)
@@ -65,7 +63,7 @@ class Upright:
     def turned_back(self, q: FloatArray) -> FloatArray:
         """States (m, n) moved the least way that brings their tilt well within the limit."""
         q = np.array(q)
-        for _ in range(ROUNDS):
+        for _ in range(UPRIGHT_ROUNDS):
             over = np.flatnonzero(self.tilts(q) > WITHIN * self.tilt)
             if not len(over):
                 break

@@ -38,7 +38,8 @@ class Drops:
         loose: Collection[str] = (),
         scene: Scene | None = None,
     ) -> None:
-        from topple.robots.world.bodies import FRICTION, Body  # pybullet only where something is dropped
+        from topple.robots.world.bodies import Body
+        from topple.robots.world.tolerances import FRICTION
         from topple.robots.world.world import World
 
         def body(which: str) -> Body:

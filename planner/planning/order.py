@@ -78,7 +78,8 @@ def order(
     notes: dict[str, Any] = {}
     said = (*scene.assumptions, *assumed(scene, statics))
     if verify:
-        from topple.planner.simulate.votes import BUDGET, ask, chances, confirmed  # pybullet only if wanted
+        from topple.planner.simulate.tolerances import BUDGET
+        from topple.planner.simulate.votes import ask, chances, confirmed
 
         votes = ask(statics, full, seed, started + (BUDGET if budget is None else max(budget, 0.0)))
         chance = chances(chance, votes, len(scene.viewpoints) or None)

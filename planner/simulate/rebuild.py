@@ -8,9 +8,10 @@ from scipy.spatial import ConvexHull
 
 from topple.planner.simulate.seating import Seat, Shape, balanced, floor_cut, part, seat
 from topple.planner.simulate.tolerances import EDGE, FEWEST, FILLED, INTRUDERS, SLAB
-from topple.robots.world.bodies import FRICTION, Body
+from topple.robots.world.bodies import Body
 from topple.robots.world.body_clouds import Piece, shell, solid
-from topple.robots.world.world import TABLE_FRICTION, World
+from topple.robots.world.tolerances import FRICTION, TABLE_FRICTION
+from topple.robots.world.world import World
 from topple.topology.arrays import FloatArray
 from topple.topology.bodies.complete import is_hollow
 from topple.topology.statics.grounds import planes_and_rest

@@ -19,16 +19,13 @@ from topple.planner.simulate.tolerances import (
     NEAR,
     SEEN_WEIGHT,
     SLACK,
+    STEPS,
     SURELY,
 )
 from topple.robots.collision.convex import hull_of
 from topple.robots.world.body_clouds import Piece
 from topple.topology.arrays import BoolArray, FloatArray, IntArray
 from topple.topology.views.free_space import FreeSpace
-
-STEPS = (0.006, 0.012, 0.025, 0.05)
-"""Further gaps [m] that are closed under a hidden underside until the weight lies over what carries it."""
-
 
 Shape = list[Piece]
 

@@ -83,3 +83,14 @@ to rest was rebuilt wrongly: what simulation says about it is believed less."""
 
 NOISE = (0.0003, 0.001)
 """Where bodies may really be (standard deviation [m]), by whole clouds and by what cameras saw."""
+
+# -- seating
+
+STEPS = (0.006, 0.012, 0.025, 0.05)
+"""Further gaps [m] that are closed under a hidden underside until the weight lies over what carries it."""
+
+
+# -- votes
+
+BUDGET = 20.0
+"""Seconds that checking a pile of eight may take on two cores."""

@@ -14,11 +14,8 @@ from topple.planner.decide.dependency import Dependency, DependencyGraph, Reason
 from topple.planner.decide.rates import posterior, rates_for
 from topple.planner.simulate.lifts import Move, Stage, Trial
 from topple.planner.simulate.rebuild import rebuild
-from topple.planner.simulate.tolerances import FRICTIONS, NOISE, RESERVE, TRUSTED
+from topple.planner.simulate.tolerances import BUDGET, FRICTIONS, NOISE, RESERVE, TRUSTED
 from topple.topology.statics.rest import Statics
-
-BUDGET = 20.0
-"""Seconds that checking a pile of eight may take on two cores."""
 
 
 @dataclass(frozen=True, eq=False)

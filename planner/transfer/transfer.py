@@ -20,7 +20,7 @@ from topple.planner.transfer.stages import Stage, Upright, segments_of
 from topple.planner.transfer.tolerances import LEVEL, MARGIN, NARROW, TIRED
 from topple.robots.arm.arm import Arm
 from topple.topology.arrays import FloatArray, frozen
-from topple.topology.bodies.solids import GRAIN
+from topple.topology.bodies.tolerances import GRAIN
 from topple.topology.errors import UnknownObject
 from topple.topology.geometry.samples import sampled
 from topple.topology.scene import Scene

@@ -8,7 +8,7 @@ from scipy.spatial import ConvexHull
 from topple.planner.formats.plan_format import Plan, Step
 from topple.planner.grasp.grasp import KINDS, GraspKind
 from topple.planner.verify.bodies import parts_of
-from topple.planner.verify.tolerances import CLOSED, FEWEST_BETWEEN, LIP, OPENED, REACHED
+from topple.planner.verify.tolerances import CLOSED, FEWEST_BETWEEN, LIP, OPENED, REACHED, SPACING
 from topple.robots.arm.arm import Arm
 from topple.robots.arm.gripper import ToolState
 from topple.robots.collision.fcl_bodies import fcl_body
@@ -16,8 +16,6 @@ from topple.robots.poses import inverse
 from topple.topology.arrays import FloatArray
 from topple.topology.bodies.solids import level_axes
 from topple.topology.geometry.samples import sampled
-
-SPACING = 0.002  # [m] between the points of a body that are looked for between the pads
 
 
 class Grip:

@@ -91,3 +91,14 @@ UPWARD = 0.001
 
 SAME = 0.002
 """[m] bodies made of the same clouds are the same but for what writing them with six digits moves."""
+
+# -- grip
+
+SPACING = 0.002
+"""[m] between the points of a body that are looked for between the pads."""
+
+
+# -- verify
+
+STEP = 0.002
+"""[rad] between the states that python-fcl looks at."""

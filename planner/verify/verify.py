@@ -15,13 +15,13 @@ from topple.planner.verify.motions import check_motions
 from topple.planner.verify.outcome import check_goal, check_precedence
 from topple.planner.verify.replay import Replay, SegmentReplay
 from topple.planner.verify.rest import RestCheck
+from topple.planner.verify.tolerances import STEP
 from topple.robots.arm.arm import Arm
 from topple.robots.catalog import robot as robot_named
 from topple.topology.errors import InvalidInput
 from topple.topology.scene import Scene
 from topple.topology.situation import Situation
 
-STEP = 0.002  # [rad] between the states that python-fcl looks at
 COARSE = 5  # PyBullet looks at every fifth of them: 0.01 rad
 NO_SCENE = "no scene was given"
 

@@ -6,6 +6,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from topple.robots.arm.tolerances import CUP_FRICTION
 from topple.topology.arrays import FloatArray
 
 
@@ -74,9 +75,6 @@ class ParallelJaw:
             order = np.argsort(column)
             found.append(float(np.interp(values[name], column[order], self.openings[order])))
         return float(np.mean(found))
-
-
-CUP_FRICTION = 0.5  # of a cup on dry wood, metal, glass or stone; 0.2 to 0.3 where they are wet (Schmalz)
 
 
 def vacuum_load(

@@ -10,7 +10,7 @@ import msgspec
 import numpy as np
 
 from topple.robots.arm.elements import pose_from_xyz_rpy
-from topple.robots.arm.gripper import CUP_FRICTION
+from topple.robots.arm.tolerances import CUP_FRICTION
 from topple.robots.arm.urdf import Model
 from topple.topology.arrays import FloatArray
 from topple.topology.errors import InvalidInput

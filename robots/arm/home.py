@@ -6,15 +6,12 @@ import numpy as np
 
 from topple.robots.arm.arm import Arm
 from topple.robots.arm.self_collision import colliding_pairs, parts_in_frames
+from topple.robots.arm.tolerances import ABOVE, CLEAR, HEIGHTS, SHARES
 from topple.robots.collision.separation import Candidates, Frames, gaps
 from topple.topology.arrays import FloatArray
 
-SHARES = (0.4, 0.5, 0.6)  # of the arm's reach, how far in front the tool is
-HEIGHTS = (0.25, 0.35, 0.45)  # of the reach, how high above the base's foot
 TURNS = 4  # of the hand about the vertical
 SEEDS = 48
-CLEAR = (0.01, -0.004)  # [m] between links, wanted and at least: distances are known to the hulls' 4 mm
-ABOVE = -0.01  # [m] nothing that moves is deeper below the foot of the base
 DRAWN = 4096  # states drawn where inverse kinematics finds none: arms of fewer than six joints
 
 

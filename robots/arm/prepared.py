@@ -15,17 +15,15 @@ import numpy as np
 
 from topple.robots.arm.compose import stored
 from topple.robots.arm.shapes import find_mesh
+from topple.robots.arm.tolerances import DENSITY, TORQUE, TURNING
 from topple.robots.arm.urdf import Model, model_of
 from topple.robots.collision.convex import hull_of
 from topple.topology.arrays import FloatArray, IntArray
 
 SHOWN = (".obj", ".stl", ".dae")  # visual meshes that PyBullet draws
-DENSITY = 1000.0  # [kg/m3] of a link without a mass, its hull filled: motors and air on the whole
 LIGHTEST, HEAVIEST = 0.01, 20.0  # [kg] of such a link
 EFFORT = {"prismatic": 200.0}  # [N] of a joint without an effort
-TORQUE = 150.0  # [N m] likewise: enough to hold an arm of 20 kg stretched out
 SPEED = {"prismatic": 0.25}  # [m/s] of a joint without a velocity limit
-TURNING = 1.0  # [rad/s] likewise: a third of what arms of this size do
 
 
 def prepared(

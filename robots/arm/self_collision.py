@@ -6,12 +6,11 @@ from itertools import combinations
 import numpy as np
 
 from topple.robots.arm.kinematics import Chain
+from topple.robots.arm.tolerances import ALWAYS, NEAR
 from topple.robots.collision.separation import Candidates, ConvexSets, Frames, gaps
 from topple.topology.arrays import BoolArray, FloatArray
 
 SAMPLES = 4096  # a pair that meets in 0.1 % of the states is then missed once in sixty
-NEAR = 0.005  # [m] pairs that come this close are kept too, which makes missing one rarer still
-ALWAYS = 0.9  # share of states above which two links overlap by construction of their hulls
 
 
 def colliding_pairs(

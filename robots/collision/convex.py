@@ -6,9 +6,8 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.spatial import ConvexHull, QhullError
 
+from topple.robots.collision.tolerances import REDUCTION
 from topple.topology.arrays import FloatArray, IntArray, frozen
-
-REDUCTION = 0.004  # [m] vertices this close to the hull of the others go; the error is kept as a margin
 
 
 def hull_of(points: FloatArray) -> tuple[FloatArray, IntArray]:

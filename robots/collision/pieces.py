@@ -13,12 +13,10 @@ import numpy as np
 from scipy.spatial import ConvexHull, QhullError
 
 from topple.robots.collision.convex import hull_of
+from topple.robots.collision.tolerances import GAIN, IN_PLANE, MOST
 from topple.topology.arrays import FloatArray
 
-MOST = 8  # pieces of one surface: each costs every collision check
-GAIN = 0.2  # share of the whole volume that a cut has to save: of a fork most goes, of a tube little
 PLACES = 5  # where an axis is cut, at the vertices nearest to them: steps have vertices
-IN_PLANE = 1e-6  # [m] a face this near to a plane is a side of what is behind it, whose other faces meet it
 SAMPLE = 300  # triangles that a cut is judged by, which takes a millisecond; all of them are cut
 
 

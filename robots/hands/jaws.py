@@ -14,21 +14,23 @@ from topple.robots.arm.gripper import ParallelJaw, Tool, ToolState
 from topple.robots.arm.gripper_file import Jaw, pose_of_offset
 from topple.robots.arm.urdf import Model
 from topple.robots.hands.fingers import Fingers, moves, rigid_groups
+from topple.robots.hands.tolerances import (
+    FLAT,
+    FORCE,
+    LEAST_PAD,
+    LEAST_STROKE,
+    LONGEST_PAD,
+    OVERLAP,
+    STRONGEST,
+    TIP,
+    USUAL_PAD,
+)
 from topple.robots.poses import inverse
 from topple.topology.arrays import FloatArray
 from topple.topology.errors import InvalidInput
 
 SAMPLES = 17  # joint values at which the distance of the pads is measured: linkages are not linear
-LEAST_STROKE = 0.005  # [m] that pads come closer at least, else it is no jaw
-OVERLAP = 0.002  # [m] by which the hulls of closed pads may overlap: rubber, or rough meshes
-FLAT = (0.0005, 0.0015, 0.003)  # [m] what is this close to a finger's innermost vertex belongs to its pad
-TIP = 0.5  # share of a finger, from its tip, in which the pad is looked for
-LONGEST_PAD = 0.04  # [m] from the tip: what is farther back does not hold
-USUAL_PAD = 0.008  # [m] of a flat pad at least; one that is less is round or rough: more of it counts
-LEAST_PAD = 0.004  # [m] extent given to pads that touch in a line or a point
 SNAP = np.cos(np.radians(20.0))  # a hand points along an axis of its mounting link, if one is this near
-FORCE = 40.0  # [N] where the URDF states no effort: small electric jaws close with 20 to 80
-STRONGEST = 100.0  # [N] of a jaw whose URDF states more: efforts of simulations are often made up
 
 
 def measured_jaw(model: Model, fingers: Fingers, given: Jaw | None = None) -> Tool | None:

@@ -8,19 +8,16 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from topple.robots.collision.convex import hull_of
+from topple.robots.world.tolerances import FRICTION, ROLLING
 from topple.topology.arrays import FloatArray, IntArray, frozen
 from topple.topology.checks import as_name, as_points
 from topple.topology.errors import InvalidInput
 from topple.topology.scene import Mesh
-from topple.topology.statics.matter import DENSITY
+from topple.topology.statics.tolerances import DENSITY
 
 Color = tuple[float, float, float, float]
 Hulls = Sequence[tuple[FloatArray, IntArray]]
 GREY: Color = (0.6, 0.6, 0.62, 1.0)
-FRICTION = (
-    0.7  # PyBullet multiplies: two household things then touch with 0.5, between glaze (0.3) and card (0.7)
-)
-ROLLING = 5e-4  # [m] lever of the rolling resistance: 1.5 % of a can's radius, as for thin steel on wood
 
 
 @dataclass(frozen=True, eq=False)

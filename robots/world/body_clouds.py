@@ -7,36 +7,18 @@ import numpy as np
 from scipy.spatial import ConvexHull, KDTree, QhullError
 
 from topple.robots.collision.convex import hull_of, reduced
+from topple.robots.world.tolerances import (
+    AGREED,
+    BENT,
+    DEEP,
+    DETAIL,
+    ONE_PLANE,
+    PIECE,
+    SHARED,
+    SMOOTHED,
+    WALL,
+)
 from topple.topology.arrays import FloatArray, IntArray
-
-PIECE = 0.028
-"""Size [m] below which a piece of a shell is not halved: on the wall of a mug (radius 4 cm) it is 2.4 mm off
-the middle."""
-
-BENT = 0.0025
-"""Depth [m] in its own hull up to which a piece of a shell is not halved: what it fills of the hollow."""
-
-DEEP = 0.9
-"""Share of a piece's points that must not lie deeper: noise and the fillets of a foot do."""
-
-SHARED = 0.005
-"""Points this close [m] to a piece belong to it, too: no gap opens between pieces."""
-
-WALL = 0.004
-"""Thickness [m] of a wall of which one side was seen: that of plates, bowls and mugs."""
-
-SMOOTHED = 24
-"""Points over whose plane noise is averaged: a disc of 1.1 cm radius on a cloud thinned to 4 mm."""
-
-ONE_PLANE = 0.06
-"""Neighbours whose spread across their plane is less than this share (of the variance) lie in one: at a right
-edge it is a quarter, on both sides of a wall a tenth and more, with noise on a face a thirtieth."""
-
-DETAIL = 0.001
-"""A hull keeps this much [m] of its detail: below the noise, and balls get by with a few dozen corners."""
-
-AGREED = 0.5
-"""Share by which the cameras must agree on the side of a wall they look at."""
 
 
 @dataclass(frozen=True, eq=False)

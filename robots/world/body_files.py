@@ -6,7 +6,8 @@ from typing import Any
 
 import numpy as np
 
-from topple.robots.world.bodies import FRICTION, GREY, Body
+from topple.robots.world.bodies import GREY, Body
+from topple.robots.world.tolerances import FRICTION
 from topple.topology.arrays import FloatArray
 from topple.topology.errors import InvalidInput
 from topple.topology.scene import Mesh

@@ -9,11 +9,11 @@ from typing import Any
 
 from topple.robots.world.camera import Camera
 from topple.robots.world.simulated_arm import SimulatedArm
+from topple.robots.world.tolerances import BACK
 from topple.topology.errors import InvalidInput, NotInstalled
 
 RATE = 12  # pictures a second of simulated time: motion is smooth, and drawing stays a small part of a run
 SIZE = (480, 360)  # [pixels]
-BACK = 0.4  # [m] behind the depth camera: the arm fits into the picture
 
 
 class Film:

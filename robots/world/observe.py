@@ -9,18 +9,15 @@ from numpy.typing import ArrayLike
 
 from topple.robots.engine import pybullet
 from topple.robots.tolerances import TOLERANCES
+from topple.robots.world.tolerances import AROUND, CELLS, DEEPEST, LARGEST
 from topple.topology.arrays import FloatArray
 from topple.topology.errors import InvalidInput, UnknownObject
 from topple.topology.scene import Scene
 from topple.topology.statics.matter import ROUGHEST
 
 RAYS = 16_000  # a call: PyBullet takes at most 16384
-CELLS = 24  # rays along an edge of a body's box at most: large boxes get a coarser grid
-DEEPEST = 8  # parts of other bodies a ray may meet before the one it is meant for
 STEP = 2e-4  # [m] behind a surface where the ray goes on
-LARGEST = 5.0  # [m] what is larger is ground, and cut to the others' surroundings
 NAMELESS = frozenset(("", "baseLink", "base_link", "base", "link0"))  # what anything is called
-AROUND = 0.25  # [m] of ground kept beyond the others
 DIRECTIONS = np.array([d for d in itertools.product((-1, 0, 1), repeat=3) if 0 < np.abs(d).sum() < 3], float)
 
 

@@ -8,16 +8,11 @@ import numpy as np
 from topple.robots.arm.gripper import SuctionCup, vacuum_load
 from topple.robots.engine import pybullet
 from topple.robots.poses import inverse, pose_from, position_and_quaternion
+from topple.robots.world.tolerances import AT_LIMIT, CLEAR, CONSTRAINT_ERP, PEEL_STEPS, REACH, TILT
 from topple.robots.world.world import World
 from topple.topology.arrays import FloatArray
 
 RAYS = 16  # around the lip: 6 mm apart on a 30 mm cup, narrower than what a bellows bridges
-CLEAR = 2.5e-3  # [m] the rays pass the cup's own body, which PyBullet pads by some 2 mm in ray tests
-REACH = 0.01  # [m] how far before and behind the lip the rays look
-TILT = np.radians(15)  # a bellows cup aligns itself with a surface tilted up to about this
-CONSTRAINT_ERP = 0.2  # error reduction: share of a constraint's error that Bullet removes in a step
-AT_LIMIT = 0.99  # share of a limit from which a constraint counts as at it: along an axis it says no more
-PEEL_STEPS = 3  # in a row at the limit until the lip is off: rubber gives way, contact spikes do not
 
 
 @dataclass

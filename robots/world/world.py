@@ -14,11 +14,9 @@ from topple.robots.engine import pybullet
 from topple.robots.poses import inverse, pose_from, position_and_quaternion
 from topple.robots.tolerances import TOLERANCES
 from topple.robots.world.bodies import Body
+from topple.robots.world.tolerances import TABLE_FRICTION, THICKNESS
 from topple.topology.arrays import FloatArray
 from topple.topology.errors import InvalidInput, UnknownObject
-
-THICKNESS = 0.04  # [m] of a table top
-TABLE_FRICTION = 0.85  # times the 0.7 of household things: 0.6, as measured on unpolished wood
 
 
 @dataclass(frozen=True)

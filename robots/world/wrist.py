@@ -8,9 +8,8 @@ import numpy as np
 
 from topple.robots.arm.arm import Arm
 from topple.robots.engine import pybullet
+from topple.robots.world.tolerances import WEAK
 from topple.topology.arrays import FloatArray
-
-WEAK = 1e-2  # share of the strongest direction below which joint torques tell of no force: near a singularity
 
 
 @dataclass(frozen=True)

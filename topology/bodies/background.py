@@ -6,29 +6,17 @@ import numpy as np
 from scipy import ndimage
 
 from topple.topology.arrays import BoolArray, FloatArray, bounds
+from topple.topology.bodies.tolerances import (
+    BACKGROUND_FEWEST,
+    NEAR,
+    ON,
+    OVER,
+    PLANES,
+    STANDS,
+    VOXEL,
+)
 from topple.topology.geometry.axes import perpendiculars
 from topple.topology.geometry.plane import fit_plane
-
-NEAR = 0.3
-"""Distance [m] from the objects within which their table is looked for: a tall jug seen from above."""
-
-PLANES = 6
-"""Planes looked at, the largest first: table, floor, walls, and the sides of what stands about."""
-
-FEWEST = 200
-"""Points of a plane that may be a table: less is the side of something small."""
-
-STANDS = 0.03
-"""Distance [m] from a plane to which what stands on it is seen to reach: noise and a mask's margin."""
-
-OVER = 0.8
-"""Share of the objects that must lie over the plane; one or two may stand past its edge, lower."""
-
-ON = 0.02
-"""Distance [m] from its plane that a seen table strays: depth noise and a board that bends."""
-
-CELL = 0.05
-"""Edge [m] of the cells in which the table's extent hangs together: what is thin hides less of it."""
 
 
 def find_table(
@@ -53,12 +41,12 @@ def find_table(
     best = (-1, 0)
     table: FloatArray | None = None
     for _ in range(PLANES):
-        if len(left) < FEWEST:
+        if len(left) < BACKGROUND_FEWEST:
             break
         plane, _ = fit_plane(left)
         on = _on(left, plane)
         count = int(on.sum())
-        if count < FEWEST:
+        if count < BACKGROUND_FEWEST:
             break
         score = (_standing(plane, clouds, viewpoints), count)
         if score > best and score[0] >= 0:
@@ -102,7 +90,7 @@ def _connected(points: FloatArray, plane: FloatArray, clouds: Mapping[str, Float
     axes = np.stack(perpendiculars(plane[:3]), axis=1)  # (3, 2)
     places, covered = points @ axes, np.concatenate(list(clouds.values())) @ axes
     corner = np.minimum(places.min(axis=0), covered.min(axis=0))
-    cells, hidden = (np.floor((each - corner) / CELL).astype(np.int64) for each in (places, covered))
+    cells, hidden = (np.floor((each - corner) / VOXEL).astype(np.int64) for each in (places, covered))
     occupied = np.zeros(np.maximum(cells.max(axis=0), hidden.max(axis=0)) + 1, dtype=np.bool_)
     occupied[tuple(cells.T)] = occupied[tuple(hidden.T)] = True
     parts = np.zeros(occupied.shape, dtype=np.int32)

@@ -7,6 +7,7 @@ import numpy as np
 from scipy.spatial import ConvexHull, Delaunay, KDTree, QhullError
 
 from topple.topology.arrays import FloatArray, bounds
+from topple.topology.bodies.tolerances import BARE, COMPLETE_CLOSED, MOUTH, OUTSIDE, REFUTED, ROUND_REFUTED
 from topple.topology.geometry.axes import perpendiculars
 from topple.topology.geometry.normals import patch_planes
 from topple.topology.geometry.outline import least_rectangle
@@ -15,29 +16,11 @@ from topple.topology.geometry.thin import cell_keys, voxel_means
 from topple.topology.upright import SPACING, Upright
 from topple.topology.views.free_space import FreeSpace
 
-BARE = 0.01
-"""A place on the hull this far [m] from every point has no surface near it: twice a cloud's spacing."""
-
 BLOCK = 1 << 16
 """Pairs of a cell and a triangle looked at at once (0.5 MB)."""
 
 SAMPLES = 400
 """Places on a hull that are looked at: a mouth of a tenth of its surface is 40 of them."""
-
-MOUTH = 0.1
-"""Share of the hull's surface that is mouth from which a body counts as hollow: a mug's is a sixth."""
-
-CLOSED = 0.6
-"""Share of the underside with points on it from which a cloud without viewpoints counts as whole."""
-
-REFUTED = 0.35
-"""Share of a guess that lies in space seen to be empty, from which the symmetry behind it is given up."""
-
-ROUND_REFUTED = 0.25
-"""The same for a round body, whose own outline leaves nothing to be refuted but noise."""
-
-OUTSIDE = 0.8
-"""Share of the seen points that are on the outside of a round body: noise turns some at its outline."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -323,7 +306,7 @@ def _is_closed(points: FloatArray, hull: ConvexHull) -> bool:
     if len(underside) == 0:
         return True
     distance, _ = KDTree(points).query(underside)
-    return bool((distance < 2.5 * SPACING).mean() > CLOSED)
+    return bool((distance < 2.5 * SPACING).mean() > COMPLETE_CLOSED)
 
 
 def _mouth_share(points: FloatArray, hull: ConvexHull, sight: FreeSpace | None) -> float:

@@ -12,12 +12,8 @@ from scipy.spatial import ConvexHull, QhullError
 
 from topple.topology.arrays import FloatArray
 from topple.topology.bodies.solids import Solids, hull_vertices, level_axes
+from topple.topology.bodies.tolerances import BENT, COMPLETED_LEVEL, RAGGED, SPACING
 from topple.topology.geometry.samples import sampled
-
-RAGGED = 0.008  # [m] the seen underside of a flat foot is uneven by: three times the noise of a depth camera
-BENT = 0.06  # of a body's height is at most taken for noise: a ball's underside so high is a quarter as wide
-LEVEL = 0.5  # of its outline has to be that low: then it is a foot, not a rounding
-SPACING = 0.006  # [m] between the points of an underside that is looked at
 
 
 def completed_bodies(
@@ -72,7 +68,7 @@ def _levelled(parts: Sequence[FloatArray], up: FloatArray) -> Sequence[FloatArra
         foot, outline = ConvexHull(low @ axes.T), ConvexHull(corners @ axes.T)
     except (QhullError, ValueError):
         return parts
-    if foot.volume < LEVEL * outline.volume:  # areas, in the plane
+    if foot.volume < COMPLETED_LEVEL * outline.volume:  # areas, in the plane
         return parts
     level = low[foot.vertices]
     level = level - np.outer(level @ up - bottom, up)

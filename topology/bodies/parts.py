@@ -12,21 +12,16 @@ import numpy as np
 from scipy.spatial import KDTree
 
 from topple.topology.arrays import BoolArray, FloatArray
+from topple.topology.bodies.tolerances import FRACTIONS, PARTS_FEWEST, SECTION
 from topple.topology.geometry.hull import Hull
 from topple.topology.geometry.thin import thinned
 
-FRACTIONS = (0.25, 0.5, 0.75)
-"""Where cuts are tried along each axis, as quantiles of the points: enough to find a handle or a wall."""
 SEARCHED = 300
 """Points that judge a cut: its hulls then take half a millisecond."""
-FEWEST = 12
-"""Points below which a piece is not cut again: its hull follows single points."""
 FACE_SAMPLES = 96
 """Places on a hull that are compared with the cloud: a bare mouth covers a good part of them."""
 OUTLINE = 400
 """Points of the whole object that tell whether it goes on beyond a cut."""
-SECTION = 0.9
-"""Cosine above which a face by a cut is the cut's own section, where a solid has no surface."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -217,7 +212,7 @@ def _cut(piece: _Piece, judge: _Judge) -> tuple[_Piece, _Piece] | None:
     _, axis, limit = best
     along = points @ axis
     low, high = points[along <= limit], points[along > limit]
-    if min(len(low), len(high)) < FEWEST:
+    if min(len(low), len(high)) < PARTS_FEWEST:
         return None
     cuts = (*piece.cuts, (axis, limit))
     return judge.piece(low, cuts), judge.piece(high, cuts)

@@ -7,13 +7,9 @@ from scipy.spatial import KDTree
 
 from topple.topology.arrays import BoolArray, FloatArray, IntArray
 from topple.topology.bodies.parts import convex_parts
+from topple.topology.bodies.tolerances import AROUND, LINKED, PLATES_FEWEST, PLATES_LEAST, THICK
 
-THICK = 0.006  # both faces of a thin wall and the depth noise of each belong to one plate [m]
-AROUND = 0.02  # a plate's direction is taken from the points this close together [m]
 TRIES = 150  # points that a plate is looked for at: a wall with a twentieth of all points is not missed
-LEAST = 0.04  # share of the points a plate has at least; what is left over is cut into convex parts
-LINKED = 0.015  # points this close belong together [m]
-FEWEST = 12  # points of a piece that counts: fewer are noise
 
 
 def plates_of(cloud: FloatArray, tolerance: float, seed: int = 0) -> tuple[FloatArray, ...]:
@@ -32,9 +28,9 @@ def plates_of(cloud: FloatArray, tolerance: float, seed: int = 0) -> tuple[Float
     rng = np.random.default_rng(seed)
     found: list[FloatArray] = []
     rest = cloud
-    while len(rest) > max(FEWEST, LEAST * len(cloud)):
+    while len(rest) > max(PLATES_FEWEST, PLATES_LEAST * len(cloud)):
         flat = _largest_plane(rest, rng)
-        if flat.sum() < max(FEWEST, LEAST * len(cloud)):
+        if flat.sum() < max(PLATES_FEWEST, PLATES_LEAST * len(cloud)):
             break
         for piece in _pieces(rest[flat]):
             found += convex_parts(piece, THICK)
@@ -50,7 +46,7 @@ def _largest_plane(points: FloatArray, rng: np.random.Generator) -> BoolArray:
     best = np.zeros(len(points), dtype=np.bool_)
     for index in rng.permutation(len(points))[:TRIES]:
         near = points[tree.query_ball_point(points[index], AROUND)]
-        if len(near) < FEWEST:
+        if len(near) < PLATES_FEWEST:
             continue
         flat = _beside(points, near)
         if flat.sum() > best.sum():
@@ -73,4 +69,4 @@ def _pieces(points: FloatArray) -> list[FloatArray]:
     links = coo_matrix((np.ones(len(pairs)), (pairs[:, 0], pairs[:, 1])), shape=(len(points),) * 2)
     count, which = connected_components(links, directed=False)
     number: IntArray = np.asarray(which)
-    return [points[number == k] for k in range(count) if np.count_nonzero(number == k) >= FEWEST]
+    return [points[number == k] for k in range(count) if np.count_nonzero(number == k) >= PLATES_FEWEST]

@@ -8,7 +8,17 @@ from scipy.spatial import ConvexHull, QhullError
 
 from topple.topology.arrays import BoolArray, FloatArray
 from topple.topology.bodies.parts import convex_parts
-from topple.topology.bodies.plates import FEWEST, plates_of
+from topple.topology.bodies.plates import plates_of
+from topple.topology.bodies.tolerances import (
+    BOARD,
+    GRAIN,
+    HOLLOW,
+    HOVER,
+    PLATES_FEWEST,
+    SKIN,
+    SLAB,
+    SOLIDS_CELL,
+)
 from topple.topology.bodies.tops import Top, tops_of
 from topple.topology.errors import InvalidInput
 from topple.topology.geometry.samples import voxel_means
@@ -17,16 +27,9 @@ from topple.topology.scene import Scene
 Solids = Mapping[str, Sequence[FloatArray]]
 """Per object the (V, 3) vertices of its convex parts, in the world [m]."""
 
-GRAIN = 0.003  # cubes whose points are averaged before hulls are drawn: halves 1-2 mm of depth noise [m]
-HOLLOW = 0.008  # hulls may stand out from the points by this: less cuts noise into pieces [m]
-SLAB = 0.05  # a table seen from above is taken to be this thick: fingers must not come out below it [m]
-BOARD = 0.02  # a board above another is at least taken to be this thick: depth noise would leave less [m]
-SKIN = 0.01  # points of a slab's faces and edges lie this close to it: depth noise [m]
-HOVER = 0.006  # a gap below an object up to this is depth noise, above it a side nobody saw [m]
 REMEMBERED = (
     128  # clouds whose parts are kept: a scene is filled again after each step, with most clouds unchanged
 )
-CELL = 0.01  # grid on which what lies below an object is looked up [m]
 
 _PARTS: dict[bytes, tuple[FloatArray, ...]] = {}
 
@@ -132,7 +135,7 @@ def fixed_parts(cloud: FloatArray, up: FloatArray) -> tuple[FloatArray, ...]:
     rest = found.rest
     for slab in slabs:
         rest = rest[~_inside(rest, slab)]
-    if len(rest) < FEWEST:
+    if len(rest) < PLATES_FEWEST:
         return tuple(slabs)
     more = up.tobytes() + b"fixed"
     return (*slabs, *_remembered(rest, more, lambda: plates_of(voxel_means(rest, 2 * GRAIN), HOLLOW)))
@@ -173,7 +176,7 @@ def hidden_depth(name: str, scene: Scene, up: FloatArray) -> float:
     """
     axes = np.stack(level_axes(up))
     own = scene.clouds[name]
-    cells = np.floor(own @ axes.T / CELL).astype(np.int64)
+    cells = np.floor(own @ axes.T / SOLIDS_CELL).astype(np.int64)
     corner, size = cells.min(axis=0), np.ptp(cells, axis=0) + 1
     bottom = np.full(tuple(size), np.inf)
     np.minimum.at(bottom, tuple((cells - corner).T), own @ up)
@@ -187,10 +190,10 @@ def hidden_depth(name: str, scene: Scene, up: FloatArray) -> float:
             if top is not None:
                 # of the same points that the parts are drawn around: they shall end on the table, not below
                 gap = min(gap, float(top.above(voxel_means(own, GRAIN)).min()))
-        places = np.floor(cloud @ axes.T / CELL).astype(np.int64) - corner
+        places = np.floor(cloud @ axes.T / SOLIDS_CELL).astype(np.int64) - corner
         shared = np.all((places >= 0) & (places < size), axis=1)
         room = bottom[tuple(places[shared].T)] - cloud[shared] @ up
-        below = room[np.isfinite(room) & (room > -CELL)]  # points above the object do not count
+        below = room[np.isfinite(room) & (room > -SOLIDS_CELL)]  # points above the object do not count
         if len(below) > 0:
             gap = min(gap, max(0.0, float(below.min())))
     return float(gap) if HOVER < gap < np.inf else 0.0

@@ -14,38 +14,36 @@ from scipy.ndimage import binary_closing, binary_dilation, distance_transform_ed
 from scipy.spatial import ConvexHull, KDTree
 
 from topple.topology.arrays import BoolArray, FloatArray, IntArray, frozen
+from topple.topology.bodies.tolerances import (
+    BAND,
+    FACES,
+    FILLED,
+    FLAT,
+    HALF_WIDTH,
+    MISSES,
+    MOST_LEVELS,
+    OVERLAP,
+    RAISED,
+    ROOM,
+    SECTORS,
+    SUNK,
+    TOPS_CELL,
+    TOPS_CLOSED,
+    TOPS_FEWEST,
+    TOPS_LEAST,
+    TOPS_LEVEL,
+    TWO_FACED,
+    VOTE,
+    WALLED,
+    WIDEST_BAND,
+)
 from topple.topology.geometry.axes import perpendiculars
 from topple.topology.geometry.plane import fit_plane, plane_through
 
-FLAT = 0.02  # a cloud no thicker than this is one surface: depth noise is 2-4 mm [m]
 ENOUGH = 4000  # points that settle a plane to a tenth of a millimetre
 MANY = 40_000  # points among which neighbours are looked for
-CELL = 0.01  # edge of the cells of a plan view: a third of the disc that has to fit [m]
 MOST_CELLS = 400  # along each axis of it
-LEVEL = 0.9  # cosine of the largest angle of a top with the level plane: up is known to some degrees
-VOTE = 0.003  # points this close to a plane speak for it: more would count both faces of a thin board [m]
-BAND = 0.006  # points of one level lie within this of its plane: three sigmas of depth noise [m]
-WIDEST_BAND = 0.01  # the same where the noise is larger [m]
-FACES = 0.003  # the faces of a board are at least this far apart: a thinner one is a sheet [m]
-TWO_FACED = (
-    4.0  # distance of two faces over the spread of each: 2.7 for one normal spread, 3.5 for an even one
-)
-LEAST = 0.01  # share of a cloud that a level has at least
-MOST_LEVELS = 24  # both faces of a dozen boards
-FEWEST = 8  # points that a level has at least
-MISSES = 3  # planes in a row with no level in them after which there is none left: they cut walls
 ROUNDS = 10  # of fitting a plane to the points about it
-HALF_WIDTH = (
-    0.03  # a disc of this radius fits on a top: the rim of a bin and the edge of a wall have none [m]
-)
-ROOM = 0.05  # two levels closer than this are the faces of one board: nothing goes in between [m]
-FILLED = 0.5  # share of its outline that a level fills: the rim of a bin has a hole in it
-OVERLAP = 0.5  # share of a level that lies under another one for the two to be parts of one board
-SECTORS = 24  # directions from a level's middle in which walls are looked for
-CLOSED = 23  # of them with walls all the way up: no way in
-WALLED = 15  # of them with walls on a level that is open above: a bin
-RAISED = 0.03  # a rim lower than this makes no bin [m]
-SUNK = 0.02  # an object's lowest point may lie this far below the top that carries it: noise of both [m]
 REMEMBERED = 64  # clouds whose tops are kept
 
 _FOUND: dict[bytes, "tuple[_Level, ...]"] = {}
@@ -170,7 +168,7 @@ def _surface(cloud: FloatArray, up: FloatArray) -> tuple[FloatArray, float] | No
         if len(kept) < 3:
             return None
     heights = kept @ normal
-    if normal @ up < LEVEL or float(np.ptp(heights)) > FLAT:
+    if normal @ up < TOPS_LEVEL or float(np.ptp(heights)) > FLAT:
         return None
     height = float(np.median(heights))
     parting = _parting(cloud @ normal)
@@ -223,7 +221,7 @@ class _Grid:
         own = plan if level is None else level @ axes
         own = own[:: max(1, len(own) // MANY)]
         near = np.asarray(KDTree(own).query(own[:: max(1, len(own) // ENOUGH)], k=min(5, len(own)))[0])
-        cell = max(CELL, 2.0 * float(np.median(near[:, -1])), float(extent.max()) / MOST_CELLS)
+        cell = max(TOPS_CELL, 2.0 * float(np.median(near[:, -1])), float(extent.max()) / MOST_CELLS)
         sides = np.floor(extent / cell).astype(np.int64) + 5
         return _Grid(axes, corner - 2.0 * cell, cell, (int(sides[0]), int(sides[1])))
 
@@ -274,10 +272,10 @@ def _levels(cloud: FloatArray, up: FloatArray) -> tuple[_Level, ...]:
     left = np.ones(len(cloud), dtype=np.bool_)
     grid: _Grid | None = None
     misses = 0
-    while misses < MISSES and len(found) < MOST_LEVELS and np.count_nonzero(left) >= FEWEST:
+    while misses < MISSES and len(found) < MOST_LEVELS and np.count_nonzero(left) >= TOPS_FEWEST:
         normal, height = _densest(cloud[left], up)
         inside = left & (np.abs(cloud @ normal - height) <= BAND)
-        if np.count_nonzero(inside) < max(FEWEST, LEAST * len(cloud)):
+        if np.count_nonzero(inside) < max(TOPS_FEWEST, TOPS_LEAST * len(cloud)):
             break
         left &= ~inside
         grid = _Grid.of(cloud, up, cloud[inside]) if grid is None else grid
@@ -317,7 +315,7 @@ def _faces(cloud: FloatArray, inside: BoolArray, normal: FloatArray, grid: _Grid
             side = np.abs(heights - height) <= band
         members = side.copy()
         members[side] = grid.wide(cloud[side])
-        if np.count_nonzero(members) >= max(FEWEST, LEAST * len(cloud)):
+        if np.count_nonzero(members) >= max(TOPS_FEWEST, TOPS_LEAST * len(cloud)):
             found.append(_Level(normal, float(np.median(heights[members])), members))
     return found
 
@@ -334,7 +332,7 @@ def _with_room(levels: list[_Level], cloud: FloatArray, up: FloatArray, grid: _G
         lid = middles[over[-1]] if over else np.inf
         inset = 0.2 * (lid - low) if over else RAISED
         around = _around(plan, heights, own, low + inset, lid - inset)
-        if over and (lid - low < ROOM or around >= CLOSED):
+        if over and (lid - low < ROOM or around >= TOPS_CLOSED):
             board.append(board[over[-1]])
             levels[board[-1]].thickness = middles[board[-1]] - low
         else:

@@ -11,16 +11,7 @@ from topple.topology.arrays import FloatArray
 from topple.topology.geometry.axes import level_axes
 from topple.topology.geometry.hull import Hull
 from topple.topology.geometry.round import sphere_through
-
-ROUND = 0.06
-"""Distance from the circle, as a share of its radius, that an arc may have (rms): a plate's rim, seen from
-above and from beside, is that wide; a corner of a box is three times as far from its best circle."""
-
-OPENED = 0.75
-"""Greatest radius in lengths of the arc's chord: a quarter of the circle was seen at least."""
-
-FEWEST = 12
-"""Points from which a circle is fitted."""
+from topple.topology.geometry.tolerances import FEWEST, OPENED, ROUND
 
 CORNERS = np.arange(24) * (2 * np.pi / 24)
 """Directions in which a circle gets a corner: its area is a hundredth too small."""

@@ -6,39 +6,24 @@ import numpy as np
 
 from topple.topology.arrays import BoolArray, FloatArray
 from topple.topology.geometry.axes import perpendiculars
+from topple.topology.geometry.tolerances import (
+    BELOW_FLOOR,
+    BETTER_THAN_BOX,
+    LARGEST_RADIUS,
+    LARGEST_RESIDUAL,
+    LEAST_ARC,
+    LEAST_CAP,
+    SPHEROID_PENALTY,
+    STRAY,
+    STRETCHES,
+)
 
 ROUNDS = 12
 """Steps of least squares: a fit of half a ball is still after five."""
 
-STRAY = 0.02
-"""Share of the points that may lie off a body: flying pixels at its outline."""
-
-LARGEST_RADIUS = 0.1
-"""Radius [m] beyond which a surface is a wall with a curve in it and no body a hand could take."""
-
-LARGEST_RESIDUAL = 0.1
-"""Share of the radius that points are off a ball or a cylinder (root mean square): fruit is no ball."""
-
-LEAST_CAP = 0.35
-"""Depth of a seen cap in radii from which it says how large its ball is: 50 degrees to each side."""
-
-LEAST_ARC = 2.0
-"""Seen part of a cylinder's round [rad] that says how large it is."""
-
-STRETCHES = (1.25, 1.5)
-"""Lengths of spheroids in their thickness: lemons, pears and eggs."""
-
-SPHEROID_PENALTY = 1.3
-"""A spheroid has three numbers more than a sphere: its error counts so many times."""
-
-BELOW_FLOOR = 0.25
-"""Share of its radius by which a round body may reach below the floor: a dome reaches deeper, and is none."""
 
 COARSE = 0.01
 """Spacing [m] at which a fit's lowest point is looked for."""
-
-BETTER_THAN_BOX = 0.8
-"""A round body has to explain the points with less than this share of the error that the best box leaves."""
 
 
 @dataclass(frozen=True, eq=False)

@@ -3,10 +3,7 @@
 import numpy as np
 
 from topple.topology.arrays import FloatArray, IntArray, bounds
-
-BEFORE = 2e-5
-"""How far before the first point cells begin [m]: files round to tenths of millimetres, and what is rounded
-shall not lie on the edge of a cell, where the last bit of a number decides."""
+from topple.topology.geometry.tolerances import BEFORE
 
 
 def cell_keys(points: FloatArray, lower: FloatArray, upper: FloatArray, edge: float) -> IntArray:

@@ -9,20 +9,11 @@ import numpy as np
 
 from topple.topology.arrays import BoolArray, FloatArray
 from topple.topology.rule.surface import SurfaceCloud
+from topple.topology.rule.tolerances import COVERED, DEPTH, NOISE, PLACES, SETTLED
 from topple.topology.views.free_space import FreeSpace
 
-PLACES = 256
-"""Places looked at on a hull: one in 1.5 cm of a box with edges of 10 cm."""
-DEPTH = 0.015
-"""Places this much further from the other hull than the closest one face it, too [m]: round things do."""
-COVERED = 2.0
-"""Spacings of a cloud within which a place of its hull has a seen surface."""
 SHARES = np.array([0.1, 0.3, 0.5, 0.7, 0.9])[:, None, None]
 """Where between two surfaces a camera may have looked through."""
-NOISE = 0.006
-"""How far [m] noise of a depth camera puts points of one surface apart."""
-SETTLED = 0.95
-"""Share of the facing places that must be settled: a stem or a foot takes a twentieth of an underside."""
 
 
 def facing_seen(a: SurfaceCloud, b: SurfaceCloud, sight: FreeSpace) -> bool:

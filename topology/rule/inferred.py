@@ -11,6 +11,7 @@ from topple.topology.geometry.axes import level_axes
 from topple.topology.geometry.outline import covers, outline
 from topple.topology.pair import PairRelation
 from topple.topology.relations import Relations
+from topple.topology.rule.tolerances import CLOSE
 from topple.topology.scene import Scene
 from topple.topology.sixim.table import Relation
 from topple.topology.statics.contact import TOLERANCES as CONTACT
@@ -21,8 +22,6 @@ from topple.topology.upright import Upright
 if TYPE_CHECKING:
     from topple.topology.statics.support import Support
 
-CLOSE = 0.02
-"""Gap [m] from which objects carry each other no more: twice what a search for contacts allows."""
 MEET = "inferred: their surfaces meet between the points"
 FLOATS = "inferred: it floats otherwise"
 """Why two objects touch of which no point shows it."""

@@ -20,15 +20,12 @@ from topple.topology.rule.cavity import roofed, surrounded
 from topple.topology.rule.facing import facing_seen
 from topple.topology.rule.inferred import infer_contacts
 from topple.topology.rule.surface import SurfaceCloud, closest
+from topple.topology.rule.tolerances import CONTENT, WALL
 from topple.topology.scene import Scene
 from topple.topology.sixim.table import Relation, classify, kind_of
 from topple.topology.tolerances import TOLERANCES
 from topple.topology.views.free_space import FreeSpace
 
-WALL = 600
-"""Points that stand for a container's wall: 24 directions, some 25 each."""
-CONTENT = 400
-"""Points of the content that are looked at: one in a hundred still shows."""
 RAYS = 10_000
 """Points of a cloud that end lines of sight where there is no image: a table's every 5 mm."""
 CLOSE = "surfaces within the deviation"

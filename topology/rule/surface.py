@@ -13,34 +13,27 @@ from topple.topology.geometry.axes import own_axes
 from topple.topology.geometry.hull import Hull
 from topple.topology.geometry.normals import patch_planes
 from topple.topology.geometry.thin import cell_keys
+from topple.topology.rule.tolerances import (
+    AROUND,
+    BESIDE,
+    BREAK,
+    COARSE,
+    FAR,
+    FEW,
+    FILLED,
+    FINE,
+    LARGEST_CELL,
+)
 from topple.topology.tolerances import TOLERANCES
 
-COARSE = 1500
-"""Points a cloud is thinned to, about: an object's surface every 3 mm to 5 mm."""
-LARGEST_CELL = 0.01
-"""Edge of a cell [m] of a table or shelf: what stands before it leaves slivers of it two or three cm wide."""
-FINE = 3000
-"""Points per object that the closest region may have; contact patches beyond that are thinned."""
 PROBES = 32
 """Points that bound the distance of two surfaces before all are looked at."""
 CANDIDATES = 400
 """Points whose distance to the other surface is measured with planes, the nearest to its samples."""
-FAR = 2.0
-"""Widths of the cells around both surfaces, from which the mean points tell their distance: to 2 %."""
 PATCH = 8
 """Neighbours that make a local plane."""
 LINKS = 6
 """Neighbours through which pieces of a cloud hang together."""
-FILLED = 0.2
-"""Share of the usual number of points around a place of a surface: one seen at 78 degrees from its normal."""
-AROUND = 2.2
-"""Radius, in cells, within which a surface has some fifteen other cells, a line four with fewer points."""
-BESIDE = 1.8
-"""How far, in cells, the edge of a surface may reach beyond its last filled cell."""
-FEW = 5
-"""Mean points below which a separate piece is stray whatever its shape."""
-BREAK = 4.0
-"""A gap of this many typical spacings separates two pieces."""
 
 
 @dataclass(frozen=True, eq=False)

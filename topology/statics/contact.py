@@ -10,7 +10,8 @@ from topple.topology.arrays import BoolArray, FloatArray, IntArray, bounds
 from topple.topology.geometry.broadphase import near_pairs
 from topple.topology.geometry.thin import cell_keys, voxel_means
 from topple.topology.statics.grounds import Plane, planes_and_rest
-from topple.topology.statics.matter import FRICTION, friction_between
+from topple.topology.statics.matter import friction_between
+from topple.topology.statics.tolerances import BELOW, FRICTION, SOLE
 from topple.topology.upright import SPACING, Upright
 
 
@@ -39,12 +40,6 @@ class ContactTolerances:
 
 
 TOLERANCES = ContactTolerances()
-
-SOLE = 0.03
-"""Height [m] above the table up to which an underside is looked at."""
-
-BELOW = 0.01
-"""Noise [m] by which the middle of something thin may lie below the top it stands on."""
 
 
 @dataclass(frozen=True, eq=False)

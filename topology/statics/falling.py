@@ -19,31 +19,7 @@ from scipy.spatial import ConvexHull, QhullError
 from topple.topology.arrays import FloatArray
 from topple.topology.statics.contact import Contact
 from topple.topology.statics.equilibrium import CONE_EDGES, Weight, equations, islands, rising
-
-FARTHEST = 0.02
-"""Displacement [m] at which a body is followed no further: twice what counts as a move."""
-
-TURNED = 0.35
-"""Turn [rad] at which a body is followed no further: twice what counts as a move, and nearly linear."""
-
-SEATED = 0.0005
-"""Gap [m] up to which two whole surfaces touch: half of what a thinned cloud is off."""
-
-SUNK = 0.011
-"""Displacement [m] that counts as a fall: a move is a centimetre, and linear answers are a tenth off."""
-
-TILTED = float(np.radians(12.0))
-"""Turn [rad] that counts as a fall: a move is 10 degrees."""
-
-REACH = 0.02
-"""Gap [m] up to which surfaces are looked at: what catches a body that sinks by a centimetre as it tilts."""
-
-FREE = 1e-3
-"""Share of its weight that holds a body for nothing: motions that gain no energy, such as a ball's spin, are
-none."""
-
-ROLL = float(np.radians(9.0))
-"""Angle by which round things may roll on each other towards a contact without having moved."""
+from topple.topology.statics.tolerances import FARTHEST, FREE, ROLL, SEATED, SUNK, TILTED, TURNED
 
 
 @dataclass(frozen=True)

@@ -12,17 +12,13 @@ from topple.topology.geometry.plane import up_from_fixed
 from topple.topology.statics.contact import Contact, find_contacts
 from topple.topology.statics.equilibrium import balance
 from topple.topology.statics.rest import Statics, within_reach
+from topple.topology.statics.tolerances import BETTER, HANGING
 from topple.topology.upright import SPACING
 from topple.topology.values import FrozenDict
 
 if TYPE_CHECKING:
     from topple.topology.scene import Scene
 
-HANGING = 0.4
-"""Share of the weight that nothing carries from which `up` is doubted: hidden undersides leave less open."""
-
-BETTER = 0.3
-"""By how much that share must fall with another direction for it to be the likely one."""
 
 APART = float(np.cos(np.radians(30.0)))
 """Cosine of the angle from which a direction is another one: a table tilted by less is still a table."""

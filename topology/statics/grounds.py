@@ -5,16 +5,8 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from topple.topology.arrays import BoolArray, FloatArray, frozen
+from topple.topology.statics.tolerances import EDGE, FLAT, MARGIN
 from topple.topology.upright import Upright
-
-FLAT = 0.003
-"""A fixed cloud this thin [m] (standard deviation) is a table top, and is treated as a plane."""
-
-MARGIN = 0.05
-"""A table goes on this far [m] beyond what was seen of it: one camera sees it cut off by objects."""
-
-EDGE = 0.02
-"""The same for a top whose edges were seen: the spacing of its points."""
 
 
 @dataclass(frozen=True, eq=False)

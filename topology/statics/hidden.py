@@ -6,27 +6,16 @@ from dataclasses import replace
 import numpy as np
 
 from topple.topology.arrays import FloatArray, bounds
-from topple.topology.geometry.thin import BEFORE
+from topple.topology.geometry.tolerances import BEFORE
 from topple.topology.statics.contact import TOLERANCES, Contact, rubbing
 from topple.topology.statics.equilibrium import Weight, balance
 from topple.topology.statics.grounds import Plane, planes_and_rest
+from topple.topology.statics.tolerances import CARRIED, DEEPEST, LEVEL, PLAN_CELL
 from topple.topology.upright import Upright
 from topple.topology.views.free_space import FreeSpace
 
-CELL = 0.012
-"""Edge [m] of the plan cells in which an underside is held against what lies below it."""
-
-DEEPEST = 0.12
-"""Largest gap [m] that is closed: the height of a cup, whose foot may be hidden all the way."""
-
 PRICE = 1.0 / DEEPEST
 """Price per metre of gap: closing the largest one costs as much as carrying nothing."""
-
-LEVEL = 0.006
-"""Cells this much [m] further apart than the loaded ones belong to the same hidden contact."""
-
-CARRIED = 0.01
-"""Share of its weight from which a hidden point counts as carrying."""
 
 
 def hidden_contacts(
@@ -92,7 +81,7 @@ class _Tops:
         near: dict[str, FloatArray] = {}
         for other, points in surfaces.items():
             least, most = (corner[:2] for corner in bounds(points))
-            if other in upright.fixed or ((least <= upper + CELL) & (lower - CELL <= most)).all():
+            if other in upright.fixed or ((least <= upper + PLAN_CELL) & (lower - PLAN_CELL <= most)).all():
                 near[other] = points
         return _Tops(upright, near, lower - BEFORE)
 
@@ -128,7 +117,9 @@ def _below(name: str, surface: FloatArray, tops: _Tops, sight: FreeSpace | None)
     """For each object under `name`, the cells in which its underside faces the highest top below it."""
     under = _plan(surface, np.minimum, tops.corner)
     x, y = tops.corner
-    spots = np.array([(x + (i + 0.5) * CELL, y + (j + 0.5) * CELL, z) for (i, j), z in under.items()])
+    spots = np.array(
+        [(x + (i + 0.5) * PLAN_CELL, y + (j + 0.5) * PLAN_CELL, z) for (i, j), z in under.items()]
+    )
     facing: dict[str, list[tuple[FloatArray, float]]] = {}
     for spot, cell in zip(spots, under, strict=True):
         best = tops.below(name, cell, spot)
@@ -151,7 +142,7 @@ def _below(name: str, surface: FloatArray, tops: _Tops, sight: FreeSpace | None)
 
 def _plan(points: FloatArray, extreme: np.ufunc, corner: FloatArray) -> dict[tuple[int, int], float]:
     """Highest (or lowest) height per plan cell."""
-    cells = np.floor((points[:, :2] - corner) / CELL).astype(np.int64)
+    cells = np.floor((points[:, :2] - corner) / PLAN_CELL).astype(np.int64)
     unique, inverse = np.unique(cells, axis=0, return_inverse=True)
     heights = np.full(len(unique), -np.inf if extreme is np.maximum else np.inf)
     extreme.at(heights, inverse.ravel(), points[:, 2])

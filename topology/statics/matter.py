@@ -3,15 +3,7 @@
 from collections.abc import Mapping
 from math import sqrt
 
-DENSITY = 700.0
-"""Density [kg/m³] of what nobody weighed: a full packet, wood, a half-empty bottle."""
-
-DENSEST = 25_000.0
-"""Density [kg/m³] beyond that of any matter on a table: osmium has 22,600."""
-
-FRICTION = 0.5
-"""Coefficient of dry friction between two things nobody tried: wood, card, glazed ware and tin lie between
-0.3 and 0.7."""
+from topple.topology.statics.tolerances import FRICTION
 
 SURFACE = sqrt(FRICTION)
 """What a surface nobody tried contributes: two of them touch with `FRICTION`."""

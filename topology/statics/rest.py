@@ -14,9 +14,9 @@ from topple.topology.bodies.complete import complete
 from topple.topology.sixim.table import Relation
 from topple.topology.statics.contact import TOLERANCES, Contact, closed, find_contacts
 from topple.topology.statics.equilibrium import Weight, balance, islands
-from topple.topology.statics.falling import REACH, Fall, catching, falls
+from topple.topology.statics.falling import Fall, catching, falls
 from topple.topology.statics.hidden import hidden_contacts
-from topple.topology.statics.matter import DENSITY
+from topple.topology.statics.tolerances import DENSITY, GUESSED, LEVER, REACH, ROLL, UNSTEADY, WALL
 from topple.topology.upright import SPACING, Upright
 from topple.topology.values import FrozenDict
 from topple.topology.views.free_space import FreeSpace
@@ -28,23 +28,9 @@ if TYPE_CHECKING:
 TILT = float(np.tan(np.radians(9.0)))
 """Slope by which an object may sink towards a second support without having moved: a move is 10°."""
 
-ROLL = float(np.radians(9.0))
-"""Angle by which round things may roll on each other towards a contact without having moved."""
-
-GUESSED = 0.3
-"""The same where bodies were completed: a centre of mass half guessed is known to a centimetre."""
 
 AROUND = np.stack([np.cos(np.arange(12) * np.pi / 6), np.sin(np.arange(12) * np.pi / 6)], axis=1)
 """Directions in which a flat patch keeps its outermost point."""
-
-WALL = 0.005
-"""Thickness [m] taken for the walls of hollow things when their weight is guessed."""
-
-LEVER = 0.03
-"""Lever [m] by which torques are compared with weights: `UNSTEADY` then is 3 mm beyond the last support."""
-
-UNSTEADY = 0.1
-"""Missing share of a weight beyond which something moves: contact points are known to millimetres."""
 
 
 @dataclass(frozen=True, eq=False)

@@ -6,15 +6,7 @@ import numpy as np
 from scipy.ndimage import maximum_filter
 
 from topple.topology.arrays import FloatArray, IntArray, bounds
-
-LIFT = 0.25
-"""Height of the lift [m]: what is higher than this above an object is not met."""
-
-CELL = 0.004
-"""Edge [m] of the cells of a plan view: one thinned sample per cell of a horizontal surface."""
-
-CLEAR = 0.004
-"""A surface this much [m] higher than another is above it and not beside it: noise and spacing."""
+from topple.topology.statics.tolerances import CLEAR, LIFT, SWEEP_CELL
 
 DIRECTIONS = np.stack([np.cos(np.arange(24) * np.pi / 12), np.sin(np.arange(24) * np.pi / 12)], axis=1)
 
@@ -48,10 +40,10 @@ def overlap(upper: FloatArray, lower: FloatArray) -> Overlap | None:
         The overlap, or None where no part of `upper` is above a part of `lower` within the lift.
     """
     (least, most), (lowest, highest) = bounds(upper), bounds(lower)
-    low, high = np.maximum(least, lowest)[:2] - CELL, np.minimum(most, highest)[:2] + CELL
+    low, high = np.maximum(least, lowest)[:2] - SWEEP_CELL, np.minimum(most, highest)[:2] + SWEEP_CELL
     if (low >= high).any() or most[2] < lowest[2]:
         return None
-    size = np.ceil((high - low) / CELL).astype(np.int64) + 1
+    size = np.ceil((high - low) / SWEEP_CELL).astype(np.int64) + 1
     ceiling = _plan(upper, low, size, highest=True)
     ground = _plan(lower, low, size, highest=False)
     height = ceiling - ground
@@ -62,14 +54,14 @@ def overlap(upper: FloatArray, lower: FloatArray) -> Overlap | None:
     cells = np.argwhere(above)
     if len(cells) == 0:
         return None
-    spots = low + (cells + 0.5) * CELL
+    spots = low + (cells + 0.5) * SWEEP_CELL
     # Sideways escape: past the farthest lower point that is lower than what hangs over it.
     below = lower[lower[:, 2] < ceiling[above].max() - CLEAR][:, :2]
     reach = (below @ DIRECTIONS.T).max(axis=0) - (spots @ DIRECTIONS.T).min(axis=0)
     footprint = _cells(upper)
     return Overlap(
         evasion=float(reach.min()),
-        area=len(cells) * CELL**2,
+        area=len(cells) * SWEEP_CELL**2,
         share=len(cells) / max(footprint, 1),
         clearance=float(height[above].min()),
     )
@@ -87,9 +79,9 @@ def swept_matrix(swept: FloatArray, other: FloatArray) -> IntArray:
         pass through each other, or on it.
     """
     low, high = bounds(swept)
-    size = np.ceil((high[:2] - low[:2]) / CELL).astype(np.int64) + 1
+    size = np.ceil((high[:2] - low[:2]) / SWEEP_CELL).astype(np.int64) + 1
     ground, top = (_plan(swept, low[:2], size, highest=highest) for highest in (False, True))
-    cells = np.floor((other[:, :2] - low[:2]) / CELL).astype(np.int64)
+    cells = np.floor((other[:, :2] - low[:2]) / SWEEP_CELL).astype(np.int64)
     over = np.all((cells >= 0) & (cells < size), axis=1)
     index = (cells[over, 0], cells[over, 1])
     height = np.full(len(other), np.nan)
@@ -105,7 +97,7 @@ def swept_matrix(swept: FloatArray, other: FloatArray) -> IntArray:
 
 def _cells(points: FloatArray) -> int:
     """How many cells of a plan view points lie in."""
-    cells = np.floor(points[:, :2] / CELL).astype(np.int64)
+    cells = np.floor(points[:, :2] / SWEEP_CELL).astype(np.int64)
     cells -= cells.min(axis=0)
     return len(np.unique(cells[:, 0] * (cells[:, 1].max() + 1) + cells[:, 1]))
 
@@ -113,7 +105,7 @@ def _cells(points: FloatArray) -> int:
 def _plan(points: FloatArray, low: FloatArray, size: np.ndarray, highest: bool) -> FloatArray:
     """Plan view: the highest or lowest height per cell, ∓inf where there is none."""
     plan = np.full(tuple(size), -np.inf if highest else np.inf)
-    cells = np.floor((points[:, :2] - low) / CELL).astype(np.int64)
+    cells = np.floor((points[:, :2] - low) / SWEEP_CELL).astype(np.int64)
     inside = np.all((cells >= 0) & (cells < size), axis=1)
     index = (cells[inside, 0], cells[inside, 1])
     (np.maximum if highest else np.minimum).at(plan, index, points[inside, 2])

@@ -16,7 +16,7 @@ from topple.robots.shapes.boxes import box
 from topple.robots.world.simulated_arm import SimulatedArm
 from topple.robots.world.world import World
 from topple.topology.scene import Scene
-from topple.topology.statics.matter import DENSITY
+from topple.topology.statics.tolerances import DENSITY
 
 HAND, CUP = hand_shape(robot("panda")), cup_shape(robot("panda-suction"))
 DOWN = np.array([[0.0, 0.0, 1.0]])  # a hand from above comes in along gravity

@@ -1,0 +1,18 @@
+"""Thresholds of collision, each with its unit and reason, by the module that asks them."""
+
+# -- convex
+
+REDUCTION = 0.004
+"""[m] vertices this close to the hull of the others go; the error is kept as a margin."""
+
+
+# -- pieces
+
+MOST = 8
+"""Pieces of one surface: each costs every collision check."""
+
+GAIN = 0.2
+"""Share of the whole volume that a cut has to save: of a fork most goes, of a tube little."""
+
+IN_PLANE = 1e-6
+"""[m] a face this near to a plane is a side of what is behind it, whose other faces meet it."""

@@ -1,0 +1,100 @@
+"""Thresholds of world, each with its unit and reason, by the module that asks them."""
+
+import numpy as np
+
+# -- bodies
+
+FRICTION = 0.7
+"""PyBullet multiplies: two household things then touch with 0.5, between glaze (0.3) and card (0.7)."""
+
+ROLLING = 5e-4
+"""[m] lever of the rolling resistance: 1.5 % of a can's radius, as for thin steel on wood."""
+
+
+# -- body_clouds
+
+PIECE = 0.028
+"""Size [m] below which a piece of a shell is not halved: on the wall of a mug (radius 4 cm) it is 2.4 mm
+off the middle."""
+
+BENT = 0.0025
+"""Depth [m] in its own hull up to which a piece of a shell is not halved: what it fills of the hollow."""
+
+DEEP = 0.9
+"""Share of a piece's points that must not lie deeper: noise and the fillets of a foot do."""
+
+SHARED = 0.005
+"""Points this close [m] to a piece belong to it, too: no gap opens between pieces."""
+
+WALL = 0.004
+"""Thickness [m] of a wall of which one side was seen: that of plates, bowls and mugs."""
+
+SMOOTHED = 24
+"""Points over whose plane noise is averaged: a disc of 1.1 cm radius on a cloud thinned to 4 mm."""
+
+ONE_PLANE = 0.06
+"""Neighbours whose spread across their plane is less than this share (of the variance) lie in one: at a
+right edge it is a quarter, on both sides of a wall a tenth and more, with noise on a face a thirtieth."""
+
+DETAIL = 0.001
+"""A hull keeps this much [m] of its detail: below the noise, and balls get by with a few dozen corners."""
+
+AGREED = 0.5
+"""Share by which the cameras must agree on the side of a wall they look at."""
+
+
+# -- film
+
+BACK = 0.4
+"""[m] behind the depth camera: the arm fits into the picture."""
+
+
+# -- observe
+
+CELLS = 24
+"""Rays along an edge of a body's box at most: large boxes get a coarser grid."""
+
+DEEPEST = 8
+"""Parts of other bodies a ray may meet before the one it is meant for."""
+
+LARGEST = 5.0
+"""[m] what is larger is ground, and cut to the others' surroundings."""
+
+AROUND = 0.25
+"""[m] of ground kept beyond the others."""
+
+
+# -- vacuum
+
+CLEAR = 2.5e-3
+"""[m] the rays pass the cup's own body, which PyBullet pads by some 2 mm in ray tests."""
+
+REACH = 0.01
+"""[m] how far before and behind the lip the rays look."""
+
+TILT = np.radians(15)
+"""A bellows cup aligns itself with a surface tilted up to about this."""
+
+CONSTRAINT_ERP = 0.2
+"""Error reduction: share of a constraint's error that Bullet removes in a step."""
+
+AT_LIMIT = 0.99
+"""Share of a limit from which a constraint counts as at it: along an axis it says no more."""
+
+PEEL_STEPS = 3
+"""In a row at the limit until the lip is off: rubber gives way, contact spikes do not."""
+
+
+# -- world
+
+THICKNESS = 0.04
+"""[m] of a table top."""
+
+TABLE_FRICTION = 0.85
+"""Times the 0.7 of household things: 0.6, as measured on unpolished wood."""
+
+
+# -- wrist
+
+WEAK = 1e-2
+"""Share of the strongest direction below which joint torques tell of no force: near a singularity."""

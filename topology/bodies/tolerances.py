@@ -1,0 +1,180 @@
+"""Thresholds of bodies, each with its unit and reason, by the module that asks them."""
+
+# -- background
+
+NEAR = 0.3
+"""Distance [m] from the objects within which their table is looked for: a tall jug seen from above."""
+
+PLANES = 6
+"""Planes looked at, the largest first: table, floor, walls, and the sides of what stands about."""
+
+BACKGROUND_FEWEST = 200
+"""Points of a plane that may be a table: less is the side of something small."""
+
+STANDS = 0.03
+"""Distance [m] from a plane to which what stands on it is seen to reach: noise and a mask's margin."""
+
+OVER = 0.8
+"""Share of the objects that must lie over the plane; one or two may stand past its edge, lower."""
+
+ON = 0.02
+"""Distance [m] from its plane that a seen table strays: depth noise and a board that bends."""
+
+VOXEL = 0.05
+"""Edge [m] of the cells in which the table's extent hangs together: what is thin hides less of it."""
+
+
+# -- complete
+
+BARE = 0.01
+"""A place on the hull this far [m] from every point has no surface near it: twice a cloud's spacing."""
+
+MOUTH = 0.1
+"""Share of the hull's surface that is mouth from which a body counts as hollow: a mug's is a sixth."""
+
+COMPLETE_CLOSED = 0.6
+"""Share of the underside with points on it from which a cloud without viewpoints counts as whole."""
+
+REFUTED = 0.35
+"""Share of a guess that lies in space seen to be empty, from which the symmetry behind it is given up."""
+
+ROUND_REFUTED = 0.25
+"""The same for a round body, whose own outline leaves nothing to be refuted but noise."""
+
+OUTSIDE = 0.8
+"""Share of the seen points that are on the outside of a round body: noise turns some at its outline."""
+
+
+# -- completed
+
+RAGGED = 0.008
+"""[m] the seen underside of a flat foot is uneven by: three times the noise of a depth camera."""
+
+BENT = 0.06
+"""Of a body's height is at most taken for noise: a ball's underside so high is a quarter as wide."""
+
+COMPLETED_LEVEL = 0.5
+"""Of its outline has to be that low: then it is a foot, not a rounding."""
+
+SPACING = 0.006
+"""[m] between the points of an underside that is looked at."""
+
+
+# -- parts
+
+FRACTIONS = (0.25, 0.5, 0.75)
+"""Where cuts are tried along each axis, as quantiles of the points: enough to find a handle or a wall."""
+
+PARTS_FEWEST = 12
+"""Points below which a piece is not cut again: its hull follows single points."""
+
+SECTION = 0.9
+"""Cosine above which a face by a cut is the cut's own section, where a solid has no surface."""
+
+
+# -- plates
+
+THICK = 0.006
+"""Both faces of a thin wall and the depth noise of each belong to one plate [m]."""
+
+AROUND = 0.02
+"""A plate's direction is taken from the points this close together [m]."""
+
+PLATES_LEAST = 0.04
+"""Share of the points a plate has at least; what is left over is cut into convex parts."""
+
+LINKED = 0.015
+"""Points this close belong together [m]."""
+
+PLATES_FEWEST = 12
+"""Points of a piece that counts: fewer are noise."""
+
+
+# -- solids
+
+GRAIN = 0.003
+"""Cubes whose points are averaged before hulls are drawn: halves 1-2 mm of depth noise [m]."""
+
+HOLLOW = 0.008
+"""Hulls may stand out from the points by this: less cuts noise into pieces [m]."""
+
+SLAB = 0.05
+"""A table seen from above is taken to be this thick: fingers must not come out below it [m]."""
+
+BOARD = 0.02
+"""A board above another is at least taken to be this thick: depth noise would leave less [m]."""
+
+SKIN = 0.01
+"""Points of a slab's faces and edges lie this close to it: depth noise [m]."""
+
+HOVER = 0.006
+"""A gap below an object up to this is depth noise, above it a side nobody saw [m]."""
+
+SOLIDS_CELL = 0.01
+"""Grid on which what lies below an object is looked up [m]."""
+
+
+# -- tops
+
+FLAT = 0.02
+"""A cloud no thicker than this is one surface: depth noise is 2-4 mm [m]."""
+
+TOPS_CELL = 0.01
+"""Edge of the cells of a plan view: a third of the disc that has to fit [m]."""
+
+TOPS_LEVEL = 0.9
+"""Cosine of the largest angle of a top with the level plane: up is known to some degrees."""
+
+VOTE = 0.003
+"""Points this close to a plane speak for it: more would count both faces of a thin board [m]."""
+
+BAND = 0.006
+"""Points of one level lie within this of its plane: three sigmas of depth noise [m]."""
+
+WIDEST_BAND = 0.01
+"""The same where the noise is larger [m]."""
+
+FACES = 0.003
+"""The faces of a board are at least this far apart: a thinner one is a sheet [m]."""
+
+TWO_FACED = 4.0
+"""Distance of two faces over the spread of each: 2.7 for one normal spread, 3.5 for an even one."""
+
+TOPS_LEAST = 0.01
+"""Share of a cloud that a level has at least."""
+
+MOST_LEVELS = 24
+"""Both faces of a dozen boards."""
+
+TOPS_FEWEST = 8
+"""Points that a level has at least."""
+
+MISSES = 3
+"""Planes in a row with no level in them after which there is none left: they cut walls."""
+
+HALF_WIDTH = 0.03
+"""A disc of this radius fits on a top: the rim of a bin and the edge of a wall have none [m]."""
+
+ROOM = 0.05
+"""Two levels closer than this are the faces of one board: nothing goes in between [m]."""
+
+FILLED = 0.5
+"""Share of its outline that a level fills: the rim of a bin has a hole in it."""
+
+OVERLAP = 0.5
+"""Share of a level that lies under another one for the two to be parts of one board."""
+
+SECTORS = 24
+"""Directions from a level's middle in which walls are looked for."""
+
+TOPS_CLOSED = 23
+"""Of them with walls all the way up: no way in."""
+
+WALLED = 15
+"""Of them with walls on a level that is open above: a bin."""
+
+RAISED = 0.03
+"""A rim lower than this makes no bin [m]."""
+
+SUNK = 0.02
+"""An object's lowest point may lie this far below the top that carries it: noise of both [m]."""

@@ -1,0 +1,115 @@
+"""Thresholds of statics, each with its unit and reason, by the module that asks them."""
+
+import numpy as np
+
+# -- contact
+
+SOLE = 0.03
+"""Height [m] above the table up to which an underside is looked at."""
+
+BELOW = 0.01
+"""Noise [m] by which the middle of something thin may lie below the top it stands on."""
+
+
+# -- falling
+
+FARTHEST = 0.02
+"""Displacement [m] at which a body is followed no further: twice what counts as a move."""
+
+TURNED = 0.35
+"""Turn [rad] at which a body is followed no further: twice what counts as a move, and nearly linear."""
+
+SEATED = 0.0005
+"""Gap [m] up to which two whole surfaces touch: half of what a thinned cloud is off."""
+
+SUNK = 0.011
+"""Displacement [m] that counts as a fall: a move is a centimetre, and linear answers are a tenth off."""
+
+TILTED = float(np.radians(12.0))
+"""Turn [rad] that counts as a fall: a move is 10 degrees."""
+
+REACH = 0.02
+"""Gap [m] up to which surfaces are looked at: what catches a body that sinks by a centimetre as it tilts."""
+
+FREE = 1e-3
+"""Share of its weight that holds a body for nothing: motions that gain no energy, such as a ball's spin,
+are none."""
+
+ROLL = float(np.radians(9.0))
+"""Angle by which round things may roll on each other towards a contact without having moved."""
+
+
+# -- gravity
+
+HANGING = 0.4
+"""Share of the weight that nothing carries from which `up` is doubted: hidden undersides leave less open."""
+
+BETTER = 0.3
+"""By how much that share must fall with another direction for it to be the likely one."""
+
+
+# -- grounds
+
+FLAT = 0.003
+"""A fixed cloud this thin [m] (standard deviation) is a table top, and is treated as a plane."""
+
+MARGIN = 0.05
+"""A table goes on this far [m] beyond what was seen of it: one camera sees it cut off by objects."""
+
+EDGE = 0.02
+"""The same for a top whose edges were seen: the spacing of its points."""
+
+
+# -- hidden
+
+PLAN_CELL = 0.012
+"""Edge [m] of the plan cells in which an underside is held against what lies below it."""
+
+DEEPEST = 0.12
+"""Largest gap [m] that is closed: the height of a cup, whose foot may be hidden all the way."""
+
+LEVEL = 0.006
+"""Cells this much [m] further apart than the loaded ones belong to the same hidden contact."""
+
+CARRIED = 0.01
+"""Share of its weight from which a hidden point counts as carrying."""
+
+
+# -- matter
+
+DENSITY = 700.0
+"""Density [kg/m³] of what nobody weighed: a full packet, wood, a half-empty bottle."""
+
+DENSEST = 25_000.0
+"""Density [kg/m³] beyond that of any matter on a table: osmium has 22,600."""
+
+FRICTION = 0.5
+"""Coefficient of dry friction between two things nobody tried: wood, card, glazed ware and tin lie between
+0.3 and 0.7."""
+
+
+# -- rest
+
+GUESSED = 0.3
+"""The same where bodies were completed: a centre of mass half guessed is known to a centimetre."""
+
+WALL = 0.005
+"""Thickness [m] taken for the walls of hollow things when their weight is guessed."""
+
+LEVER = 0.03
+"""Lever [m] by which torques are compared with weights: `UNSTEADY` then is 3 mm beyond the last support."""
+
+UNSTEADY = 0.1
+"""Missing share of a weight beyond which something moves: contact points are known to millimetres."""
+
+
+# -- sweep
+
+LIFT = 0.25
+"""Height of the lift [m]: what is higher than this above an object is not met."""
+
+SWEEP_CELL = 0.004
+"""Edge [m] of the cells of a plan view: one thinned sample per cell of a horizontal surface."""
+
+CLEAR = 0.004
+"""A surface this much [m] higher than another is above it and not beside it: noise and spacing."""
