@@ -29,8 +29,8 @@ SHARED = 0.005
 WALL = 0.004
 """Thickness [m] of a wall of which one side was seen: that of plates, bowls and mugs."""
 
-SMOOTHED = 24
-"""Points over whose plane noise is averaged: a disc of 1.1 cm radius on a cloud thinned to 4 mm."""
+SMOOTHED = 42
+"""Points over whose plane noise is averaged: a disc of 1.1 cm radius on a cloud thinned to 3 mm."""
 
 ONE_PLANE = 0.06
 """Neighbours whose spread across their plane is less than this share (of the variance) lie in one: at a

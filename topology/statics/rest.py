@@ -11,12 +11,22 @@ from scipy.spatial import ConvexHull, QhullError
 
 from topple.topology.arrays import BoolArray, FloatArray, bounds
 from topple.topology.bodies.complete import complete
+from topple.topology.geometry.thin import voxel_means
 from topple.topology.sixim.table import Relation
 from topple.topology.statics.contact import TOLERANCES, Contact, closed, find_contacts
 from topple.topology.statics.equilibrium import Weight, balance, islands
 from topple.topology.statics.falling import Fall, catching, falls
 from topple.topology.statics.hidden import hidden_contacts
-from topple.topology.statics.tolerances import DENSITY, GUESSED, LEVER, REACH, ROLL, UNSTEADY, WALL
+from topple.topology.statics.tolerances import (
+    DENSITY,
+    GUESSED,
+    LEVER,
+    REACH,
+    ROLL,
+    SHELL_CELL,
+    UNSTEADY,
+    WALL,
+)
 from topple.topology.upright import SPACING, Upright
 from topple.topology.values import FrozenDict
 from topple.topology.views.free_space import FreeSpace
@@ -214,7 +224,7 @@ def weigh(points: FloatArray, mass: float | None = None) -> Weight:
     if mass is not None:
         return Weight(1e3 * mass / DENSITY, centre, LEVER)
     volume = hull_volume(points)
-    shell = len(points) * SPACING**2 * WALL
+    shell = len(voxel_means(points, SHELL_CELL)) * SHELL_CELL**2 * WALL
     return Weight(1e3 * max(min(volume, shell), 1e-7), centre, LEVER)
 
 

@@ -8,12 +8,10 @@ import numpy as np
 from topple.topology.sixim.table import Relation
 from topple.topology.statics.contact import Contact
 from topple.topology.statics.rest import Statics, within_reach
+from topple.topology.statics.tolerances import BESIDE, CANCELLED, LEAN
 
 if TYPE_CHECKING:
     from topple.topology.relations import Relations
-
-LEAN = float(np.cos(np.radians(45.0)))
-"""A contact whose normal is further than 45 degrees from up is leant on, not stood on."""
 
 
 @dataclass(frozen=True)
@@ -69,8 +67,9 @@ def supports(statics: Statics, relations: "Relations") -> tuple[Support, ...]:
 
 def _read(contact: Contact, statics: Statics, relations: "Relations") -> Support | None:
     """The support a contact stands for: the side below its normals carries the other."""
-    up = float(np.median(contact.normals[:, 2]))  # at the rim of a patch normals turn round the edges
-    if abs(up) < 0.1:  # a wall beside a wall: nobody carries, unless friction does
+    push = contact.normals.mean(axis=0)  # where only its rim was seen they point all around, and cancel
+    up = float(push[2] / max(np.linalg.norm(push), CANCELLED))
+    if abs(up) < BESIDE:  # a wall beside a wall: nobody carries, unless friction does
         return None
     below, above = (contact.a, contact.b) if up > 0 else (contact.b, contact.a)
     if above in statics.upright.fixed:

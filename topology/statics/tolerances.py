@@ -96,11 +96,27 @@ GUESSED = 0.3
 WALL = 0.005
 """Thickness [m] taken for the walls of hollow things when their weight is guessed."""
 
+SHELL_CELL = 0.004
+"""Edge [m] of the cells that a surface's area is counted by: wider than most clouds are spaced."""
+
 LEVER = 0.03
 """Lever [m] by which torques are compared with weights: `UNSTEADY` then is 3 mm beyond the last support."""
 
 UNSTEADY = 0.1
 """Missing share of a weight beyond which something moves: contact points are known to millimetres."""
+
+
+# -- support
+
+LEAN = float(np.cos(np.radians(45.0)))
+"""A contact whose normal is further than 45 degrees from up is leant on, not stood on."""
+
+BESIDE = float(np.sin(np.radians(12.0)))
+"""One whose normal is nearer than 12 degrees to level carries nothing: where only edges were seen, as of two
+blocks side by side, normals are known to some 7 degrees."""
+
+CANCELLED = 0.05
+"""Mean of unit normals below which they cancel each other, and what is left of them is noise."""
 
 
 # -- sweep
