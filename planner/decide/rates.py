@@ -12,15 +12,18 @@ overlooked more often of two things that touch than of two that only hang togeth
 of the higher of the two.
 
 The rates are of piles of `topple.benchmarks.piles` that no score is reported on, half a case added to every
-count; `python -m topple.benchmarks.rates` counts them anew. Likelihoods and what is overlooked: 41 piles a
-view, even seeds from 7,300,000, by the maker as of commit 88ce6e0 (from 3d582bb on there are more kinds of
-things), reasoned about and lifted with the code of 4208c70. What is found: the 35 odd seeds from 7,300,001 by
-the same maker and the seeds 7,400,025 to 7,400,044 by that of 3d582bb, with the code of 7371fa7.
+count. They stand in `rates.json` with what they were counted on; `python -m topple.benchmarks.rates` counts
+them anew.
 """
 
+import json
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
+from functools import cache
+from importlib.resources import files
 
 from topple.planner.decide.tolerances import CERTAIN, WIDE
+from topple.topology.confidence import view_of
 
 Likelihoods = tuple[tuple[float, float], ...]
 """For 0 to 3 of three trials in which it moved: how often that happens with a dependency, and without."""
@@ -51,40 +54,30 @@ class Rates:
     found: Found
 
 
-WHOLE = Rates(
-    steady=((0.076, 0.979), (0.022, 0.015), (0.057, 0.004), (0.845, 0.003)),
-    shaky=((0.136, 0.942), (0.045, 0.032), (0.136, 0.019), (0.682, 0.006)),
-    overlooked=((0.080, 0.293), (0.029, 0.090), (0.008, 0.008)),
-    found=(0.996, 0.980, 0.679, 0.796),
-)
-"""Clouds of whole surfaces."""
-
-SEVERAL = Rates(
-    steady=((0.122, 0.982), (0.034, 0.011), (0.054, 0.005), (0.790, 0.003)),
-    shaky=((0.083, 0.885), (0.226, 0.038), (0.274, 0.049), (0.417, 0.027)),
-    overlooked=((0.065, 0.236), (0.029, 0.104), (0.005, 0.012)),
-    found=(0.986, 0.954, 0.761, 0.475),
-)
-"""Clouds from several cameras."""
-
-ONE = Rates(
-    steady=((0.217, 0.985), (0.040, 0.013), (0.070, 0.001), (0.673, 0.002)),
-    shaky=((0.447, 0.916), (0.174, 0.055), (0.098, 0.026), (0.280, 0.004)),
-    overlooked=((0.088, 0.321), (0.039, 0.223), (0.019, 0.042)),
-    found=(0.993, 0.946, 0.796, 0.357),
-)
-"""Clouds from one camera: what it did not see carries unseen."""
-
-
 def rates_for(cameras: int | None) -> Rates:
     """The error rates for what was seen.
 
     Args:
         cameras: How many cameras saw the scene; None for whole surfaces.
     """
-    if cameras is None:
-        return WHOLE
-    return ONE if cameras <= 1 else SEVERAL
+    return _counted()[view_of(cameras or 0)]
+
+
+@cache
+def _counted() -> Mapping[str, Rates]:
+    told = json.loads(files("topple.planner.decide").joinpath("rates.json").read_text(encoding="utf-8"))[
+        "rates"
+    ]
+    return {
+        view: Rates(
+            _rows(rates["steady"]), _rows(rates["shaky"]), _rows(rates["overlooked"]), tuple(rates["found"])
+        )
+        for view, rates in told.items()
+    }
+
+
+def _rows(rows: Sequence[Sequence[float]]) -> tuple[tuple[float, float], ...]:
+    return tuple((first, second) for first, second in rows)
 
 
 def way_found(push: float | None, falls: bool) -> int:

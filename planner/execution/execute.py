@@ -13,6 +13,7 @@ from topple.planner.motion.trajectory import retime
 from topple.planner.transfer.segments import Segment, SegmentKind
 from topple.planner.transfer.tolerances import MARGIN, RELEASE_GAP
 from topple.planner.transfer.transfer import Transfer
+from topple.robots.arm.gripper import ToolName
 from topple.robots.driver import Driver
 from topple.topology.arrays import FloatArray
 from topple.topology.bodies.solids import Solids
@@ -23,7 +24,7 @@ WATCHED = (
     SegmentKind.PLACE,
 )  # segments during which the object must be in the hand
 GUARDED = (SegmentKind.APPROACH, SegmentKind.PLACE)  # segments that a force at the wrist ends
-TOUCHED = {"fingers": 2.0, "suction": 8.0}  # [N] moves no can yet; seats a cup's lip
+TOUCHED: dict[str, float] = {ToolName.FINGERS: 2.0, ToolName.SUCTION: 8.0}  # [N] moves no can yet; seats a cup's lip
 SAMPLES = 40  # of the tool's path per segment, for pictures
 
 
@@ -135,7 +136,7 @@ def _drive(segment: Segment, name: str, robot: Driver) -> str | None:
     if segment.trajectory is None:
         return None
     if segment.kind in (SegmentKind.MOVE, SegmentKind.APPROACH, SegmentKind.RETREAT):
-        if segment.tool == "suction" or segment.kind is SegmentKind.MOVE:
+        if segment.tool == ToolName.SUCTION or segment.kind is SegmentKind.MOVE:
             robot.extend(segment.hand.cup_extension)
         if segment.kind is not SegmentKind.RETREAT:
             robot.open(segment.hand.opening)
@@ -147,7 +148,7 @@ def _drive(segment: Segment, name: str, robot: Driver) -> str | None:
         error = robot.follow(segment.trajectory, keep_offset=segment.kind is SegmentKind.LIFT)
     if (
         segment.kind is SegmentKind.APPROACH
-        and segment.tool == "fingers"
+        and segment.tool == ToolName.FINGERS
         and _way_left(segment, robot) > SHALLOW
     ):
         return f"the fingers met something on their way to {name}."
@@ -167,7 +168,7 @@ def _way_left(segment: Segment, robot: Driver) -> float:
 
 
 def _take(segment: Segment, name: str, robot: Driver) -> str | None:
-    if segment.tool == "suction":
+    if segment.tool == ToolName.SUCTION:
         robot.wait(0.2)
         return None if robot.suck() else f"the cup found no seal on {name}."
     jaw = robot.arm.tools[segment.tool].gripper

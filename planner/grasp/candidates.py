@@ -18,6 +18,7 @@ from topple.planner.grasp.surface import Surface, surface_of
 from topple.planner.grasp.surroundings import Dropped, Surroundings, surroundings
 from topple.planner.grasp.tolerances import GRASP_TOLERANCES, GraspTolerances
 from topple.planner.grasp.widen import widened
+from topple.robots.arm.gripper import ToolName
 from topple.topology.arrays import BoolArray, FloatArray
 from topple.topology.errors import InvalidInput, UnknownObject
 from topple.topology.geometry.hull import Hull
@@ -78,8 +79,8 @@ def grasp_candidates(
     if name not in scene.clouds:
         raise UnknownObject(name, scene.names)
     if arm is not None:
-        hand = hand_shape(arm) if hand is None and "fingers" in arm.tools else hand
-        cup = cup_shape(arm) if cup is None and "suction" in arm.tools else cup
+        hand = hand_shape(arm) if hand is None and ToolName.FINGERS in arm.tools else hand
+        cup = cup_shape(arm) if cup is None and ToolName.SUCTION in arm.tools else cup
     if hand is None and cup is None:
         raise InvalidInput("nothing to grasp with: give an arm with tools, a hand or a cup")
     around = surroundings(name, scene, up, tolerances)

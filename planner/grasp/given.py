@@ -13,6 +13,7 @@ from topple.planner.grasp.reach import reachable
 from topple.planner.grasp.room import Room
 from topple.planner.grasp.tolerances import GRASP_TOLERANCES, OUTER, PAST_PADS
 from topple.robots.arm.arm import Arm
+from topple.robots.arm.gripper import ToolName
 from topple.topology.arrays import FloatArray
 from topple.topology.bodies.solids import up_of
 from topple.topology.errors import InvalidInput, UnknownObject
@@ -101,7 +102,7 @@ def _checked(entry: Grasp | RankedGrasp, name: str, arm: Arm) -> Grasp:
 
 def _complete(grasp: Grasp, room: Room) -> Grasp:
     """A grasp that says how wide its object is between the pads and how wide they open."""
-    if grasp.tool == "suction":
+    if grasp.tool == ToolName.SUCTION:
         return grasp if grasp.opening > 0.0 else replace(grasp, opening=room.cup.opening)
     widest = room.hand.max_opening
     width = grasp.width if grasp.width > 0.0 else _width(grasp, room.scene.clouds[grasp.object], room.hand)

@@ -4,6 +4,7 @@ from dataclasses import dataclass, field, replace
 
 import numpy as np
 
+from topple.robots.arm.gripper import ToolName
 from topple.topology.arrays import FloatArray, frozen
 from topple.topology.errors import InvalidInput
 from topple.topology.values import ByValue, Word
@@ -68,7 +69,7 @@ class Grasp(ByValue):
     @property
     def tool(self) -> str:
         """The arm's tool that makes this grasp: "suction" or "fingers"."""
-        return "suction" if self.kind is GraspKind.SUCTION else "fingers"
+        return ToolName.SUCTION if self.kind is GraspKind.SUCTION else ToolName.FINGERS
 
     @property
     def approach(self) -> FloatArray:
@@ -85,7 +86,7 @@ class Grasp(ByValue):
                 to a cup.
         """
         a, b = self.pose_tool_to_world, other.pose_tool_to_world
-        axes = (2,) if self.tool == "suction" else (1, 2)
+        axes = (2,) if self.tool == ToolName.SUCTION else (1, 2)
         along = [abs(float(a[:3, axis] @ b[:3, axis])) for axis in axes]
         close = float(np.linalg.norm(a[:3, 3] - b[:3, 3])) < distance
         return self.tool == other.tool and close and min(along) > np.cos(angle)

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from topple.planner.grasp.tolerances import FINGER_SLABS, HAND_REACH, PRESS
-from topple.robots.arm.gripper import ParallelJaw, ToolState
+from topple.robots.arm.gripper import ParallelJaw, ToolName, ToolState
 from topple.topology.arrays import FloatArray
 from topple.topology.errors import InvalidInput
 
@@ -84,11 +84,11 @@ def hand_shape(arm: "Arm") -> HandShape:
     Returns:
         The shape, with the fingers cut in slabs along z because they taper towards the tip.
     """
-    tool = arm.tools["fingers"]
+    tool = arm.tools[ToolName.FINGERS]
     jaw = tool.gripper
     if not isinstance(jaw, ParallelJaw):
         raise InvalidInput(f"robot {arm.name!r}: its tool 'fingers' is no parallel jaw")
-    bodies = hand_bodies(arm, "fingers", ToolState(opening=0.0))
+    bodies = hand_bodies(arm, ToolName.FINGERS, ToolState(opening=0.0))
     finger = max(_by_link(bodies, jaw.links), key=lambda parts: float(np.vstack(parts)[:, 1].mean()))
     palm = [prism for link, part in bodies if link not in jaw.links for prism in prisms(part, ())]
     return HandShape(

@@ -13,6 +13,7 @@ from topple.planner.grasp.reach import reachable
 from topple.planner.grasp.room import Room
 from topple.planner.grasp.tolerances import GRASP_TOLERANCES, HAND_REACH
 from topple.robots.arm.arm import Arm
+from topple.robots.arm.gripper import ToolName
 from topple.robots.catalog import robot as robot_named
 from topple.topology.arrays import FloatArray
 from topple.topology.bodies.solids import up_of
@@ -26,7 +27,7 @@ GivenGrasps = ForeignGrasps | Sequence[Grasp] | FloatArray
 """Grasps of `read_grasps`, of this project, or an (N, 4, 4) or (N, 17) array."""
 
 SOME = 256  # grasps asked at a time whether they are near anything
-_WHERE = {"fingers": "between its pads", "suction": "under its cup"}
+_WHERE: dict[str, str] = {ToolName.FINGERS: "between its pads", ToolName.SUCTION: "under its cup"}
 
 
 @dataclass(frozen=True, eq=False)
@@ -123,7 +124,7 @@ def _as_grasps(
     if not isinstance(grasps, ForeignGrasps):
         return [replace(grasp, pose_tool_to_world=to_world @ grasp.pose_tool_to_world) for grasp in grasps]
     poses, openings = to_world @ grasps.poses_tool_to_source, np.nan_to_num(grasps.widths)
-    cup = arm is not None and "fingers" not in arm.tools and bool(np.isnan(grasps.widths).all())
+    cup = arm is not None and ToolName.FINGERS not in arm.tools and bool(np.isnan(grasps.widths).all())
     kind = GraspKind.SUCTION if cup else GraspKind.PINCH
     return [
         Grasp("", kind, pose, 0.0, opening, score, grasps.source)
@@ -191,7 +192,7 @@ def _held(given: Sequence[Grasp], told: Mapping[int, str], room: Room) -> list[R
 def _within_tools(given: Sequence[Grasp], room: Room) -> dict[int, list[int]]:
     """Points of each movable object between the pads, or under the cup, of grasps that name none."""
     within: dict[int, list[int]] = {}
-    for tool, counted in (("fingers", room.between_pads), ("suction", room.under_cup)):
+    for tool, counted in ((ToolName.FINGERS, room.between_pads), (ToolName.SUCTION, room.under_cup)):
         rows = [index for index, grasp in enumerate(given) if not grasp.object and grasp.tool == tool]
         if rows:
             within.update(zip(rows, counted(_poses(given, rows)).tolist(), strict=True))
@@ -210,12 +211,12 @@ def in_the_way(grasps: Sequence[Grasp], room: Room) -> list[list[str]]:
     """
     found: list[list[str]] = [[] for _ in grasps]
     names = list(room.scene.clouds)
-    for tool in ("fingers", "suction"):
+    for tool in (ToolName.FINGERS, ToolName.SUCTION):
         rows = [row for row, grasp in enumerate(grasps) if grasp.object and grasp.tool == tool]
         if not rows:
             continue
         poses, own = _poses(grasps, rows), [grasps[row].object for row in rows]
-        if tool == "fingers":
+        if tool == ToolName.FINGERS:
             met = room.met_by_fingers(poses, np.array([grasps[row].opening for row in rows]))
             low = room.below_ground(poses, own)
         else:

@@ -12,6 +12,7 @@ from topple.planner.grasp.suction import CupShape, cup_shape
 from topple.planner.grasp.surroundings import floor_near
 from topple.planner.grasp.tolerances import ASIDE, AT_LIP, FINE, GRASP_TOLERANCES, PAST_PADS
 from topple.robots.arm.arm import Arm
+from topple.robots.arm.gripper import ToolName
 from topple.robots.catalog import robot
 from topple.topology.arrays import BoolArray, FloatArray, IntArray
 from topple.topology.scene import Scene
@@ -44,12 +45,12 @@ class Room:
     @cached_property
     def hand(self) -> HandShape:
         """Fingers."""
-        return hand_shape(self._with("fingers", "panda"))
+        return hand_shape(self._with(ToolName.FINGERS, "panda"))
 
     @cached_property
     def cup(self) -> CupShape:
         """Suction cup."""
-        return cup_shape(self._with("suction", "panda-suction"))
+        return cup_shape(self._with(ToolName.SUCTION, "panda-suction"))
 
     def _with(self, tool: str, stand_in: str) -> Arm:
         return self.arm if self.arm is not None and tool in self.arm.tools else robot(stand_in)

@@ -19,7 +19,7 @@ from topple.planner.grasp.tolerances import (
     SUCTION_TIGHT,
     GraspTolerances,
 )
-from topple.robots.arm.gripper import SuctionCup
+from topple.robots.arm.gripper import SuctionCup, ToolName
 from topple.topology.arrays import BoolArray, FloatArray
 from topple.topology.errors import InvalidInput
 
@@ -71,11 +71,11 @@ def cup_shape(arm: "Arm") -> CupShape:
     Returns:
         The shape.
     """
-    tool = arm.tools["suction"]
+    tool = arm.tools[ToolName.SUCTION]
     cup = tool.gripper
     if not isinstance(cup, SuctionCup):
         raise InvalidInput(f"robot {arm.name!r}: its tool 'suction' is no suction cup")
-    bodies = hand_bodies(arm, "suction", tool.ready)
+    bodies = hand_bodies(arm, ToolName.SUCTION, tool.ready)
     body = tuple(
         prism for link, vertices in bodies if link != cup.link for prism in prisms(vertices, FINGER_SLABS)
     )

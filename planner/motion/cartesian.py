@@ -5,6 +5,7 @@ import numpy as np
 from topple.planner.motion.collision import Checker
 from topple.planner.motion.tolerances import JUMP, SPACING, TURN
 from topple.robots.arm.arm import Arm
+from topple.robots.arm.gripper import ToolName
 from topple.robots.arm.inverse import InverseTolerances, solve
 from topple.robots.arm.kinematics import rotation_vectors
 from topple.topology.arrays import FloatArray
@@ -17,7 +18,7 @@ def straight_line(
     checker: Checker | None,
     q_start: FloatArray,
     pose_tool_to_base: FloatArray,
-    tool: str = "fingers",
+    tool: str = ToolName.FINGERS,
 ) -> FloatArray | None:
     """Move a tool straight to a pose, turning it evenly on the way.
 
@@ -38,7 +39,7 @@ def straight_line(
 
 
 def straight_lines(
-    arm: Arm, q_start: FloatArray, poses_tool_to_base: FloatArray, tool: str = "fingers"
+    arm: Arm, q_start: FloatArray, poses_tool_to_base: FloatArray, tool: str = ToolName.FINGERS
 ) -> list[FloatArray | None]:
     """Move a tool along many straight lines, each on its own: kinematics alone, one batch for each waypoint.
 

@@ -8,7 +8,7 @@ import numpy as np
 
 from topple.planner.motion.obstacles import Obstacle, parts_of
 from topple.robots.arm.arm import Arm
-from topple.robots.arm.gripper import ToolState
+from topple.robots.arm.gripper import ToolName, ToolState
 from topple.robots.collision.convex import hull_of
 from topple.robots.collision.separation import ConvexSets
 from topple.robots.poses import inverse
@@ -27,7 +27,7 @@ class Attachment:
     """
 
     parts: tuple[FloatArray, ...]
-    tool: str = "fingers"
+    tool: str = ToolName.FINGERS
     name: str = "held"
 
 

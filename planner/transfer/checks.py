@@ -11,7 +11,7 @@ from topple.planner.motion.model import Attachment
 from topple.planner.placement.placement import Placement
 from topple.planner.transfer.tolerances import CONTACT, RELEASE_GAP
 from topple.robots.arm.arm import Arm
-from topple.robots.arm.gripper import ToolState
+from topple.robots.arm.gripper import ToolName, ToolState
 from topple.robots.collision.fcl_bodies import apart
 from topple.topology.arrays import FloatArray
 from topple.topology.bodies.solids import Solids, moved
@@ -51,20 +51,20 @@ class Checks:
 
     def ready(self, grasp: Grasp) -> ToolState:
         """On the way in."""
-        if grasp.tool == "suction":
-            return self.arm.tools["suction"].ready
+        if grasp.tool == ToolName.SUCTION:
+            return self.arm.tools[ToolName.SUCTION].ready
         return ToolState(_rounded(grasp.opening, self.arm))
 
     def closed(self, grasp: Grasp) -> ToolState:
         """With the object."""
-        return self.ready(grasp) if grasp.tool == "suction" else ToolState(grasp.width)
+        return self.ready(grasp) if grasp.tool == ToolName.SUCTION else ToolState(grasp.width)
 
     def released(self, grasp: Grasp, into: str | None) -> ToolState:
         """After letting go: wide open, so that the object stays where it is when the hand leaves.
 
         In a vessel only as far as it takes: fingers would push aside what else is in it.
         """
-        if grasp.tool == "suction":
+        if grasp.tool == ToolName.SUCTION:
             return self.ready(grasp)
         if into is not None:
             return ToolState(_rounded(grasp.width + RELEASE_GAP, self.arm))
@@ -79,7 +79,7 @@ class Checks:
         cloud bridge its hollows, a plate's for one, and would bar it.
         """
         links = self.arm.tools[grasp.tool].links
-        if grasp.tool == "suction" and self.arm.jaw is not None:
+        if grasp.tool == ToolName.SUCTION and self.arm.jaw is not None:
             return (*links, *self.arm.jaw.links)
         return links
 

@@ -13,6 +13,7 @@ from topple.planner.placement.placement import Placement
 from topple.planner.transfer.checks import Checks
 from topple.planner.transfer.segments import SegmentKind
 from topple.planner.transfer.stages import Stage
+from topple.robots.arm.gripper import ToolName
 from topple.robots.poses import inverse
 from topple.topology.arrays import FloatArray
 
@@ -269,7 +270,7 @@ class Handling(Checks):
 
 def _directions(grasp: Grasp) -> list[Grasp]:
     """A grasp's hand directions: a jaw turned half is the same, a round cup may be turned at will."""
-    if grasp.tool == "fingers":
+    if grasp.tool == ToolName.FINGERS:
         return [grasp, grasp.turned()]
     quarter = np.array(
         [[0.0, -1.0, 0.0, 0.0], [1.0, 0.0, 0.0, 0.0], [0.0, 0.0, 1.0, 0.0], [0.0, 0.0, 0.0, 1.0]]

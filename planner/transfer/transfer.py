@@ -19,6 +19,7 @@ from topple.planner.transfer.segments import Segment, SegmentKind
 from topple.planner.transfer.stages import Stage, Upright, segments_of
 from topple.planner.transfer.tolerances import LEVEL, MARGIN, NARROW, TIRED
 from topple.robots.arm.arm import Arm
+from topple.robots.arm.gripper import ToolName
 from topple.topology.arrays import FloatArray, frozen
 from topple.topology.bodies.tolerances import GRAIN
 from topple.topology.errors import UnknownObject
@@ -147,7 +148,7 @@ def plan_transfer(
     find = partial(grasp_candidates, name, situation, wide=bool(avoid))
     if grasps is None:
         grasps = _others(find(arm, dropped=dropped), avoid)
-        if grasps and "fingers" in arm.tools and all(grasp.tool in _tired(avoid) for grasp in grasps):
+        if grasps and ToolName.FINGERS in arm.tools and all(grasp.tool in _tired(avoid) for grasp in grasps):
             grasps = _others(find(hand=hand_shape(arm)), avoid) or grasps
             changed = True
     else:
@@ -166,7 +167,9 @@ def plan_transfer(
     handling = Handling(name, situation, arm, np.asarray(pose_base_to_world), tuple(riding), seed)
     search = _Search(handling, tuple(places), np.asarray(q_start), level, seed, limits, holds)
     found = search.run(grasps)
-    by_cup_alone = searched and all(grasp.tool == "suction" for grasp in grasps) and "fingers" in arm.tools
+    by_cup_alone = (
+        searched and all(grasp.tool == ToolName.SUCTION for grasp in grasps) and ToolName.FINGERS in arm.tools
+    )
     if isinstance(found, TransferFailure) and by_cup_alone:
         changed, found = True, search.run(_others(find(hand=hand_shape(arm)), avoid))
     if changed and isinstance(found, Transfer):

@@ -13,6 +13,7 @@ from topple.planner.verify.bodies import parts_of
 from topple.planner.verify.replay import SegmentReplay
 from topple.planner.verify.tolerances import BY_BULLET_SLACK, DEEPER
 from topple.robots.arm.arm import Arm
+from topple.robots.arm.gripper import ToolName
 from topple.robots.engine import pybullet
 from topple.robots.poses import position_and_quaternion
 from topple.topology.arrays import FloatArray
@@ -68,7 +69,7 @@ class BulletCheck:
             self._stand(q, piece)
             link = self._link_pose(tool.link) @ tool.pose_tool_to_link
             computed = np.array(self.plan.pose_base_to_world) @ self.arm.tool_pose(q, tool.name)[0]
-            stray = float(np.abs(link - computed).max()) if tool.name == "fingers" else 0.0
+            stray = float(np.abs(link - computed).max()) if tool.name == ToolName.FINGERS else 0.0
             self.strayed.note(stray, f"{piece.where}: {tool.name} at state {k}")
             for name, to_tool in piece.held.items():
                 self._put(name, computed @ to_tool)

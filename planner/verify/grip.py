@@ -10,7 +10,7 @@ from topple.planner.grasp.grasp import KINDS, GraspKind
 from topple.planner.verify.bodies import parts_of
 from topple.planner.verify.tolerances import CLOSED, FEWEST_BETWEEN, LIP, OPENED, REACHED, SPACING
 from topple.robots.arm.arm import Arm
-from topple.robots.arm.gripper import ToolState
+from topple.robots.arm.gripper import ToolName, ToolState
 from topple.robots.collision.fcl_bodies import fcl_body
 from topple.robots.poses import inverse
 from topple.topology.arrays import FloatArray
@@ -56,11 +56,11 @@ class Grip:
             return f"the arm has no {tool}"
         if step.grasp.kind not in KINDS:
             return f"{step.grasp.kind!r} is no kind of grasp"
-        if (step.grasp.kind == GraspKind.SUCTION) != (tool == "suction"):
+        if (step.grasp.kind == GraspKind.SUCTION) != (tool == ToolName.SUCTION):
             return f"a grasp by {step.grasp.kind} is no matter of the {tool}"
         to_tool = inverse(pose_tool_to_world) @ poses[step.object]
         parts = [part @ to_tool[:3, :3].T + to_tool[:3, 3] for part in self._parts[step.object]]
-        if tool == "suction":
+        if tool == ToolName.SUCTION:
             return self._cup_fails(step, closed, parts)
         return self._pads_fail(step, before, closed, parts)
 
@@ -78,7 +78,7 @@ class Grip:
         return np.vstack(self._parts[name]) @ pose[:3, :3].T + pose[:3, 3]
 
     def _cup_fails(self, step: Step, closed: ToolState, parts: list[FloatArray]) -> str | None:
-        ready = self.arm.tools["suction"].ready.cup_extension
+        ready = self.arm.tools[ToolName.SUCTION].ready.cup_extension
         if abs(closed.cup_extension - ready) > LIP:
             out = 1e3 * closed.cup_extension
             return f"the cup is {out:.0f} mm out, and takes hold {1e3 * ready:.0f} mm out"

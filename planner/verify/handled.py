@@ -11,6 +11,7 @@ from topple.planner.verify.grip import distance
 from topple.planner.verify.replay import SegmentReplay
 from topple.planner.verify.tolerances import NEAR, OFF, REACHED, TILT
 from topple.robots.arm.arm import Arm
+from topple.robots.arm.gripper import ToolName
 from topple.robots.collision.fcl_bodies import fcl_body
 from topple.topology.arrays import FloatArray
 
@@ -76,7 +77,7 @@ class HandCheck:
         """Distance from the object to the room between the pads, or to the lip [m]."""
         pose = piece.poses.get(piece.step.object, np.eye(4))
         to_tool = np.linalg.inv(tool) @ pose
-        jaw = self.arm.jaw if piece.segment.tool == "fingers" else None
+        jaw = self.arm.jaw if piece.segment.tool == ToolName.FINGERS else None
         half = np.zeros(3)
         if jaw is not None:
             half = np.array([jaw.pad_size[0], piece.segment.hand.opening, jaw.pad_size[1]]) / 2.0

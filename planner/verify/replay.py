@@ -16,7 +16,7 @@ from topple.planner.verify.bodies import off_by, tool_poses
 from topple.planner.verify.grip import Grip
 from topple.planner.verify.tolerances import OFF, OPENED
 from topple.robots.arm.arm import Arm
-from topple.robots.arm.gripper import ToolState
+from topple.robots.arm.gripper import ToolName, ToolState
 from topple.robots.poses import inverse
 from topple.topology.arrays import FloatArray
 
@@ -152,7 +152,7 @@ class Replay:
         """Open the hand: what was in it lies there, or falls as far as its step says."""
         if not self._held:
             return
-        if self._tool == "fingers" and hand.opening <= self._hand.opening + OPENED:
+        if self._tool == ToolName.FINGERS and hand.opening <= self._hand.opening + OPENED:
             self.told.note(self.told.value + 1.0, f"{where}: the pads stay closed")
             return
         tool = tool_poses(self.arm, self.plan, self._tool, q[None])[0]

@@ -8,7 +8,7 @@ from pathlib import Path
 
 import numpy as np
 
-from topple.robots.arm.gripper import ParallelJaw, SuctionCup, Tool, ToolState
+from topple.robots.arm.gripper import ParallelJaw, SuctionCup, Tool, ToolName, ToolState
 from topple.robots.arm.gripper_file import Gripper
 from topple.robots.arm.inverse import distinct, solve
 from topple.robots.arm.kinematics import Chain
@@ -251,7 +251,7 @@ class Arm:
         link = self.tool(tool).link
         return self.offsets(self.open_hand)[self.links.index(link)] @ self.tools[tool].pose_tool_to_link
 
-    def tool_pose(self, q: FloatArray, tool: str = "fingers") -> FloatArray:
+    def tool_pose(self, q: FloatArray, tool: str = ToolName.FINGERS) -> FloatArray:
         """Where a tool is.
 
         Args:
@@ -266,7 +266,7 @@ class Arm:
     def inverse(
         self,
         pose_tool_to_base: FloatArray,
-        tool: str = "fingers",
+        tool: str = ToolName.FINGERS,
         *,
         seeds: int = 64,
         rng: np.random.Generator | None = None,
@@ -296,7 +296,9 @@ class Arm:
             result.append(distinct(found[np.argsort(np.abs(found - start).max(axis=1), kind="stable")]))
         return result
 
-    def reaches(self, poses_tool_to_base: FloatArray, tool: str = "fingers", *, seeds: int = 64) -> BoolArray:
+    def reaches(
+        self, poses_tool_to_base: FloatArray, tool: str = ToolName.FINGERS, *, seeds: int = 64
+    ) -> BoolArray:
         """Whether `inverse` has a state for any of a few poses, found without looking for all of them.
 
         Args:
@@ -355,9 +357,11 @@ def _as_tools(
         return dict(gripper)
     if isinstance(gripper, ParallelJaw):
         ready = ToolState(gripper.max_opening)
-        return {"fingers": Tool("fingers", tool_frame, np.eye(4), gripper, gripper.links, ready)}
+        return {
+            ToolName.FINGERS: Tool(ToolName.FINGERS, tool_frame, np.eye(4), gripper, gripper.links, ready)
+        }
     ready = ToolState(cup_extension=gripper.stroke)
-    return {"suction": Tool("suction", tool_frame, np.eye(4), gripper, (gripper.link,), ready)}
+    return {ToolName.SUCTION: Tool(ToolName.SUCTION, tool_frame, np.eye(4), gripper, (gripper.link,), ready)}
 
 
 def _refuse_undriven(model: Model, joints: tuple[Joint, ...], tools: Mapping[str, Tool], named: str) -> None:

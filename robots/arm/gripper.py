@@ -8,6 +8,14 @@ import numpy as np
 
 from topple.robots.arm.tolerances import CUP_FRICTION
 from topple.topology.arrays import FloatArray
+from topple.topology.values import Word
+
+
+class ToolName(Word):
+    """The tools an arm may have: fingers that close, and a cup that sucks."""
+
+    FINGERS = "fingers"
+    SUCTION = "suction"
 
 
 @dataclass(frozen=True)

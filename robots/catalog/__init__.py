@@ -9,7 +9,7 @@ import numpy as np
 
 from topple.robots.arm.arm import Arm
 from topple.robots.arm.compose import composed
-from topple.robots.arm.gripper import ParallelJaw, SuctionCup, Tool, ToolState
+from topple.robots.arm.gripper import ParallelJaw, SuctionCup, Tool, ToolName, ToolState
 from topple.robots.arm.gripper_file import Cup, Gripper, Jaw
 from topple.robots.catalog.own_arm import arm_from_file
 from topple.robots.hands.suction_hand import CUP_JOINT, CUP_LINK, PANDA_CUP, panda_with_cup
@@ -117,11 +117,13 @@ def _panda_jaw() -> ParallelJaw:
 def _panda_fingers() -> Tool:
     jaw = _panda_jaw()
     pose = _translation(PANDA_PADS_IN_HAND)
-    return Tool("fingers", "panda_hand", pose, jaw, jaw.links, ToolState(jaw.max_opening))
+    return Tool(ToolName.FINGERS, "panda_hand", pose, jaw, jaw.links, ToolState(jaw.max_opening))
 
 
 def _panda() -> Arm:
-    return _panda_arm("panda", data_path() / "franka_panda" / "panda.urdf", {"fingers": _panda_fingers()})
+    return _panda_arm(
+        "panda", data_path() / "franka_panda" / "panda.urdf", {ToolName.FINGERS: _panda_fingers()}
+    )
 
 
 def _panda_suction() -> Arm:
@@ -131,8 +133,8 @@ def _panda_suction() -> Arm:
     )
     # the fingers stand open beside the extended cup, out of the way of what it takes
     ready = ToolState(0.08, design.stroke)
-    lip = Tool("suction", "panda_hand", _translation(design.extended_lip), cup, (CUP_LINK,), ready)
-    tools = {"fingers": _panda_fingers(), "suction": lip}
+    lip = Tool(ToolName.SUCTION, "panda_hand", _translation(design.extended_lip), cup, (CUP_LINK,), ready)
+    tools: dict[str, Tool] = {ToolName.FINGERS: _panda_fingers(), ToolName.SUCTION: lip}
     return _panda_arm("panda-suction", panda_with_cup(data_path(), design), tools)
 
 
@@ -157,7 +159,7 @@ def _iiwa() -> Arm:
     return Arm.from_urdf(
         urdf,
         fingers.link,
-        {"fingers": fingers},
+        {ToolName.FINGERS: fingers},
         name="iiwa",
         velocity=IIWA_VELOCITY,
         acceleration=IIWA_ACCELERATION,
@@ -181,11 +183,13 @@ def _xarm6() -> Arm:
     )
     hand = ("left_outer_knuckle", "right_outer_knuckle", "left_inner_knuckle", "right_inner_knuckle")
     ready = ToolState(jaw.max_opening)
-    tool = Tool("fingers", "xarm_gripper_base_link", _translation(XARM_PADS), jaw, (*jaw.links, *hand), ready)
+    tool = Tool(
+        ToolName.FINGERS, "xarm_gripper_base_link", _translation(XARM_PADS), jaw, (*jaw.links, *hand), ready
+    )
     return Arm.from_urdf(
         data_path() / "xarm" / "xarm6_with_gripper.urdf",
         "xarm_gripper_base_link",
-        {"fingers": tool},
+        {ToolName.FINGERS: tool},
         name="xarm6",
         acceleration=XARM_ACCELERATION,
         home=XARM_HOME,

@@ -7,7 +7,7 @@ from xml.etree import ElementTree
 import numpy as np
 
 from topple.robots.arm.arm import Arm
-from topple.robots.arm.gripper import SuctionCup, Tool, ToolState
+from topple.robots.arm.gripper import SuctionCup, Tool, ToolName, ToolState
 from topple.robots.arm.gripper_file import (
     Cup,
     Gripper,
@@ -55,13 +55,13 @@ def arm_from_file(path: str | Path, gripper: str | Path | Gripper | Jaw | Cup | 
     fingers = _fingers(model, wanted.jaw)
     jaw = None if fingers is None else measured_jaw(model, fingers, wanted.jaw)
     fingers = None if jaw is None else fingers
-    tools = {} if jaw is None else {"fingers": jaw}
+    tools: dict[str, Tool] = {} if jaw is None else {ToolName.FINGERS: jaw}
     if wanted.cup is not None:
         if CUP_LINK in model.links:
             raise InvalidInput(f"{path.name}: it has a link {CUP_LINK!r} of its own: rename it")
         design, origin = _cup_design(wanted.cup)
         robot.extend(ElementTree.fromstring(f"<robot>{cup_xml(design, wanted.cup.link, origin)}</robot>"))
-        tools["suction"] = _suction(wanted.cup, design, jaw)
+        tools[ToolName.SUCTION] = _suction(wanted.cup, design, jaw)
     made, assumed = prepared(robot, path, {} if fingers is None else rigid_groups(model, fingers))
     frame = _tool_frame(model, fingers, wanted)
     kinds = [joint.kind for joint in model.path_to(frame) if joint.kind != "fixed"]
@@ -152,7 +152,7 @@ def _suction(cup: Cup, design: CupDesign, jaw: Tool | None) -> Tool:
         friction=cup.friction,
     )
     ready = ToolState(opening, cup.stroke)
-    return Tool("suction", cup.link, pose_of_offset(cup.offset), made, (CUP_LINK,), ready)
+    return Tool(ToolName.SUCTION, cup.link, pose_of_offset(cup.offset), made, (CUP_LINK,), ready)
 
 
 def _tool_frame(model: Model, fingers: Fingers | None, gripper: Gripper) -> str:

@@ -10,7 +10,7 @@ from typing import NoReturn
 import numpy as np
 
 from topple.robots.arm.arm import joint_value, pose_of_joint
-from topple.robots.arm.gripper import ParallelJaw, Tool, ToolState
+from topple.robots.arm.gripper import ParallelJaw, Tool, ToolName, ToolState
 from topple.robots.arm.gripper_file import Jaw, pose_of_offset
 from topple.robots.arm.urdf import Model
 from topple.robots.hands.fingers import Fingers, moves, rigid_groups
@@ -203,7 +203,7 @@ class _Hand:
             friction=given.friction,
         )
         hand = tuple(carrier for carrier in self._groups if carrier not in jaw.links)
-        return Tool("fingers", link, pose, jaw, (*jaw.links, *hand), ToolState(jaw.max_opening))
+        return Tool(ToolName.FINGERS, link, pose, jaw, (*jaw.links, *hand), ToolState(jaw.max_opening))
 
     def _tips(
         self, first: str, second: str, values: Mapping[str, float], turn: FloatArray

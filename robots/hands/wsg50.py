@@ -5,7 +5,7 @@ from pathlib import Path
 
 import numpy as np
 
-from topple.robots.arm.gripper import ParallelJaw, Tool, ToolState
+from topple.robots.arm.gripper import ParallelJaw, Tool, ToolName, ToolState
 from topple.topology.arrays import FloatArray
 
 PALM = "wsg50_palm"
@@ -55,7 +55,7 @@ def wsg50_fingers() -> Tool:
         pad_size=(0.03, 0.04),
         friction=1.0,  # rubber pads
     )
-    return Tool("fingers", PALM, _pads(), jaw, FINGERS, ToolState(jaw.max_opening))
+    return Tool(ToolName.FINGERS, PALM, _pads(), jaw, FINGERS, ToolState(jaw.max_opening))
 
 
 def _pads() -> FloatArray:

@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 
 from topple.robots.arm.arm import Arm
-from topple.robots.arm.gripper import ToolState
+from topple.robots.arm.gripper import ToolName, ToolState
 from topple.robots.driver import Motion
 from topple.robots.engine import pybullet
 from topple.robots.poses import inverse, pose_from, position_and_quaternion
@@ -300,7 +300,7 @@ class SimulatedArm:
         """
         if not self.cup:
             raise InvalidInput(f"{self.arm.name} has no suction cup: use a robot such as panda-suction")
-        tool = self.arm.tool("suction")
+        tool = self.arm.tool(ToolName.SUCTION)
         pose_lip_to_world = self.link_pose(tool.link) @ tool.pose_tool_to_link
         self.vacuum = Vacuum.on(self.world, self.id, self._link[self.cup.link], pose_lip_to_world, self.cup)
         if self.cup.joint is not None:  # what gave way as the lip was seated does not push back
@@ -334,7 +334,7 @@ class SimulatedArm:
     def _give_way(self, compliance: Compliance) -> None:
         """Holds what a compliant arm would, with these forces on its pads."""
         assert self.jaw is not None
-        tool = self.arm.tool("fingers")
+        tool = self.arm.tool(ToolName.FINGERS)
         pose_tool_to_world = self.link_pose(tool.link) @ tool.pose_tool_to_link
         pads = {self._link[link] for link in self.jaw.links}
         points: Any = pybullet.getContactPoints(bodyA=self.id, physicsClientId=self.world.client)

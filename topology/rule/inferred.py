@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from topple.topology.arrays import FloatArray
+from topple.topology.confidence import Evidence, confidence
 from topple.topology.geometry.axes import level_axes
 from topple.topology.geometry.outline import covers, outline
 from topple.topology.pair import PairRelation
@@ -64,7 +65,9 @@ def infer_contacts(
         for support in _uppermost(name, below, scene, relations):
             if frozenset((name, support.supporter)) in hidden:
                 pair = relations.between(support.supporter, name)
-                relations = relations.with_pair(_touching(pair, support.confidence, FLOATS))
+                relations = relations.with_pair(
+                    _touching(pair, confidence(Evidence.FLOATS, len(scene.viewpoints)), FLOATS)
+                )
     return relations
 
 
@@ -83,7 +86,9 @@ def _meeting_between_points(scene: Scene, relations: Relations) -> Relations:
         return relations
     for contact in find_contacts(Upright.of(scene), among=narrow):
         if float(contact.gaps.min()) <= CONTACT.tight:
-            relations = relations.with_pair(_touching(relations.between(contact.a, contact.b), 0.5, MEET))
+            pair = relations.between(contact.a, contact.b)
+            sure = confidence(Evidence.MEETS, len(scene.viewpoints))
+            relations = relations.with_pair(_touching(pair, sure, MEET))
     return relations
 
 
@@ -162,12 +167,12 @@ def _may_touch(pair: PairRelation) -> bool:
     return pair.relation is Relation.DISJOINT and pair.gap <= TOLERANCES.reach
 
 
-def _touching(pair: PairRelation, confidence: float, reason: str) -> PairRelation:
+def _touching(pair: PairRelation, sure: float, reason: str) -> PairRelation:
     """The pair in contact, at a place that no point shows."""
     return replace(
         pair,
         relation=Relation.TOUCH,
-        confidence=float(np.clip(confidence, 0.5, 0.9)),
+        confidence=sure,
         observed=False,
         kind=None,
         inferred=True,

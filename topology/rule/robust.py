@@ -14,6 +14,7 @@ import numpy as np
 from scipy.spatial import KDTree
 
 from topple.topology.arrays import BoolArray, FloatArray, IntArray
+from topple.topology.confidence import Evidence, confidence
 from topple.topology.pair import PairRelation
 from topple.topology.relations import Relations, box_distance
 from topple.topology.rule.cavity import roofed, surrounded
@@ -179,16 +180,19 @@ class RobustRule:
         return Relation.TOUCH if touching else Relation.DISJOINT
 
     def _confidence(self, relation: Relation, gap: float, matrix: IntArray, observed: bool) -> float:
-        """How far the evidence is from where the relation would change, as a number from 0.5 to 1."""
+        """How often relations with such evidence are true."""
+        cameras = 0 if self.sight is None else len(self.sight.viewpoints)
         if relation is Relation.DISJOINT:
-            margin = (gap - self.deviation) / self.deviation
-            return (
-                float(1 - 0.5 * np.exp(-margin / 2)) if observed else 0.5 + 0.4 * min(1.0, gap / self.reach)
-            )
+            kind = Evidence.APART if observed else Evidence.APART_UNSEEN
+            return confidence(kind, cameras, gap / self.deviation if observed else gap)
         if relation is Relation.TOUCH:
-            return float(0.6 + 0.39 * (1 - gap / self.deviation))
-        share = max(float(matrix[0, 0]) / matrix[0].sum(), float(matrix[1, 0]) / matrix[1].sum())
-        return float(1 - 0.5 * np.exp(-share / (4 * TOLERANCES.interior_share)))
+            return confidence(Evidence.TOUCH, cameras, gap / self.deviation)
+        return confidence(Evidence.INSIDE, cameras, inner_share(matrix))
+
+
+def inner_share(matrix: IntArray) -> float:
+    """Share of the cloud that lies deeper in the other one, of a matrix (2, 3) of counts."""
+    return float((matrix[:, 0] / matrix.sum(axis=1)).max())
 
 
 @dataclass(frozen=True, eq=False)

@@ -5,6 +5,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from topple.topology.confidence import Evidence, confidence
 from topple.topology.sixim.table import Relation
 from topple.topology.statics.contact import Contact
 from topple.topology.statics.rest import Statics, within_reach
@@ -24,6 +25,7 @@ class Support:
         kind: "rests", "leans" or "contained".
         confidence: 0..1.
         inferred: True where no camera saw the contact.
+        gap: Distance of the two where they meet [m], 0 where they do.
     """
 
     supporter: str
@@ -31,6 +33,7 @@ class Support:
     kind: str
     confidence: float
     inferred: bool
+    gap: float = 0.0
 
     def to_json(self) -> dict[str, Any]:
         """The support as the JSON of `topple order` has it."""
@@ -54,15 +57,18 @@ def supports(statics: Statics, relations: "Relations") -> tuple[Support, ...]:
         Supports, ordered by supported object, one for each pair: of a contact seen and one inferred, the more
         certain. What leans has two supporters or more.
     """
-    best: dict[tuple[str, str], Support] = {}
+    best: dict[tuple[str, str], tuple[float, Support]] = {}
     order = {name: i for i, name in enumerate(statics.upright.clouds)}
     for contact in within_reach(statics.contacts, statics.weights):
         support = _read(contact, statics, relations)
         if support is not None:
-            known = best.setdefault((support.supporter, support.supported), support)
-            if support.confidence > known.confidence:
-                best[support.supporter, support.supported] = support
-    return tuple(sorted(best.values(), key=lambda s: (order[s.supported], order[s.supporter])))
+            # What lies close is more likely than what hovers, and what was seen than what was concluded.
+            likely = (1.0 - min(support.gap / 0.01, 0.8)) * (0.7 if support.inferred else 1.0)
+            pair = support.supporter, support.supported
+            if pair not in best or likely > best[pair][0]:
+                best[pair] = likely, support
+    found = (support for _, support in best.values())
+    return tuple(sorted(found, key=lambda s: (order[s.supported], order[s.supporter])))
 
 
 def _read(contact: Contact, statics: Statics, relations: "Relations") -> Support | None:
@@ -74,8 +80,10 @@ def _read(contact: Contact, statics: Statics, relations: "Relations") -> Support
     below, above = (contact.a, contact.b) if up > 0 else (contact.b, contact.a)
     if above in statics.upright.fixed:
         return None
-    gap = float(max(contact.gaps.min(), 0.0))
     inside = relations.between(above, below).relation in (Relation.WITHIN, Relation.PARTIAL_WITHIN)
     kind = "contained" if inside else "rests" if abs(up) >= LEAN else "leans"
-    confidence = float(np.clip(1.0 - gap / 0.01, 0.2, 1.0)) * (0.7 if contact.inferred else 1.0)
-    return Support(below, above, kind, confidence, contact.inferred)
+    upright = statics.upright
+    cameras = 0 if upright.viewpoints is None else len(upright.viewpoints)
+    evidence = Evidence.CARRIES_UNSEEN if contact.inferred else Evidence.CARRIES
+    gap = float(max(contact.gaps.min(), 0.0))
+    return Support(below, above, kind, confidence(evidence, cameras, gap), contact.inferred, gap)

@@ -2,7 +2,7 @@ import numpy as np
 import pytest
 
 from topple.planner.decide.dependency import Dependency, DependencyGraph, dependencies, ways_found
-from topple.planner.decide.rates import ONE, WHOLE, way_found
+from topple.planner.decide.rates import rates_for, way_found
 from topple.robots import shapes
 from topple.topology import Scene, UnknownObject
 from topple.topology.situation import Situation
@@ -51,7 +51,7 @@ def test_cycles_and_ancestors() -> None:
 def test_what_both_questions_answer_yes_is_believed_most() -> None:
     assert [way_found(0.05, falls=True), way_found(0.05, falls=False)] == [0, 1]
     assert [way_found(0.012, falls=False), way_found(None, falls=True)] == [2, 3]
-    for rates in (WHOLE, ONE):
+    for rates in (rates_for(None), rates_for(1)):
         assert rates.found[0] > rates.found[1] > max(rates.found[2:])
 
 
@@ -65,4 +65,4 @@ def test_an_edge_is_believed_as_often_as_what_was_found_in_its_way_was_right() -
     assert ways_found(Situation(scene)) == {("top", "low"): 0}
     (edge,) = dependencies(scene).dependencies
     assert (edge.first, edge.then, edge.reason) == ("top", "low", "supported")
-    assert edge.confidence == WHOLE.found[0]
+    assert edge.confidence == rates_for(None).found[0]

@@ -8,7 +8,7 @@ import pytest
 from topple.benchmarks.rates import Counts
 from topple.planner.decide.chances import reasoned, standing
 from topple.planner.decide.dependency import Dependency, DependencyGraph
-from topple.planner.decide.rates import ONE, SEVERAL, WHOLE, Rates, posterior
+from topple.planner.decide.rates import Rates, posterior, rates_for
 from topple.planner.planning.order import order
 from topple.planner.simulate.votes import Votes, ask, chances, confirmed
 from topple.robots import shapes
@@ -91,7 +91,7 @@ def test_bodies_that_sag_by_themselves_add_no_dependency() -> None:
     assert not confirmed(nothing, chance, sagging).dependencies
 
 
-@pytest.mark.parametrize("rates", [WHOLE, SEVERAL, ONE])
+@pytest.mark.parametrize("rates", [rates_for(None), rates_for(3), rates_for(1)])
 def test_more_trials_that_moved_make_a_dependency_likelier(rates: Rates) -> None:
     for steady in (True, False):
         chance = [posterior(0.5, moved, 3, steady, rates) for moved in range(4)]

@@ -9,6 +9,7 @@ from topple.robots.world.bodies import Body
 from topple.robots.world.camera import Camera
 from topple.robots.world.world import World
 from topple.topology.bodies.complete import complete, is_hollow
+from topple.topology.confidence import Evidence, confidence
 from topple.topology.image import DepthImage
 from topple.topology.rule.relate import relate
 from topple.topology.scene import Scene
@@ -74,7 +75,7 @@ def test_everything_has_its_support_and_no_other(name: str, cameras: int) -> Non
     for pair in relations:
         if "table" in (pair.a, pair.b) and pair.relation is Relation.TOUCH:
             assert pair.inferred and not pair.observed  # the sides are seen so steeply that no foot is
-            assert 0.5 <= pair.confidence <= 0.9
+            assert pair.confidence == confidence(Evidence.FLOATS, cameras)
 
 
 def test_what_is_added_to_a_box_lies_within_it_and_where_nobody_saw_through() -> None:
