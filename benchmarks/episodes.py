@@ -24,7 +24,18 @@ TOPPLE = "topple"
 IDEAL = "any order, ideal lifts"
 """The rule of an episode that no arm plays: whether its target could be freed at all."""
 
-ENDINGS = ("success", "hit", "disturbed", "dropped", "no plan", "budget", "blind", "goal missed", "crash")
+ENDINGS = (
+    "success",
+    "hit",
+    "disturbed",
+    "dropped",
+    "no plan",
+    "budget",
+    "blind",
+    "arm",
+    "goal missed",
+    "crash",
+)
 """How an episode can end; of several that apply to one that failed, the first."""
 
 
