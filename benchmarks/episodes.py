@@ -1,7 +1,6 @@
 """Seeded runs of the built-in scenes and of real frames, and how they ended."""
 
 import os
-import signal
 import time
 from collections.abc import Mapping
 from dataclasses import asdict, dataclass
@@ -251,11 +250,6 @@ def _used(step: StepRecord) -> float:
     turned = [a / LIMITS.angle for _, a in step.disturbed.values()]
     pressed = [force / LIMITS.hit for force in step.forces.values()]
     return max([0.0, *moved, *turned, *pressed])
-
-
-def ignore_interrupts() -> None:
-    """Ctrl-C reaches every process of a terminal; what to do then is for the one that keeps the journal."""
-    signal.signal(signal.SIGINT, signal.SIG_IGN)
 
 
 def _memory() -> int:
