@@ -1,7 +1,6 @@
 """Seeded runs of the built-in scenes and of real frames, and how they ended."""
 
 import os
-import signal
 import time
 from collections.abc import Mapping
 from dataclasses import asdict, dataclass
@@ -24,7 +23,18 @@ TOPPLE = "topple"
 IDEAL = "any order, ideal lifts"
 """The rule of an episode that no arm plays: whether its target could be freed at all."""
 
-ENDINGS = ("success", "hit", "disturbed", "dropped", "no plan", "budget", "blind", "goal missed", "crash")
+ENDINGS = (
+    "success",
+    "hit",
+    "disturbed",
+    "dropped",
+    "no plan",
+    "budget",
+    "blind",
+    "arm",
+    "goal missed",
+    "crash",
+)
 """How an episode can end; of several that apply to one that failed, the first."""
 
 
@@ -240,11 +250,6 @@ def _used(step: StepRecord) -> float:
     turned = [a / LIMITS.angle for _, a in step.disturbed.values()]
     pressed = [force / LIMITS.hit for force in step.forces.values()]
     return max([0.0, *moved, *turned, *pressed])
-
-
-def ignore_interrupts() -> None:
-    """Ctrl-C reaches every process of a terminal; what to do then is for the one that keeps the journal."""
-    signal.signal(signal.SIGINT, signal.SIG_IGN)
 
 
 def _memory() -> int:

@@ -25,10 +25,10 @@ from typing import Any
 
 from topple.benchmarks.behaviour import BEHAVIOUR
 from topple.benchmarks.document import machine
-from topple.benchmarks.episodes import ignore_interrupts
 from topple.benchmarks.frozen_cases import Case, Item, cases
 from topple.benchmarks.row import Progress, Row
 from topple.planner.files import check_writable, write_whole
+from topple.planner.workers import serve
 from topple.topology.errors import InvalidInput
 
 FILE = Path(__file__).with_name("frozen.json")
@@ -228,7 +228,7 @@ def _as_done(wanted: Sequence[Case]) -> Iterator[tuple[Case, tuple[Item, ...]]]:
 
 def _begin() -> None:
     """Ready a process: time that a search may take counts as work, so that a busy machine finds the same."""
-    ignore_interrupts()
+    serve()
     time.monotonic = time.process_time
 
 

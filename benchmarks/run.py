@@ -19,20 +19,21 @@ import os
 import time
 from collections import Counter
 from collections.abc import Iterator, Mapping, Sequence
-from concurrent.futures import FIRST_COMPLETED, Future, ProcessPoolExecutor, wait
+from concurrent.futures import FIRST_COMPLETED, Future, wait
 from concurrent.futures.process import BrokenProcessPool
 from dataclasses import dataclass
-from multiprocessing import active_children, get_context
+from multiprocessing import active_children
 from pathlib import Path
 from statistics import median
 from typing import Any
 
-from topple.benchmarks.episodes import ENDINGS, IDEAL, TOPPLE, Ending, Episode, ignore_interrupts, play
+from topple.benchmarks.episodes import ENDINGS, IDEAL, TOPPLE, Ending, Episode, play
 from topple.benchmarks.frames import frames_in
 from topple.benchmarks.journal import Journal
 from topple.benchmarks.row import Progress, Row
 from topple.benchmarks.rules import RULES
 from topple.benchmarks.scores import share_interval
+from topple.planner.workers import worker_pool
 
 JOURNAL = Path("topple-bench-run.jsonl")
 LEAST_THIRD = 5  # episodes: with fewer in a third a process's memory says nothing
@@ -153,7 +154,13 @@ def collected(
         Everything that the journal has of today's behaviour, wanted or not, in the order in which it was
         played.
     """
-    book = Journal(journal)
+    with Journal(journal) as book:
+        return _kept(wanted, progress, book, minutes)
+
+
+def _kept(
+    wanted: Sequence[Episode], progress: Progress, book: Journal, minutes: float | None
+) -> Mapping[Episode, Ending]:
     if book.stale:
         progress(f"{book.stale} results of another version of behaviour are left out")
     known = {ending.episode: ending for ending in map(Ending.from_json, book.entries)}
@@ -198,7 +205,7 @@ class _Lane:
     """One process that plays one episode after the other: its memory shows whether anything leaks."""
 
     def __init__(self) -> None:
-        self._pool = _one_process()
+        self._pool = worker_pool(1)
         self._episode: Episode | None = None
         self.future: Future[Ending] | None = None
 
@@ -214,16 +221,12 @@ class _Lane:
         try:
             return self.future.result()
         except BrokenProcessPool as error:
-            self._pool = _one_process()
+            self._pool = worker_pool(1)
             return Ending(self._episode, "crash", (str(error),))
 
     def close(self) -> None:
         """Take nothing more."""
         self._pool.shutdown(wait=False, cancel_futures=True)
-
-
-def _one_process() -> ProcessPoolExecutor:
-    return ProcessPoolExecutor(1, get_context("spawn"), initializer=ignore_interrupts)
 
 
 def figures(found: Mapping[Series, Sequence[Ending]]) -> list[Row]:

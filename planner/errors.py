@@ -26,6 +26,10 @@ class NoSafePlan(ToppleError):
         self.certificate, self.failures = certificate, failures
 
 
+class ArmFault(ToppleError):
+    """The arm cannot go on: its hand does not let go, or it is not where it should be."""
+
+
 def refusal_json(command: str, error: ToppleError, goal: str) -> dict[str, Any]:
     """The object that `topple plan --json` and `topple run --json` print where nothing safe can be done.
 

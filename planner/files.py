@@ -1,7 +1,8 @@
-"""Output files are written whole or not at all."""
+"""Output files are written whole or not at all, and so are sets of them."""
 
 import os
 import tempfile
+from collections.abc import Mapping
 from pathlib import Path
 
 from topple.topology.errors import InvalidInput
@@ -66,30 +67,77 @@ def write_whole(path: str | os.PathLike[str], content: str | bytes) -> Path:
     Raises:
         InvalidInput: If the file cannot be written; nothing is left behind.
     """
-    place = check_writable(path)
-    data = content.encode("utf-8") if isinstance(content, str) else content
+    return write_all({path: content})[0]
+
+
+def write_all(contents: Mapping[str | os.PathLike[str], str | bytes]) -> list[Path]:
+    """Write files that belong together: all of them, or none.
+
+    Args:
+        contents: Path -> text (written as UTF-8) or bytes.
+
+    Returns:
+        The paths.
+
+    Raises:
+        InvalidInput: If one of them cannot be written; what was there of all of them stays.
+    """
+    places = [check_writable(path) for path in contents]
+    ready: list[tuple[Path, Path]] = []
+    place = Path()
     try:
-        if place.exists() and not place.is_file():
-            place.write_bytes(data)
-        else:
-            _replace(place.resolve(), data)
+        for place, content in zip(places, contents.values(), strict=True):
+            data = content.encode("utf-8") if isinstance(content, str) else content
+            if place.exists() and not place.is_file():
+                place.write_bytes(data)
+            else:
+                ready.append((_beside(place.resolve(), data), place.resolve()))
+        for part, place in ready:
+            os.replace(part, place)
     except OSError as error:
         raise InvalidInput(f"{place}: cannot be written, {error.strerror or error}") from error
-    return place
+    finally:
+        for part, _ in ready:
+            part.unlink(missing_ok=True)
+    return places
 
 
-def _replace(place: Path, data: bytes) -> None:
-    handle, beside = tempfile.mkstemp(prefix=f".{place.name}.", suffix=".part", dir=place.parent)
+def _beside(place: Path, data: bytes) -> Path:
+    """Write a file beside another one, with that one's permissions; its path.
+
+    While it is written it has no name, where the file system can do that: nothing of it is left then, even if
+    the process is killed.
+    """
+    folder = os.open(place.parent, os.O_RDONLY | os.O_DIRECTORY)
     try:
-        with os.fdopen(handle, "wb") as file:
-            file.write(data)
-            file.flush()
-            os.fsync(file.fileno())
-        os.chmod(beside, _mode(place))
-        os.replace(beside, place)
-    except BaseException:
-        os.unlink(beside)
-        raise
+        handle, part = _nameless(place)
+        try:
+            with os.fdopen(handle, "wb", closefd=False) as file:
+                file.write(data)
+                file.flush()
+                os.fsync(handle)
+            os.fchmod(handle, _mode(place))
+            if part is None:
+                part = place.parent / f".{place.name}.{os.getpid()}-{os.urandom(4).hex()}.part"
+                os.link(f"/proc/self/fd/{handle}", part.name, dst_dir_fd=folder, follow_symlinks=True)
+        except BaseException:
+            if part is not None:
+                part.unlink(missing_ok=True)
+            raise
+        finally:
+            os.close(handle)
+    finally:
+        os.close(folder)
+    return part
+
+
+def _nameless(place: Path) -> tuple[int, Path | None]:
+    """A new file beside a place, without a name where there can be such; its descriptor, and its path."""
+    try:
+        return os.open(place.parent, os.O_TMPFILE | os.O_RDWR | os.O_CLOEXEC, 0o600), None
+    except OSError:
+        handle, part = tempfile.mkstemp(prefix=f".{place.name}.", suffix=".part", dir=place.parent)
+        return handle, Path(part)
 
 
 def _mode(place: Path) -> int:

@@ -74,7 +74,8 @@ class Driver(Protocol):
             keep_offset: Stay as far beside the trajectory as the arm is at its start, instead of joining it.
 
         Returns:
-            The largest joint error at the end in [rad] or [m].
+            The largest joint error at the end in [rad] or [m]. A driver that stops an arm which is pushed off
+            its path says how far it is from the end; the rest of the path is then driven once more.
         """
         ...
 

@@ -19,7 +19,6 @@ over the variants, with 95 % intervals of the mean.
 import os
 from collections.abc import Iterator, Sequence
 from concurrent.futures import ProcessPoolExecutor
-from multiprocessing import get_context
 from pathlib import Path
 from typing import Any
 
@@ -29,6 +28,7 @@ from topple.benchmarks.paper.summary import report
 from topple.benchmarks.paper.things import Things
 from topple.benchmarks.paper.truth import SCENES
 from topple.benchmarks.row import Progress
+from topple.planner.workers import worker_pool
 from topple.topology.errors import InvalidInput
 
 VARIANTS = 10
@@ -63,7 +63,7 @@ def rows(
     things = Things(models)
     if things.absent:
         progress(f"no model of {', '.join(things.absent)}: procedural")
-    with ProcessPoolExecutor(os.cpu_count() or 1, get_context("spawn")) as pool:
+    with worker_pool(os.cpu_count() or 1) as pool:
         learned = None
         if learning.available():
             progress("learning from piles")

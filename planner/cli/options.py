@@ -2,7 +2,6 @@
 
 import argparse
 import os
-import signal
 from collections.abc import Callable
 from contextlib import ExitStack
 from dataclasses import dataclass
@@ -168,10 +167,9 @@ def for_each_scene(
     with ExitStack() as stack:
         answers = map(partial(_attempt, work), paths)
         if workers > 1:
-            from concurrent.futures import ProcessPoolExecutor
-            from multiprocessing import get_context
+            from topple.planner.workers import worker_pool
 
-            pool = ProcessPoolExecutor(workers, get_context("spawn"), initializer=_leave_interrupts)
+            pool = worker_pool(workers)
             stack.callback(pool.shutdown, cancel_futures=True)
             answers = pool.map(partial(_attempt, work), paths)
         for number, path in enumerate(paths, 1):
@@ -198,11 +196,6 @@ def _attempt(work: Callable[[str], Answer], path: str) -> "Answer | _Refused":
         return work(path)
     except InvalidInput as error:
         return _Refused(str(error))
-
-
-def _leave_interrupts() -> None:
-    """Ctrl-C ends the command, which then ends its workers."""
-    signal.signal(signal.SIGINT, signal.SIG_IGN)
 
 
 def positive(text: str) -> float:

@@ -64,7 +64,7 @@ def matched(
     Returns:
         Label -> name of what is matched, each name once.
     """
-    names = _assigned(seen, remembered, _apart, STAYED)
+    names = _assigned(seen, remembered, apart, STAYED)
     left = {label: cloud for label, cloud in seen.items() if label not in names}
     lost = {name: remembered[name] for name in gone if name not in names.values()}
     return names | _assigned(left, lost, _unlike, ELSEWHERE)
@@ -88,7 +88,12 @@ def _assigned(
     return {labels[i]: names[j] for i, j in zip(rows, columns, strict=True) if costs[i, j] < most}
 
 
-def _apart(seen: FloatArray, remembered: FloatArray) -> float:
+def middle(cloud: FloatArray) -> FloatArray:
+    """(3,) centre of the box round a cloud (N, 3), in [m]: it does not hang on where the points are dense."""
+    return (cloud.min(axis=0) + cloud.max(axis=0)) / 2.0
+
+
+def apart(seen: FloatArray, remembered: FloatArray) -> float:
     """Distance between two clouds in [m]: the mean of the median ways from one to the other and back."""
     there, back = KDTree(remembered).query(seen)[0], KDTree(seen).query(remembered)[0]
     return float(np.median(there) + np.median(back)) / 2.0

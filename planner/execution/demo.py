@@ -1,7 +1,6 @@
 """The built-in scenes, played by an arm in PyBullet, and everything written down."""
 
 import json
-import signal
 from collections.abc import Callable
 from dataclasses import replace
 from multiprocessing import get_context
@@ -12,7 +11,7 @@ from topple.planner.errors import NoSafePlan
 from topple.planner.execution.demo_seeds import CAMERAS, default_seed
 from topple.planner.execution.look import Look
 from topple.planner.execution.loop import ClosedLoop
-from topple.planner.files import make_folder, write_whole
+from topple.planner.files import check_writable, make_folder, write_all, write_whole
 from topple.planner.formats.plan_format import plan_to_json
 from topple.planner.formats.run_record import INTERRUPTED, Document, RunRecord
 from topple.planner.planning.order import cautious
@@ -21,6 +20,7 @@ from topple.planner.planning.step import Orderer, Station
 from topple.planner.report.rerun_file import RATE as RERUN_RATE
 from topple.planner.report.rerun_file import rerun_file
 from topple.planner.report.run_page import run_page
+from topple.planner.workers import serve
 from topple.robots.catalog import robot as robot_named
 from topple.robots.scenarios import Scenario, scenario_called
 from topple.robots.world.film import filmed
@@ -28,6 +28,9 @@ from topple.robots.world.recording import Recording
 from topple.robots.world.simulated_arm import SimulatedArm
 
 Progress = Callable[[str], None]
+
+FILES = ("relations.json", "order.json", "plan.json", "run.json", "report.html")
+"""What a demo leaves: all of them, or none."""
 
 
 def demo(
@@ -65,15 +68,16 @@ def demo(
     seed = default_seed(name) if seed is None else seed
     with scenario_called(name, seed) as stage:
         place = make_folder(folder)
+        for file in FILES:
+            check_writable(place / file)
         robot = robot or stage.robot
         loop = loop_in(
             stage, robot=robot, cameras=cameras, mask_noise=mask_noise, seed=seed, progress=progress
         )
         acting, first = loop.robot, loop.look()
         assert isinstance(acting, SimulatedArm)
-        write_whole(place / "relations.json", _text(first.relations.to_json()))
         # the plan of the whole sequence is made on the other core while the arm already works
-        with get_context("spawn").Pool(1, _ignore_interrupts) as other:  # leaving it ends what still plans
+        with get_context("spawn").Pool(1, serve) as other:  # leaving it ends what still plans
             base = stage.pose_base_to_world
             task = (first.scene, stage.goal, robot)
             planned = other.apply_async(plan, task, {"base": base, "orderer": cautious, "seed": seed})
@@ -90,12 +94,17 @@ def demo(
         if whole is None:
             arm, goal = robot_named(robot), parse_goal(stage.goal, first.scene)
             whole = plan_as_done(first.scene, goal, Station(arm, base, arm.home), loop.followed, seed)
-        write_whole(place / "plan.json", plan_to_json(whole))
-        write_whole(place / "order.json", _text(_decided_by(record, first, stage, seed)))
+        decided = _decided_by(record, first, stage, seed)
         if rerun is not None and recording is not None:
             write_whole(rerun, rerun_file(record, recording))
-    write_whole(place / "run.json", _text(record.to_json()))
-    write_whole(place / "report.html", run_page(record))
+    texts = (
+        _text(first.relations.to_json()),
+        _text(decided),
+        plan_to_json(whole),
+        _text(record.to_json()),
+        run_page(record),
+    )
+    write_all({place / file: text for file, text in zip(FILES, texts, strict=True)})
     return record
 
 
@@ -149,8 +158,3 @@ def loop_in(
 
 def _text(document: object) -> str:
     return json.dumps(document, indent=1) + "\n"
-
-
-def _ignore_interrupts() -> None:
-    """Ctrl-C reaches every process of a terminal; what to do then is for the one that acts to decide."""
-    signal.signal(signal.SIGINT, signal.SIG_IGN)

@@ -5,18 +5,31 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from topple.planner.execution.tolerances import AT_HOME, NOTHING, OFF_COURSE, SHALLOW, SPEED, STILL, TOUCHDOWN
+from topple.planner.execution.tolerances import (
+    AT_HOME,
+    JOINING,
+    LETTING_GO,
+    NOTHING,
+    OFF_COURSE,
+    RESUMED,
+    SHALLOW,
+    SHUT,
+    SPEED,
+    STILL,
+    TOUCHDOWN,
+)
 from topple.planner.grasp.tolerances import PRESS
 from topple.planner.motion.collision import Checker
 from topple.planner.motion.planner import MotionFailure, plan_motion
-from topple.planner.motion.trajectory import retime
+from topple.planner.motion.trajectory import Trajectory, retime
 from topple.planner.transfer.segments import Segment, SegmentKind
 from topple.planner.transfer.tolerances import MARGIN, RELEASE_GAP
 from topple.planner.transfer.transfer import Transfer
 from topple.robots.arm.gripper import ToolName
-from topple.robots.driver import Driver
+from topple.robots.driver import Driver, Motion
 from topple.topology.arrays import FloatArray
 from topple.topology.bodies.solids import Solids
+from topple.topology.errors import ToppleError
 
 WATCHED = (
     SegmentKind.LIFT,
@@ -24,7 +37,10 @@ WATCHED = (
     SegmentKind.PLACE,
 )  # segments during which the object must be in the hand
 GUARDED = (SegmentKind.APPROACH, SegmentKind.PLACE)  # segments that a force at the wrist ends
-TOUCHED: dict[str, float] = {ToolName.FINGERS: 2.0, ToolName.SUCTION: 8.0}  # [N] moves no can yet; seats a cup's lip
+TOUCHED: dict[str, float] = {
+    ToolName.FINGERS: 2.0,
+    ToolName.SUCTION: 8.0,
+}  # [N] moves no can yet; seats a cup's lip
 SAMPLES = 40  # of the tool's path per segment, for pictures
 
 
@@ -41,18 +57,25 @@ class Outcome:
         success: The object was taken, carried and let go where it should be.
         text: What happened, in one sentence.
         tool_path: (k, 3) planned positions of the tool in the world [m], of the segments that were driven.
+        stuck: The hand does not let go of the object: the arm must stay where it is.
     """
 
     success: bool
     text: str
     tool_path: FloatArray
+    stuck: bool = False
+
+
+class HandStuck(ToppleError):
+    """A hand does not let go: wherever the arm went, it would drag what it holds along."""
 
 
 def execute(transfer: Transfer, robot: Driver, watch: Watch | None = None) -> Outcome:
     """Drives the segments one after the other.
 
     A grasp that closes on nothing, a cup that does not seal or an object lost on the way ends it: the hand
-    opens and the arm goes straight up, so that the next look finds it out of the way.
+    opens and the arm goes straight up, so that the next look finds it out of the way. An arm that was pushed
+    off its path comes back to it and goes on.
 
     Args:
         transfer: What to do; it should start where the arm is.
@@ -61,21 +84,30 @@ def execute(transfer: Transfer, robot: Driver, watch: Watch | None = None) -> Ou
     """
     done: list[Segment] = []
     watch = watch or _nobody
-    for segment in transfer.segments:
-        if segment.kind is SegmentKind.RELEASE:
-            watch(LET_GO, segment.tool)
-        problem = _drive(segment, transfer.object, robot)
-        if segment.trajectory is not None:
-            done.append(segment)
-        if problem is not None:
-            watch(MISSED, segment.tool)
-            retreat(done, robot)
-            return Outcome(False, problem, _tool_path(done, robot))
-        if segment.kind is SegmentKind.GRASP:
-            watch(TAKEN, segment.tool)
-    return Outcome(
-        True, f"{transfer.object} was put down, {transfer.placement.rest}.", _tool_path(done, robot)
-    )
+    pushed: list[str] = []
+    problem = None
+    try:
+        for segment in transfer.segments:
+            if segment.kind is SegmentKind.RELEASE:
+                watch(LET_GO, segment.tool)
+            problem = _drive(segment, transfer.object, robot, pushed)
+            if segment.trajectory is not None:
+                done.append(segment)
+            if problem is not None:
+                watch(MISSED, segment.tool)
+                retreat(done, robot)
+                break
+            if segment.kind is SegmentKind.GRASP:
+                watch(TAKEN, segment.tool)
+    except HandStuck as error:
+        text = (
+            f"the hand does not open and holds {transfer.object} still, the arm stays where it is: {error}."
+        )
+        return Outcome(False, " ".join(filter(None, (problem, text))), _tool_path(done, robot), stuck=True)
+    put = f"{transfer.object} was put down, {transfer.placement.rest}."
+    off = f"The arm was off its path during the {' and the '.join(pushed)}." if pushed else None
+    text = " ".join(filter(None, (problem or put, off)))
+    return Outcome(problem is None, text, _tool_path(done, robot))
 
 
 def _nobody(_moment: str, _tool: str) -> None:
@@ -104,12 +136,15 @@ def withdraw(robot: Driver, solids: Solids, seed: int) -> None:
 
 
 def retreat(done: list[Segment], robot: Driver) -> None:
-    """Lets go, no wider than the hand was open on its way in, and backs out along that way."""
-    if not done:
-        robot.release()
+    """Lets go, no wider than the hand was open on its way in, and backs out along that way.
+
+    Raises:
+        HandStuck: The hand does not let go.
+    """
+    last = done[-1] if done else None
+    _let_go(robot, last.hand.opening if last is not None and last.kind is SegmentKind.APPROACH else None)
+    if last is None:
         return
-    last = done[-1]
-    robot.release(last.hand.opening if last.kind is SegmentKind.APPROACH else None)
     if last.kind is SegmentKind.APPROACH and last.trajectory is not None:
         path = last.trajectory
         come = int(np.abs(path.positions - robot.q_target).max(axis=1).argmin()) + 1  # it may have stopped
@@ -124,13 +159,13 @@ def retreat(done: list[Segment], robot: Driver) -> None:
     robot.open()
 
 
-def _drive(segment: Segment, name: str, robot: Driver) -> str | None:
-    """Drives one segment; a sentence where it went wrong."""
+def _drive(segment: Segment, name: str, robot: Driver, pushed: list[str]) -> str | None:
+    """Drives one segment; a sentence where it went wrong. Where the arm was pushed and went on is noted."""
     if segment.kind is SegmentKind.GRASP:
         return _take(segment, name, robot)
     if segment.kind is SegmentKind.RELEASE:
         # what is held may be wider than it looked
-        robot.release(max(segment.hand.opening, robot.opening + RELEASE_GAP))
+        _let_go(robot, max(segment.hand.opening, robot.opening + RELEASE_GAP))
         robot.wait(0.25)  # what was let go comes to rest before the hand leaves
         return None
     if segment.trajectory is None:
@@ -140,12 +175,22 @@ def _drive(segment: Segment, name: str, robot: Driver) -> str | None:
             robot.extend(segment.hand.cup_extension)
         if segment.kind is not SegmentKind.RETREAT:
             robot.open(segment.hand.opening)
+            if robot.opening < (wanted := _within(robot, segment.hand.opening)) - SHUT:
+                short = f"{1e3 * robot.opening:.0f} mm instead of {1e3 * wanted:.0f} mm"
+                return f"the hand does not open: its pads are {short} apart."
     guard = TOUCHDOWN if segment.kind is SegmentKind.PLACE else TOUCHED.get(segment.tool)
     if segment.kind in GUARDED and guard is not None:
         robot.wait(STILL)
         error = robot.follow_until(segment.trajectory, guard)
     else:  # a hand that gave way as it closed lifts straight up from where it is
-        error = robot.follow(segment.trajectory, keep_offset=segment.kind is SegmentKind.LIFT)
+        lifting = segment.kind is SegmentKind.LIFT
+        error = robot.follow(segment.trajectory, keep_offset=lifting)
+        for _ in range(RESUMED):
+            if error <= OFF_COURSE or (segment.kind in WATCHED and not robot.holding):
+                break
+            error = _resume(segment.trajectory, robot)
+            if error <= OFF_COURSE:
+                pushed.append(str(segment.kind))
     if (
         segment.kind is SegmentKind.APPROACH
         and segment.tool == ToolName.FINGERS
@@ -157,6 +202,35 @@ def _drive(segment: Segment, name: str, robot: Driver) -> str | None:
     if error > OFF_COURSE:
         return f"the arm was held up during the {segment.kind}."
     return None
+
+
+def _within(robot: Driver, opening: float) -> float:
+    """What a jaw can open to of what is asked for [m]; 0 without one."""
+    return 0.0 if robot.arm.jaw is None else min(opening, robot.arm.jaw.max_opening)
+
+
+def _resume(path: Motion, robot: Driver) -> float:
+    """Brings an arm back to the nearest place of its path and drives the rest of it; the error at the end."""
+    nearest = int(np.abs(path.positions - robot.q_target).max(axis=1).argmin())
+    there = np.stack([path.positions[nearest]] * 2)
+    robot.follow(Trajectory(np.array([0.0, JOINING]), there, np.zeros_like(there)))
+    rest = path.positions[nearest:]
+    if len(rest) < 2:
+        return float(np.abs(robot.q_target - path.positions[-1]).max())
+    return robot.follow(retime(robot.arm, rest, SPEED))
+
+
+def _let_go(robot: Driver, opening: float | None) -> None:
+    """Opens the hand to a pad distance [m], or switches the vacuum off.
+
+    Raises:
+        HandStuck: It holds on, though it was told so more than once.
+    """
+    for _ in range(LETTING_GO):
+        robot.release(opening)
+        if not robot.holding:
+            return
+    raise HandStuck(f"its pads are {1e3 * robot.opening:.0f} mm apart")
 
 
 def _way_left(segment: Segment, robot: Driver) -> float:

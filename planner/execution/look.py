@@ -6,16 +6,16 @@ from typing import Protocol
 
 import numpy as np
 
-from topple.planner.execution.associate import associated, seen_through
-from topple.planner.execution.tolerances import COARSE, FINE, GONE, MOVED
+from topple.planner.execution.associate import associated, middle, seen_through
+from topple.planner.execution.frames import Eye, Frames
+from topple.planner.execution.masks import misnamed, renamed
+from topple.planner.execution.tolerances import COARSE, FINE, GONE, MOVED, THERE
 from topple.planner.pictures import picture
-from topple.robots.world.camera import Camera
 from topple.robots.world.world import World
 from topple.topology.arrays import FloatArray
 from topple.topology.bodies.solids import up_of
 from topple.topology.bodies.tops import tops_of
 from topple.topology.cloud import clean
-from topple.topology.errors import InvalidInput
 from topple.topology.geometry.thin import thinned
 from topple.topology.image import DepthImage
 from topple.topology.relations import Relations
@@ -33,12 +33,14 @@ class Look:
         situation: What is seen, and what was seen before and may be hidden now, and what was read of it.
         picture: PNG bytes of the first camera's view, or None.
         surprises: What was not as expected, by name, in sentences: newly seen, moved, hidden or gone.
+        faults: What was wrong with cameras and masks and was put right or left out, in sentences.
     """
 
     images: tuple[DepthImage, ...]
     situation: Situation
     picture: bytes | None
     surprises: Mapping[str, str] = field(default_factory=dict[str, str])
+    faults: tuple[str, ...] = ()
 
     @property
     def scene(self) -> Scene:
@@ -76,13 +78,17 @@ class Observer:
     """
 
     world: World
-    cameras: Sequence[Camera]
+    cameras: Sequence[Eye]
     rng: np.random.Generator
     fixed: tuple[str, ...]
     up: FloatArray = field(default_factory=lambda: np.array([0.0, 0.0, 1.0]))
     masses: Mapping[str, float] = field(default_factory=dict[str, float])
     friction: Mapping[str, float] = field(default_factory=dict[str, float])
     shuffle_labels: bool = False
+
+    def __post_init__(self) -> None:
+        self._frames = Frames(self.cameras)
+        self._last: Scene | None = None
 
     def look(self, expected: Scene | None = None) -> Look:
         """Takes a picture with every camera and relates what is seen.
@@ -92,25 +98,30 @@ class Observer:
                 until a camera sees through the place where it should be.
 
         Returns:
-            The look.
+            The look. A camera that delivers no picture of now is left out, and masks that swapped their names
+            or fell into pieces since the last look are put right; `faults` says so.
 
         Raises:
             InvalidInput: No camera sees anything, or they never saw the table.
         """
-        images = tuple(camera.look(self.world, self.rng) for camera in self.cameras)
-        if not any(len(image.names) for image in images):
-            raise InvalidInput(
-                f"none of {len(images)} cameras sees anything: expected objects with a mask and a depth"
-            )
+        images, faults = self._frames.take(self.world, self.rng, changed=expected is not self._last)
         if self.shuffle_labels and expected is not None:
             images = associated(images, expected, self.rng)
-        fixed = [name for name in self.fixed if any(name in image.names.values() for image in images)]
-        scene = _thinned(Scene.from_images(images, fixed=fixed, up=self.up))
+        scene = self._scene(images)
         surprises: dict[str, str] = {}
         if expected is not None:
+            names, said = misnamed(scene, expected)
+            if names:
+                images = tuple(renamed(image, names) for image in images)
+                scene, faults = self._scene(images), (*faults, *said.values())
             scene, surprises = _joined(scene, expected)
         scene = scene.weighed(_among(self.masses, scene), _among(self.friction, scene))
-        return Look(images, Situation(scene), _seen(images[0]), surprises)
+        self._last = scene
+        return Look(images, Situation(scene), _seen(images[0]), surprises, faults)
+
+    def _scene(self, images: Sequence[DepthImage]) -> Scene:
+        fixed = [name for name in self.fixed if any(name in image.names.values() for image in images)]
+        return _thinned(Scene.from_images(images, fixed=fixed, up=self.up))
 
 
 def _joined(seen: Scene, expected: Scene) -> tuple[Scene, dict[str, str]]:
@@ -121,7 +132,7 @@ def _joined(seen: Scene, expected: Scene) -> tuple[Scene, dict[str, str]]:
     fixed = set(seen.fixed)
     for name, cloud in expected.clouds.items():
         if name in clouds:
-            way = float(np.linalg.norm(_middle(clouds[name]) - _middle(cloud)))
+            way = float(np.linalg.norm(middle(clouds[name]) - middle(cloud)))
             if way > MOVED and name not in fixed and _moved(clouds[name], cloud):
                 said[name] = f"{name} is {1e3 * way:.0f} mm from where it should be"
         elif name in expected.fixed:
@@ -130,7 +141,9 @@ def _joined(seen: Scene, expected: Scene) -> tuple[Scene, dict[str, str]]:
             said[name] = f"{name} is not where it should be, and seen nowhere"
         else:
             clouds[name] = cloud
-            said[name] = f"{name} is hidden: it is taken to be where it should be"
+            unclaimed = _something_at(cloud, seen.images)
+            why = "no mask shows it, though something is seen there" if unclaimed else "it is hidden"
+            said[name] = f"{name} is taken to be where it should be: {why}"
     order = [name for name in (*expected.names, *seen.names) if name in clouds]
     joined = Scene(
         {name: clouds[name] for name in dict.fromkeys(order)},
@@ -143,13 +156,14 @@ def _joined(seen: Scene, expected: Scene) -> tuple[Scene, dict[str, str]]:
     return joined.weighed(_among(expected.masses, joined), _among(expected.friction, joined)), said
 
 
+def _something_at(cloud: FloatArray, images: Sequence[DepthImage]) -> bool:
+    """Whether some camera sees a surface where a cloud should be."""
+    return any((np.abs(image.depth_past(cloud)) < MOVED).mean() > THERE for image in images)
+
+
 def _among(values: Mapping[str, float], scene: Scene) -> dict[str, float]:
     """What is known of the objects of a scene."""
     return {name: value for name, value in values.items() if name in scene.clouds}
-
-
-def _middle(cloud: FloatArray) -> FloatArray:
-    return (cloud.min(axis=0) + cloud.max(axis=0)) / 2.0
 
 
 def _moved(now: FloatArray, before: FloatArray) -> bool:

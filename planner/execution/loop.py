@@ -12,11 +12,12 @@ import numpy as np
 from topple.planner.decide.beliefs import Beliefs
 from topple.planner.decide.goal import Goal, parse_goal
 from topple.planner.decide.turn import Ahead
-from topple.planner.errors import NoSafePlan
+from topple.planner.errors import ArmFault, NoSafePlan
 from topple.planner.execution.execute import Outcome, execute, withdraw
 from topple.planner.execution.judge import Judge
 from topple.planner.execution.look import Look, Observer, Perception, unexpected
 from topple.planner.execution.monitor import Monitor, NoMonitor
+from topple.planner.execution.standing import misplaced
 from topple.planner.execution.tolerances import STUCK
 from topple.planner.formats.run_record import INTERRUPTED, RunRecord, StepRecord
 from topple.planner.grasp.given import GraspsByObject
@@ -94,6 +95,7 @@ class ClosedLoop:
         self._failed: dict[str, list[Grasp]] = {}
         self._beliefs = Beliefs()
         self._ahead: Ahead | None = None
+        self._stuck = ""
 
     @classmethod
     def simulated(
@@ -148,24 +150,30 @@ class ClosedLoop:
             InvalidInput: The goal is none, or names what no camera sees.
         """
         started = time.perf_counter()
-        look = self.look() if look is None else look
+        look = first = self.look() if look is None else look
         goal = parse_goal(self.goal, look.scene)
         budget = self.limits.actions * max(1, len(look.scene.movable))
         steps: list[StepRecord] = []
         wrong: list[str] = []
         stopped = ""
         try:
+            self._check_place(look)
             chosen = self._first(look, goal)
             while chosen is not None and len(steps) < budget:
                 step, look, found = self._act(look, chosen)
                 steps.append(step)
                 wrong += found
+                self._check_hand()
+                self._check_place(look)
                 chosen = self._chooser(look, goal).choose()
             if chosen is not None:
                 stopped = "budget"
                 wrong.append(f"the budget of {budget} actions is spent, and there is more to do")
         except NoSafePlan as error:
             stopped = "no plan"
+            wrong.append(str(error))
+        except ArmFault as error:
+            stopped = "arm"
             wrong.append(str(error))
         except ToppleError as error:
             stopped = "blind"
@@ -185,6 +193,7 @@ class ClosedLoop:
             seconds=time.perf_counter() - started,
             scene=look.scene,
             relations=look.relations.to_json(),
+            notes=tuple(f"at the first look, {text}" for text in first.faults),
             stopped=stopped,
         )
 
@@ -208,6 +217,24 @@ class ClosedLoop:
             raise NoSafePlan(words, (words,))
         return chooser.choose()
 
+    def _check_hand(self) -> None:
+        """See that the hand let go of what it held.
+
+        Raises:
+            ArmFault: It did not.
+        """
+        if self._stuck:
+            raise ArmFault(self._stuck.rstrip("."))
+
+    def _check_place(self, look: Look) -> None:
+        """See that the arm is where it should be.
+
+        Raises:
+            ArmFault: The cameras see it elsewhere.
+        """
+        if (words := misplaced(self.robot, look.images, look.scene)) is not None:
+            raise ArmFault(words)
+
     def _chooser(self, look: Look, goal: Goal) -> StepChooser:
         station = Station(self.robot.arm, self.robot.pose_base_to_world, self.robot.q_target)
         most = self.limits.attempts
@@ -228,7 +255,10 @@ class ClosedLoop:
         self.judge.begin(transfer)
         outcome = execute(transfer, self.robot, self.judge.moment)
         expected = after(look.situation, transfer).scene if outcome.success else look.scene
-        withdraw(self.robot, Situation(expected).solids, self.seed)
+        if outcome.stuck:
+            self._stuck = outcome.text
+        else:
+            withdraw(self.robot, Situation(expected).solids, self.seed)
         self.robot.wait(self.limits.settle)
         verdict = self.judge.verdict()
         self._tried.add(name)
@@ -242,7 +272,7 @@ class ClosedLoop:
         alone = {name, *transfer.riding} if outcome.success and chosen.action is not Action.PLACE else ()
         stirred = {name, *transfer.riding, *seen.surprises}
         self._beliefs = self._beliefs.after(chosen.order.chances, stirred, alone)
-        events += [*seen.surprises.values(), *different]
+        events += [*seen.faults, *seen.surprises.values(), *different]
         if different or seen.surprises:
             events.append("the next step is planned from what is seen")
         step = StepRecord(
@@ -296,6 +326,8 @@ class ClosedLoop:
             ):  # one that is put where it shall be and does not stay is tried again
                 self._attempts[name] = 0
             return []
+        if outcome.stuck:
+            return [outcome.text]
         self._failed.setdefault(name, []).append(chosen.transfer.grasp)
         left = self.limits.attempts - self._attempts[name]
         then = f"another grasp is tried, {left} attempts are left" if left > 0 else "it is given up"

@@ -96,7 +96,7 @@ def run(
         recording = Recording(acting, RERUN_RATE) if rerun is not None else None
         with filmed(video, acting, stage.cameras[0]):
             record = loop.run()
-        record = replace(record, notes=(*scene.assumptions, *arm.assumptions, *stage.notes()))
+        record = replace(record, notes=(*scene.assumptions, *arm.assumptions, *stage.notes(), *record.notes))
         if rerun is not None and recording is not None:
             write_whole(rerun, rerun_file(record, recording))
     return record

@@ -14,6 +14,18 @@ SHALLOW = 0.005
 OFF_COURSE = 0.03
 """[rad] an arm this far from its goal is held up by something."""
 
+JOINING = 0.5
+"""[s] that an arm which was pushed off its path takes to come back to it: some centimetres, slowly."""
+
+RESUMED = 2
+"""Times that a motion is taken up again: who pushes once may push twice, what is in the way stays there."""
+
+SHUT = 0.01
+"""[m] that pads may stay short of where they are told to open to: more is a hand that does not open."""
+
+LETTING_GO = 3
+"""Times that a hand is told to let go before it is taken for stuck."""
+
 NOTHING = 0.001
 """[m] pads closer than this have nothing between them."""
 
@@ -40,6 +52,9 @@ SEEN_THROUGH = 0.02
 
 GONE = 0.5
 """Share of its points that must be seen through until a remembered thing is believed to be gone."""
+
+THERE = 0.3
+"""Share of its points at which a camera sees something where an object should be: one sees half its sides."""
 
 
 # -- loop
@@ -71,3 +86,39 @@ LIKENESS = 4.0
 
 SPACING = 0.005
 """[m] between points that are compared: finer than STAYED."""
+
+
+# -- masks
+
+SWAPPED = 0.5
+"""Share of the way to the object of its own name that a mask is from the one it is taken for."""
+
+SEAM = 0.005
+"""[m] from a remembered surface within which a piece of it is seen again: three times the depth noise."""
+
+ALIKE = 0.8
+"""Share of a piece that lies there; the rest is noise at its edges."""
+
+PIECE = 0.1
+"""Share of a remembered surface that a piece of it covers: less may be a thing at its edge."""
+
+
+# -- standing
+
+ARM_SPACING = 0.01
+"""[m] between points of the arm's surface, and of what is seen of it."""
+
+ARM_NEAR = 0.08
+"""[m] from its surface within which what is seen is taken for the arm: as far as it may be aside."""
+
+BESIDE = 0.03
+"""[m] from the clouds of things within which nothing is taken for the arm."""
+
+ARM_FEWEST = 150
+"""Points of the arm, a centimetre apart, that have to be seen to tell where it stands."""
+
+ARM_FITS = 0.006
+"""[m] that half of the points may be off the fitted arm: depth noise and the roundness of its covers."""
+
+ARM_SHIFTED = 0.015
+"""[m] aside from where it should be that an arm is seen and not believed: twice what the fit is off by."""

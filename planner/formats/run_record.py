@@ -114,7 +114,8 @@ class RunRecord(ByValue):
         order: `topple.order` document of what would be left to take, or None.
         notes: What a reader should know besides: where the base stands, what was assumed.
         stopped: Why no more was done though the goal was not reached: "no plan", "budget", "blind" (nothing
-            could be seen any more) or "interrupted" (by somebody); else empty.
+            could be seen any more), "arm" (its hand does not let go, or it is not where it should be) or
+            "interrupted" (by somebody); else empty.
     """
 
     goal: str

@@ -2,7 +2,6 @@
 
 import multiprocessing
 import os
-import signal
 import time
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
@@ -15,6 +14,7 @@ from topple.planner.decide.rates import posterior, rates_for
 from topple.planner.simulate.lifts import Move, Stage, Trial
 from topple.planner.simulate.rebuild import rebuild
 from topple.planner.simulate.tolerances import BUDGET, FRICTIONS, NOISE, RESERVE, TRUSTED
+from topple.planner.workers import serve
 from topple.topology.statics.rest import Statics
 
 
@@ -90,7 +90,7 @@ def _worker(statics: Statics, share: Sequence[tuple[Trial, Sequence[str]]]) -> _
     """A process's part of the lifts, each sent when it is done."""
 
     def work(out: Connection) -> None:
-        signal.signal(signal.SIGINT, signal.SIG_IGN)  # the parent ends its children
+        serve()
         for trial, names in share:
             stage = Stage(rebuild(statics, trial.jitter, trial.seed), trial)
             for name in names:

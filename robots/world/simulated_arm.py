@@ -192,14 +192,16 @@ class SimulatedArm:
     def follow(self, trajectory: Motion, *, keep_offset: bool = False) -> float:
         """Follow a joint trajectory and wait until its end is reached.
 
-        An arm that is not where the trajectory starts does not jump there: it joins on the way.
+        An arm that is not where the trajectory starts does not jump there: it joins on the way. One that is
+        pushed off its path (`Control.strayed`) stops, and holds where it is then.
 
         Args:
             trajectory: Times, positions and velocities; it should start where the arm is, or near.
             keep_offset: Stay as far beside the trajectory as the arm is at its start instead of joining it.
 
         Returns:
-            The largest joint error at the end in [rad]: above `Control.settled` something is in the way.
+            The largest joint error at the end in [rad]: above `Control.settled` something is in the way. Of
+            an arm that stopped before, how far it is from the end.
         """
         return self._follow(trajectory, keep_offset=keep_offset)
 
@@ -240,6 +242,10 @@ class SimulatedArm:
             if force < math.inf and self.wrist.force() > force:
                 self.q_target = q
                 return 0.0
+            if np.abs((now := self.q) - q).max() > self.control.strayed:
+                self.q_target = now
+                self.step(round(self.control.patience / self.world.time_step))
+                return float(np.abs(now - trajectory.positions[-1]).max())
         self.q_target = trajectory.positions[-1] + (short if keep_offset else 0.0)
         for _ in range(round(self.control.patience / self.world.time_step)):
             if self._error() < self.control.settled:

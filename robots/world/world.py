@@ -1,9 +1,7 @@
 """The PyBullet world: a table, bodies made of convex parts, and what touches what."""
 
-import tempfile
 from collections.abc import Sequence
 from dataclasses import dataclass
-from pathlib import Path
 from types import TracebackType
 from typing import Any
 
@@ -12,6 +10,7 @@ import numpy as np
 from topple.robots.collision.rounding import Core, cores
 from topple.robots.engine import pybullet
 from topple.robots.poses import inverse, pose_from, position_and_quaternion
+from topple.robots.scratch import Scratch
 from topple.robots.tolerances import TOLERANCES
 from topple.robots.world.bodies import Body
 from topple.robots.world.tolerances import TABLE_FRICTION, THICKNESS
@@ -93,7 +92,7 @@ class World:
         self._inertial: dict[str, FloatArray] = {}  # pose_inertial_to_body
         self._fixed: set[str] = set()
         self._names: dict[int, str] = {}
-        self._files = tempfile.TemporaryDirectory(prefix="topple-")
+        self._files = Scratch()
         self._written = 0
         pybullet.setGravity(0, 0, -self.physics.gravity, physicsClientId=self.client)
         pybullet.setPhysicsEngineParameter(
@@ -117,7 +116,7 @@ class World:
         if self.client >= 0:
             pybullet.disconnect(physicsClientId=self.client)
             self.client = -1
-            self._files.cleanup()
+            self._files.close()
 
     @property
     def time_step(self) -> float:
@@ -336,7 +335,7 @@ class World:
 
     def _obj(self, parts: list[FloatArray], faces: list[Any]) -> str:
         """Write a Wavefront file, one object a part: the one way PyBullet takes many hulls as one shape."""
-        path = Path(self._files.name) / f"{self._written}.obj"
+        path = self._files.path / f"{self._written}.obj"
         self._written += 1
         lines: list[str] = []
         first = 1

@@ -39,9 +39,9 @@ def test_a_count_in_words_says_which_seeds_it_is_of() -> None:
 
 
 def test_the_bench_counts_from_the_journal_of_runs_and_writes_what_the_demo_tells(tmp_path: Path) -> None:
-    book = Journal(tmp_path / "runs.jsonl")
-    for name in SCENARIOS:
-        book.add(Ending(Episode(name, 7), "hit" if name == "pile" else "success").to_json())
+    with Journal(tmp_path / "runs.jsonl") as book:
+        for name in SCENARIOS:
+            book.add(Ending(Episode(name, 7), "hit" if name == "pile" else "success").to_json())
     file, said = tmp_path / "seeds.json", list[str]()
     found = rows(True, 7, said.append, journal=book.path, counts=file)
     assert said == []  # nothing was left to play

@@ -70,8 +70,8 @@ def test_a_line_that_was_cut_off_is_left_out_and_the_next_is_whole(tmp_path: Pat
     Journal(path).add(kept.to_json())
     with path.open("a") as file:
         file.write('{"format": "topple.epis')
-    book = Journal(path)
-    book.add(Ending(Episode("dishes", 1), "success").to_json())
+    with Journal(path) as book:
+        book.add(Ending(Episode("dishes", 1), "success").to_json())
     assert [entry["episode"]["seed"] for entry in Journal(path).entries] == [0, 1]
 
 
@@ -79,9 +79,9 @@ def test_a_line_that_was_cut_off_is_left_out_and_the_next_is_whole(tmp_path: Pat
 def test_results_of_another_behaviour_do_not_count(version: dict[str, int], tmp_path: Path) -> None:
     path = tmp_path / "endings.jsonl"
     path.write_text(json.dumps({**Ending(Episode("pile", 3), "success").to_json(), **version}) + "\n")
-    book = Journal(path)
-    assert (book.entries, book.stale) == ([], 1)
-    book.add(Ending(Episode("pile", 4), "success").to_json())
+    with Journal(path) as book:
+        assert (book.entries, book.stale) == ([], 1)
+        book.add(Ending(Episode("pile", 4), "success").to_json())
     assert [entry["behaviour"] for entry in Journal(path).entries] == [BEHAVIOUR]
 
 
@@ -94,11 +94,24 @@ def test_another_file_is_no_journal(tmp_path: Path, text: str) -> None:
     assert path.read_text() == text
 
 
+def test_one_process_keeps_a_journal_at_a_time(tmp_path: Path) -> None:
+    path = tmp_path / "endings.jsonl"
+    with Journal(path), pytest.raises(InvalidInput, match="another process keeps its results there"):
+        Journal(path)
+    assert Journal(path).entries == []
+
+
+@pytest.mark.parametrize("path", ["/dev/full", "/dev/null", "/nowhere/endings.jsonl", "/"])
+def test_where_no_results_can_be_kept_is_refused(path: str) -> None:
+    with pytest.raises(InvalidInput, match="give another"):
+        Journal(Path(path))
+
+
 def test_a_bench_goes_on_from_its_journal(tmp_path: Path) -> None:
-    book = Journal(tmp_path / "endings.jsonl")
-    for series in QUICK:
-        for episode in series.episodes(5):
-            book.add(Ending(episode, "success", seconds=40.0).to_json())
+    with Journal(tmp_path / "endings.jsonl") as book:
+        for series in QUICK:
+            for episode in series.episodes(5):
+                book.add(Ending(episode, "success", seconds=40.0).to_json())
     said: list[str] = []
     found = rows(True, 5, said.append, journal=book.path)
     assert said == []  # nothing was left to play
@@ -106,8 +119,8 @@ def test_a_bench_goes_on_from_its_journal(tmp_path: Path) -> None:
 
 
 def test_what_is_left_is_said(tmp_path: Path) -> None:
-    book = Journal(tmp_path / "endings.jsonl")
-    book.add(Ending(QUICK[0].episodes(5)[0], "success", seconds=40.0).to_json())
+    with Journal(tmp_path / "endings.jsonl") as book:
+        book.add(Ending(QUICK[0].episodes(5)[0], "success", seconds=40.0).to_json())
     said: list[str] = []
     found = rows(True, 5, said.append, journal=book.path, minutes=0.0)
     assert found[0]["what"] == "episodes left to play"

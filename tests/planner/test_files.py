@@ -6,7 +6,7 @@ from pathlib import Path
 import pytest
 
 from topple.planner import files
-from topple.planner.files import check_writable, write_whole
+from topple.planner.files import check_writable, write_all, write_whole
 from topple.topology.errors import InvalidInput
 
 
@@ -56,3 +56,24 @@ def test_paths_that_cannot_be_written_are_refused(tmp_path: Path) -> None:
         pytest.skip("the superuser may write everywhere")
     with pytest.raises(InvalidInput, match="permission denied"):
         check_writable(tmp_path / "locked" / "a.txt")
+
+
+def test_of_a_set_all_are_written_or_none(tmp_path: Path) -> None:
+    write_whole(tmp_path / "a.txt", "old")
+    (tmp_path / "folder").mkdir()
+    for bad in (tmp_path / "folder", Path("/dev/full"), tmp_path / "nowhere" / "b.txt"):
+        with pytest.raises(InvalidInput, match="cannot be written"):
+            write_all({tmp_path / "a.txt": "new", tmp_path / "c.txt": "new", bad: "new"})
+        assert (tmp_path / "a.txt").read_text() == "old"
+        assert sorted(path.name for path in tmp_path.iterdir()) == ["a.txt", "folder"]
+    write_all({tmp_path / "a.txt": "new", tmp_path / "c.txt": b"new"})
+    assert [(tmp_path / name).read_text() for name in ("a.txt", "c.txt")] == ["new", "new"]
+
+
+def test_where_files_need_a_name_at_once_they_are_written_all_the_same(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(files.os, "O_TMPFILE", os.O_CREAT | os.O_EXCL | os.O_DIRECTORY)  # refused, as by NFS
+    write_whole(tmp_path / "a.txt", "new")
+    assert [path.name for path in tmp_path.iterdir()] == ["a.txt"]
+    assert (tmp_path / "a.txt").read_text() == "new"

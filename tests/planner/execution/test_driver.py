@@ -200,3 +200,72 @@ def test_the_loop_reaches_a_goal_with_another_driver_other_eyes_and_no_judge() -
     assert [(step.object, step.action) for step in record.steps] == [("block", "remove"), ("box", "free")]
     assert all(step.disturbed == {} and step.robot_seconds is None for step in record.steps)
     assert ghost.clouds["block"][:, 2].min() < 0.01
+
+
+@dataclass
+class Clenched(Ghost):
+    """Closes its hand, and does not open it any more."""
+
+    def open(self, opening: float | None = None) -> None:
+        if self.hung is None and self.tool_state.opening > 0.06:
+            super().open(opening)
+
+    def release(self, opening: float | None = None) -> None:
+        pass
+
+
+def test_a_hand_that_does_not_let_go_keeps_the_arm_where_it_is() -> None:
+    transfer = planned("panda")
+    ghost = Clenched(robot("panda"), BASE, {"box": seen().clouds["box"].copy()})
+    outcome = execute(transfer, ghost)
+    assert not outcome.success
+    assert outcome.stuck
+    assert "does not open and holds box still" in outcome.text
+    assert np.abs(ghost.q_target - transfer.q_end).max() > 1e-3, "it did not back out with the box in hand"
+
+
+def test_a_run_whose_hand_does_not_let_go_ends_and_says_so() -> None:
+    ghost = Clenched(robot("panda"), BASE, {"box": seen().clouds["box"].copy()})
+    record = ClosedLoop(ghost, Sighted(ghost), "free box").run()
+    assert record.stopped == "arm"
+    assert not record.success
+    assert any("does not open" in text for text in record.violations)
+
+
+def test_a_hand_that_does_not_open_goes_nowhere() -> None:
+    ghost = Clenched(robot("panda"), BASE, {"box": seen().clouds["box"].copy()})
+    ghost.tool_state = ToolState(0.0)
+    outcome = execute(planned("panda"), ghost)
+    assert outcome.text.startswith("the hand does not open: its pads are 0 mm instead of")
+    assert np.array_equal(ghost.q_target, ghost.arm.home)
+
+
+@dataclass
+class Jostled(Ghost):
+    """Is pushed off its path at half of its first motion, as often as it says."""
+
+    pushes: int = 1
+    joined: int = 0
+
+    def follow(self, trajectory: Motion, *, keep_offset: bool = False) -> float:
+        if self.pushes and np.ptp(trajectory.positions, axis=0).max() > 0.1:
+            self.pushes -= 1
+            self._go(trajectory.positions[len(trajectory.positions) // 2] + 0.05)
+            return float(np.abs(self.q_target - trajectory.positions[-1]).max())
+        self.joined += bool(np.ptp(trajectory.positions, axis=0).max() == 0.0)
+        return super().follow(trajectory, keep_offset=keep_offset)
+
+
+def test_an_arm_that_is_pushed_comes_back_to_its_path_and_says_so() -> None:
+    ghost = Jostled(robot("panda"), BASE, {"box": seen().clouds["box"].copy()}, pushes=2)
+    outcome = execute(planned("panda"), ghost)
+    assert outcome.success, outcome.text
+    assert "off its path during the move" in outcome.text
+    assert ghost.joined == 2
+
+
+def test_an_arm_that_is_held_up_again_and_again_gives_up() -> None:
+    ghost = Jostled(robot("panda"), BASE, {"box": seen().clouds["box"].copy()}, pushes=100)
+    outcome = execute(planned("panda"), ghost)
+    assert not outcome.success
+    assert "held up during the move" in outcome.text

@@ -59,7 +59,7 @@ def test_what_is_hidden_is_remembered_and_what_is_gone_is_not(world: World) -> N
     world.add(shapes.box("screen", (0.02, 0.2, 0.2)), pose_at(0.2, 0.2, 0.0))
     hidden = eyes.look(before)
     assert "block" in hidden.scene.names
-    assert hidden.surprises["block"] == "block is hidden: it is taken to be where it should be"
+    assert hidden.surprises["block"] == "block is taken to be where it should be: it is hidden"
     world.remove("screen")
     world.remove("block")
     gone = eyes.look(before)

@@ -2,7 +2,7 @@
 
 import copy
 
-from sabotages.document import Document, first_step
+from topple.benchmarks.sabotages.document import Document, first_step
 
 
 def steps_swapped(d: Document) -> bool:

@@ -2,7 +2,7 @@
 
 import copy
 
-from sabotages.document import Document, drop_segments, first_step, index_of, last_step
+from topple.benchmarks.sabotages.document import Document, drop_segments, first_step, index_of, last_step
 
 
 def no_actions(d: Document) -> None:

@@ -1,6 +1,6 @@
 """Documents that reading has to refuse by path."""
 
-from sabotages.document import Document, first_step, last_step, segments_of
+from topple.benchmarks.sabotages.document import Document, first_step, last_step, segments_of
 
 
 def unknown_object(d: Document) -> None:

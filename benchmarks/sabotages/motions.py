@@ -4,7 +4,7 @@ import copy
 
 import numpy as np
 
-from sabotages.document import Document, first_step, segments_of, shift
+from topple.benchmarks.sabotages.document import Document, first_step, segments_of, shift
 from topple.robots.catalog import robot
 
 

@@ -2,7 +2,7 @@
 
 import copy
 
-from sabotages.document import Document, first_step, last_step, shift, turn
+from topple.benchmarks.sabotages.document import Document, first_step, last_step, shift, turn
 
 
 def held_otherwise(d: Document) -> None:

@@ -1,6 +1,6 @@
 """Spoil the grasp."""
 
-from sabotages.document import Document, first_step, last_step, shift, turn
+from topple.benchmarks.sabotages.document import Document, first_step, last_step, shift, turn
 
 
 def grasp_elsewhere(d: Document) -> None:

@@ -1,6 +1,6 @@
 """Spoil where an object goes."""
 
-from sabotages.document import Document, first_step, last_step, shift, turn
+from topple.benchmarks.sabotages.document import Document, first_step, last_step, shift, turn
 
 
 def place_higher(d: Document) -> None:

@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from sabotages.document import Document, first_step, segments_of
+from topple.benchmarks.sabotages.document import Document, first_step, segments_of
 from topple.robots.catalog import robot
 
 

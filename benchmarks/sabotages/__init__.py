@@ -5,8 +5,19 @@ from inspect import isfunction
 from types import ModuleType
 from typing import Any
 
-from sabotages import actions, carried, grasps, hand, motions, orders, places, premises, scenes, unreadable
-from sabotages.document import Sabotage
+from topple.benchmarks.sabotages import (
+    actions,
+    carried,
+    grasps,
+    hand,
+    motions,
+    orders,
+    places,
+    premises,
+    scenes,
+    unreadable,
+)
+from topple.benchmarks.sabotages.document import Sabotage
 
 
 def _all_of(*modules: ModuleType) -> tuple[Callable[..., Any], ...]:

@@ -1,6 +1,6 @@
 """Spoil what the hand does."""
 
-from sabotages.document import Document, first_step, has_fingers, index_of, segments_of
+from topple.benchmarks.sabotages.document import Document, first_step, has_fingers, index_of, segments_of
 
 
 def hands_closed(d: Document) -> None:

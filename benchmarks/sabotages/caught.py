@@ -1,0 +1,132 @@
+"""Plans of small scenes, spoilt in every way of the catalogue: what verification and reading notice."""
+
+import json
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass
+from functools import cache
+
+import numpy as np
+
+from topple.benchmarks.row import Progress
+from topple.benchmarks.sabotages import OTHER_SCENES, SPOILT, UNREADABLE
+from topple.planner.formats.plan_format import Plan, plan_from_json, plan_to_json
+from topple.planner.planning.plan import plan
+from topple.planner.verify import verify
+from topple.robots.shapes.boxes import box
+from topple.robots.shapes.fruit import lemon
+from topple.robots.shapes.tableware import bowl
+from topple.robots.world.bodies import Body
+from topple.topology.arrays import FloatArray
+from topple.topology.errors import InvalidInput
+from topple.topology.scene import Scene
+from topple.topology.situation import Situation
+
+BASE = np.eye(4)
+BASE[0, 3] = -0.5  # [m] an arm there reaches everything
+ROUGH = 0.06  # [rad] between two states that are looked at: what is broken here is broken everywhere
+
+
+@dataclass(frozen=True)
+class Caught:
+    """What became of the sabotages of one plan.
+
+    Attributes:
+        plan: Goal and arm.
+        tried: How many could be applied to it.
+        escaped: Names of those that nobody noticed.
+    """
+
+    plan: str
+    tried: int
+    escaped: tuple[str, ...]
+
+
+def on_table(**bodies: tuple[Body, tuple[float, float, float]]) -> Scene:
+    """A table, a tall box that stands aside, and some bodies, each with its place [m]."""
+    axis = np.arange(-0.45, 0.45, 0.008)
+    x, y = np.meshgrid(axis, axis)
+    clouds: dict[str, FloatArray] = {"table": np.column_stack([x.ravel(), y.ravel(), np.zeros(x.size)])}
+    tall = box("tall", (0.08, 0.08, 0.25)), (0.05, 0.3, 0.0)
+    for number, (name, (body, place)) in enumerate({**bodies, "tall": tall}.items()):
+        clouds[name] = body.surface(2000, np.random.default_rng(number)) + np.array(place)
+    return Scene(clouds, fixed=["table"], up=[0, 0, 1])
+
+
+def _block(name: str, size: float) -> Body:
+    return box(name, (size, size, size))
+
+
+@cache
+def scene_for(goal: str) -> Scene:
+    """The scene of a goal of `GOALS`."""
+    if goal == "free lower":
+        upper = _block("upper", 0.05), (0.0, 0.0, 0.0605)
+        return on_table(lower=(_block("lower", 0.06), (0.0, 0.0, 0.0)), upper=upper)
+    if goal == "red on green":
+        return on_table(
+            green=(_block("green", 0.06), (0.0, 0.0, 0.0)),
+            red=(_block("red", 0.05), (0.1, -0.15, 0.0)),
+            other=(_block("other", 0.05), (0.1, -0.15, 0.0505)),
+        )
+    return on_table(bowl=(bowl("bowl"), (0.05, -0.05, 0.0)), lemon=(lemon("lemon"), (0.0, 0.15, 0.0)))
+
+
+GOALS = ("free lower", "red on green", "lemon within bowl")
+CASES = tuple((goal, arm) for goal in GOALS for arm in ("panda", "panda-suction"))
+"""Goals and arms that plans are made for."""
+
+
+@cache
+def planned(goal: str, arm: str) -> Plan:
+    """A plan of one of `CASES`."""
+    return plan(scene_for(goal), goal, arm, base=BASE, check=False)
+
+
+def catch(cases: Sequence[tuple[str, str]], progress: Progress) -> list[Caught]:
+    """Spoil plans in every way, and see what is noticed.
+
+    Args:
+        cases: Some of `CASES`.
+        progress: Called with a few words before each plan.
+
+    Returns:
+        What was noticed, plan by plan.
+    """
+    found: list[Caught] = []
+    for goal, arm in cases:
+        progress(f"sabotages of {goal!r} by {arm}")
+        made = planned(goal, arm)
+        tried, escaped = _spoilt(made, Situation(scene_for(goal)))
+        for unreadable in UNREADABLE:
+            document = json.loads(plan_to_json(made))
+            unreadable(document)
+            tried += 1
+            try:
+                plan_from_json(json.dumps(document))
+                escaped.append(unreadable.__name__)
+            except InvalidInput:
+                pass
+        for other in OTHER_SCENES:
+            tried += 1
+            if verify(made, other(scene_for(goal), made.steps[-1].object), step=ROUGH).ok:
+                escaped.append(other.__name__)
+        found.append(Caught(f"{goal}, {arm}", tried, tuple(escaped)))
+    return found
+
+
+def _spoilt(made: Plan, situation: Situation) -> tuple[int, list[str]]:
+    """How many ways to spoil a plan could be tried, and which of them nobody noticed."""
+    tried, escaped = 0, list[str]()
+    for spoil in SPOILT:
+        document = json.loads(plan_to_json(made))
+        if spoil(document) is False:
+            continue
+        tried += 1
+        try:
+            checked = verify(plan_from_json(json.dumps(document)), situation, step=ROUGH)
+        except InvalidInput:
+            continue
+        if checked.ok or not all(math.isfinite(each.value) and each.witness for each in checked.failed):
+            escaped.append(spoil.__name__)
+    return tried, escaped
