@@ -7,6 +7,8 @@ from dataclasses import asdict, dataclass
 from pathlib import Path
 from typing import Any
 
+import msgspec
+
 from topple.benchmarks.possible import freeing_order
 from topple.benchmarks.rules import order_by
 from topple.planner.decide.goal import parse_goal
@@ -15,13 +17,19 @@ from topple.planner.execution.judge import LIMITS, truly_unmet
 from topple.planner.formats.run_record import RunRecord, StepRecord
 from topple.planner.planning.order import cautious
 from topple.robots.scenarios import Scenario, scenario_called
-from topple.topology.errors import ToppleError
+from topple.topology.errors import InvalidInput, ToppleError
+
+FORMAT, FORMAT_VERSION = "topple.episode", 1
+"""Of the lines of a journal."""
 
 TOPPLE = "topple"
 """The rule of an episode whose order topple decides."""
 
 IDEAL = "any order, ideal lifts"
 """The rule of an episode that no arm plays: whether its target could be freed at all."""
+
+MOST = 1e15
+"""Below it lies every number of an ending: no seed, time or memory [bytes] comes to that."""
 
 ENDINGS = (
     "success",
@@ -111,19 +119,48 @@ class Ending:
 
     def to_json(self) -> dict[str, Any]:
         """The line of a journal."""
-        return {"format": "topple.episode", "format_version": 1, **asdict(self)}
+        return {"format": FORMAT, "format_version": FORMAT_VERSION, **asdict(self)}
 
     @staticmethod
     def from_json(entry: Mapping[str, Any]) -> "Ending":
-        """The ending of a line of a journal."""
-        values = {key: entry[key] for key in Ending.__dataclass_fields__}
-        values |= {"episode": Episode(**entry["episode"]), "violations": tuple(entry["violations"])}
-        return Ending(**values)
+        """Read a line of a journal.
+
+        Args:
+            entry: As `to_json` gives it; other keys are passed over.
+
+        Returns:
+            The ending.
+
+        Raises:
+            InvalidInput: A key is missing, or holds something else; the message has its path.
+        """
+        _check_keys(entry, Ending, "$")
+        _check_keys(entry["episode"], Episode, "$.episode")
+        try:
+            ending = msgspec.convert(entry, Ending)
+        except (msgspec.ValidationError, OverflowError) as error:
+            raise InvalidInput(str(error)) from error
+        for each, where in ((ending, "$"), (ending.episode, "$.episode")):
+            for key, value in vars(each).items():
+                if isinstance(value, (int, float)) and not 0 <= value < MOST:  # nan is neither
+                    raise InvalidInput(f"{value!r:.20} is none of 0 to {MOST:g} - at `{where}.{key}`")
+        if ending.placed > ending.places:
+            raise InvalidInput(f"{ending.placed} of {ending.places} places - at `$.placed`")
+        return ending
 
     def __str__(self) -> str:
         """A few words for a line of progress."""
         played = f"{self.episode.scenario} {self.episode.seed} by {self.episode.rule}"
         return f"{played}: {self.ending} after {self.seconds:.0f} s"
+
+
+def _check_keys(entry: Any, kind: type[Episode] | type[Ending], where: str) -> None:
+    """Refuse an entry that leaves keys out: defaults are for those who make one, not for those who read."""
+    if not isinstance(entry, Mapping):
+        raise InvalidInput(f"expected an object - at `{where}`")
+    missing = [key for key in kind.__dataclass_fields__ if key not in entry]
+    if missing:
+        raise InvalidInput(f"no {', '.join(missing)} - at `{where}`")
 
 
 def play(episode: Episode) -> Ending:

@@ -12,9 +12,12 @@ from types import TracebackType
 from typing import Any
 
 from topple.benchmarks.behaviour import BEHAVIOUR
+from topple.benchmarks.episodes import FORMAT, Ending
 from topple.topology.errors import InvalidInput
+from topple.topology.io.strict_json import read_json
 
-FORMAT = "topple.episode"
+START = json.dumps({"format": FORMAT})[:-1]
+"""How a line begins: what is no JSON and begins so was cut off, all else is somebody else's."""
 
 
 class Journal:
@@ -27,13 +30,16 @@ class Journal:
         path: The file; it is made where it is not there.
 
     Raises:
-        InvalidInput: The file cannot be written to, is something else, or another process keeps it.
+        InvalidInput: The file cannot be written to, is something else (names the line), or another process
+            keeps it.
     """
 
     def __init__(self, path: Path) -> None:
         self.path = path
         self.stale = 0
         self.entries: list[Mapping[str, Any]] = []
+        if path.exists() and not path.is_file():  # a pipe would be waited for
+            raise InvalidInput(f"{path}: cannot keep results there (no file): give another file")
         try:
             self._file = os.open(path, os.O_CREAT | os.O_RDWR | os.O_APPEND | os.O_CLOEXEC, 0o666)
         except OSError as error:
@@ -44,7 +50,9 @@ class Journal:
                 raise InvalidInput(f"{path}: is no file that results can be kept in: give another one")
             self._lock()
             text = path.read_text(encoding="utf-8")
-            self._read(text)
+            for number, line in enumerate(text.split("\n"), start=1):
+                if line.strip():
+                    self._take(line, number)
             if text and not text.endswith("\n"):  # the last line was cut off: the next starts afresh
                 self._write(b"\n")
         except (OSError, UnicodeDecodeError) as error:
@@ -76,18 +84,30 @@ class Journal:
     def _refused(self, error: Exception) -> InvalidInput:
         return InvalidInput(f"{self.path}: cannot keep results there ({error}): give another file")
 
-    def _read(self, text: str) -> None:
-        for line in text.splitlines():
-            try:
-                entry: Any = json.loads(line)
-            except json.JSONDecodeError:
-                continue  # cut off when the bench was killed; what it stood for is played again
-            if not isinstance(entry, dict) or entry.get("format") != FORMAT:
-                raise InvalidInput(f"{self.path}: is no journal of a bench: give another file")
-            if entry.get("behaviour") == BEHAVIOUR:
-                self.entries.append(entry)
-            else:
-                self.stale += 1
+    def _take(self, line: str, number: int) -> None:
+        """Take in a line; one that was cut off when a bench was killed stands for what is played again."""
+        try:
+            entry: Any = read_json(line, "the line")
+        except InvalidInput as error:
+            if line.startswith(START[: len(line)]) and not line.rstrip().endswith("}"):
+                return
+            raise self._refusal(number, str(error)) from error
+        if not isinstance(entry, dict) or entry.get("format") != FORMAT:
+            raise self._refusal(number, f"it is no result, expected {START}, ...}}")
+        if entry.get("behaviour") != BEHAVIOUR:
+            self.stale += 1
+            return
+        try:
+            Ending.from_json(entry)
+        except InvalidInput as error:
+            raise self._refusal(number, str(error)) from error
+        self.entries.append(entry)
+
+    def _refusal(self, number: int, reason: str) -> InvalidInput:
+        return InvalidInput(
+            f"{self.path}: line {number} is no journal of a bench ({reason}): give another file, or take the "
+            "line out"
+        )
 
     def add(self, entry: Mapping[str, Any]) -> None:
         """Append an entry, at once and whole.

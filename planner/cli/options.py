@@ -41,7 +41,7 @@ def add_common(parser: argparse.ArgumentParser, *, scenes: str | None) -> None:
         )
     parser.add_argument(
         "--max-mb",
-        type=float,
+        type=_amount,
         metavar="MB",
         help="what a file of a scene may unpack to (536): more is refused before it is read",
     )
@@ -85,6 +85,20 @@ def _seed(text: str) -> int:
     return seed
 
 
+def _amount(text: str) -> float:
+    amount = float(text)
+    if not 0.0 < amount < 1e9:
+        raise argparse.ArgumentTypeError(f"{text} is no amount, expected a number above 0")
+    return amount
+
+
+def _count(text: str) -> int:
+    count = int(text)
+    if count < 1:
+        raise argparse.ArgumentTypeError(f"{count} is no count, expected a whole number from 1 on")
+    return count
+
+
 def scene_paths(args: argparse.Namespace, *, many: bool = True) -> list[str]:
     """Say which scenes were meant.
 
@@ -119,6 +133,66 @@ def _is_scene(value: str, *, anything: bool) -> bool:
     return os.path.exists(value) and (anything or value.lower().endswith(_SCENE_SUFFIXES))
 
 
+def add_max_objects(parser: argparse.ArgumentParser) -> None:
+    """Add how many objects a scene may have.
+
+    Args:
+        parser: The sub-command's parser.
+    """
+    parser.add_argument(
+        "--max-objects",
+        type=_count,
+        metavar="N",
+        help="how many objects a scene may have (500): the work grows with the square of it",
+    )
+
+
+@dataclass(frozen=True)
+class Reading:
+    """How scenes are read, as the options say; it can go to another process.
+
+    Attributes:
+        fixed: Names that never move.
+        up: Direction against gravity, or None.
+        most_bytes: What a file may unpack to, or None for as much as is usual.
+        allow_outside: Whether scene.json may name files that are not below its folder.
+    """
+
+    fixed: tuple[str, ...]
+    up: tuple[float, ...] | None
+    most_bytes: int | None
+    allow_outside: bool
+
+    @staticmethod
+    def of(args: argparse.Namespace) -> "Reading":
+        """What the parsed arguments say."""
+        up = None if args.up is None else tuple(args.up)
+        most = None if args.max_mb is None else int(1e6 * args.max_mb)
+        return Reading(tuple(args.fixed or ()), up, most, args.allow_outside)
+
+    def scene(self, path: str) -> "Scene":
+        """Read a scene.
+
+        Args:
+            path: The scene's path.
+
+        Returns:
+            The scene.
+
+        Raises:
+            InvalidInput: If the path holds no scene or a broken one.
+        """
+        from topple.topology.io import load_scene
+
+        return load_scene(
+            path,
+            fixed=self.fixed,
+            up=self.up,
+            most_bytes=self.most_bytes,
+            allow_outside=self.allow_outside,
+        )
+
+
 def read_scene(args: argparse.Namespace, path: str) -> "Scene":
     """Read one of the scenes as the options say.
 
@@ -132,12 +206,7 @@ def read_scene(args: argparse.Namespace, path: str) -> "Scene":
     Raises:
         InvalidInput: If the path holds no scene or a broken one.
     """
-    from topple.topology.io import load_scene
-
-    most = None if args.max_mb is None else int(1e6 * args.max_mb)
-    return load_scene(
-        path, fixed=args.fixed or (), up=args.up, most_bytes=most, allow_outside=args.allow_outside
-    )
+    return Reading.of(args).scene(path)
 
 
 def for_each_scene(

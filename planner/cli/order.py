@@ -7,7 +7,15 @@ from typing import Any
 
 from topple.planner.cli.console import complain, print_json
 from topple.planner.cli.main import DONE, NO_SAFE_PLAN
-from topple.planner.cli.options import add_common, add_target, for_each_scene, positive
+from topple.planner.cli.options import (
+    Reading,
+    add_common,
+    add_max_objects,
+    add_target,
+    for_each_scene,
+    positive,
+    scene_paths,
+)
 from topple.planner.cli.progress import Progress
 from topple.planner.cli.robot_options import add_gripper, arm_of
 from topple.planner.cli.tables import print_assumptions, print_order
@@ -21,6 +29,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     """
     add_common(parser, scenes="many")
     add_target(parser)
+    add_max_objects(parser)
     parser.add_argument(
         "--verify", action="store_true", help="check the dependencies in simulation: take every object away"
     )
@@ -53,7 +62,8 @@ def execute(args: argparse.Namespace) -> int:
         args.parser.error("--gripper is what the robot holds with: give both or neither")
     arm = arm_of(args) if args.robot else None
     options = {"seed": args.seed, "verify": args.verify, "budget": args.budget, "robot": arm}
-    work = partial(_answer, args.fixed, args.up, args.target, options)
+    scene_paths(args)  # which may be among the names of --fixed and --target
+    work = partial(_answer, Reading.of(args), args.target, args.max_objects, options)
     by_scenes = not (args.verify or args.robot)  # those take all cores, and import what prints when imported
     with Progress("order") as progress:
         return for_each_scene(args, work, partial(_show, args.json), progress, processes=by_scenes)
@@ -69,18 +79,15 @@ class _Answer:
 
 
 def _answer(
-    fixed: list[str] | None,
-    up: list[float] | None,
-    target: list[str] | None,
-    options: dict[str, Any],
-    path: str,
+    reading: Reading, target: list[str] | None, most_objects: int | None, options: dict[str, Any], path: str
 ) -> _Answer:
     """The order of a scene file."""
     from topple.planner.planning.order import order
-    from topple.topology.io import load_scene
+    from topple.topology.rule.relate import relate
 
-    scene = load_scene(path, fixed=fixed or (), up=up)
-    found = order(scene, target, **options)
+    scene = reading.scene(path)
+    relations = None if most_objects is None else relate(scene, most_objects=most_objects)
+    found = order(scene, target, relations=relations, **options)
     return _Answer(found.to_json(), len(scene.movable), tuple(found.unresolved))
 
 

@@ -6,7 +6,7 @@ from typing import Any
 
 from topple.planner.cli.console import print_json
 from topple.planner.cli.main import DONE
-from topple.planner.cli.options import add_common, for_each_scene
+from topple.planner.cli.options import Reading, add_common, add_max_objects, for_each_scene, scene_paths
 from topple.planner.cli.progress import Progress
 from topple.planner.cli.tables import print_assumptions, print_relations
 
@@ -24,6 +24,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         metavar="M",
         help="distance in metres that still counts as touching (estimated)",
     )
+    add_max_objects(parser)
     parser.add_argument(
         "--plain",
         action="store_true",
@@ -40,20 +41,19 @@ def execute(args: argparse.Namespace) -> int:
     Returns:
         Exit code 0, or 2 where a scene cannot be read or the deviation makes no sense for it.
     """
-    work = partial(_document, args.fixed, args.up, args.deviation, args.plain)
+    scene_paths(args)  # which may be among the names of --fixed
+    options = {"deviation": args.deviation, "plain": args.plain, "most_objects": args.max_objects}
+    work = partial(_document, Reading.of(args), options)
     with Progress("relate") as progress:
         return for_each_scene(args, work, partial(_show, args.json), progress)
 
 
-def _document(
-    fixed: list[str] | None, up: list[float] | None, deviation: float | None, plain: bool, path: str
-) -> dict[str, Any]:
+def _document(reading: Reading, options: dict[str, Any], path: str) -> dict[str, Any]:
     """The relations of a scene file, and what was assumed."""
-    from topple.topology.io import load_scene
     from topple.topology.rule.relate import relate
 
-    scene = load_scene(path, fixed=fixed or (), up=up)
-    relations = relate(scene, deviation=deviation, plain=plain)
+    scene = reading.scene(path)
+    relations = relate(scene, **options)
     return {**relations.to_json(), "assumptions": list(scene.assumptions)}
 
 

@@ -1,5 +1,6 @@
 """What an order takes for granted: said in sentences, since a scene rarely shows everything."""
 
+from functools import cache
 from itertools import permutations
 from typing import TYPE_CHECKING
 
@@ -103,6 +104,8 @@ def _overlaps(statics: Statics) -> tuple[str, ...]:
     clouds = statics.upright.clouds
     boxes = {name: bounds(clouds[name]) for name in statics.upright.movable}
     said: list[str] = []
+    hollow = cache(lambda name: is_hollow(clouds[name], statics.sight))  # one may have many within it
+    faces = cache(lambda name: _faces(clouds[name]))
     for inner, outer in permutations(statics.upright.movable, 2):
         lower, upper = boxes[outer][0] + DEEP, boxes[outer][1] - DEEP
         if (boxes[inner][0] >= upper).any() or (boxes[inner][1] <= lower).any():
@@ -110,17 +113,21 @@ def _overlaps(statics: Statics) -> tuple[str, ...]:
         boxed = clouds[inner][((clouds[inner] > lower) & (clouds[inner] < upper)).all(axis=1)]
         if len(boxed) <= SHARE * len(clouds[inner]):
             continue
-        if _deep(boxed, clouds[outer]) > SHARE * len(clouds[inner]) and not is_hollow(
-            clouds[outer], statics.sight
-        ):
+        if _deep(boxed, faces(outer)) > SHARE * len(clouds[inner]) and not hollow(outer):
             said.append(f"the clouds of {inner} and {outer} overlap: both are taken to be where they seem")
     return tuple(said)
 
 
-def _deep(points: FloatArray, around: FloatArray) -> int:
-    """How many points lie deep inside the hull of others."""
+def _faces(points: FloatArray) -> FloatArray | None:
+    """(F, 4) outward normals and offsets of the hull of points (N, 3), or None where they have no volume."""
     try:
-        faces = ConvexHull(around).equations
+        return np.asarray(ConvexHull(points).equations)
     except (QhullError, ValueError):
+        return None
+
+
+def _deep(points: FloatArray, faces: FloatArray | None) -> int:
+    """How many points lie deep inside a hull."""
+    if faces is None:
         return 0
     return int(np.count_nonzero((points @ faces[:, :3].T + faces[:, 3]).max(axis=1) < -DEEP))

@@ -85,13 +85,49 @@ def test_results_of_another_behaviour_do_not_count(version: dict[str, int], tmp_
     assert [entry["behaviour"] for entry in Journal(path).entries] == [BEHAVIOUR]
 
 
-@pytest.mark.parametrize("text", ['{"a": 1}\n', "[1, 2]\n"])
+@pytest.mark.parametrize(
+    ("change", "words"),
+    [
+        ({"episode": 3}, r"expected an object - at `\$.episode`"),
+        ({"episode": {}}, r"no scenario, .* - at `\$.episode`"),
+        ({"seconds": "long"}, r"Expected `float`, got `str` - at `\$.seconds`"),
+        ({"seconds": float("nan")}, r"nan is none of 0 to 1e\+15 - at `\$.seconds`"),
+        ({"seconds": 10**400}, r"at `\$.seconds`"),
+        ({"memory": 10**400}, r"at `\$.memory`"),
+        ({"steps": -1}, r"at `\$.steps`"),
+        ({"placed": 3, "places": 2}, "3 of 2 places"),
+        ({"violations": "none"}, r"Expected `array`, got `str` - at `\$.violations`"),
+        ({"ending": None}, r"Expected `str`, got `null` - at `\$.ending`"),
+    ],
+)
+def test_a_line_of_another_shape_is_refused_by_its_number(
+    change: dict[str, object], words: str, tmp_path: Path
+) -> None:
+    path = tmp_path / "endings.jsonl"
+    kept = {**Ending(Episode("pile", 3), "success").to_json(), "behaviour": BEHAVIOUR}
+    path.write_text(f"{json.dumps(kept)}\n{json.dumps({**kept, **change})}\n")
+    with pytest.raises(
+        InvalidInput, match=f"endings.jsonl: line 2 is no journal of a bench.*{words}"
+    ) as said:
+        Journal(path)
+    assert "\n" not in str(said.value)
+
+
+@pytest.mark.parametrize(
+    "text",
+    ['{"a": 1}', "[1, 2]", "3", "null", "notes of mine", "[" * 100_000, '{"format": "topple.episode",}'],
+)
 def test_another_file_is_no_journal(tmp_path: Path, text: str) -> None:
     path = tmp_path / "mine.jsonl"
-    path.write_text(text)
-    with pytest.raises(InvalidInput, match="is no journal of a bench"):
+    path.write_text(f"\n{text}\n")
+    with pytest.raises(InvalidInput, match=r"mine.jsonl: line 2 is no journal of a bench"):
         Journal(path)
-    assert path.read_text() == text
+    assert path.read_text() == f"\n{text}\n"
+
+
+def test_a_folder_is_no_journal(tmp_path: Path) -> None:
+    with pytest.raises(InvalidInput, match="cannot keep results there"):
+        Journal(tmp_path)
 
 
 def test_one_process_keeps_a_journal_at_a_time(tmp_path: Path) -> None:

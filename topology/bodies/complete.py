@@ -22,6 +22,9 @@ BLOCK = 1 << 16
 SAMPLES = 400
 """Places on a hull that are looked at: a mouth of a tenth of its surface is 40 of them."""
 
+TILE = 0.04
+"""Edge [m] of the squares of a plan view whose cells are looked at with the triangles over them alone."""
+
 
 @dataclass(frozen=True, eq=False)
 class Box:
@@ -47,7 +50,8 @@ def complete(upright: Upright, sight: FreeSpace | None) -> Mapping[str, FloatArr
 
     Bodies without a cavity are taken to be symmetric about the centre of their box, hollow ones about
     the axis of their opening; both are closed from below by their hull. Nothing is put where a camera
-    saw through. Clouds that show their undersides stay as they are.
+    saw through. Clouds that show their undersides stay as they are, and so do those of bodies that are
+    too large to be taken.
 
     Args:
         upright: The upright scene.
@@ -74,7 +78,7 @@ def complete_body(points: FloatArray, sight: FreeSpace | None, floor: float = -n
     Returns:
         (M, 3) points, M >= N, the seen ones first.
     """
-    hull = _hull(points)
+    hull = None if _is_furniture(points) else _hull(points)
     if hull is None:
         return points
     if sight is None and _is_closed(points, hull):
@@ -92,6 +96,13 @@ def complete_body(points: FloatArray, sight: FreeSpace | None, floor: float = -n
     if hull is not None:
         extra.append(_believable(_underside(known, hull), known, sight, partly=True))
     return np.concatenate([points, *extra])
+
+
+def _is_furniture(points: FloatArray) -> bool:
+    """Whether the box around points (N, 3) is larger than that of anything an arm takes."""
+    lower, upper = bounds(points)
+    x, y, z = upper - lower
+    return float(2 * (x * y + y * z + z * x)) > LARGEST
 
 
 def is_hollow(points: FloatArray, sight: FreeSpace | None) -> bool:
@@ -238,6 +249,8 @@ def _interpolated(tops: FloatArray, cells: FloatArray) -> FloatArray:
     other longer than all of the rest takes.
     """
     heights = np.full(len(cells), np.nan)
+    if len(cells) == 0:
+        return heights
     try:
         triangles = tops[Delaunay(tops[:, :2]).simplices]
     except QhullError:
@@ -250,17 +263,34 @@ def _interpolated(tops: FloatArray, cells: FloatArray) -> FloatArray:
     area = first[:, 0] * second[:, 1] - first[:, 1] * second[:, 0]
     solid = np.abs(area) > 1e-15
     origin, first, second, area = origin[solid], first[solid], second[solid], area[solid]
-    step = max(1, BLOCK // max(len(area), 1))
-    for start in range(0, len(cells), step):
-        offset = cells[start : start + step, None] - origin[:, :2]
-        along = (offset[..., 0] * second[:, 1] - offset[..., 1] * second[:, 0]) / area
-        across = (offset[..., 1] * first[:, 0] - offset[..., 0] * first[:, 1]) / area
-        depth = np.minimum(np.minimum(along, across), 1 - along - across)
-        row = np.arange(len(depth))
-        best = depth.argmax(axis=1)
-        height = origin[best, 2] + along[row, best] * first[best, 2] + across[row, best] * second[best, 2]
-        heights[start : start + step] = np.where(depth[row, best] >= -1e-12, height, np.nan)
+    tile = np.floor(cells / TILE).astype(np.int64)
+    order = np.lexsort((tile[:, 1], tile[:, 0]))
+    ends = np.flatnonzero((np.diff(tile[order], axis=0) != 0).any(axis=1)) + 1
+    corners = triangles[solid][:, :, :2]
+    least, most = corners.min(axis=1) - 1e-9, corners.max(axis=1) + 1e-9
+    for rows in np.split(order, ends):
+        lower, upper = bounds(cells[rows])
+        near = np.flatnonzero(((least <= upper) & (most >= lower)).all(axis=1))
+        part = origin[near], first[near], second[near], area[near]
+        step = max(1, BLOCK // max(len(near), 1))
+        for start in range(0, len(rows) if len(near) else 0, step):
+            chosen = rows[start : start + step]
+            heights[chosen] = _heights(cells[chosen], *part)
     return heights
+
+
+def _heights(
+    cells: FloatArray, origin: FloatArray, first: FloatArray, second: FloatArray, area: FloatArray
+) -> FloatArray:
+    """(N,) heights over plan cells (N, 2) of triangles (T, 3), corner and sides; NaN over none."""
+    offset = cells[:, None] - origin[:, :2]
+    along = (offset[..., 0] * second[:, 1] - offset[..., 1] * second[:, 0]) / area
+    across = (offset[..., 1] * first[:, 0] - offset[..., 0] * first[:, 1]) / area
+    depth = np.minimum(np.minimum(along, across), 1 - along - across)
+    row = np.arange(len(depth))
+    best = depth.argmax(axis=1)
+    height = origin[best, 2] + along[row, best] * first[best, 2] + across[row, best] * second[best, 2]
+    return np.where(depth[row, best] >= -1e-12, height, np.nan)
 
 
 def _plan_cells(points: FloatArray, hull: ConvexHull) -> FloatArray:

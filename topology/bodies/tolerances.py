@@ -35,6 +35,10 @@ MOUTH = 0.1
 COMPLETE_CLOSED = 0.6
 """Share of the underside with points on it from which a cloud without viewpoints counts as whole."""
 
+LARGEST = 4.0
+"""Surface [m²] of the box around a body beyond which nothing is guessed of it: a crate of 80 cm has less, and
+no arm takes more. A guess has a point every few millimetres, of a room it would have a hundred million."""
+
 REFUTED = 0.35
 """Share of a guess that lies in space seen to be empty, from which the symmetry behind it is given up."""
 

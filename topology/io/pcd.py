@@ -180,7 +180,7 @@ def _decompress(packed: bytes, size: int) -> bytes:
     """Undo LZF: runs of literals, and references to what was written up to 8 KiB before."""
     out = bytearray()
     position = 0
-    while position < len(packed):
+    while position < len(packed) and len(out) <= size:
         control = packed[position]
         position += 1
         if control < 32:
@@ -195,8 +195,9 @@ def _decompress(packed: bytes, size: int) -> bytes:
         position += 1
         if start < 0:
             raise ValueError("its compressed data refers to before its beginning")
-        for index in range(start, start + length + 2):  # byte by byte: a reference may overlap itself
-            out.append(out[index])
+        length += 2
+        run = out[start : start + length]
+        out += run if len(run) == length else (run * (length // len(run) + 1))[:length]  # overlapping itself
     if len(out) != size:
         raise ValueError(f"its compressed data unpack to {len(out)} bytes, expected {size}")
     return bytes(out)

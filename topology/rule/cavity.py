@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from topple.topology.arrays import BoolArray, FloatArray
+from topple.topology.arrays import BoolArray, FloatArray, bounds
 from topple.topology.geometry.axes import perpendiculars
 from topple.topology.tolerances import TOLERANCES
 
@@ -57,6 +57,9 @@ def roofed(places: FloatArray, wall: FloatArray, up: FloatArray, height: float, 
         (N,) True where a point of the wall is there.
     """
     found = np.zeros(len(places), dtype=np.bool_)
+    if len(places) == 0:
+        return found
+    wall = _beside(places, wall, up, aside)
     step = max(1, BLOCK // max(len(wall), 1))
     for start in range(0, len(places), step):
         offset = wall[None] - places[start : start + step, None]
@@ -64,3 +67,12 @@ def roofed(places: FloatArray, wall: FloatArray, up: FloatArray, height: float, 
         beside = np.einsum("nmi,nmi->nm", offset, offset) - rise**2
         found[start : start + step] = ((rise > height) & (beside < aside**2)).any(axis=1)
     return found
+
+
+def _beside(places: FloatArray, wall: FloatArray, up: FloatArray, aside: float) -> FloatArray:
+    """The wall over and under the places' box in plan, in its order: the rest of a room is beside them."""
+    level = np.stack(perpendiculars(up), axis=1)
+    lower, upper = bounds(places @ level)
+    margin = aside * (1 + 1e-6) + 1e-9  # more than rounding takes away
+    flat = wall @ level
+    return wall[((flat >= lower - margin) & (flat <= upper + margin)).all(axis=1)]

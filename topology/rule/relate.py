@@ -16,10 +16,18 @@ from topple.topology.scene import Scene
 from topple.topology.sixim.fast.rule import PlainRule
 from topple.topology.tolerances import TOLERANCES
 
+MOST_OBJECTS = 500
+"""More things than any shelf or bin holds: of so many there are 125,000 pairs to be told, a second's work."""
+NEAR_EACH = 20
+"""Others near each object on average: each such pair is looked at closely for some milliseconds. In a heap
+there are fifteen."""
+
 __all__ = ["PairRelation", "Relations", "relate", "relate_all"]
 
 
-def relate(scene: Scene, deviation: float | None = None, plain: bool = False) -> Relations:
+def relate(
+    scene: Scene, deviation: float | None = None, plain: bool = False, most_objects: int | None = None
+) -> Relations:
     """Decide the spatial relation of every pair of objects of a scene.
 
     Args:
@@ -29,15 +37,20 @@ def relate(scene: Scene, deviation: float | None = None, plain: bool = False) ->
             that it is "usually equal to the deviation of point clouds".
         plain: Use the paper's rule to the letter of Table 1 instead of the one that withstands noise,
             hidden surfaces and hollow objects.
+        most_objects: How many objects the scene may have, `MOST_OBJECTS` where None, since the work grows
+            with the square of it; of the pairs `NEAR_EACH` times as many may be near each other.
 
     Returns:
         One relation per unordered pair.
 
     Raises:
-        InvalidInput: The deviation is no positive length below the size of the objects.
+        InvalidInput: The deviation is no positive length below the size of the objects, or there are more
+            objects or near pairs than is allowed.
     """
+    most = MOST_OBJECTS if most_objects is None else most_objects
+    _check_count(len(scene.clouds), "objects", most)
     rule = _rule(scene, deviation, plain)
-    return rule.conclude(scene, _relate_by(rule, scene))
+    return rule.conclude(scene, _relate_by(rule, scene, NEAR_EACH * most))
 
 
 def relate_all(
@@ -45,6 +58,7 @@ def relate_all(
     deviation: float | None = None,
     plain: bool = False,
     executor: Executor | None = None,
+    most_objects: int | None = None,
 ) -> list[Relations]:
     """Relate many scenes, on the workers of an executor where one is given.
 
@@ -53,11 +67,12 @@ def relate_all(
         deviation: As for `relate`.
         plain: As for `relate`.
         executor: Any executor of `concurrent.futures`, or one with the same `map`.
+        most_objects: As for `relate`.
 
     Returns:
         The relations of each scene, in order.
     """
-    each = partial(relate, deviation=deviation, plain=plain)
+    each = partial(relate, deviation=deviation, plain=plain, most_objects=most_objects)
     return list(map(each, scenes) if executor is None else executor.map(each, scenes))
 
 
@@ -82,11 +97,22 @@ def _check_deviation(scene: Scene, deviation: float) -> None:
         )
 
 
-def _relate_by(rule: Rule, scene: Scene) -> Relations:
+def _check_count(count: int, what: str, most: int) -> None:
+    if count > most:
+        raise InvalidInput(
+            f"the scene has {count} {what}, and {most} are allowed: leave out what is far from the targets, "
+            "or allow more with --max-objects of topple relate and order (Python: relate(..., most_objects=) "
+            "and order(..., relations=))"
+        )
+
+
+def _relate_by(rule: Rule, scene: Scene, most_pairs: int) -> Relations:
     prepared = tuple(rule.prepare(name, cloud) for name, cloud in scene.clouds.items())
     lower = np.array([one.lower for one in prepared]).reshape(-1, 3)
     upper = np.array([one.upper for one in prepared]).reshape(-1, 3)
     near: dict[tuple[int, int], PairRelation] = {}
-    for i, j in near_pairs(lower, upper, rule.reach).tolist():
+    pairs = near_pairs(lower, upper, rule.reach)
+    _check_count(len(pairs), "pairs of objects near each other", most_pairs)
+    for i, j in pairs.tolist():
         near[i, j] = rule.relate(prepared[i], prepared[j])
     return Relations(tuple(scene.clouds), rule, near, prepared, scene)

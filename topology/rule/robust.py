@@ -20,7 +20,7 @@ from topple.topology.relations import Relations, box_distance
 from topple.topology.rule.cavity import roofed, surrounded
 from topple.topology.rule.facing import facing_seen
 from topple.topology.rule.inferred import infer_contacts
-from topple.topology.rule.surface import SurfaceCloud, closest
+from topple.topology.rule.surface import SurfaceCloud, closest, distances
 from topple.topology.rule.tolerances import CONTENT, WALL
 from topple.topology.scene import Scene
 from topple.topology.sixim.table import Relation, classify, kind_of
@@ -68,7 +68,7 @@ class RobustRule:
         one, other = self._counted(a, b), self._counted(b, a)
         matrix = np.stack([one.counts, other.counts])
         relation = self._relation(one, other, touching)
-        depth = max(one.depth, other.depth) if relation is Relation.CROSS else 0.0
+        depth = max(one.depth(b), other.depth(a)) if relation is Relation.CROSS else 0.0
         reason = _reason(matrix, relation)
         # A patch reaches half its spacing beyond the last sample; what is apart is not that close.
         distance = -depth if depth > 0 else near.gap if touching else max(near.gap, box_distance(a, b))
@@ -158,15 +158,13 @@ class RobustRule:
         interior = self._interior(a, b)
         rest = np.flatnonzero(~interior)
         reach = self.deviation + max(a.cell, b.cell)
-        distance = np.asarray(b.tree.query(a.coarse[rest], distance_upper_bound=reach)[0])
-        exterior = rest[~(distance <= reach)]
+        exterior = rest[~(distances(a.coarse[rest], b, reach) <= reach)]
         counts = np.array([a.size - len(rest), len(rest) - len(exterior), len(exterior)], dtype=np.int64)
         if counts[0] < _least(a.size):
-            return _Counted(counts, False, True, 0.0)
+            return _Counted(counts, False, True, a.coarse[:0])
         # What is in B is outside only beyond the hull: no wall stands higher than the rim.
         beyond = int(np.count_nonzero(b.hull.facet_distance(a.coarse[exterior]) > 0))
-        depth = float(np.median(b.tree.query(a.coarse[interior])[0]))
-        return _Counted(counts, True, beyond > TOLERANCES.exterior_share * a.size, depth)
+        return _Counted(counts, True, beyond > TOLERANCES.exterior_share * a.size, a.coarse[interior])
 
     @staticmethod
     def _relation(one: "_Counted", other: "_Counted", touching: bool) -> Relation:
@@ -203,13 +201,17 @@ class _Counted:
         counts: (3,) (interior, boundary, exterior): in its solid or hollow, near its surface, else.
         held: Whether more lie in the interior than noise puts there.
         stands_out: Whether more lie beyond its hull than noise puts there.
-        depth: How deep those in the interior lie [m].
+        inside: (k, 3) those in the interior [m].
     """
 
     counts: IntArray
     held: bool
     stands_out: bool
-    depth: float
+    inside: FloatArray
+
+    def depth(self, surface: SurfaceCloud) -> float:
+        """How deep those in the interior lie under the surface of what they lie in [m]."""
+        return float(np.median(surface.tree.query(self.inside)[0]))
 
 
 def _least(size: int) -> int:

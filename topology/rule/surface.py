@@ -30,6 +30,8 @@ PROBES = 32
 """Points that bound the distance of two surfaces before all are looked at."""
 CANDIDATES = 400
 """Points whose distance to the other surface is measured with planes, the nearest to its samples."""
+CROPPED = 0.5
+"""Share of a surface below which a search tree of that part alone pays."""
 PATCH = 8
 """Neighbours that make a local plane."""
 LINKS = 6
@@ -212,12 +214,12 @@ def closest(a: SurfaceCloud, b: SurfaceCloud) -> Closest:
         slack += 3 * max(a.spacing, b.spacing)
     more = 1 + 1e-9  # a distance there and one back differ by their rounding
     bound = float(np.min(b.tree.query(_at_most(a.coarse, PROBES))[0])) * more
-    near_a = _distances(a.coarse, b, bound + slack)
+    near_a = distances(a.coarse, b, bound + slack)
     apart = float(near_a.min())
     if 0 < FAR * slack < apart:
         return _far(a, b, near_a)
     limit = apart * more + slack
-    near_b = _distances(b.coarse, a, limit)
+    near_b = distances(b.coarse, a, limit)
     fine_a = _at_most(a.rows_of(np.flatnonzero(near_a <= limit)), FINE)
     fine_b = _at_most(b.rows_of(np.flatnonzero(near_b <= limit)), FINE)
     tree_a, tree_b = KDTree(fine_a), KDTree(fine_b)
@@ -240,15 +242,52 @@ def _far(a: SurfaceCloud, b: SurfaceCloud, near_a: FloatArray) -> Closest:
     return Closest(float(near_a[chosen[0]]), np.stack([a.coarse[chosen], feet], axis=1))
 
 
-def _distances(points: FloatArray, other: SurfaceCloud, limit: float) -> FloatArray:
-    """(N,) distances to the nearest mean point of a surface, infinite beyond a limit."""
-    lower, upper = other.tree.mins, other.tree.maxes
-    apart = np.maximum(np.maximum(lower - points, points - upper), 0.0)
-    chosen = np.flatnonzero(np.einsum("ni,ni->n", apart, apart) <= limit**2)
+def distances(points: FloatArray, other: SurfaceCloud, limit: float) -> FloatArray:
+    """How far points are from the nearest mean point of a surface.
+
+    Args:
+        points: (N, 3) points [m].
+        other: The surface.
+        limit: Beyond it [m] nothing is looked for.
+
+    Returns:
+        (N,) distances [m], infinite beyond the limit.
+    """
+    chosen = np.flatnonzero(within_box(points, other.tree.mins, other.tree.maxes, limit))
     distance = np.full(len(points), np.inf)
-    within = np.nextafter(limit, np.inf)  # the search leaves out its bound itself
-    distance[chosen] = np.asarray(other.tree.query(points[chosen], distance_upper_bound=within)[0])
+    if len(chosen):
+        within = np.nextafter(limit, np.inf)  # the search leaves out its bound itself
+        tree = _around(other, points[chosen], limit)
+        distance[chosen] = np.asarray(tree.query(points[chosen], distance_upper_bound=within)[0])
     return distance
+
+
+def _around(surface: SurfaceCloud, points: FloatArray, limit: float) -> KDTree:
+    """A search tree that has all mean points of a surface which are within a limit of points.
+
+    From the middle of a room all of its walls are equally far, and a search tree of them goes through them
+    all for every point. What is within the limit of the points' box is little of that.
+    """
+    near = within_box(surface.coarse, *bounds(points), limit)
+    few = 0 < np.count_nonzero(near) < CROPPED * surface.size
+    return KDTree(surface.coarse[near]) if few else surface.tree
+
+
+def within_box(points: FloatArray, lower: FloatArray, upper: FloatArray, limit: float) -> BoolArray:
+    """Which points are at most so far from a box.
+
+    Args:
+        points: (N, 3) points [m].
+        lower: (3,) least corner of the box [m].
+        upper: (3,) greatest corner [m].
+        limit: Distance [m].
+
+    Returns:
+        (N,) True for those.
+    """
+    apart = np.maximum(np.maximum(lower - points, points - upper), 0.0)
+    reach = limit * (1 + 1e-9)  # as rounding may have it
+    return np.asarray(np.einsum("ni,ni->n", apart, apart) <= reach**2)
 
 
 def _ranked(values: FloatArray, rank: int) -> float:

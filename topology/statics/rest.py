@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 from weakref import WeakKeyDictionary
 
 import numpy as np
-from scipy.spatial import ConvexHull, QhullError
+from scipy.spatial import ConvexHull, KDTree, QhullError
 
 from topple.topology.arrays import BoolArray, FloatArray, bounds
 from topple.topology.bodies.complete import complete
@@ -256,7 +256,7 @@ def within_reach(contacts: Collection[Contact], movable: Collection[str]) -> lis
         for name in (contact.a, contact.b):
             if name in touching and len(near):
                 touching[name].append(near)
-    pivots = {name: np.concatenate(near) if near else None for name, near in touching.items()}
+    pivots = {name: KDTree(np.concatenate(near)) if near else None for name, near in touching.items()}
     usable: list[Contact] = []
     for contact in contacts:
         level = contact.turns <= ROLL
@@ -268,7 +268,7 @@ def within_reach(contacts: Collection[Contact], movable: Collection[str]) -> lis
             if pivot is None:
                 keep |= (contact.gaps <= TOLERANCES.catch) & level
                 continue
-            arms = np.linalg.norm(contact.points[:, None] - pivot[None], axis=2).min(axis=1)
+            arms = np.asarray(pivot.query(contact.points)[0])
             keep |= (
                 (contact.gaps <= TOLERANCES.tight + TILT * arms) & (contact.gaps <= TOLERANCES.search) & level
             )

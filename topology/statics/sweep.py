@@ -79,9 +79,13 @@ def swept_matrix(swept: FloatArray, other: FloatArray) -> IntArray:
         pass through each other, or on it.
     """
     low, high = bounds(swept)
-    size = np.ceil((high[:2] - low[:2]) / SWEEP_CELL).astype(np.int64) + 1
-    ground, top = (_plan(swept, low[:2], size, highest=highest) for highest in (False, True))
     cells = np.floor((other[:, :2] - low[:2]) / SWEEP_CELL).astype(np.int64)
+    least, most = cells.min(axis=0).clip(0), cells.max(axis=0)  # of a room only what the other is in
+    size = np.minimum(np.ceil((high[:2] - low[:2]) / SWEEP_CELL).astype(np.int64), most) + 1 - least
+    if (size <= 0).any():
+        return np.array([[0, 0, len(swept)], [0, 0, len(other)]])
+    ground, top = (_plan(swept, low[:2], size, highest=highest, first=least) for highest in (False, True))
+    cells -= least
     over = np.all((cells >= 0) & (cells < size), axis=1)
     index = (cells[over, 0], cells[over, 1])
     height = np.full(len(other), np.nan)
@@ -102,10 +106,20 @@ def _cells(points: FloatArray) -> int:
     return len(np.unique(cells[:, 0] * (cells[:, 1].max() + 1) + cells[:, 1]))
 
 
-def _plan(points: FloatArray, low: FloatArray, size: np.ndarray, highest: bool) -> FloatArray:
-    """Plan view: the highest or lowest height per cell, ∓inf where there is none."""
+def _plan(
+    points: FloatArray, low: FloatArray, size: IntArray, highest: bool, first: IntArray | int = 0
+) -> FloatArray:
+    """Plan view: the highest or lowest height per cell, ∓inf where there is none.
+
+    Args:
+        points: (N, 3) upright points [m].
+        low: (2,) where cells are counted from [m].
+        size: (2,) how many there are.
+        highest: Which height.
+        first: (2,) number of the first cell.
+    """
     plan = np.full(tuple(size), -np.inf if highest else np.inf)
-    cells = np.floor((points[:, :2] - low) / SWEEP_CELL).astype(np.int64)
+    cells = np.floor((points[:, :2] - low) / SWEEP_CELL).astype(np.int64) - first
     inside = np.all((cells >= 0) & (cells < size), axis=1)
     index = (cells[inside, 0], cells[inside, 1])
     (np.maximum if highest else np.minimum).at(plan, index, points[inside, 2])
