@@ -7,7 +7,15 @@ import numpy as np
 from scipy.spatial import ConvexHull, Delaunay, KDTree, QhullError
 
 from topple.topology.arrays import FloatArray, bounds
-from topple.topology.bodies.tolerances import BARE, COMPLETE_CLOSED, MOUTH, OUTSIDE, REFUTED, ROUND_REFUTED
+from topple.topology.bodies.tolerances import (
+    BARE,
+    COMPLETE_CLOSED,
+    LARGEST,
+    MOUTH,
+    OUTSIDE,
+    REFUTED,
+    ROUND_REFUTED,
+)
 from topple.topology.geometry.axes import perpendiculars
 from topple.topology.geometry.normals import patch_planes
 from topple.topology.geometry.outline import least_rectangle
