@@ -90,6 +90,7 @@ class Ending:
             or be pressed with; above 1 it was disturbed.
         sagged: How far the body that moved most got while a rebuilt world came to rest [m]; None where the
             world is not rebuilt.
+        fallbacks: What was tried to find a step where the plain way failed, and whether that step succeeded.
     """
 
     episode: Episode
@@ -106,6 +107,7 @@ class Ending:
     process: int = 0
     used: float = 0.0
     sagged: float | None = None
+    fallbacks: tuple[tuple[str, bool], ...] = ()
 
     @property
     def success(self) -> bool:
@@ -252,6 +254,7 @@ def _ended(
         process=os.getpid(),
         used=max((_used(step) for step in record.steps), default=0.0),
         sagged=sagged,
+        fallbacks=tuple((name, step.success) for step in record.steps for name in step.fallbacks),
     )
 
 

@@ -33,6 +33,7 @@ from topple.benchmarks.journal import Journal
 from topple.benchmarks.row import Progress, Row
 from topple.benchmarks.rules import RULES
 from topple.benchmarks.scores import share_interval
+from topple.planner.fallbacks import FALLBACKS
 from topple.planner.workers import worker_pool
 
 JOURNAL = Path("topple-bench-run.jsonl")
@@ -135,7 +136,8 @@ def rows(
     missing = sum(episode not in known for episode in wanted)
     rows = [Row("episodes left to play", missing, f"of {len(wanted)}"), *figures(found)]
     asked = set(wanted)
-    rows += endurance([ending for episode, ending in known.items() if episode in asked])
+    endings = [ending for episode, ending in known.items() if episode in asked]
+    rows += [*fallback_rows(endings), *endurance(endings)]
     return [row.to_json() for row in rows]
 
 
@@ -247,6 +249,29 @@ def figures(found: Mapping[Series, Sequence[Ending]]) -> list[Row]:
             what = f"targets that ideal lifts of true bodies free, {len(endings)} of {one.seeds} piles"
             rows.append(_share(what, possible, len(endings)))
     return rows + _against_rules(found)
+
+
+def fallback_rows(endings: Sequence[Ending]) -> list[Row]:
+    """How many steps stand on each fallback, and how many of these succeed: what earns nothing has to go.
+
+    Args:
+        endings: Of episodes.
+
+    Returns:
+        A row for every fallback of `topple.planner.fallbacks`; another for the share that succeeded where any
+        step stood on it.
+    """
+    steps = sum(ending.steps for ending in endings)
+    stood = Counter(name for ending in endings for name, _ in ending.fallbacks)
+    held = Counter(name for ending in endings for name, succeeded in ending.fallbacks if succeeded)
+    rows: list[Row] = []
+    for name in FALLBACKS:
+        rows.append(Row(f"steps that stand on the fallback {name}, of {steps}", stood[name], ""))
+        if stood[name]:
+            share = 100 * held[name] / stood[name]
+            interval = share_interval(held[name], stood[name])
+            rows.append(Row(f"of these succeeded: {name}", share, "%", interval=interval))
+    return rows
 
 
 def endurance(endings: Sequence[Ending]) -> list[Row]:

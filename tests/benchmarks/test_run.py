@@ -13,7 +13,7 @@ from topple.benchmarks.journal import Journal
 from topple.benchmarks.recorded import Frame
 from topple.benchmarks.row import Row
 from topple.benchmarks.rules import RULES, order_by
-from topple.benchmarks.run import QUICK, Series, endurance, figures, rows
+from topple.benchmarks.run import QUICK, Series, endurance, fallback_rows, figures, rows
 from topple.planner.decide.beliefs import Beliefs
 from topple.topology.errors import InvalidInput
 from topple.topology.scene import Scene
@@ -212,6 +212,19 @@ def test_memory_that_grows_on_is_a_leak_and_loading_is_none(leak: int, ok: bool)
     endings = [Ending(Episode("pile", place), "success", memory=m) for place, m in enumerate(loaded)]
     row = next(row for row in endurance(endings) if row.what.startswith("memory"))
     assert row.ok is ok
+
+
+def test_fallbacks_are_counted_with_what_came_of_them() -> None:
+    stood = (("narrow", True), ("push", False), ("narrow", False))
+    endings = [
+        Ending(Episode("pile", 0), "success", steps=3, fallbacks=stood),
+        Ending(Episode("pile", 1), "hit", steps=1),
+    ]
+    assert Ending.from_json(endings[0].to_json()) == endings[0]
+    found = {row.what: row.value for row in fallback_rows(endings)}
+    assert found["steps that stand on the fallback narrow, of 4"] == 2
+    assert found["steps that stand on the fallback let fall, of 4"] == 0
+    assert (found["of these succeeded: narrow"], found["of these succeeded: push"]) == (50.0, 0.0)
 
 
 def test_a_scene_that_is_none_is_an_ending() -> None:
