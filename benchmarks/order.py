@@ -85,7 +85,7 @@ def rows(
 
     Args:
         quick: A handful of piles.
-        seed: Moves on to other piles.
+        seed: Transfers on to other piles.
         progress: Called before each part.
         piles: A folder of recorded piles, to be scored instead of our own.
         data: A folder with annotated camera frames, to be scored too.

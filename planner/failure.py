@@ -3,11 +3,11 @@
 from collections import Counter
 from collections.abc import Mapping
 from dataclasses import dataclass, field
-from enum import Enum
 
 import numpy as np
 
 from topple.topology.arrays import FloatArray
+from topple.topology.values import Word
 
 STEPS = ("grasp", "approach", "lift", "place", "retreat", "transfer", "move")
 """In the order in which a search looks at them: what fails later got further."""
@@ -15,7 +15,7 @@ STEPS = ("grasp", "approach", "lift", "place", "retreat", "transfer", "move")
 TOLD = 4  # reasons in a line for people: the rest is rarer, and in `TransferFailure.reasons`
 
 
-class Check(str, Enum):
+class Check(Word):
     """What a try can fail of."""
 
     ROOM = "room"
@@ -30,9 +30,6 @@ class Check(str, Enum):
     """The object would not stay there."""
     PROOF = "proof"
     """Something may touch between the samples of a way."""
-
-    def __str__(self) -> str:
-        return str(self.value)
 
 
 @dataclass(frozen=True, eq=False)

@@ -7,10 +7,11 @@ nothing there has to go.
 """
 
 from dataclasses import dataclass
-from enum import Enum
+
+from topple.topology.values import Word
 
 
-class Fallback(str, Enum):
+class Fallback(Word):
     """The names that steps of plans and runs carry, from what to take down to how to get there."""
 
     ANOTHER_FIRST = "another first"
@@ -29,12 +30,9 @@ class Fallback(str, Enum):
     NARROW = "narrow"
     LET_FALL = "let fall"
 
-    def __str__(self) -> str:
-        return str(self.value)
-
 
 @dataclass(frozen=True)
-class Told:
+class Description:
     """What there is to say of a fallback.
 
     Attributes:
@@ -46,64 +44,64 @@ class Told:
     tries: str
 
 
-FALLBACKS: dict[Fallback, Told] = {
-    Fallback.ANOTHER_FIRST: Told(
+FALLBACKS: dict[Fallback, Description] = {
+    Fallback.ANOTHER_FIRST: Description(
         "the first object of the order cannot be taken, and others wait for nothing either",
         "takes the next of those",
     ),
-    Fallback.MAKE_ROOM: Told(
+    Fallback.MAKE_ROOM: Description(
         "nothing that may go can be taken",
         "takes what barred the hand, or stands beside, out of the way, each thing once",
     ),
-    Fallback.OUT_OF_TURN: Told(
+    Fallback.OUT_OF_TURN: Description(
         "no room can be made either",
         "takes the object against which the least likely dependencies speak",
     ),
-    Fallback.LOOK_LONGER: Told(
+    Fallback.LOOK_LONGER: Description(
         "something is to go into a vessel that holds other things, and the best spots are not reached",
         "asks for four times the spots and all hands: taking things out of a heap stirs it",
     ),
-    Fallback.EMPTY: Told(
+    Fallback.EMPTY: Description(
         "a vessel has no spot where the new thing disturbs nothing",
         "takes out what lies there, in its safe order",
     ),
-    Fallback.PUSH: Told(
+    Fallback.PUSH: Description(
         "nothing can be taken out either",
         "puts the thing where it stays and pushes what lies there",
     ),
-    Fallback.FROM_HIGH: Told(
+    Fallback.FROM_HIGH: Description(
         "there is no such spot within a gentle fall",
         "lets it fall in from further up",
     ),
-    Fallback.PUT_ASIDE: Told(
+    Fallback.PUT_ASIDE: Description(
         "the thing cannot go straight to where it shall be",
         "puts it down on the table, once, to be taken otherwise",
     ),
-    Fallback.OTHER_TOOL: Told(
+    Fallback.OTHER_TOOL: Description(
         "the cup alone holds an object and finds no way, or a tool failed twice at it",
         "uses the arm's other tool",
     ),
-    Fallback.IN_A_WAY: Told(
+    Fallback.IN_A_WAY: Description(
         "no free place is reached but those in the way of what is still to be taken",
         "puts the object down there",
     ),
-    Fallback.LET_FALL_A_LITTLE: Told(
+    Fallback.LET_FALL_A_LITTLE: Description(
         "fingers below a flat thing have no room between it and the table",
         "lets it fall two centimetres more",
     ),
-    Fallback.WHERE_IT_ROLLS: Told(
+    Fallback.WHERE_IT_ROLLS: Description(
         "no place is reached where the object cannot roll",
         "puts it where it could",
     ),
-    Fallback.THROUGH_GUESSES: Told(
+    Fallback.THROUGH_GUESSES: Description(
         "fingers find no room beside neighbours as they were completed",
         "lets them into what was guessed of the neighbours; what was seen stays clear",
     ),
-    Fallback.NARROW: Told(
+    Fallback.NARROW: Description(
         "no way keeps the usual distance with the object in the hand",
         "carries it past things at any distance",
     ),
-    Fallback.LET_FALL: Told(
+    Fallback.LET_FALL: Description(
         "the object stays nowhere that the arm can put it, and a drop is allowed",
         "lets it go where it will fall, and says so",
     ),

@@ -9,7 +9,8 @@ if TYPE_CHECKING:
     from topple.topology.geometry.hull import Hull
     from topple.topology.image import DepthImage
     from topple.topology.io import load_scene, load_sequence
-    from topple.topology.relations import PairRelation, Relations
+    from topple.topology.pair import PairRelation
+    from topple.topology.relations import Relations
     from topple.topology.rule.relate import relate, relate_all
     from topple.topology.scene import Mesh, Scene
     from topple.topology.sixim.table import Relation, classify
@@ -40,7 +41,7 @@ _HOME = {
     "InvalidInput": "errors",
     "Mesh": "scene",
     "NotInstalled": "errors",
-    "PairRelation": "relations",
+    "PairRelation": "pair",
     "Relation": "sixim.table",
     "Relations": "relations",
     "Scene": "scene",

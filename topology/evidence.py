@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING, Any
 from topple.topology.sixim.table import Relation
 
 if TYPE_CHECKING:
-    from topple.topology.relations import PairRelation
+    from topple.topology.pair import PairRelation
 
 
 @dataclass(frozen=True)

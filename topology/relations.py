@@ -1,18 +1,19 @@
 """What `relate` answers: one relation for every unordered pair of objects."""
 
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
-from functools import cached_property, partial
+from functools import cached_property
 from importlib import import_module
 from itertools import combinations
 from typing import TYPE_CHECKING, Any, Protocol
 
 import numpy as np
 
-from topple.topology.arrays import FloatArray, IntArray
+from topple.topology.arrays import FloatArray
 from topple.topology.errors import InvalidInput, UnknownObject
-from topple.topology.sixim.table import Relation, converse_matrix
-from topple.topology.values import ByValue, same
+from topple.topology.pair import PairRelation
+from topple.topology.sixim.table import Relation
+from topple.topology.values import same
 
 if TYPE_CHECKING:
     from topple.topology.scene import Scene
@@ -21,100 +22,11 @@ FORMAT = "topple.relations"
 FORMAT_VERSION = 1
 
 
-@dataclass(frozen=True, eq=False)
-class PairRelation(ByValue):
-    """The relation of one object to another: "a relation b".
-
-    Attributes:
-        a: Name of the first object.
-        b: Name of the second object.
-        relation: Relation of a to b.
-        counts: The matrix as it was counted, or what counts it: rules that know the relation sooner leave it
-            until asked for.
-        distance: The gap, or what measures it.
-        gap_exact: False where `gap` is only a lower bound, the distance of the boxes of a far pair.
-        confidence: How sure the relation is, 0 to 1.
-        observed: False where no camera saw the space between the two, so that a gap proves nothing.
-        kind: "one-sided contact" or "coincident" where the matrix shows one, else None.
-        inferred: True where the relation was concluded from gravity and not from the clouds alone.
-        reason: What decided, where it was anything else than Table 1 on the matrix; None where it was that.
-    """
-
-    a: str
-    b: str
-    relation: Relation
-    counts: IntArray | Callable[[], IntArray] = field(repr=False)
-    distance: float | Callable[[], float] = field(repr=False)
-    gap_exact: bool = True
-    confidence: float = 1.0
-    observed: bool = True
-    kind: str | None = None
-    inferred: bool = False
-    reason: str | None = None
-
-    @cached_property
-    def matrix(self) -> IntArray:
-        """(2, 3) counts [[A∩B°, A∩∂B, A∩B⁻], [A°∩B, ∂A∩B, A⁻∩B]]."""
-        return self.counts() if callable(self.counts) else self.counts
-
-    @cached_property
-    def gap(self) -> float:
-        """Smallest distance of the two surfaces [m], negative by the depth of overlap."""
-        return self.distance() if callable(self.distance) else self.distance
-
-    def _compared(self) -> list[Any]:
-        """What is counted and measured, not how that comes about."""
-        return [self.matrix, self.gap, *self.to_json().values()]
-
-    def __reduce__(self) -> tuple[object, ...]:
-        """Pickle what is counted and measured."""
-        more = (self.gap_exact, self.confidence, self.observed, self.kind, self.inferred, self.reason)
-        return (PairRelation, (self.a, self.b, self.relation, self.matrix, self.gap, *more))
-
-    @property
-    def converse(self) -> "PairRelation":
-        """The same pair told from b: "b converse a"."""
-        return replace(
-            self,
-            a=self.b,
-            b=self.a,
-            relation=self.relation.converse,
-            counts=partial(_converse_counts, self),
-            distance=partial(_same_gap, self),
-        )
-
-    def to_json(self) -> dict[str, Any]:
-        """The pair as one entry of the relations' JSON."""
-        entry: dict[str, Any] = {
-            "a": self.a,
-            "b": self.b,
-            "relation": str(self.relation),
-            "matrix": self.matrix.tolist(),
-            "gap": round(float(self.gap), 6),
-            "gap_exact": self.gap_exact,
-            "confidence": round(float(self.confidence), 4),
-            "observed": self.observed,
-            "inferred": self.inferred,
-            "reason": self.reason,
-        }
-        if self.kind is not None:
-            entry["kind"] = self.kind
-        return entry
-
-
 def _relation_called(name: "Relation | str") -> Relation:
     try:
         return Relation(name)
     except ValueError as error:
         raise InvalidInput(f"{name!r} is no relation: expected {', '.join(Relation)}") from error
-
-
-def _converse_counts(pair: PairRelation) -> IntArray:
-    return converse_matrix(pair.matrix)
-
-
-def _same_gap(pair: PairRelation) -> float:
-    return pair.gap
 
 
 class Prepared(Protocol):

@@ -10,7 +10,7 @@ import networkx as nx
 import numpy as np
 
 from topple.topology.arrays import FloatArray
-from topple.topology.bodies.completed import completed_bodies, on_feet
+from topple.topology.bodies.completed import completed_bodies, with_level_undersides
 from topple.topology.bodies.solids import GRAIN, Solids, moved, solids_of, up_of
 from topple.topology.evidence import Evidence
 from topple.topology.geometry.samples import sampled
@@ -35,16 +35,16 @@ class Situation:
 
     Attributes:
         scene: What was seen; it knows where up is where contacts are asked for.
-        given: Relations that are known already, ours or somebody else's; None to work them out.
-        parts: Convex parts of the objects where they are known already.
-        complete: The same with the hidden sides, likewise.
+        known_relations: Relations that are known already, ours or somebody else's; None to work them out.
+        known_solids: Convex parts of the objects where they are known already.
+        known_completed: The same with the hidden sides, likewise.
         origin: What it came of by taking objects away or moving them: the other bodies are those still.
     """
 
     scene: "Scene"
-    given: Relations | None = None
-    parts: Solids | None = field(default=None, repr=False)
-    complete: Solids | None = field(default=None, repr=False)
+    known_relations: Relations | None = None
+    known_solids: Solids | None = field(default=None, repr=False)
+    known_completed: Solids | None = field(default=None, repr=False)
     origin: "Change | None" = field(default=None, repr=False)
 
     @staticmethod
@@ -56,7 +56,7 @@ class Situation:
             relations: Relations that are known already.
         """
         if isinstance(scene, Situation):
-            return scene if relations is None else replace(scene, given=relations)
+            return scene if relations is None else replace(scene, known_relations=relations)
         return Situation(scene, relations)
 
     @cached_property
@@ -71,8 +71,8 @@ class Situation:
     @cached_property
     def relations(self) -> Relations:
         """The relation of every pair."""
-        if self.given is not None:
-            return self.given
+        if self.known_relations is not None:
+            return self.known_relations
         if self.origin is None or self.origin.pose is None:
             return relate(self.scene)
         return self.origin.before.relations.followed(self.scene)
@@ -99,8 +99,8 @@ class Situation:
     @cached_property
     def solids(self) -> Solids:
         """Convex parts of every object in the world, as far as it was seen: what is kept clear of."""
-        if self.parts is not None:
-            return self.parts
+        if self.known_solids is not None:
+            return self.known_solids
         return solids_of(self.scene) if self.origin is None else self.origin.of(self.origin.before.solids)
 
     @cached_property
@@ -109,8 +109,8 @@ class Situation:
 
         Where nobody says from where the scene was seen nothing is hidden.
         """
-        if self.complete is not None:
-            return self.complete
+        if self.known_completed is not None:
+            return self.known_completed
         if self.origin is not None:
             return self.origin.of(self.origin.before.completed)
         if not len(self.scene.viewpoints):
@@ -140,8 +140,8 @@ class Situation:
             scene = scene.without(name)
         return Situation(scene, origin=Change(self, frozenset(names)))
 
-    def standing(self, name: str) -> "Situation":
-        """The same with the sides of an object that nobody saw: how it stands.
+    def with_completed(self, name: str) -> "Situation":
+        """The same with an object as it was completed in place of what was seen of it: how it stands.
 
         Args:
             name: The object.
@@ -149,7 +149,9 @@ class Situation:
         body = self.completed[name]
         cloud = np.vstack([self.scene.clouds[name], sampled(body, 2.0 * GRAIN)])
         bodies = {**self.solids, name: body}
-        return Situation(self.scene.with_cloud(name, cloud), parts=bodies, complete=self.completed)
+        return Situation(
+            self.scene.with_cloud(name, cloud), known_solids=bodies, known_completed=self.completed
+        )
 
     def moved(self, names: Collection[str], pose: FloatArray, more: FloatArray | None = None) -> "Situation":
         """The situation once objects were moved: they are rigid, and all else is where it was.
@@ -167,14 +169,18 @@ class Situation:
             scene = scene.with_cloud(name, moved((cloud,), pose)[0])
         return Situation(scene, origin=Change(self, frozenset(names), pose))
 
-    def on_feet(self) -> "Situation":
+    def with_level_undersides(self) -> "Situation":
         """The same with the undersides of what stands levelled: see `topology.bodies.completed`.
 
         Where nothing is hidden it stays as it is.
         """
         if not len(self.scene.viewpoints):
             return self
-        return replace(self, parts=self.solids, complete=on_feet(self.completed, self.movable, self.up))
+        return replace(
+            self,
+            known_solids=self.solids,
+            known_completed=with_level_undersides(self.completed, self.movable, self.up),
+        )
 
     def between(self, a: str, b: str) -> Evidence:
         """The relation of two objects as they lie."""

@@ -2,12 +2,20 @@
 
 from collections.abc import Mapping
 from dataclasses import fields
+from enum import Enum
 from typing import Any, NoReturn, TypeVar
 
 import numpy as np
 
 _Key = TypeVar("_Key")
 _Value = TypeVar("_Value")
+
+
+class Word(str, Enum):
+    """Base of enumerations that are words: equal to their text, printed and written as it."""
+
+    def __str__(self) -> str:
+        return str(self.value)
 
 
 class FrozenDict(dict[_Key, _Value]):

@@ -23,7 +23,7 @@ from multiprocessing import get_context
 from pathlib import Path
 from typing import Any
 
-from topple.benchmarks.paper import learning
+import topple.benchmarks.paper.learning as learning
 from topple.benchmarks.paper.case import Outcome, Task, solve
 from topple.benchmarks.paper.summary import report
 from topple.benchmarks.paper.things import Things

@@ -2,7 +2,6 @@
 
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, replace
-from enum import Enum
 from itertools import combinations, permutations
 from typing import TYPE_CHECKING, Any
 
@@ -18,14 +17,14 @@ from topple.topology.situation import Situation
 from topple.topology.sixim.table import Relation
 from topple.topology.statics.rest import Statics
 from topple.topology.statics.sweep import Overlap, overlap
-from topple.topology.values import ByValue
+from topple.topology.values import ByValue, Word
 
 if TYPE_CHECKING:
     from topple.topology.relations import Relations
     from topple.topology.scene import Scene
 
 
-class Reason(str, Enum):
+class Reason(Word):
     """Why one object has to go before another."""
 
     CONTAINED = "contained"
@@ -38,9 +37,6 @@ class Reason(str, Enum):
     """The other holds it in place by its weight."""
     BLOCKING = "blocking"
     """It is in the way of lifting the other."""
-
-    def __str__(self) -> str:
-        return str(self.value)
 
 
 REASONS = tuple(Reason)

@@ -3,7 +3,6 @@
 import re
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
-from enum import Enum
 from typing import TYPE_CHECKING
 
 import networkx as nx
@@ -11,6 +10,7 @@ import networkx as nx
 from topple.planner.errors import NoSafePlan
 from topple.topology.errors import InvalidInput, UnknownObject
 from topple.topology.sixim.table import Relation
+from topple.topology.values import Word
 
 if TYPE_CHECKING:
     from topple.topology.relations import Relations
@@ -23,16 +23,13 @@ BIN = "bin_"
 GRAMMAR = 'goals are "A within B", "A on B on C", "empty B", "free A" or "sort", joined by "and" or commas'
 
 
-class How(str, Enum):
+class PlaceRelation(Word):
     """How something shall lie to what it is put to."""
 
     ON = "on"
     """On top of it, or on what lies there."""
     WITHIN = "within"
     """In its cavity, carried by it."""
-
-    def __str__(self) -> str:
-        return str(self.value)
 
 
 @dataclass(frozen=True)
@@ -46,7 +43,7 @@ class Place:
     """
 
     object: str
-    how: How
+    how: PlaceRelation
     where: str
 
 
@@ -126,7 +123,7 @@ def holds(place: Place, relations: "Relations", carried: Iterable["Support"] | N
         return False
     if _is_in(relations, place.object, place.where):
         return True  # on a plate or a tray an object lies within the hull of its rim: that is on it, too
-    if place.how == How.WITHIN:
+    if place.how == PlaceRelation.WITHIN:
         return False
     if carried is None:
         return relations.between(place.object, place.where).relation is Relation.TOUCH
@@ -213,7 +210,9 @@ def _chain(clause: str, scene: "Scene") -> list[Place]:
     for upper, link, lower in zip(names, links, names[1:], strict=False):
         if upper == lower:
             raise InvalidInput(f"goal {clause!r} puts {upper!r} {link} itself")
-        found.append(Place(_movable(upper, scene), How.ON if link == "on" else How.WITHIN, lower))
+        found.append(
+            Place(_movable(upper, scene), PlaceRelation.ON if link == "on" else PlaceRelation.WITHIN, lower)
+        )
     return found
 
 
@@ -230,7 +229,7 @@ def _sorted(scene: "Scene") -> list[Place]:
             continue
         home = next((b for b in bins if len(b) > len(BIN) and name.startswith(b[len(BIN) :])), None)
         if home is not None:
-            found.append(Place(name, How.WITHIN, home))
+            found.append(Place(name, PlaceRelation.WITHIN, home))
     if not found:
         kinds = ", ".join(b[len(BIN) :] for b in sorted(bins))
         raise InvalidInput(f'goal "sort" finds no object whose name starts with {kinds}')

@@ -10,15 +10,19 @@ from topple.planner.grasp.tolerances import PRESS
 from topple.planner.motion.collision import Checker
 from topple.planner.motion.planner import MotionFailure, plan_motion
 from topple.planner.motion.trajectory import retime
-from topple.planner.transfer.segments import Kind, Segment
+from topple.planner.transfer.segments import Segment, SegmentKind
 from topple.planner.transfer.tolerances import MARGIN, RELEASE_GAP
 from topple.planner.transfer.transfer import Transfer
 from topple.robots.driver import Driver
 from topple.topology.arrays import FloatArray
 from topple.topology.bodies.solids import Solids
 
-WATCHED = (Kind.LIFT, Kind.TRANSFER, Kind.PLACE)  # segments during which the object must be in the hand
-GUARDED = (Kind.APPROACH, Kind.PLACE)  # segments that a force at the wrist ends
+WATCHED = (
+    SegmentKind.LIFT,
+    SegmentKind.TRANSFER,
+    SegmentKind.PLACE,
+)  # segments during which the object must be in the hand
+GUARDED = (SegmentKind.APPROACH, SegmentKind.PLACE)  # segments that a force at the wrist ends
 TOUCHED = {"fingers": 2.0, "suction": 8.0}  # [N] moves no can yet; seats a cup's lip
 SAMPLES = 40  # of the tool's path per segment, for pictures
 
@@ -57,7 +61,7 @@ def execute(transfer: Transfer, robot: Driver, watch: Watch | None = None) -> Ou
     done: list[Segment] = []
     watch = watch or _nobody
     for segment in transfer.segments:
-        if segment.kind is Kind.RELEASE:
+        if segment.kind is SegmentKind.RELEASE:
             watch(LET_GO, segment.tool)
         problem = _drive(segment, transfer.object, robot)
         if segment.trajectory is not None:
@@ -66,7 +70,7 @@ def execute(transfer: Transfer, robot: Driver, watch: Watch | None = None) -> Ou
             watch(MISSED, segment.tool)
             retreat(done, robot)
             return Outcome(False, problem, _tool_path(done, robot))
-        if segment.kind is Kind.GRASP:
+        if segment.kind is SegmentKind.GRASP:
             watch(TAKEN, segment.tool)
     return Outcome(
         True, f"{transfer.object} was put down, {transfer.placement.rest}.", _tool_path(done, robot)
@@ -104,8 +108,8 @@ def retreat(done: list[Segment], robot: Driver) -> None:
         robot.release()
         return
     last = done[-1]
-    robot.release(last.hand.opening if last.kind is Kind.APPROACH else None)
-    if last.kind is Kind.APPROACH and last.trajectory is not None:
+    robot.release(last.hand.opening if last.kind is SegmentKind.APPROACH else None)
+    if last.kind is SegmentKind.APPROACH and last.trajectory is not None:
         path = last.trajectory
         come = int(np.abs(path.positions - robot.q_target).max(axis=1).argmin()) + 1  # it may have stopped
         if come > 1:
@@ -121,27 +125,31 @@ def retreat(done: list[Segment], robot: Driver) -> None:
 
 def _drive(segment: Segment, name: str, robot: Driver) -> str | None:
     """Drives one segment; a sentence where it went wrong."""
-    if segment.kind is Kind.GRASP:
+    if segment.kind is SegmentKind.GRASP:
         return _take(segment, name, robot)
-    if segment.kind is Kind.RELEASE:
+    if segment.kind is SegmentKind.RELEASE:
         # what is held may be wider than it looked
         robot.release(max(segment.hand.opening, robot.opening + RELEASE_GAP))
         robot.wait(0.25)  # what was let go comes to rest before the hand leaves
         return None
     if segment.trajectory is None:
         return None
-    if segment.kind in (Kind.MOVE, Kind.APPROACH, Kind.RETREAT):
-        if segment.tool == "suction" or segment.kind is Kind.MOVE:
+    if segment.kind in (SegmentKind.MOVE, SegmentKind.APPROACH, SegmentKind.RETREAT):
+        if segment.tool == "suction" or segment.kind is SegmentKind.MOVE:
             robot.extend(segment.hand.cup_extension)
-        if segment.kind is not Kind.RETREAT:
+        if segment.kind is not SegmentKind.RETREAT:
             robot.open(segment.hand.opening)
-    guard = TOUCHDOWN if segment.kind is Kind.PLACE else TOUCHED.get(segment.tool)
+    guard = TOUCHDOWN if segment.kind is SegmentKind.PLACE else TOUCHED.get(segment.tool)
     if segment.kind in GUARDED and guard is not None:
         robot.wait(STILL)
         error = robot.follow_until(segment.trajectory, guard)
     else:  # a hand that gave way as it closed lifts straight up from where it is
-        error = robot.follow(segment.trajectory, keep_offset=segment.kind is Kind.LIFT)
-    if segment.kind is Kind.APPROACH and segment.tool == "fingers" and _way_left(segment, robot) > SHALLOW:
+        error = robot.follow(segment.trajectory, keep_offset=segment.kind is SegmentKind.LIFT)
+    if (
+        segment.kind is SegmentKind.APPROACH
+        and segment.tool == "fingers"
+        and _way_left(segment, robot) > SHALLOW
+    ):
         return f"the fingers met something on their way to {name}."
     if segment.kind in WATCHED and not robot.holding:
         return f"{name} slipped out of the hand during the {segment.kind}."

@@ -7,7 +7,7 @@ import numpy as np
 
 from topple.planner.decide.goal import Goal
 from topple.planner.execution.execute import MISSED, TAKEN
-from topple.planner.execution.watcher import Verdict
+from topple.planner.execution.monitor import Verdict
 from topple.planner.tolerances import DISTURBED, TURNED
 from topple.planner.transfer.transfer import Transfer
 from topple.robots.poses import angle_between
@@ -46,7 +46,7 @@ LIMITS = Limits()
 
 
 class Judge:
-    """Watches a run in simulation on true poses and contact forces; see `topple.planner.execution.watcher`.
+    """Watches a run in simulation on true poses and contact forces; see `topple.planner.execution.monitor`.
 
     Args:
         robot: The arm in its world.

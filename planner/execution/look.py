@@ -49,7 +49,7 @@ class Look:
         return self.situation.relations
 
 
-class Eyes(Protocol):
+class Perception(Protocol):
     """Whatever looks at a scene: simulated cameras, or those of a robot."""
 
     def look(self, expected: Scene | None = None) -> Look:

@@ -15,9 +15,9 @@ from topple.planner.decide.turn import Ahead
 from topple.planner.errors import NoSafePlan
 from topple.planner.execution.execute import Outcome, execute, withdraw
 from topple.planner.execution.judge import Judge
-from topple.planner.execution.look import Eyes, Look, Observer, unexpected
+from topple.planner.execution.look import Look, Observer, Perception, unexpected
+from topple.planner.execution.monitor import Monitor, NoMonitor
 from topple.planner.execution.tolerances import STUCK
-from topple.planner.execution.watcher import Nobody, Watcher
 from topple.planner.formats.run_record import INTERRUPTED, RunRecord, StepRecord
 from topple.planner.grasp.given import GraspsByObject
 from topple.planner.grasp.grasp import Grasp
@@ -59,12 +59,12 @@ class RunLimits:
 class ClosedLoop:
     """Reaches a goal with an arm, looking again after every action.
 
-    The loop decides, acts and remembers, from what the eyes show alone. It comes to an end: after so many
+    The loop decides, acts and remembers, from what it perceives alone. It comes to an end: after so many
     attempts at an object that is given up, and after so many actions the run.
 
     Attributes:
         robot: The arm: simulated, or any other `topple.robots.driver.Driver`.
-        eyes: What looks at the scene.
+        perception: What looks at the scene.
         goal: What shall hold in the end, in words ("free plate"), or names to free.
         seed: Seed of every search.
         limits: When to give up.
@@ -77,14 +77,14 @@ class ClosedLoop:
     """
 
     robot: Driver
-    eyes: Eyes
+    perception: Perception
     goal: str | Sequence[str]
     seed: int = 0
     limits: RunLimits = field(default_factory=RunLimits)
     orderer: Orderer = cautious
     grasps: GraspsByObject = field(default_factory=dict[str, Sequence[Grasp]])
     progress: Progress | None = None
-    judge: Watcher = field(default_factory=Nobody)
+    judge: Monitor = field(default_factory=NoMonitor)
 
     def __post_init__(self) -> None:
         self._done: list[tuple[str, str]] = []
@@ -126,12 +126,12 @@ class ClosedLoop:
         """
         up = np.array([0.0, 0.0, 1.0]) if up is None else up
         rng = np.random.default_rng(seed)
-        eyes = Observer(world, cameras, rng, fixed, up, masses or {}, friction or {})
-        return cls(robot, eyes, goal, seed=seed, judge=Judge(robot, fixed, up), **more)
+        perception = Observer(world, cameras, rng, fixed, up, masses or {}, friction or {})
+        return cls(robot, perception, goal, seed=seed, judge=Judge(robot, fixed, up), **more)
 
     def look(self) -> Look:
         """Takes a picture with every camera and relates what is seen."""
-        return self.eyes.look()
+        return self.perception.look()
 
     def run(self, look: Look | None = None) -> RunRecord:
         """Acts until the goal holds, nothing more can be done, the budget is spent, or someone interrupts.
@@ -234,7 +234,7 @@ class ClosedLoop:
         attempts = self._attempts[name]
         events += self._learn(chosen, outcome)
         self._ahead = Ahead.of(chosen.order, name if outcome.success else None)
-        seen = self.eyes.look(expected)
+        seen = self.perception.look(expected)
         predicted = look.relations.updated(name, expected.clouds[name])
         different = unexpected(predicted, seen.relations)
         alone = {name, *transfer.riding} if outcome.success and chosen.action is not Action.PLACE else ()

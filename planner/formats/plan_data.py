@@ -17,7 +17,7 @@ from topple.planner.formats.plan_format import (
     Step,
 )
 from topple.planner.motion.trajectory import Trajectory
-from topple.planner.transfer.segments import Kind, Segment
+from topple.planner.transfer.segments import Segment, SegmentKind
 from topple.planner.transfer.transfer import Transfer
 from topple.robots.arm.gripper import ToolState
 from topple.topology.arrays import FloatArray
@@ -146,4 +146,4 @@ def segment_from(data: SegmentData) -> Segment:
             np.array(data.motion.times), np.array(data.motion.positions), np.array(data.motion.velocities)
         )
     hand = ToolState(data.hand.opening, data.hand.cup_extension)
-    return Segment(Kind(data.kind), data.tool, hand, trajectory, data.holding, tuple(data.may_touch))
+    return Segment(SegmentKind(data.kind), data.tool, hand, trajectory, data.holding, tuple(data.may_touch))

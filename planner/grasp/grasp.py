@@ -1,16 +1,15 @@
 """One way of taking one object."""
 
 from dataclasses import dataclass, field, replace
-from enum import Enum
 
 import numpy as np
 
 from topple.topology.arrays import FloatArray, frozen
 from topple.topology.errors import InvalidInput
-from topple.topology.values import ByValue
+from topple.topology.values import ByValue, Word
 
 
-class GraspKind(str, Enum):
+class GraspKind(Word):
     """How a hand takes hold."""
 
     PINCH = "pinch"
@@ -19,9 +18,6 @@ class GraspKind(str, Enum):
     """One finger inside it."""
     SUCTION = "suction"
     """The cup on a smooth patch."""
-
-    def __str__(self) -> str:
-        return str(self.value)
 
 
 KINDS = tuple(GraspKind)

@@ -5,7 +5,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from topple.planner.decide.goal import How
+from topple.planner.decide.goal import PlaceRelation
 from topple.planner.placement.free_space import FreeSpace, free_spaces
 from topple.planner.placement.resting import (
     PLACEMENT_TOLERANCES,
@@ -46,7 +46,7 @@ class Placement:
     rest: str = ""
     drop: float = 0.0
     into: str | None = None
-    how: How | None = None
+    how: PlaceRelation | None = None
     rolls: bool = False
     bars: bool = False
     falls: bool = False

@@ -10,7 +10,7 @@ from types import TracebackType
 
 import numpy as np
 
-from topple.planner.decide.goal import How
+from topple.planner.decide.goal import PlaceRelation
 from topple.planner.placement.drops import Drops, simulated
 from topple.planner.placement.placement import Placement
 from topple.planner.placement.stacking import inset
@@ -84,7 +84,7 @@ class Proof:
             if on_table not in self._drops:
                 drops = Drops(self.name, {**self._others, self.name: self._own[on_table]}, self._up)
                 self._drops[on_table] = self._worlds.enter_context(drops)
-            container = place.into if place.how == How.WITHIN else None
+            container = place.into if place.how == PlaceRelation.WITHIN else None
             self._known[place] = settled(
                 self._drops[on_table],
                 place.pose_before_to_after,

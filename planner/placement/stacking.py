@@ -6,7 +6,7 @@ import numpy as np
 from scipy.ndimage import binary_closing, distance_transform_edt
 from scipy.spatial import ConvexHull, QhullError
 
-from topple.planner.decide.goal import How
+from topple.planner.decide.goal import PlaceRelation
 from topple.planner.placement.placement import Placement
 from topple.planner.placement.resting import (
     PLACEMENT_TOLERANCES,
@@ -26,7 +26,7 @@ from topple.topology.situation import Situation
 
 YAWS = 8
 DROPS = {
-    How.WITHIN: (0.005, 0.02, 0.04, 0.08)
+    PlaceRelation.WITHIN: (0.005, 0.02, 0.04, 0.08)
 }  # into a container also from higher up: hands need room beside [m]
 
 
@@ -57,7 +57,7 @@ def placements_on(
     name: str,
     scene: Scene | Situation,
     where: str,
-    how: How | str = How.ON,
+    how: PlaceRelation | str = PlaceRelation.ON,
     *,
     limit: int = 24,
     tolerances: PlacementTolerances = PLACEMENT_TOLERANCES,
@@ -82,7 +82,7 @@ def placements_on(
     Raises:
         UnknownObject: The scene has no such object.
     """
-    situation, how = Situation.of(scene), How(how)
+    situation, how = Situation.of(scene), PlaceRelation(how)
     scene, up, solids = situation.scene, situation.up, situation.solids
     for known in (name, where):
         if known not in scene.clouds:
@@ -220,7 +220,12 @@ def _landings(
 
 
 def _score(
-    landing: _Landing, how: How, rest: Rest, offset: FloatArray, outline: FloatArray, level: FloatArray
+    landing: _Landing,
+    how: PlaceRelation,
+    rest: Rest,
+    offset: FloatArray,
+    outline: FloatArray,
+    level: FloatArray,
 ) -> float | None:
     """0..1, or None where it would not stay.
 
@@ -234,7 +239,7 @@ def _score(
     """
     half = float(np.ptp(outline, axis=0).min()) / 2.0
     central = 1.0 - min(1.0, float(np.linalg.norm(offset)) / half)
-    if how is How.WITHIN:
+    if how is PlaceRelation.WITHIN:
         inside = inset(outline, level + offset).min()
         if inside < 0.0 or landing.depth <= 0.0:
             return None

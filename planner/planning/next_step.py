@@ -12,7 +12,7 @@ import numpy as np
 from topple.planner.decide.arrange import Order
 from topple.planner.decide.beliefs import Beliefs
 from topple.planner.decide.dependency import dependencies
-from topple.planner.decide.goal import Goal, How, Place, holds
+from topple.planner.decide.goal import Goal, Place, PlaceRelation, holds
 from topple.planner.decide.turn import may_go, out_of_turn, says, why_first
 from topple.planner.errors import NoSafePlan
 from topple.planner.failure import Check, FailedCheck, TransferFailure
@@ -23,17 +23,17 @@ from topple.planner.placement.drops import staying
 from topple.planner.placement.placement import Placement
 from topple.planner.placement.stacking import over, placements_on
 from topple.planner.placement.tolerances import GENTLE
-from topple.planner.planning.moves import MORE_HANDS, Moves
 from topple.planner.planning.order import ordered
 from topple.planner.planning.step import Action, NextStep, Orderer, Station
 from topple.planner.planning.tolerances import CHOICE, MORE_CHOICE
-from topple.planner.transfer.segments import Kind
+from topple.planner.planning.transfers import MORE_HANDS, Transfers
+from topple.planner.transfer.segments import SegmentKind
 from topple.planner.transfer.transfer import TRANSFER_LIMITS, Transfer, TransferLimits
 from topple.topology.errors import InvalidInput, UnknownObject
 from topple.topology.scene import Scene
 from topple.topology.situation import Situation
 
-Rung = tuple[Fallback | None, Callable[[], NextStep | None]]
+Option = tuple[Fallback | None, Callable[[], NextStep | None]]
 """A way on, with its name; None for the plain one."""
 
 
@@ -81,7 +81,7 @@ class StepChooser:
         self._orderer, self._beliefs, self._upright = orderer, beliefs, upright
         self.given_up = given_up or {}
         self._needed: set[str] = set()  # what orders said has to be taken
-        self.moves = Moves(
+        self.transfers = Transfers(
             situation, station, given_up=self.given_up, avoid=avoid or {}, grasps=grasps or {},
             upright=upright, simulate=not observed, allow_drop=allow_drop, seed=seed,
         )  # fmt: skip
@@ -126,15 +126,15 @@ class StepChooser:
         """
         chosen = self._ordered(targets)
         failures: list[TransferFailure] = []
-        rungs: list[Rung] = [
+        options: list[Option] = [
             (None, lambda: self._in_turn(chosen, targets, action, why, failures)),
             (Fallback.MAKE_ROOM, lambda: self._make_room(failures)),
         ]
         if doubting:
-            rungs.append((Fallback.OUT_OF_TURN, lambda: self.out_of_turn(targets, action)))
-        if (step := _first(rungs)) is not None:
+            options.append((Fallback.OUT_OF_TURN, lambda: self.out_of_turn(targets, action)))
+        if (step := _first(options)) is not None:
             return step
-        explained = tuple(self.moves.explained(failure) for failure in failures)
+        explained = tuple(self.transfers.explained(failure) for failure in failures)
         waiting = f"each of {', '.join(chosen.order)} has to go before another one"
         words = tuple(str(failure) for failure in explained) or (waiting,)
         raise NoSafePlan("; ".join(words), words, explained)
@@ -178,7 +178,7 @@ class StepChooser:
         """
         barred = {failure.object for failure in failures}
         for failure in failures:
-            for other in self.moves.barring(failure):
+            for other in self.transfers.barring(failure):
                 step = self._taken_away(other, barred, f"it is in the way to {failure.object} ({failure})")
                 if step is not None:
                     return step
@@ -201,7 +201,7 @@ class StepChooser:
     def _place(self, place: Place) -> NextStep:
         """The object to where the goal wants it, or first what has to go before it or is in the way there."""
         name, where = place.object, place.where
-        if place.how == How.ON and (others := self._standing_on(place)):
+        if place.how == PlaceRelation.ON and (others := self._standing_on(place)):
             return self.take_off(others, Action.REMOVE, f"it is where {name} shall be")
         chosen = self._ordered([name])
         if len(chosen.order) > 1:
@@ -209,16 +209,16 @@ class StepChooser:
         if (later := self._stands_on_later(place)) is not None:
             why = f"{later} below it has to come out before {name} is put there"
             return self.take_off([where], Action.REMOVE, why)
-        contents = self._in_the_way(place) if place.how == How.WITHIN else []
+        contents = self._in_the_way(place) if place.how == PlaceRelation.WITHIN else []
         return _Placing(self, place, chosen, contents).step()
 
     def spots(self, place: Place, limit: int) -> tuple[list[Placement], list[Placement], list[Placement]]:
         """Where an object could go, where it stays there and pushes nothing, and all where it stays."""
         name, where = place.object, place.where
         found = placements_on(name, self.situation, where, place.how, limit=limit)
-        if place.how != How.WITHIN:
+        if place.how != PlaceRelation.WITHIN:
             return found, found, found
-        lying = [other for other in self.moves.inside(where) if other != name]
+        lying = [other for other in self.transfers.inside(where) if other != name]
         return found, *staying(found, name, where, self.situation, lying)
 
     def _stands_on_later(self, place: Place) -> str | None:
@@ -232,7 +232,9 @@ class StepChooser:
     def _in_the_way(self, place: Place) -> list[str]:
         """What is in a container and does not belong there."""
         settled = {other.object for other in self.goal.places if other.where == place.where}
-        return [other for other in self.moves.inside(place.where) if other not in settled | {place.object}]
+        return [
+            other for other in self.transfers.inside(place.where) if other not in settled | {place.object}
+        ]
 
     def _standing_on(self, place: Place) -> tuple[str, ...]:
         """What stands on a supporter and is not what shall stand there."""
@@ -259,7 +261,7 @@ class StepChooser:
         """The situation to order: what rides in a container that is kept upright is one thing with it."""
         scene = self.scene
         for name in self._upright:
-            riders = [rider for rider in self.moves.riding(name) if rider not in targets]
+            riders = [rider for rider in self.transfers.riding(name) if rider not in targets]
             for rider in riders:
                 cloud = np.vstack([scene.clouds[name], scene.clouds[rider]])
                 together: dict[str, float] = {}
@@ -271,7 +273,7 @@ class StepChooser:
 
     def aside(self, name: str) -> Transfer | TransferFailure:
         """An object to a free place on a table."""
-        return self.moves.aside(name, self._remaining(name))
+        return self.transfers.aside(name, self._remaining(name))
 
     def _remaining(self, name: str) -> frozenset[str]:
         """What is still to be taken once an object is gone, or to have something put on or into it."""
@@ -284,7 +286,7 @@ class _Placing:
     """The ways to put one object where a goal wants it."""
 
     def __init__(self, chooser: "StepChooser", place: Place, chosen: Order, contents: Sequence[str]) -> None:
-        self._chooser, self._chooser.moves, self._place = chooser, chooser.moves, place
+        self._chooser, self._place = chooser, place
         self._chosen, self._contents = chosen, contents
         self._failure: TransferFailure | None = None
         self._stuck: NoSafePlan | None = None
@@ -297,9 +299,9 @@ class _Placing:
             NoSafePlan: None does.
         """
         full = bool(self._contents)
-        rungs: list[Rung] = [(None, self._straight)]
+        options: list[Option] = [(None, self._straight)]
         if full:
-            rungs += [
+            options += [
                 (Fallback.LOOK_LONGER, self._look_longer),
                 (Fallback.EMPTY, self._empty),
                 (Fallback.PUSH, lambda: self._put(self._gentle, self._kept)),
@@ -307,8 +309,8 @@ class _Placing:
                 (Fallback.FROM_HIGH, lambda: self._put(self._all)),
             ]
         else:
-            rungs.append((Fallback.PUT_ASIDE, self._aside))
-        if (step := _first(rungs)) is not None:
+            options.append((Fallback.PUT_ASIDE, self._aside))
+        if (step := _first(options)) is not None:
             return step
         if self._stuck is not None:
             raise self._stuck
@@ -332,7 +334,7 @@ class _Placing:
         if (place.object, Action.PLACE) in self._chooser.done and self._contents:
             room = []  # it was tried, and it is not there: more room is needed
         self._room = bool(room)
-        found = self._chooser.moves.to(place.object, room, limits) if room else _no_room(place)
+        found = self._chooser.transfers.to(place.object, room, limits) if room else _no_room(place)
         if isinstance(found, Transfer):
             why = f"it shall be {place.how} {place.where}"
             return NextStep(found, Action.PLACE, why, self._chosen)
@@ -352,7 +354,7 @@ class _Placing:
         """To the first of some lists of spots that the arm can make."""
         why = f"no more room can be made in {self._place.where} ({self._stuck})"
         for spots in filter(None, tries):
-            found = self._chooser.moves.to(self._place.object, spots)
+            found = self._chooser.transfers.to(self._place.object, spots)
             if isinstance(found, Transfer):
                 return NextStep(found, Action.PLACE, why, self._chosen)
         return None
@@ -369,9 +371,9 @@ class _Placing:
         return NextStep(found, Action.REMOVE, words, self._chosen)
 
 
-def _first(rungs: Iterable[Rung]) -> NextStep | None:
+def _first(options: Iterable[Option]) -> NextStep | None:
     """What the first rung gives that gives anything, with the rung's name."""
-    for name, attempt in rungs:
+    for name, attempt in options:
         if (step := attempt()) is not None:
             return step if name is None else replace(step, fallbacks=(name, *step.fallbacks))
     return None
@@ -391,4 +393,4 @@ def _check_order(chosen: object, scene: Scene) -> None:
 
 def _no_room(place: Place) -> TransferFailure:
     text = f"{place.object} would not stay {place.how} {place.where}"
-    return TransferFailure(place.object, {text: 1}, None, FailedCheck(Kind.PLACE, Check.ROOM, text))
+    return TransferFailure(place.object, {text: 1}, None, FailedCheck(SegmentKind.PLACE, Check.ROOM, text))

@@ -105,7 +105,15 @@ def plan(
     asked = None if relations is None or isinstance(relations, Relations) else relations
     first = _fitting(relations if isinstance(relations, Relations) else asked and asked(scene), scene)
     planning = _Planning(
-        Situation.of(situation, first).on_feet(), wanted, arm, pose, start, level, seed, progress, allow_drop
+        Situation.of(situation, first).with_level_undersides(),
+        wanted,
+        arm,
+        pose,
+        start,
+        level,
+        seed,
+        progress,
+        allow_drop,
     )
     planning.grasps = {} if grasps is None else own_grasps(grasps, scene, arm)
     planning.orderer = orderer
@@ -141,7 +149,9 @@ def plan_as_done(scene: Scene, goal: Goal, station: Station, steps: Sequence[Nex
         The plan; an assumption says that the arm goes home between the steps.
     """
     arm, pose, start = station.arm, station.pose_base_to_world, station.q
-    planning = _Planning(Situation(scene).on_feet(), goal, arm, pose, start, frozenset(), seed, None)
+    planning = _Planning(
+        Situation(scene).with_level_undersides(), goal, arm, pose, start, frozenset(), seed, None
+    )
     for chosen in steps:
         planning.take(chosen)
     note = "each step was planned from a look of its own; between steps the arm goes home"

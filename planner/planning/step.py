@@ -2,7 +2,6 @@
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from enum import Enum
 from typing import Protocol
 
 from topple.planner.decide.arrange import Order
@@ -13,9 +12,10 @@ from topple.planner.transfer.transfer import Transfer
 from topple.robots.arm.arm import Arm
 from topple.topology.arrays import FloatArray
 from topple.topology.situation import Situation
+from topple.topology.values import Word
 
 
-class Action(str, Enum):
+class Action(Word):
     """What a step is for."""
 
     FREE = "free"
@@ -24,9 +24,6 @@ class Action(str, Enum):
     """Take away what is in the way."""
     PLACE = "place"
     """Put something where the goal says."""
-
-    def __str__(self) -> str:
-        return str(self.value)
 
 
 @dataclass(frozen=True, eq=False)

@@ -11,7 +11,7 @@ from topple.planner.motion.cartesian import straight_lines
 from topple.planner.motion.collision import Checker
 from topple.planner.placement.placement import Placement
 from topple.planner.transfer.checks import Checks
-from topple.planner.transfer.segments import Kind
+from topple.planner.transfer.segments import SegmentKind
 from topple.planner.transfer.stages import Stage
 from topple.robots.poses import inverse
 from topple.topology.arrays import FloatArray
@@ -71,7 +71,7 @@ class Handling(Checks):
         solutions = self._inverse(both, [grasp.pose_tool_to_world for grasp in both], near)
         for states in solutions:
             if len(states) == 0:
-                log.note(Kind.GRASP, Check.REACH, "grasp out of reach")
+                log.note(SegmentKind.GRASP, Check.REACH, "grasp out of reach")
         return [(grasp, q) for grasp, q in zip(both, solutions, strict=True) if len(q)]
 
     def reached(
@@ -92,7 +92,7 @@ class Handling(Checks):
             checker = self.approaching(grasp, lenient)
             free = checker.free(states)
             if not free.any():
-                Stage(Kind.APPROACH, checker, log).blame(states[0], "grasp")
+                Stage(SegmentKind.APPROACH, checker, log).blame(states[0], "grasp")
             found += [Reached(grasp, q, lenient) for q in states[free][:2]]
         return found
 
@@ -147,7 +147,7 @@ class Handling(Checks):
         """Straight from before the object to the grasp."""
         back = np.eye(4)
         back[2, 3] = -length
-        stage = Stage(Kind.APPROACH, self.approaching(state.grasp, state.lenient), log)
+        stage = Stage(SegmentKind.APPROACH, self.approaching(state.grasp, state.lenient), log)
         self._straight(stage, state, state.grasp.pose_tool_to_world @ back, backwards=True)
         return stage
 
@@ -155,7 +155,7 @@ class Handling(Checks):
         """Straight up with the object."""
         target = state.grasp.pose_tool_to_world.copy()
         target[:3, 3] += length * self.up
-        stage = Stage(Kind.LIFT, self.lifting(state.grasp, state.lenient), log)
+        stage = Stage(SegmentKind.LIFT, self.lifting(state.grasp, state.lenient), log)
         self._straight(stage, state, target)
         return stage
 
@@ -229,11 +229,11 @@ class Handling(Checks):
             places, targets, self._inverse([grasp] * len(places), targets, near), strict=True
         ):
             if len(states) == 0:
-                log.note(Kind.PLACE, Check.REACH, "place out of reach")
+                log.note(SegmentKind.PLACE, Check.REACH, "place out of reach")
                 continue
             free = checker.free(states)
             if not free.any():
-                Stage(Kind.PLACE, checker, log).blame(states[0])
+                Stage(SegmentKind.PLACE, checker, log).blame(states[0])
             tried += [(place, target, q) for q in states[free][:2]]
         return self._free_ends(grasp, tried, (drop, retreat), checker, most, log)
 
@@ -260,8 +260,8 @@ class Handling(Checks):
         for (place, _, q), rising, leaving in zip(tried, raised, drawn, strict=True):
             if len(found) >= most or any(end.placement is place for end in found):
                 continue
-            lower = Stage(Kind.PLACE, carrying, log)
-            retreat = Stage(Kind.RETREAT, self.leaving(grasp, place.into), log)
+            lower = Stage(SegmentKind.PLACE, carrying, log)
+            retreat = Stage(SegmentKind.RETREAT, self.leaving(grasp, place.into), log)
             if lower.straight(rising, q, backwards=True) and retreat.straight(leaving, q):
                 found.append(End(place, lower.way, retreat.way))
         return found

@@ -1,7 +1,6 @@
 """The pieces of a pick and place, in the order they are driven."""
 
 from dataclasses import dataclass
-from enum import Enum
 
 import numpy as np
 
@@ -9,9 +8,10 @@ from topple.planner.motion.certificate import Certificate
 from topple.planner.motion.trajectory import Trajectory
 from topple.robots.arm.gripper import ToolState
 from topple.topology.arrays import FloatArray
+from topple.topology.values import Word
 
 
-class Kind(str, Enum):
+class SegmentKind(Word):
     """What a piece is, in the order they are driven."""
 
     MOVE = "move"
@@ -31,11 +31,8 @@ class Kind(str, Enum):
     RETREAT = "retreat"
     """Straight out."""
 
-    def __str__(self) -> str:
-        return str(self.value)
 
-
-KINDS = tuple(Kind)
+KINDS = tuple(SegmentKind)
 
 
 @dataclass(frozen=True, eq=False)
@@ -52,7 +49,7 @@ class Segment:
         certificate: The proof that nothing else touches all along the motion; None for grasp and release.
     """
 
-    kind: Kind
+    kind: SegmentKind
     tool: str
     hand: ToolState
     trajectory: Trajectory | None

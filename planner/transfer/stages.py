@@ -15,11 +15,11 @@ from topple.planner.motion.trajectory import retime
 from topple.planner.motion.upright import plan_upright
 from topple.planner.placement.placement import Placement
 from topple.planner.transfer.checks import Checks
-from topple.planner.transfer.segments import Kind, Segment, no_faster_than
+from topple.planner.transfer.segments import Segment, SegmentKind, no_faster_than
 from topple.planner.transfer.tolerances import LINE_STEP, ROUNDING
 from topple.topology.arrays import FloatArray
 
-STRAIGHT = (Kind.APPROACH, Kind.LIFT, Kind.PLACE, Kind.RETREAT)
+STRAIGHT = (SegmentKind.APPROACH, SegmentKind.LIFT, SegmentKind.PLACE, SegmentKind.RETREAT)
 
 
 @dataclass(frozen=True)
@@ -43,7 +43,7 @@ class Stage:
         certificate: The proof that it is free, once there is one.
     """
 
-    kind: Kind
+    kind: SegmentKind
     checker: Checker
     log: FailureLog
     path: FloatArray | None = None
@@ -149,14 +149,18 @@ def segments_of(
     """
     arm, ready, closed = checks.arm, checks.ready(grasp), checks.closed(grasp)
     released = checks.released(grasp, place.into)
-    hands = {Kind.MOVE: arm.on_the_way(ready.opening), Kind.APPROACH: ready, Kind.RETREAT: released}
+    hands = {
+        SegmentKind.MOVE: arm.on_the_way(ready.opening),
+        SegmentKind.APPROACH: ready,
+        SegmentKind.RETREAT: released,
+    }
     segments: list[Segment] = []
     for stage in stages:
         pairs = tuple((min(pair), max(pair)) for pair in sorted(stage.checker.allow, key=sorted))
-        if stage.kind is Kind.LIFT:
-            segments.append(Segment(Kind.GRASP, grasp.tool, closed, None, checks.name, pairs))
-        if stage.kind is Kind.RETREAT:
-            segments.append(Segment(Kind.RELEASE, grasp.tool, released, None, None, pairs))
+        if stage.kind is SegmentKind.LIFT:
+            segments.append(Segment(SegmentKind.GRASP, grasp.tool, closed, None, checks.name, pairs))
+        if stage.kind is SegmentKind.RETREAT:
+            segments.append(Segment(SegmentKind.RELEASE, grasp.tool, released, None, None, pairs))
         trajectory = retime(arm, stage.way, speed)
         if stage.kind in STRAIGHT:
             places = arm.tool_pose(stage.way, grasp.tool)[:, :3, 3]

@@ -15,7 +15,7 @@ from topple.planner.grasp.hand import hand_shape
 from topple.planner.grasp.surroundings import Dropped
 from topple.planner.placement.placement import Placement, placements
 from topple.planner.transfer.handling import Handling, Reached
-from topple.planner.transfer.segments import Kind, Segment
+from topple.planner.transfer.segments import Segment, SegmentKind
 from topple.planner.transfer.stages import Stage, Upright, segments_of
 from topple.planner.transfer.tolerances import LEVEL, MARGIN, NARROW, TIRED
 from topple.robots.arm.arm import Arm
@@ -160,7 +160,9 @@ def plan_transfer(
     if not grasps:
         return _no_grasp(name, dropped, scene)
     if not places:
-        return TransferFailure(name, {NO_PLACE: 1}, None, FailedCheck(Kind.PLACE, Check.ROOM, NO_PLACE))
+        return TransferFailure(
+            name, {NO_PLACE: 1}, None, FailedCheck(SegmentKind.PLACE, Check.ROOM, NO_PLACE)
+        )
     handling = Handling(name, situation, arm, np.asarray(pose_base_to_world), tuple(riding), seed)
     search = _Search(handling, tuple(places), np.asarray(q_start), level, seed, limits, holds)
     found = search.run(grasps)
@@ -176,7 +178,7 @@ def _no_grasp(name: str, dropped: Dropped, scene: Scene) -> TransferFailure:
     """The certificate that says what every grasp that was looked at failed of."""
     reasons = dict(dropped.reasons.most_common()) or {NO_GRASP: 1}
     barring = {other: count for other, count in dropped.barring.most_common() if other not in scene.fixed}
-    failed = FailedCheck(Kind.GRASP, Check.ROOM, next(iter(reasons)))
+    failed = FailedCheck(SegmentKind.GRASP, Check.ROOM, next(iter(reasons)))
     return TransferFailure(name, reasons, next(iter(barring), None), failed, barring)
 
 
@@ -273,16 +275,16 @@ class _Search:
         ends = handling.ends(state, room, top, limits.drop, limits.retreat, limits.goals, log)
         if not ends or not approach.prove() or not lift.prove():
             return None
-        carry = Stage(Kind.TRANSFER, handling.carrying(grasp, way.margin), log)
+        carry = Stage(SegmentKind.TRANSFER, handling.carrying(grasp, way.margin), log)
         goals = np.array([end.lower[0] for end in ends])
         goal = carry.search(top, goals, self.seed, limits.budget, self._upright(grasp))
         if goal is None:
             self._barred += [(state, way)] if way.margin > 0.0 else []
             return None
         end = ends[goal]
-        lower = Stage(Kind.PLACE, handling.carrying(grasp, 0.0, end.placement.into), log, end.lower)
-        retreat = Stage(Kind.RETREAT, handling.parting(grasp, end.placement), log, end.retreat)
-        move = Stage(Kind.MOVE, handling.empty(grasp.opening), log)
+        lower = Stage(SegmentKind.PLACE, handling.carrying(grasp, 0.0, end.placement.into), log, end.lower)
+        retreat = Stage(SegmentKind.RETREAT, handling.parting(grasp, end.placement), log, end.retreat)
+        move = Stage(SegmentKind.MOVE, handling.empty(grasp.opening), log)
         if not lower.prove() or not retreat.prove():
             return None
         if move.search(self.q_start, approach.way[:1], self.seed, limits.budget) is None:
@@ -313,7 +315,7 @@ class _Search:
         """Whether the object holds at a place; where it does not, that is noted."""
         if self._holds is None or self._holds(place):
             return True
-        self.log.note(Kind.PLACE, Check.STAND, FALLS)
+        self.log.note(SegmentKind.PLACE, Check.STAND, FALLS)
         return False
 
 

@@ -9,7 +9,8 @@ import numpy as np
 
 from topple.planner.formats.plan_format import Plan
 from topple.planner.formats.verification import Residual, Worst
-from topple.planner.verify.replay import SegmentReplay, parts_of
+from topple.planner.verify.bodies import parts_of
+from topple.planner.verify.replay import SegmentReplay
 from topple.planner.verify.tolerances import BY_BULLET_SLACK, DEEPER
 from topple.robots.arm.arm import Arm
 from topple.robots.engine import pybullet

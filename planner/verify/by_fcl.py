@@ -7,7 +7,8 @@ import numpy as np
 
 from topple.planner.formats.plan_format import Plan
 from topple.planner.formats.verification import Residual, Worst
-from topple.planner.verify.replay import SegmentReplay, parts_of, tool_poses
+from topple.planner.verify.bodies import parts_of, tool_poses
+from topple.planner.verify.replay import SegmentReplay
 from topple.planner.verify.tolerances import BY_FCL_SLACK
 from topple.robots.arm.arm import Arm
 from topple.robots.collision.fcl_bodies import fcl_body

@@ -6,8 +6,8 @@ from topple.planner.formats.plan_format import Plan
 from topple.planner.formats.verification import Residual, Worst
 from topple.planner.grasp.grasp import KINDS, GraspKind
 from topple.planner.grasp.score import score_of
+from topple.planner.verify.bodies import parts_of
 from topple.planner.verify.clouds import outside
-from topple.planner.verify.replay import parts_of
 from topple.planner.verify.tolerances import ROUNDED_SCORE, SAME, UPWARD
 from topple.topology.bodies.solids import hull_faces
 from topple.topology.situation import Situation

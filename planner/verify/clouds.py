@@ -6,7 +6,8 @@ import numpy as np
 
 from topple.planner.formats.plan_format import Plan
 from topple.planner.formats.verification import Residual, Worst
-from topple.planner.verify.replay import SegmentReplay, parts_of, tool_poses
+from topple.planner.verify.bodies import parts_of, tool_poses
+from topple.planner.verify.replay import SegmentReplay
 from topple.planner.verify.tolerances import FILLED, NOISE, SHARE, STRAYS
 from topple.robots.arm.arm import Arm
 from topple.topology.arrays import FloatArray

@@ -7,6 +7,7 @@ from scipy.spatial import ConvexHull
 
 from topple.planner.formats.plan_format import Plan, Step
 from topple.planner.grasp.grasp import KINDS, GraspKind
+from topple.planner.verify.bodies import parts_of
 from topple.planner.verify.tolerances import CLOSED, FEWEST_BETWEEN, LIP, OPENED, REACHED
 from topple.robots.arm.arm import Arm
 from topple.robots.arm.gripper import ToolState
@@ -29,7 +30,7 @@ class Grip:
 
     def __init__(self, plan: Plan, arm: Arm) -> None:
         self.arm, self._up = arm, np.array(plan.up)
-        self._parts = {thing.name: [np.array(part) for part in thing.parts] for thing in plan.objects}
+        self._parts = parts_of(plan)
 
     def fails(
         self,

@@ -6,8 +6,9 @@ import numpy as np
 
 from topple.planner.formats.plan_format import Plan
 from topple.planner.formats.verification import Residual, Worst
+from topple.planner.verify.bodies import off_by, parts_of, tool_poses
 from topple.planner.verify.grip import distance
-from topple.planner.verify.replay import SegmentReplay, off_by, parts_of, tool_poses
+from topple.planner.verify.replay import SegmentReplay
 from topple.planner.verify.tolerances import NEAR, OFF, REACHED, TILT
 from topple.robots.arm.arm import Arm
 from topple.robots.collision.fcl_bodies import fcl_body

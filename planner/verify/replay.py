@@ -11,12 +11,13 @@ import numpy as np
 
 from topple.planner.formats.plan_format import Plan, SegmentData, Step
 from topple.planner.formats.verification import Residual, Worst
-from topple.planner.transfer.segments import Kind
+from topple.planner.transfer.segments import SegmentKind
+from topple.planner.verify.bodies import off_by, tool_poses
 from topple.planner.verify.grip import Grip
 from topple.planner.verify.tolerances import OFF, OPENED
 from topple.robots.arm.arm import Arm
 from topple.robots.arm.gripper import ToolState
-from topple.robots.poses import angle_between, inverse
+from topple.robots.poses import inverse
 from topple.topology.arrays import FloatArray
 
 
@@ -97,9 +98,9 @@ class Replay:
                 states = resampled(segment, q, self.step)
                 q = states[-1]
                 hand = ToolState(segment.hand.opening, segment.hand.cup_extension)
-                if segment.kind == Kind.GRASP:
+                if segment.kind == SegmentKind.GRASP:
                     self._take(part, segment, hand, q, where)
-                elif segment.kind == Kind.RELEASE:
+                elif segment.kind == SegmentKind.RELEASE:
                     self._let_go(index, part, hand, q, before, where)
                 elif self._held:
                     self._keep(hand, where)
@@ -196,23 +197,3 @@ def resampled(segment: SegmentData, q: FloatArray, step: float) -> FloatArray:
     count = max(int(np.ceil(way[-1] / step)), 1)
     at = np.linspace(0.0, way[-1], count + 1)
     return np.stack([np.interp(at, way, column) for column in rows.T], axis=1)
-
-
-def tool_poses(arm: Arm, plan: Plan, tool: str, states: FloatArray) -> FloatArray:
-    """Poses (m, 4, 4) of a tool in the world."""
-    return np.matmul(np.array(plan.pose_base_to_world), arm.tool_pose(states, tool))
-
-
-def off_by(a: FloatArray, b: FloatArray) -> float:
-    """How far two poses (4, 4) are apart: metres, or a tenth of the angle [rad] where that is more."""
-    return max(float(np.linalg.norm(a[:3, 3] - b[:3, 3])), angle_between(a, b) / 10.0)
-
-
-def parts_of(plan: Plan) -> dict[str, list[FloatArray]]:
-    """Convex parts (V, 3) of every object, where it was when the plan began [m]."""
-    return {thing.name: [np.array(part) for part in thing.parts] for thing in plan.objects}
-
-
-def completed_of(plan: Plan) -> dict[str, list[FloatArray]]:
-    """The same with the hidden sides [m]."""
-    return {thing.name: [np.array(part) for part in thing.whole or thing.parts] for thing in plan.objects}

@@ -4,13 +4,14 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
-from topple.planner.decide.goal import How
+from topple.planner.decide.goal import PlaceRelation
 from topple.planner.formats.plan_format import Plan
 from topple.planner.formats.verification import Residual, Worst
 from topple.planner.placement.drops import Drops
 from topple.planner.placement.proof import settled
 from topple.planner.placement.tolerances import SHIFT, TURN
-from topple.planner.verify.replay import SegmentReplay, completed_of, parts_of
+from topple.planner.verify.bodies import completed_of, parts_of
+from topple.planner.verify.replay import SegmentReplay
 from topple.planner.verify.tolerances import ROUNDED
 from topple.topology.bodies.solids import hull_faces, moved
 
@@ -51,7 +52,7 @@ class RestCheck:
             bodies[name] = moved(self._whole[name], piece.poses[name])
         release = np.eye(4)
         release[:3, 3] += step.placement.drop * self._up
-        contained = into is not None and step.placement.how == How.WITHIN
+        contained = into is not None and step.placement.how == PlaceRelation.WITHIN
         container = np.vstack(bodies[into]) if contained and into is not None else None
         with Drops(name, bodies, self._up) as drops:
             found = settled(drops, release, np.eye(4), container, self._up)

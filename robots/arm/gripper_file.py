@@ -9,8 +9,9 @@ from typing import Any
 import msgspec
 import numpy as np
 
+from topple.robots.arm.elements import pose_from_xyz_rpy
 from topple.robots.arm.gripper import CUP_FRICTION
-from topple.robots.arm.urdf import Model, pose_from_xyz_rpy
+from topple.robots.arm.urdf import Model
 from topple.topology.arrays import FloatArray
 from topple.topology.errors import InvalidInput
 

@@ -14,7 +14,8 @@ from pathlib import Path
 import numpy as np
 
 from topple.robots.arm.compose import stored
-from topple.robots.arm.urdf import Model, find_mesh, model_of
+from topple.robots.arm.shapes import find_mesh
+from topple.robots.arm.urdf import Model, model_of
 from topple.robots.collision.convex import hull_of
 from topple.topology.arrays import FloatArray, IntArray
 

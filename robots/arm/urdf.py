@@ -7,24 +7,22 @@ planner that promises collision-free motion has to refuse such a file, and say w
 import math
 import re
 import xml.etree.ElementTree as ElementTree
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from dataclasses import dataclass
-from functools import lru_cache
 from pathlib import Path
-from typing import Any
 from xml.parsers import expat
 
 import numpy as np
 
+from topple.robots.arm.elements import number, numbers, origin_of
+from topple.robots.arm.shapes import geometry_parts
 from topple.robots.collision.convex import hull_of
-from topple.robots.collision.pieces import convex_pieces
 from topple.topology.arrays import FloatArray, frozen
 from topple.topology.errors import InvalidInput
 
 DRIVABLE = ("revolute", "continuous", "prismatic")
 UNBOUND_PREFIX = expat.errors.codes[expat.errors.XML_ERROR_UNBOUND_PREFIX]
 FULL_TURN = 2 * math.pi  # a continuous joint may turn so far either way: cables and hoses allow no more
-CYLINDER_SIDES = 24  # a prism of 24 sides around the cylinder is 0.9 % wider, which is on the safe side
 
 
 @dataclass(frozen=True)
@@ -258,25 +256,25 @@ def _read_joint(element: ElementTree.Element, path: Path) -> Joint:
         raise InvalidInput(f"{where} has no parent or no child")
     axis_element, limit = element.find("axis"), element.find("limit")
     text = None if axis_element is None else axis_element.get("xyz")
-    axis = _numbers(text, 3, (1.0, 0.0, 0.0), f"{where} axis")
+    axis = numbers(text, 3, (1.0, 0.0, 0.0), f"{where} axis")
     length = float(np.linalg.norm(axis))
     if kind != "fixed" and length < 1e-6:
         raise InvalidInput(f"{where} moves but its axis is zero")
     turns = kind == "continuous"
     bounds = {} if limit is None else dict(limit.attrib)
-    lower = -FULL_TURN if turns else _number(bounds.get("lower"), 0.0, where)
-    upper = FULL_TURN if turns else _number(bounds.get("upper"), 0.0, where)
+    lower = -FULL_TURN if turns else number(bounds.get("lower"), 0.0, where)
+    upper = FULL_TURN if turns else number(bounds.get("upper"), 0.0, where)
     return Joint(
         name,
         kind,
         str(parent.get("link")),
         str(child.get("link")),
-        frozen(_origin(element, where)),
+        frozen(origin_of(element, where)),
         frozen(axis / length if length > 0 else axis),
         lower,
         upper,
-        _number(bounds.get("velocity"), 0.0, where),
-        _number(bounds.get("effort"), 0.0, where),
+        number(bounds.get("velocity"), 0.0, where),
+        number(bounds.get("effort"), 0.0, where),
         turns or lower < upper,
         _read_mimic(element, where),
     )
@@ -286,7 +284,7 @@ def _read_mimic(element: ElementTree.Element, where: str) -> Mimic | None:
     mimic = element.find("mimic")
     if mimic is None:
         return None
-    factor, offset = _number(mimic.get("multiplier"), 1.0, where), _number(mimic.get("offset"), 0.0, where)
+    factor, offset = number(mimic.get("multiplier"), 1.0, where), number(mimic.get("offset"), 0.0, where)
     return Mimic(str(mimic.get("joint")), factor, offset)
 
 
@@ -295,130 +293,7 @@ def _read_link(element: ElementTree.Element, path: Path, missing: list[str], cut
     parts: list[FloatArray] = []
     for collision in element.findall("collision"):
         where = f"{path.name}: link {name!r}"
-        pose = _origin(collision, where)
-        for vertices in _geometry_parts(collision.find("geometry"), path, where, missing, cut):
+        pose = origin_of(collision, where)
+        for vertices in geometry_parts(collision.find("geometry"), path, where, missing, cut):
             parts.append(frozen(hull_of(vertices @ pose[:3, :3].T + pose[:3, 3])[0]))
     return Link(name, tuple(parts))
-
-
-def _geometry_parts(
-    geometry: ElementTree.Element | None, path: Path, where: str, missing: list[str], cut: bool
-) -> Sequence[FloatArray]:
-    shape = next(iter(geometry), None) if geometry is not None else None
-    if shape is None:
-        raise InvalidInput(f"{where} has a collision element without geometry")
-    if shape.tag == "box":
-        half = _numbers(shape.get("size"), 3, None, f"{where} box") / 2
-        return [np.array([[x, y, z] for x in (-1, 1) for y in (-1, 1) for z in (-1, 1)]) * half]
-    if shape.tag in ("cylinder", "capsule"):
-        radius, length = _number(shape.get("radius"), None, where), _number(shape.get("length"), None, where)
-        return [_prism(radius, length + (2 * radius if shape.tag == "capsule" else 0.0))]
-    if shape.tag == "sphere":
-        import trimesh
-
-        radius = _number(shape.get("radius"), None, where)
-        # the icosphere lies inside the ball: scale it so that its faces do not
-        return [np.asarray(trimesh.creation.icosphere(subdivisions=2, radius=radius * 1.02).vertices)]
-    if shape.tag != "mesh":
-        raise InvalidInput(
-            f"{where} has a collision shape <{shape.tag}>; expected mesh, box, cylinder or sphere"
-        )
-    name = str(shape.get("filename"))
-    scale = _numbers(shape.get("scale"), 3, (1.0, 1.0, 1.0), f"{where} scale")
-    file = find_mesh(name, path)
-    if file is None:
-        missing.append(name)
-        return []
-    try:
-        return [part * scale for part in _mesh_parts(file, file.stat().st_mtime_ns, cut)]
-    except Exception as error:  # trimesh raises whatever its format readers raise
-        missing.append(f"{name} ({error})")
-        return []
-
-
-@lru_cache(maxsize=256)  # an arm's meshes are read more than once on the way to PyBullet
-def _mesh_parts(file: Path, _changed: int, cut: bool) -> tuple[FloatArray, ...]:
-    """Vertices (V, 3) of the convex parts of a mesh file."""
-    import trimesh
-
-    mesh: Any = trimesh.load(file, force="mesh", process=False, skip_materials=True)
-    vertices = np.asarray(mesh.vertices, dtype=float).reshape(-1, 3)
-    if not len(vertices) or not np.isfinite(vertices).all():
-        raise ValueError("no finite vertices")
-    return tuple(convex_pieces(np.array(mesh.triangles))) if cut and len(mesh.faces) else (vertices,)
-
-
-def find_mesh(name: str, path: Path) -> Path | None:
-    """Find the file of a mesh.
-
-    Args:
-        name: As the URDF has it: a path, `file://` or `package://`.
-        path: The URDF.
-
-    Returns:
-        The file, or None where there is none.
-    """
-    relative = name.removeprefix("file://")
-    candidates = [Path(relative)] if relative.startswith("/") else []
-    if name.startswith("package://"):
-        inside = Path(name.removeprefix("package://"))
-        tails = [inside, Path(*inside.parts[1:])]
-        candidates += [folder / tail for folder in path.parents for tail in tails]
-    elif not candidates:
-        candidates = [path.parent / relative]
-    return next((candidate for candidate in candidates if candidate.is_file()), None)
-
-
-def _prism(radius: float, length: float) -> FloatArray:
-    angles = np.arange(CYLINDER_SIDES) * (2 * np.pi / CYLINDER_SIDES)
-    outer = radius / np.cos(np.pi / CYLINDER_SIDES)
-    ring = np.stack([outer * np.cos(angles), outer * np.sin(angles)], axis=1)
-    ends = [np.column_stack([ring, np.full(len(ring), z)]) for z in (-length / 2, length / 2)]
-    return np.concatenate(ends)
-
-
-def _origin(element: ElementTree.Element, where: str) -> FloatArray:
-    origin = element.find("origin")
-    if origin is None:
-        return np.eye(4)
-    return pose_from_xyz_rpy(
-        _numbers(origin.get("xyz"), 3, (0.0, 0.0, 0.0), f"{where} xyz"),
-        _numbers(origin.get("rpy"), 3, (0.0, 0.0, 0.0), f"{where} rpy"),
-    )
-
-
-def pose_from_xyz_rpy(xyz: FloatArray, rpy: FloatArray) -> FloatArray:
-    """The (4, 4) pose of a URDF origin: roll, pitch, yaw in [rad] about fixed x, y, z axes; xyz in [m]."""
-    (cr, cp, cy), (sr, sp, sy) = np.cos(rpy), np.sin(rpy)
-    pose = np.eye(4)
-    pose[:3, :3] = [
-        [cy * cp, cy * sp * sr - sy * cr, cy * sp * cr + sy * sr],
-        [sy * cp, sy * sp * sr + cy * cr, sy * sp * cr - cy * sr],
-        [-sp, cp * sr, cp * cr],
-    ]
-    pose[:3, 3] = xyz
-    return pose
-
-
-def _number(text: str | None, default: float | None, where: str) -> float:
-    if text is None and default is not None:
-        return default
-    try:
-        value = float(str(text))
-    except ValueError as error:
-        raise InvalidInput(f"{where}: expected a number, found {text!r}") from error
-    if not math.isfinite(value):
-        raise InvalidInput(f"{where}: expected a finite number, found {text!r}")
-    return value
-
-
-def _numbers(text: str | None, count: int, default: tuple[float, ...] | None, where: str) -> FloatArray:
-    if text is None and default is not None:
-        return np.array(default)
-    try:
-        values = np.array([float(word) for word in str(text).split()])
-    except ValueError:
-        values = np.empty(0)
-    if len(values) != count or not np.isfinite(values).all():
-        raise InvalidInput(f"{where}: expected {count} numbers, found {text!r}")
-    return values

@@ -20,7 +20,8 @@ from topple.robots.arm.gripper_file import (
 from topple.robots.arm.home import home_of
 from topple.robots.arm.prepared import prepared
 from topple.robots.arm.urdf import Model, model_of, urdf_root
-from topple.robots.hands.jaws import FORCE, Fingers, find_fingers, measured_jaw, palm_of, rigid_groups
+from topple.robots.hands.fingers import Fingers, find_fingers, palm_of, rigid_groups
+from topple.robots.hands.jaws import FORCE, measured_jaw
 from topple.robots.hands.suction_hand import CUP_JOINT, CUP_LINK, CupDesign, cup_xml
 from topple.topology.errors import InvalidInput
 

@@ -1,11 +1,10 @@
-"""A parallel jaw found in a URDF: the two fingers at the end of the arm that close on each other, measured.
+"""A parallel jaw of a URDF, measured: two fingers that close on each other.
 
 What a jaw needs to be known for (where its pads are, how far they open at which joint values) follows from
 the finger joints and the fingers' collision geometry.
 """
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
 from typing import NoReturn
 
 import numpy as np
@@ -13,7 +12,8 @@ import numpy as np
 from topple.robots.arm.arm import joint_value, pose_of_joint
 from topple.robots.arm.gripper import ParallelJaw, Tool, ToolState
 from topple.robots.arm.gripper_file import Jaw, pose_of_offset
-from topple.robots.arm.urdf import Joint, Model
+from topple.robots.arm.urdf import Model
+from topple.robots.hands.fingers import Fingers, moves, rigid_groups
 from topple.robots.poses import inverse
 from topple.topology.arrays import FloatArray
 from topple.topology.errors import InvalidInput
@@ -29,75 +29,6 @@ LEAST_PAD = 0.004  # [m] extent given to pads that touch in a line or a point
 SNAP = np.cos(np.radians(20.0))  # a hand points along an axis of its mounting link, if one is this near
 FORCE = 40.0  # [N] where the URDF states no effort: small electric jaws close with 20 to 80
 STRONGEST = 100.0  # [N] of a jaw whose URDF states more: efforts of simulations are often made up
-
-
-@dataclass(frozen=True)
-class Fingers:
-    """The moving part of a hand.
-
-    Attributes:
-        palm: Link the fingers are mounted on.
-        drivers: Names of the joints that are driven, one or two; others mimic them.
-    """
-
-    palm: str
-    drivers: tuple[str, ...]
-
-
-def find_fingers(model: Model) -> Fingers | None:
-    """Find where the arm ends and a jaw begins.
-
-    The arm is the chain from the root to the first link at which moving parts branch; all that moves beyond
-    has to hang on one joint, or on two sliding ones.
-
-    Args:
-        model: The URDF.
-
-    Returns:
-        The fingers, or None where there is nothing like them.
-    """
-    children = _children(model)
-    link, above = model.root, 0
-    while True:
-        branches = [child for child in children[link] if _moving_joints(model, children, child)]
-        if len(branches) != 1:
-            break
-        link = branches[0]
-        above += model.joints[link].kind != "fixed"
-    if not branches or above < 2:
-        return None
-    joints = [joint for branch in branches for joint in _moving_joints(model, children, branch)]
-    drivers = [joint for joint in joints if joint.mimic is None]
-    names = {joint.name for joint in drivers}
-    if any(joint.mimic is not None and joint.mimic.joint not in names for joint in joints):
-        return None
-    pair = len(drivers) == 2 == len(joints) and all(joint.kind == "prismatic" for joint in joints)
-    if not pair and (len(drivers) != 1 or len(joints) < 2):
-        return None
-    return Fingers(link, tuple(joint.name for joint in drivers))
-
-
-def palm_of(model: Model, drivers: Sequence[str]) -> str:
-    """The link nearest the tip that carries all joints which some joints drive."""
-    joints = [model.joint(name) for name in drivers]
-    joints += [j for j in model.joints.values() if j.mimic is not None and j.mimic.joint in drivers]
-    paths = [[model.root, *(joint.child for joint in model.path_to(joint.parent))] for joint in joints]
-    shared = [links[0] for links in zip(*paths, strict=False) if len(set(links)) == 1]
-    return shared[-1]
-
-
-def rigid_groups(model: Model, fingers: Fingers) -> dict[str, tuple[str, ...]]:
-    """Moving link of the hand -> the links which are fixed to it, itself among them."""
-    children = _children(model)
-    groups: dict[str, list[str]] = {}
-    waiting = [(child, "") for child in children[fingers.palm]]
-    while waiting:
-        link, carrier = waiting.pop(0)
-        carrier = link if _moves(model.joints[link], fingers) else carrier
-        if carrier:
-            groups.setdefault(carrier, []).append(link)
-        waiting += [(child, carrier) for child in children[link]]
-    return {carrier: tuple(links) for carrier, links in groups.items()}
 
 
 def measured_jaw(model: Model, fingers: Fingers, given: Jaw | None = None) -> Tool | None:
@@ -134,7 +65,6 @@ class _Hand:
     def __init__(self, model: Model, fingers: Fingers) -> None:
         self._model, self._fingers = model, fingers
         self._groups = rigid_groups(model, fingers)
-        self._children = _children(model)
         self._drivers = [model.joint(name) for name in fingers.drivers]
 
     def carrier(self, link: str) -> str:
@@ -328,7 +258,7 @@ class _Hand:
 
     def _following(self, shut: Mapping[str, float], wide: Mapping[str, float]) -> tuple[str, ...]:
         """The driven joints and those that mimic them, as far as they move."""
-        hand = [joint.name for joint in self._model.joints.values() if _moves(joint, self._fingers)]
+        hand = [joint.name for joint in self._model.joints.values() if moves(joint, self._fingers)]
         ordered = [*self._fingers.drivers, *(name for name in hand if name not in self._fingers.drivers)]
         return tuple(
             name for name in ordered if abs(self._value(name, wide) - self._value(name, shut)) > 1e-6
@@ -382,28 +312,3 @@ def _snapped(direction: FloatArray) -> FloatArray:
 
 def _moved(pose: FloatArray, points: FloatArray) -> FloatArray:
     return points @ pose[:3, :3].T + pose[:3, 3]
-
-
-def _moves(joint: Joint, fingers: Fingers) -> bool:
-    """Whether a joint is driven by, or mimics, one of the fingers' joints."""
-    followed = joint.name if joint.mimic is None else joint.mimic.joint
-    return joint.kind != "fixed" and (joint.name in fingers.drivers or followed in fingers.drivers)
-
-
-def _children(model: Model) -> dict[str, list[str]]:
-    children: dict[str, list[str]] = {link: [] for link in model.links}
-    for child, joint in model.joints.items():
-        children[joint.parent].append(child)
-    return children
-
-
-def _moving_joints(model: Model, children: Mapping[str, Sequence[str]], link: str) -> list[Joint]:
-    """The joints that move in the branch of a link, its own among them."""
-    found: list[Joint] = []
-    waiting = [link]
-    while waiting:
-        name = waiting.pop(0)
-        if model.joints[name].kind != "fixed":
-            found.append(model.joints[name])
-        waiting += children[name]
-    return found

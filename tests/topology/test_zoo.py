@@ -6,7 +6,7 @@ from itertools import combinations
 import numpy as np
 import pytest
 
-from topple.topology.relations import PairRelation
+from topple.topology.pair import PairRelation
 from topple.topology.rule.relate import relate
 from topple.topology.scene import Scene
 from topple.topology.sixim.table import ONE_SIDED_CONTACT, Relation, classify, converse_matrix

@@ -42,7 +42,9 @@ def completed_bodies(
     }
 
 
-def on_feet(bodies: Solids, names: Collection[str], up: FloatArray) -> dict[str, Sequence[FloatArray]]:
+def with_level_undersides(
+    bodies: Solids, names: Collection[str], up: FloatArray
+) -> dict[str, Sequence[FloatArray]]:
     """Level the undersides of bodies that stand on them, for what is seen of a foot is its ragged edge.
 
     A carton that stands in the scene falls over in simulation where noise of a few millimetres made a rocker

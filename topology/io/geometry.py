@@ -116,14 +116,17 @@ def _read_with_trimesh(path: Path, what: str) -> tuple[FloatArray, IntArray]:
 
 def _check_ply(path: Path, what: str) -> None:
     """Refuse a PLY text that has other lines than it declares; in the binary kind trimesh notices."""
+    counts: dict[str, int] = {}
     with path.open("rb") as file:
-        head = [line.split() for line in iter(file.readline, b"") if not line.startswith(b"comment")]
-    end = next((number for number, words in enumerate(head) if words == [b"end_header"]), None)
-    if end is None or [b"format", b"ascii"] not in [words[:2] for words in head[:end]]:
-        return
-    elements = [words[1:3] for words in head[:end] if words[:1] == [b"element"] and len(words) == 3]
-    counts = {name.decode("ascii", "replace"): int(count) for name, count in elements if count.isdigit()}
-    lines = sum(bool(words) for words in head[end + 1 :])
+        for line in file:
+            words = line.split()
+            if words[:1] == [b"format"] and words[1:2] != [b"ascii"]:
+                return
+            if words[:1] == [b"element"] and len(words) == 3 and words[2].isdigit():
+                counts[words[1].decode("ascii", "replace")] = int(words[2])
+            if words == [b"end_header"]:
+                break
+        lines = sum(bool(line.strip()) for line in file)
     if lines != sum(counts.values()):
         said = " and ".join(f"{count} of {name}" for name, count in counts.items())
         raise InvalidInput(f"{what} declares {said}, and has {lines} lines of them: write it again")

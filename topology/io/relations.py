@@ -8,7 +8,8 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from topple.topology.errors import InvalidInput
-from topple.topology.relations import FORMAT, PairRelation, Relations
+from topple.topology.pair import PairRelation
+from topple.topology.relations import FORMAT, Relations
 from topple.topology.rule.relate import relate
 
 if TYPE_CHECKING:

@@ -8,7 +8,8 @@ import numpy as np
 
 from topple.topology.arrays import FloatArray
 from topple.topology.geometry.outline import covers, outline
-from topple.topology.relations import PairRelation, Relations
+from topple.topology.pair import PairRelation
+from topple.topology.relations import Relations
 from topple.topology.scene import Scene
 from topple.topology.sixim.table import Relation
 from topple.topology.statics.contact import TOLERANCES as CONTACT

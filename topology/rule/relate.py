@@ -9,7 +9,8 @@ import numpy as np
 from topple.topology.cloud import estimate_deviation
 from topple.topology.errors import InvalidInput
 from topple.topology.geometry.broadphase import near_pairs
-from topple.topology.relations import PairRelation, Relations, Rule
+from topple.topology.pair import PairRelation
+from topple.topology.relations import Relations, Rule
 from topple.topology.rule.robust import RobustRule
 from topple.topology.scene import Scene
 from topple.topology.sixim.fast.rule import PlainRule

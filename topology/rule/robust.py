@@ -13,7 +13,8 @@ import numpy as np
 from scipy.spatial import KDTree
 
 from topple.topology.arrays import BoolArray, FloatArray, IntArray
-from topple.topology.relations import PairRelation, Relations, box_distance
+from topple.topology.pair import PairRelation
+from topple.topology.relations import Relations, box_distance
 from topple.topology.rule.cavity import roofed, surrounded
 from topple.topology.rule.facing import facing_seen
 from topple.topology.rule.inferred import infer_contacts

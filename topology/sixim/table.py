@@ -5,15 +5,14 @@ the other's hull: R(A, B) = [[A∩B°, A∩∂B, A∩B⁻], [A°∩B, ∂A∩B, 
 of empty and non-empty cells that two non-empty clouds can make matches exactly one row of Table 1.
 """
 
-from enum import Enum
-
 import numpy as np
 from numpy.typing import ArrayLike
 
 from topple.topology.arrays import IntArray
+from topple.topology.values import Word
 
 
-class Relation(str, Enum):
+class Relation(Word):
     """How a cloud A lies to a cloud B (Definitions 4-10 of section 3.1)."""
 
     CROSS = "cross"

@@ -1,8 +1,7 @@
-import sys
-from pathlib import Path
-
 import numpy as np
 import pytest
+from moving import FLIP, Way, at, down, straight
+from on_table import on_table
 from trimesh.transformations import euler_matrix
 
 from topple.planner.grasp import grasp_candidates
@@ -19,12 +18,8 @@ from topple.robots.world.world import World
 from topple.topology.scene import Scene
 from topple.topology.statics.matter import DENSITY
 
-sys.path.insert(0, str(Path(__file__).parent))
-from lifting import Way, at, straight, table
-
 HAND, CUP = hand_shape(robot("panda")), cup_shape(robot("panda-suction"))
 DOWN = np.array([[0.0, 0.0, 1.0]])  # a hand from above comes in along gravity
-FLIP = np.diag([1.0, -1.0, -1.0, 1.0])
 SIZE = (0.24, 0.05, 0.06)
 
 
@@ -75,12 +70,12 @@ def test_a_cup_drops_in_simulation_what_the_planner_says_it_does_not_hold(tilt: 
         world.add_table()
         world.add(box("slab", (0.08, 0.08, thick), mass=mass), at(0.5, 0.0, 0.0))
         world.settle()
-        hand = SimulatedArm(world, arm, np.eye(4), q=arm.inverse(at(0.5, 0.0, 0.15) @ FLIP, "suction")[0][0])
+        hand = SimulatedArm(world, arm, np.eye(4), q=arm.inverse(down(0.5, 0.0, 0.15), "suction")[0][0])
         assert arm.cup is not None
         hand.extend(arm.cup.stroke)
-        straight(hand, arm, at(0.5, 0.0, 0.15) @ FLIP, at(0.5, 0.0, thick) @ FLIP, "suction")
+        straight(hand, down(0.5, 0.0, 0.15), down(0.5, 0.0, thick), "suction")
         assert hand.suck()
-        gently(hand, [at(0.5, 0.0, z) @ FLIP for z in np.linspace(thick, 0.4, 20)])
+        gently(hand, [down(0.5, 0.0, z) for z in np.linspace(thick, 0.4, 20)])
         assert hand.holding, "level it holds"
         tilts = np.linspace(0.0, turn, 20)
         gently(hand, [at(0.5, 0.0, 0.4) @ euler_matrix(0.0, -angle, 0.0) @ FLIP for angle in tilts])
@@ -107,8 +102,7 @@ def test_what_cannot_hold_scores_below_what_can() -> None:
 
 
 def bar() -> Scene:
-    cloud = box("bar", SIZE).surface(6000, np.random.default_rng(0))
-    return Scene({"table": table(), "bar": cloud}, fixed=["table"], up=[0, 0, 1])
+    return on_table((box("bar", SIZE), (0.0, 0.0, 0.0)), points=6000, half=0.4)
 
 
 def test_grasps_that_a_heavy_bar_would_turn_in_come_last_and_say_so() -> None:
@@ -128,18 +122,17 @@ def test_grasps_that_a_heavy_bar_would_turn_in_come_last_and_say_so() -> None:
 def turned(share: float) -> float:
     """By how many degrees a bar turns, lifted 10 cm beside its middle, at a share of what pads hold."""
     arm, aside = robot("panda"), 0.10
-    down = np.diag([1.0, -1.0, -1.0, 1.0])
-    low, high = at(0.5 + aside, 0.0, 0.045) @ down, at(0.5 + aside, 0.0, 0.15) @ down
+    low, high = down(0.5 + aside, 0.0, 0.045), down(0.5 + aside, 0.0, 0.15)
     weight = share / load((aside, 0.0, 0.0), 1.0)
     with World() as world:
         world.add_table()
         world.add(box("bar", SIZE, mass=weight / 9.81), at(0.5, 0.0, 0.0))
         world.settle()
         hand = SimulatedArm(world, arm, np.eye(4), q=arm.inverse(high, "fingers")[0][0])
-        straight(hand, arm, high, low)
+        straight(hand, high, low)
         hand.close(HAND.force)
         before = world.pose("bar")
-        straight(hand, arm, low, high)
+        straight(hand, low, high)
         hand.wait(0.3)
         assert hand.holding
         return float(np.degrees(angle_between(before, world.pose("bar"))))

@@ -1,11 +1,11 @@
 """A plate is pinched by its rim where that stands high enough off the ground, and lifted by friction."""
 
 import re
-import sys
-from pathlib import Path
 
 import numpy as np
 import pytest
+from moving import at, straight
+from on_table import on_table
 
 from topple.planner.grasp import Grasp, grasp_candidates
 from topple.planner.grasp.hand import hand_shape
@@ -21,22 +21,13 @@ from topple.robots.world.world import World
 from topple.topology.arrays import FloatArray
 from topple.topology.scene import Scene
 
-sys.path.insert(0, str(Path(__file__).parent))
-from lifting import at, straight, table
-
 MIDDLE = (0.55, 0.0)
 
 
 def raised(height: float) -> Scene:
     """A plate on a block, or flat on the table where the height is nothing."""
-    rng = np.random.default_rng(0)
-    clouds = {
-        "table": table(MIDDLE[0]),
-        "plate": plate().surface(6000, rng) + np.array([*MIDDLE, height]),
-    }
-    if height > 0.0:
-        clouds["block"] = box("block", (0.08, 0.08, height)).surface(3000, rng) + np.array([*MIDDLE, 0.0])
-    return Scene(clouds, fixed=["table"], up=[0, 0, 1])
+    block = ((box("block", (0.08, 0.08, height)), (*MIDDLE, 0.0)),) if height > 0.0 else ()
+    return on_table((plate(), (*MIDDLE, height)), *block, points=6000, half=0.4, x=MIDDLE[0])
 
 
 def reached(arm: Arm, grasps: list[Grasp], back: FloatArray) -> tuple[Grasp, FloatArray]:
@@ -64,11 +55,11 @@ def test_a_plate_is_held_by_its_rim_and_lifted(name: str, height: float) -> None
         hand = SimulatedArm(world, arm, np.eye(4), q=q)
         pose = grasp.pose_tool_to_world
         hand.open(grasp.opening)
-        straight(hand, arm, pose @ back, pose)
+        straight(hand, pose @ back, pose)
         before = world.pose("plate")
         assert arm.jaw is not None
         hand.close(PRESS * arm.jaw.force)
-        straight(hand, arm, pose, at(0.0, 0.0, 0.05) @ pose)
+        straight(hand, pose, at(0.0, 0.0, 0.05) @ pose)
         hand.wait(0.3)
         after = world.pose("plate")
         assert hand.holding

@@ -33,7 +33,7 @@ def spaces(bodies: Solids, fixed: Sequence[str] = ("table",), **options: object)
     """Of a table and blocks on it; clouds are the corners of the bodies."""
     solids = {"table": block(0.0, 0.0, 2 * HALF, -0.02), **bodies}
     clouds = {"table": sheet(), **{name: np.vstack(parts) for name, parts in bodies.items()}}
-    return free_spaces(Situation(Scene(clouds, fixed=fixed, up=UP), parts=solids), **options)  # type: ignore[arg-type]
+    return free_spaces(Situation(Scene(clouds, fixed=fixed, up=UP), known_solids=solids), **options)  # type: ignore[arg-type]
 
 
 def at(space: FreeSpace, x: float, y: float) -> float:
@@ -107,7 +107,7 @@ def test_below_a_board_it_is_free_for_what_fits_with_a_hand(tall: float, free: b
     solids = {"table": block(0.0, 0.0, 2 * HALF, -0.02), "board": block(0.0, 0.0, 0.2, 0.02, low)}
     scene = Scene({"table": sheet(), "board": board}, fixed=["table", "board"], up=UP)
     below = next(
-        one for one in free_spaces(Situation(scene, parts=solids), tall=tall) if one.owner == "table"
+        one for one in free_spaces(Situation(scene, known_solids=solids), tall=tall) if one.owner == "table"
     )
     assert (at(below, 0.0, 0.0) > 0.0) is free
 
@@ -137,8 +137,8 @@ def test_a_turned_world_has_the_same_free_space() -> None:
     clouds = {"table": sheet(), "block": np.vstack(solids["block"])}
     turned = {name: cloud @ turn.T for name, cloud in clouds.items()}
     parts = {name: [part @ turn.T for part in found] for name, found in solids.items()}
-    (plain,) = free_spaces(Situation(Scene(clouds, fixed=["table"], up=UP), parts=solids))
-    (tilted,) = free_spaces(Situation(Scene(turned, fixed=["table"], up=turn[:, 2]), parts=parts))
+    (plain,) = free_spaces(Situation(Scene(clouds, fixed=["table"], up=UP), known_solids=solids))
+    (tilted,) = free_spaces(Situation(Scene(turned, fixed=["table"], up=turn[:, 2]), known_solids=parts))
     area = [np.count_nonzero(space.distance > 0.05) * CELL**2 for space in (plain, tilted)]
     assert tilted.normal == pytest.approx(turn[:, 2])
     assert area[0] > 0.2

@@ -15,7 +15,7 @@ from topple.robots.shapes.boxes import box
 from topple.robots.shapes.fruit import orange
 from topple.robots.shapes.tableware import bowl
 from topple.robots.world.bodies import Body
-from topple.topology.bodies.completed import on_feet
+from topple.topology.bodies.completed import with_level_undersides
 from topple.topology.bodies.solids import Solids
 from topple.topology.scene import Scene
 from topple.topology.situation import Situation
@@ -60,7 +60,9 @@ def on_table(body: Body) -> list[np.ndarray]:
 
 def known(bodies: Solids, whole: Solids | None = None) -> Situation:
     clouds = {name: np.vstack(list(parts)) for name, parts in bodies.items()}
-    return Situation(Scene(clouds, fixed=["table"], up=UP), parts=bodies, complete=whole or bodies)
+    return Situation(
+        Scene(clouds, fixed=["table"], up=UP), known_solids=bodies, known_completed=whole or bodies
+    )
 
 
 def test_what_stands_holds_and_what_tips_or_is_meant_to_fall_does_not() -> None:
@@ -116,7 +118,10 @@ def test_the_ragged_foot_of_a_carton_is_levelled_and_it_stands() -> None:
     )  # one edge 6 mm higher: noise of its foot
     rocker = np.vstack([corners, [[0.012, y, -0.002] for y in (-0.02, 0.02)]])
     place = Placement(raised(0.1, 0.006), 1.0, drop=0.004)
-    for parts, stays in (([rocker], False), (on_feet({"carton": [rocker]}, ["carton"], UP)["carton"], True)):
+    for parts, stays in (
+        ([rocker], False),
+        (with_level_undersides({"carton": [rocker]}, ["carton"], UP)["carton"], True),
+    ):
         bodies = {"carton": list(parts), "table": [SLAB]}
         with Proof("carton", known(bodies)) as proof:
             assert proof.holds(place) is stays
@@ -130,5 +135,5 @@ def test_round_and_leaning_bodies_and_what_never_moves_get_no_foot() -> None:
         "leaning": [part @ slope.T for part in on_table(box("leaning", (0.08, 0.05, 0.2)))],
         "table": [SLAB],
     }
-    found = on_feet(bodies, ["orange", "bowl", "leaning"], UP)
+    found = with_level_undersides(bodies, ["orange", "bowl", "leaning"], UP)
     assert all(found[name] is bodies[name] for name in bodies)

@@ -40,7 +40,7 @@ def handling(arm: Arm = PANDA, **others: Sequence[FloatArray]) -> tuple[Handling
     }
     clouds = {name: np.vstack(parts) for name, parts in bodies.items()}
     scene = Scene(clouds, fixed=["table"], up=(0, 0, 1))
-    return Handling("cube", Situation(scene, parts=bodies), arm, BASE), FailureLog(frozenset(others))
+    return Handling("cube", Situation(scene, known_solids=bodies), arm, BASE), FailureLog(frozenset(others))
 
 
 def pinch(x: float = 0.0, y: float = 0.0) -> Grasp:

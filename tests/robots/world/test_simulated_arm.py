@@ -1,11 +1,11 @@
 """The simulated arm holds by friction and by a vacuum that needs a seal, never by anything else."""
 
 from collections.abc import Iterator
-from dataclasses import dataclass
 
 import numpy as np
 import pybullet
 import pytest
+from moving import Way, at, down, go, way_to
 
 from topple.robots import shapes
 from topple.robots.catalog import robot
@@ -16,45 +16,11 @@ from topple.topology.arrays import FloatArray
 from topple.topology.errors import InvalidInput
 
 
-@dataclass
-class Way:
-    """A smooth joint motion between two states."""
-
-    times: FloatArray
-    positions: FloatArray
-    velocities: FloatArray
-
-    @classmethod
-    def between(cls, start: FloatArray, end: FloatArray, seconds: float = 1.5) -> "Way":
-        times = np.linspace(0.0, seconds, 50)
-        u = (times / seconds)[:, None]
-        return cls(
-            times,
-            start + (10 * u**3 - 15 * u**4 + 6 * u**5) * (end - start),
-            (30 * u**2 - 60 * u**3 + 30 * u**4) * (end - start) / seconds,
-        )
-
-
-def at(x: float, y: float, z: float) -> FloatArray:
-    pose = np.eye(4)
-    pose[:3, 3] = [x, y, z]
-    return pose
-
-
-def down(x: float, y: float, z: float) -> FloatArray:
-    return at(x, y, z) @ np.diag([1.0, -1.0, -1.0, 1.0])
-
-
 @pytest.fixture
 def world() -> Iterator[World]:
     with World() as world:
         world.add_table()
         yield world
-
-
-def go(arm: SimulatedArm, pose: FloatArray, tool: str) -> float:
-    target = arm.arm.inverse(pose, tool, near=arm.q_target)[0][0]
-    return arm.follow(Way.between(arm.q_target, target))
 
 
 def load_on(world: World, name: str) -> float:
@@ -176,8 +142,7 @@ def _cup_above_a_plate(world: World) -> tuple[SimulatedArm, float]:
 
 def test_the_vacuum_does_not_push_what_it_takes(world: World) -> None:
     arm, top = _cup_above_a_plate(world)
-    seated = arm.arm.inverse(down(0.5, 0.0, top), "suction", near=arm.q_target)[0][0]
-    arm.follow_until(Way.between(arm.q_target, seated), 8.0)
+    arm.follow_until(way_to(arm, down(0.5, 0.0, top), "suction"), 8.0)
     arm.wait(0.2)
     assert arm.suck()
     weight = 9.81 * world.body("plate").mass

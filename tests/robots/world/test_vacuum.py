@@ -5,6 +5,7 @@ from collections.abc import Iterator
 import numpy as np
 import pybullet
 import pytest
+from moving import FLIP, Way
 
 from topple.robots import shapes
 from topple.robots.catalog import robot
@@ -13,15 +14,6 @@ from topple.robots.world.world import World
 from topple.topology.arrays import FloatArray
 
 RAMP = 30  # steps until a load is whole: a load put on at once would be a knock
-
-
-class Way:
-    """Joint values, one after the other in equal times."""
-
-    def __init__(self, states: FloatArray, seconds: float = 1.0) -> None:
-        self.positions = states
-        self.times = np.linspace(0.0, seconds, len(states))
-        self.velocities = np.gradient(states, self.times, axis=0)
 
 
 @pytest.fixture
@@ -37,16 +29,16 @@ def lifted() -> Iterator[SimulatedArm]:
         model = robot("panda-suction")
         heights, states = np.linspace(top + 0.05, top, 12), list[FloatArray]()
         for height in heights:
-            lip = np.diag([1.0, -1.0, -1.0, 1.0])
+            lip = FLIP.copy()
             lip[:3, 3] = [0.5, 0.0, height]
             near = states[-1] if states else None
             states.append(model.inverse(lip, "suction", near=near)[0][0])
         arm = SimulatedArm(world, model, np.eye(4), q=states[0])
         assert arm.cup is not None
         arm.extend(arm.cup.stroke)
-        arm.follow(Way(np.array(states)))
+        arm.follow(Way(np.array(states), 1.0))
         assert arm.suck()
-        arm.follow(Way(np.array(states[::-1])))
+        arm.follow(Way(np.array(states[::-1]), 1.0))
         assert arm.holding
         yield arm
 

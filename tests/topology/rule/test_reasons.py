@@ -6,7 +6,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from topple.topology.relations import PairRelation
+from topple.topology.pair import PairRelation
 from topple.topology.rule.inferred import FLOATS, MEET
 from topple.topology.rule.relate import relate
 from topple.topology.rule.robust import APART, CLOSE, FEW, HOLLOW

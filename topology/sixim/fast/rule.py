@@ -11,7 +11,8 @@ import numpy as np
 
 from topple.topology.arrays import FloatArray, IntArray
 from topple.topology.geometry.hull import Hull
-from topple.topology.relations import PairRelation, Relations
+from topple.topology.pair import PairRelation
+from topple.topology.relations import Relations
 from topple.topology.scene import Scene
 from topple.topology.sixim.fast.bracket import SLACK, Bracket
 from topple.topology.sixim.fast.regions import Regions, in_box

@@ -14,7 +14,7 @@ from topple.planner.placement.proof import Proof
 from topple.planner.placement.shortage import shortage
 from topple.planner.planning.step import Station
 from topple.planner.planning.tolerances import BESIDE
-from topple.planner.transfer.segments import Kind
+from topple.planner.transfer.segments import SegmentKind
 from topple.planner.transfer.transfer import (
     NO_PLACE,
     TRANSFER_LIMITS,
@@ -30,7 +30,7 @@ INSIDE = (Relation.WITHIN, Relation.PARTIAL_WITHIN)
 MORE_HANDS = TransferLimits(grasps=60, reached=80)  # all hands that a search for grasps finds
 
 
-class Moves:
+class Transfers:
     """The transfers that an arm can make in one situation.
 
     Args:
@@ -73,7 +73,11 @@ class Moves:
             return self._refused(name)
         base, own = self.station.pose_base_to_world, self.situation.scene.clouds[name]
         find = partial(
-            placements, name, self.situation.standing(name), pose_base_to_world=base, remaining=remaining
+            placements,
+            name,
+            self.situation.with_completed(name),
+            pose_base_to_world=base,
+            remaining=remaining,
         )
         places = find(avoid=[own]) or find()
         return self.to(name, standing(places, name, self.situation))
@@ -109,8 +113,8 @@ class Moves:
         if NO_PLACE not in failure.reasons:
             return failure
         station, name = self.station, failure.object
-        why = shortage(name, self.situation.standing(name), station.arm, station.pose_base_to_world)
-        return TransferFailure(name, {why: 1}, None, FailedCheck(Kind.PLACE, Check.ROOM, why))
+        why = shortage(name, self.situation.with_completed(name), station.arm, station.pose_base_to_world)
+        return TransferFailure(name, {why: 1}, None, FailedCheck(SegmentKind.PLACE, Check.ROOM, why))
 
     def barring(self, failure: TransferFailure) -> list[str]:
         """Movable objects whose removal may help: those met in the search, and those beside.

@@ -33,7 +33,7 @@ class Verdict:
     robot_seconds: float | None = None
 
 
-class Watcher(Protocol):
+class Monitor(Protocol):
     """Looks on from before an action until the arm has withdrawn, and at the end of a run."""
 
     def begin(self, transfer: Transfer) -> None:
@@ -53,7 +53,7 @@ class Watcher(Protocol):
         ...
 
 
-class Nobody:
+class NoMonitor:
     """Looks on at nothing: for an arm whose surroundings nobody but its own cameras sees."""
 
     def begin(self, transfer: Transfer) -> None:

@@ -1,0 +1,107 @@
+"""Collision elements of a URDF as convex parts, meshes found and cut where they are concave."""
+
+import xml.etree.ElementTree as ElementTree
+from collections.abc import Sequence
+from functools import lru_cache
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from topple.robots.arm.elements import number, numbers
+from topple.robots.collision.pieces import convex_pieces
+from topple.topology.arrays import FloatArray
+from topple.topology.errors import InvalidInput
+
+CYLINDER_SIDES = 24  # a prism of 24 sides around the cylinder is 0.9 % wider, which is on the safe side
+
+
+def geometry_parts(
+    geometry: ElementTree.Element | None, path: Path, where: str, missing: list[str], cut: bool
+) -> Sequence[FloatArray]:
+    """Read a collision element's geometry.
+
+    Args:
+        geometry: The `<geometry>` element.
+        path: The URDF.
+        where: What to call the element's link in messages.
+        missing: Takes down meshes that are not there or cannot be read.
+        cut: Make several convex parts of a concave mesh.
+
+    Returns:
+        Vertices (V, 3) of each convex part in the element's frame in [m]; none where a mesh is missing.
+
+    Raises:
+        InvalidInput: There is no geometry, its numbers are none, or its shape is unknown.
+    """
+    shape = next(iter(geometry), None) if geometry is not None else None
+    if shape is None:
+        raise InvalidInput(f"{where} has a collision element without geometry")
+    if shape.tag == "box":
+        half = numbers(shape.get("size"), 3, None, f"{where} box") / 2
+        return [np.array([[x, y, z] for x in (-1, 1) for y in (-1, 1) for z in (-1, 1)]) * half]
+    if shape.tag in ("cylinder", "capsule"):
+        radius, length = number(shape.get("radius"), None, where), number(shape.get("length"), None, where)
+        return [_prism(radius, length + (2 * radius if shape.tag == "capsule" else 0.0))]
+    if shape.tag == "sphere":
+        import trimesh
+
+        radius = number(shape.get("radius"), None, where)
+        # the icosphere lies inside the ball: scale it so that its faces do not
+        return [np.asarray(trimesh.creation.icosphere(subdivisions=2, radius=radius * 1.02).vertices)]
+    if shape.tag != "mesh":
+        raise InvalidInput(
+            f"{where} has a collision shape <{shape.tag}>; expected mesh, box, cylinder or sphere"
+        )
+    name = str(shape.get("filename"))
+    scale = numbers(shape.get("scale"), 3, (1.0, 1.0, 1.0), f"{where} scale")
+    file = find_mesh(name, path)
+    if file is None:
+        missing.append(name)
+        return []
+    try:
+        return [part * scale for part in _mesh_parts(file, file.stat().st_mtime_ns, cut)]
+    except Exception as error:  # trimesh raises whatever its format readers raise
+        missing.append(f"{name} ({error})")
+        return []
+
+
+@lru_cache(maxsize=256)  # an arm's meshes are read more than once on the way to PyBullet
+def _mesh_parts(file: Path, _changed: int, cut: bool) -> tuple[FloatArray, ...]:
+    """Vertices (V, 3) of the convex parts of a mesh file."""
+    import trimesh
+
+    mesh: Any = trimesh.load(file, force="mesh", process=False, skip_materials=True)
+    vertices = np.asarray(mesh.vertices, dtype=float).reshape(-1, 3)
+    if not len(vertices) or not np.isfinite(vertices).all():
+        raise ValueError("no finite vertices")
+    return tuple(convex_pieces(np.array(mesh.triangles))) if cut and len(mesh.faces) else (vertices,)
+
+
+def find_mesh(name: str, path: Path) -> Path | None:
+    """Find the file of a mesh.
+
+    Args:
+        name: As the URDF has it: a path, `file://` or `package://`.
+        path: The URDF.
+
+    Returns:
+        The file, or None where there is none.
+    """
+    relative = name.removeprefix("file://")
+    candidates = [Path(relative)] if relative.startswith("/") else []
+    if name.startswith("package://"):
+        inside = Path(name.removeprefix("package://"))
+        tails = [inside, Path(*inside.parts[1:])]
+        candidates += [folder / tail for folder in path.parents for tail in tails]
+    elif not candidates:
+        candidates = [path.parent / relative]
+    return next((candidate for candidate in candidates if candidate.is_file()), None)
+
+
+def _prism(radius: float, length: float) -> FloatArray:
+    angles = np.arange(CYLINDER_SIDES) * (2 * np.pi / CYLINDER_SIDES)
+    outer = radius / np.cos(np.pi / CYLINDER_SIDES)
+    ring = np.stack([outer * np.cos(angles), outer * np.sin(angles)], axis=1)
+    ends = [np.column_stack([ring, np.full(len(ring), z)]) for z in (-length / 2, length / 2)]
+    return np.concatenate(ends)

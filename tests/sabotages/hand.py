@@ -1,0 +1,54 @@
+"""Spoil what the hand does."""
+
+from sabotages.document import Document, first_step, has_fingers, index_of, segments_of
+
+
+def hands_closed(d: Document) -> None:
+    for step in d["steps"]:
+        for part in step["segments"]:
+            part["hand"] = {"opening": 0.0, "cup_extension": 0.0}
+
+
+def hand_closed_on_the_way_in(d: Document) -> bool:
+    for part in segments_of(d, "approach"):
+        part["hand"]["opening"] = 0.0
+    return has_fingers(d)
+
+
+def hand_not_closed(d: Document) -> None:
+    for part in segments_of(d, "grasp"):
+        part["hand"] = {"opening": part["hand"]["opening"] + 0.03, "cup_extension": 0.0}
+
+
+def hand_not_opened(d: Document) -> bool:
+    for step in d["steps"]:
+        closed = step["segments"][index_of(step, "grasp")]["hand"]
+        step["segments"][index_of(step, "release")]["hand"] = dict(closed)
+    return has_fingers(d)
+
+
+def hand_changes_on_the_way(d: Document) -> None:
+    hand = segments_of(d, "transfer")[0]["hand"]
+    hand["opening"] += 0.01
+    hand["cup_extension"] = max(0.0, hand["cup_extension"] - 0.01)
+
+
+def nothing_held(d: Document) -> None:
+    for step in d["steps"]:
+        for part in step["segments"]:
+            part["holding"] = None
+
+
+def another_thing_held(d: Document) -> None:
+    other = next(thing["name"] for thing in d["objects"] if thing["name"] != first_step(d)["object"])
+    for part in first_step(d)["segments"]:
+        part["holding"] = part["holding"] and other
+
+
+def something_held_from_the_start(d: Document) -> None:
+    segments_of(d, "move")[0]["holding"] = first_step(d)["object"]
+
+
+def another_tool_grasps(d: Document) -> None:
+    part = segments_of(d, "grasp")[0]
+    part["tool"] = "suction" if part["tool"] == "fingers" else "fingers"

@@ -1,0 +1,68 @@
+"""Spoil motions."""
+
+import copy
+
+import numpy as np
+
+from sabotages.document import Document, first_step, segments_of, shift
+from topple.robots.catalog import robot
+
+
+def through_the_table(d: Document) -> bool:
+    arm = robot(d["robot"])
+    tool = first_step(d)["segments"][0]["tool"]
+    under = np.array([[1.0, 0, 0, 0.5], [0, -1, 0, 0.0], [0, 0, -1, -0.05], [0, 0, 0, 1]])
+    states = arm.inverse(under, tool)[0]
+    motion = segments_of(d, "transfer")[0]["motion"]
+    if len(states):
+        motion["positions"][len(motion["positions"]) // 2] = states[0].tolist()
+    return len(states) > 0
+
+
+def too_fast(d: Document) -> None:
+    motion = segments_of(d, "transfer")[0]["motion"]
+    motion["times"] = [time / 6 for time in motion["times"]]
+    motion["velocities"] = [[6 * value for value in row] for row in motion["velocities"]]
+
+
+def time_backwards(d: Document) -> None:
+    segments_of(d, "lift")[0]["motion"]["times"].reverse()
+
+
+def no_velocities(d: Document) -> None:
+    motion = segments_of(d, "transfer")[0]["motion"]
+    motion["velocities"] = [[0.0 for _ in row] for row in motion["velocities"]]
+
+
+def beyond_a_limit(d: Document) -> None:
+    motion = segments_of(d, "move")[0]["motion"]
+    motion["positions"][len(motion["positions"]) // 2][0] = 9.0
+
+
+def a_jump_at_the_join(d: Document) -> None:
+    for row in segments_of(d, "lift")[0]["motion"]["positions"]:
+        row[0] += 0.05
+
+
+def straight_to_the_end(d: Document) -> None:
+    motion = segments_of(d, "transfer")[0]["motion"]
+    for key in ("times", "positions", "velocities"):
+        motion[key] = [motion[key][0], motion[key][-1]]
+
+
+def motion_of_another_step(d: Document) -> bool:
+    moves = segments_of(d, "transfer")
+    moves[0]["motion"] = copy.deepcopy(moves[-1]["motion"])
+    return len(moves) > 1
+
+
+def starts_elsewhere(d: Document) -> None:
+    d["q_start"][0] += 0.1
+
+
+def base_elsewhere(d: Document) -> None:
+    shift(d["pose_base_to_world"], 0, 0.05)
+
+
+def a_proof_missing(d: Document) -> None:
+    segments_of(d, "lift")[0]["certified"] = False

@@ -1,0 +1,37 @@
+"""Spoil where an object goes."""
+
+from sabotages.document import Document, first_step, last_step, shift, turn
+
+
+def place_higher(d: Document) -> None:
+    shift(last_step(d)["placement"]["pose_before_to_after"], 2, 0.1)
+
+
+def place_aside(d: Document) -> None:
+    shift(last_step(d)["placement"]["pose_before_to_after"], 0, 0.02)
+
+
+def place_turned(d: Document) -> None:
+    turn(last_step(d)["placement"]["pose_before_to_after"], 0.2)
+
+
+def fall_upwards(d: Document) -> None:
+    last_step(d)["placement"]["drop"] -= 0.1
+
+
+def fall_through_the_table(d: Document) -> None:
+    last_step(d)["placement"]["drop"] += 0.1
+
+
+def put_into_another_thing(d: Document) -> None:
+    placement, own = first_step(d)["placement"], first_step(d)["object"]
+    placement["into"] = next(
+        thing["name"]
+        for thing in d["objects"]
+        if thing["name"] not in (own, placement["into"]) and not thing["fixed"]
+    )
+    placement["how"] = "on"
+
+
+def said_to_fall(d: Document) -> None:
+    first_step(d)["placement"]["falls"] = True

@@ -1,0 +1,45 @@
+"""Documents that reading has to refuse by path."""
+
+from sabotages.document import Document, first_step, last_step, segments_of
+
+
+def unknown_object(d: Document) -> None:
+    first_step(d)["object"] = "ghost"
+
+
+def unknown_container(d: Document) -> None:
+    first_step(d)["placement"]["into"] = "ghost"
+
+
+def unknown_rider(d: Document) -> None:
+    first_step(d)["attachments"][0]["object"] = "ghost"
+
+
+def empty_motion(d: Document) -> None:
+    segments_of(d, "transfer")[0]["motion"] = {"times": [], "positions": [], "velocities": []}
+
+
+def too_few_velocities(d: Document) -> None:
+    segments_of(d, "transfer")[0]["motion"]["velocities"].pop()
+
+
+def unknown_segment(d: Document) -> None:
+    segments_of(d, "transfer")[0]["kind"] = "throw"
+
+
+def pose_of_three_rows(d: Document) -> None:
+    first_step(d)["grasp"]["pose_tool_to_world"].pop()
+
+
+def step_after_itself(d: Document) -> None:
+    first_step(d)["after"] = [0]
+
+
+def negative_step(d: Document) -> None:
+    last_step(d)["after"] = [-1]
+
+
+def put_within_nothing(d: Document) -> bool:
+    placement = first_step(d)["placement"]
+    placement["how"] = "within"
+    return placement["into"] is None
