@@ -100,7 +100,8 @@ def catch(cases: Sequence[tuple[str, str]], progress: Progress) -> list[Caught]:
         tried, escaped = _spoilt(made, Situation(scene_for(goal)))
         for unreadable in UNREADABLE:
             document = json.loads(plan_to_json(made))
-            unreadable(document)
+            if unreadable(document) is False:
+                continue
             tried += 1
             try:
                 plan_from_json(json.dumps(document))

@@ -34,4 +34,4 @@ def test_what_changes_nothing_in_the_scene_changes_no_pair(change: str, cameras:
 def test_of_many_scenes_hardly_a_pair_changes(change: str, cameras: int) -> None:
     """Boxes along the axes say which pairs are near: one at the end of the reach may change when turned."""
     found = [changed(change, cameras, seed) for seed in range(20, 40)]
-    assert sum(one for one, _ in found) <= 0.01 * sum(every for _, every in found)
+    assert sum(one for one, _ in found) <= 0.02 * sum(every for _, every in found)
