@@ -19,7 +19,7 @@ from topple.topology.relations import Relations
 from topple.topology.rule.relate import relate
 from topple.topology.sixim.table import classify
 from topple.topology.statics.contact import Contact
-from topple.topology.statics.rest import Statics
+from topple.topology.statics.rest import Statics, carry_over
 from topple.topology.statics.support import Support, supports
 from topple.topology.statics.sweep import overlap, swept_matrix
 
@@ -139,6 +139,7 @@ class Situation:
         scene = self.scene
         for name in names:
             scene = scene.without(name)
+        carry_over(scene, self.scene)
         return Situation(scene, origin=Change(self, frozenset(names)))
 
     def with_completed(self, name: str) -> "Situation":
@@ -162,12 +163,14 @@ class Situation:
             pose: (4, 4) rigid transform in the world.
             more: (N, 3) points of the first of them where it was [m] that will be seen besides.
         """
-        scene = self.scene
+        scene, whole = self.scene, {name: pose for name in names}
         for name in names:
             cloud = scene.clouds[name]
             if more is not None:
                 cloud, more = np.vstack([cloud, more]), None
+                del whole[name]
             scene = scene.with_cloud(name, moved((cloud,), pose)[0])
+        carry_over(scene, self.scene, whole)
         return Situation(scene, origin=Change(self, frozenset(names), pose))
 
     def with_level_undersides(self) -> "Situation":

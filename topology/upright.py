@@ -76,11 +76,12 @@ class Upright:
         return max(found, default=self.floor)
 
     @staticmethod
-    def of(scene: "Scene") -> "Upright":
+    def of(scene: "Scene", rotation: FloatArray | None = None) -> "Upright":
         """Turn a scene upright.
 
         Args:
             scene: A scene that knows where up is.
+            rotation: The frame of a scene with the same fixed things, where there is one.
 
         Returns:
             The upright scene. Without a fixed object the floor is the lowest point of any object.
@@ -95,7 +96,7 @@ class Upright:
             raise InvalidInput(
                 f"the scene does not say where up is, so nothing can be said about gravity: {cure}"
             )
-        rotation = _axes(scene, scene.up)
+        rotation = _axes(scene, scene.up) if rotation is None else rotation
         turned = {name: np.asarray(cloud) @ rotation.T for name, cloud in scene.clouds.items()}
         movable = [name for name in turned if name not in scene.fixed]
         clouds = {name: voxel_means(turned[name], SPACING) for name in movable}
@@ -131,10 +132,11 @@ def _axes(scene: "Scene", up: FloatArray) -> FloatArray:
     plans = [scene.clouds[name] @ level.T for name in scene.names if name in scene.fixed or not scene.fixed]
     widest = max(plans, key=lambda plan: float(plan.var(axis=0).sum()), default=np.zeros((1, 2)))
     side = least_rectangle(widest)
-    across = np.array([-side[1], side[0]])
-    sides = np.stack([side, across, -side, -across])
-    tails = (((widest - widest.mean(axis=0)) @ sides.T) ** 3).sum(axis=0)
-    along = sides[int(np.argmax(tails))] @ level
+    sides = np.stack([side, [-side[1], side[0]]])
+    far = (widest - widest.mean(axis=0)) @ sides.T
+    tails = (far * far * far).sum(axis=0)
+    most = int(np.argmax(np.abs(tails)))
+    along = sides[most] * (1.0 if tails[most] >= 0 else -1.0) @ level
     return np.stack([along, np.cross(up, along), up]).astype(np.float64)
 
 

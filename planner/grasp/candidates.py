@@ -154,10 +154,9 @@ def _pierced(
         return found
     points = _finger_points(grasps, hand)
     for hull in hulls:
-        inside = ((points > hull.lower) & (points < hull.upper)).all(axis=2)
-        near = np.flatnonzero(np.any(inside, axis=1) & ~found)
-        deep = points[near] @ hull.normals.T + hull.offsets < -tolerances.into_solid
-        found[near] = np.any(deep.all(axis=2), axis=1)
+        inside = ((points > hull.lower) & (points < hull.upper)).all(axis=2) & ~found[:, None]
+        deep = (points[inside] @ hull.normals.T + hull.offsets).max(axis=1, initial=-np.inf)
+        found[np.nonzero(inside)[0][deep < -tolerances.into_solid]] = True
     return found
 
 

@@ -13,7 +13,8 @@ from topple.planner.decide.assumptions import assumptions as assumed
 from topple.planner.decide.beliefs import Beliefs
 from topple.planner.decide.chances import reasoned
 from topple.planner.decide.dependency import DependencyGraph, dependencies
-from topple.planner.planning.tolerances import REMOVAL_RISK
+from topple.planner.planning.tolerances import REMOVAL_RISK, TOP
+from topple.topology.arrays import FloatArray
 from topple.topology.errors import InvalidInput, UnknownObject
 from topple.topology.situation import Situation
 from topple.topology.statics.gravity import check_up
@@ -87,13 +88,19 @@ def order(
         notes = {"trials": votes.trials, "budget_exhausted": not votes.complete}
         if not votes.complete:
             said = (*said, f"the budget ran out after {votes.trials} simulated lifts: the best answer so far")
-    tops = {name: statics.surfaces[name][np.argmax(statics.surfaces[name][:, 2])] for name in full.names}
+    tops = {name: _top(statics.surfaces[name]) for name in full.names}
     edges = {(edge.first, edge.then) for edge in full.dependencies}
     risked = (beliefs or Beliefs()).weighed(chance, edges)
     found = arrange(full.reduced(), wanted, tops, situation.supports, said, risked, removal_risk)
     checked = verify and not notes["budget_exhausted"]
     found = replace(found, verified=checked, chances=FrozenDict(chance), notes=FrozenDict(notes))
     return found if robot is None else _with_access(found, situation, robot)
+
+
+def _top(surface: FloatArray) -> FloatArray:
+    """(3,) middle of the highest part of a surface, at its height [m]: of a flat top no point is the one."""
+    height = surface[:, 2].max()
+    return np.array([*surface[surface[:, 2] > height - TOP, :2].mean(axis=0), height])
 
 
 ordered: Callable[..., Order] = partial(order, check_gravity=False)

@@ -23,6 +23,9 @@ MORE_CHOICE = 192
 
 # -- order
 
+TOP = 0.005
+"""How far [m] below its highest point an object's top begins: noise and unevenness of a flat one are less."""
+
 REMOVAL_RISK = 0.05
 """Chance that a grasp, a lift or a placement of an arm in simulation disturbs something by itself."""
 

@@ -21,6 +21,9 @@ from topple.topology.geometry.tolerances import (
 ROUNDS = 12
 """Steps of least squares: a fit of half a ball is still after five."""
 
+STILL = 1e-9
+"""Step [m] of a fit that changes nothing any more: a thousandth of what a float32 cloud tells."""
+
 
 COARSE = 0.01
 """Spacing [m] at which a fit's lowest point is looked for."""
@@ -199,14 +202,20 @@ def _sphere(points: FloatArray) -> tuple[FloatArray, float] | None:
     size = points.shape[1]
     middle = points.mean(axis=0)
     local, centre, radius = points - middle, first[0] - middle, first[1]
+    system = np.ones((len(local), size + 1))
     for _ in range(ROUNDS):
         rays = local - centre
-        far = np.maximum(np.linalg.norm(rays, axis=1), 1e-9)
-        system = np.column_stack([-rays / far[:, None], -np.ones(len(rays))])
-        step = np.linalg.lstsq(system, radius - far, rcond=None)[0]
+        far = np.maximum(np.sqrt(np.einsum("ni,ni->n", rays, rays)), 1e-9)
+        np.divide(rays, far[:, None], out=system[:, :size])
+        try:
+            step = np.linalg.solve(system.T @ system, system.T @ (far - radius))
+        except np.linalg.LinAlgError:
+            return None  # all rays alike: so little of a round is seen that any radius fits
         centre, radius = centre + step[:size], radius + float(step[size])
         if not np.isfinite(radius) or abs(radius) > 10.0 * LARGEST_RADIUS:
             return None
+        if np.abs(step).max() < STILL:
+            break
     return (centre + middle, radius) if radius > 0.0 else None
 
 

@@ -55,8 +55,11 @@ def infer_contacts(
     hidden = {frozenset((pair.a, pair.b)) for pair in open_pairs}
     if not hidden:
         return relations
-    from topple.topology.statics.rest import Statics  # heavy, and needed by few scenes
+    from topple.topology.statics.rest import Statics, carry_over  # heavy, and needed by few scenes
     from topple.topology.statics.support import supports
+
+    if scene is not relations.scene:  # strays of some are left out
+        carry_over(scene, relations.scene)
 
     concerned = _hanging_together(floating.union(*hidden), scene, relations)
     found = supports(Statics.of(scene, concerned), relations)

@@ -70,10 +70,13 @@ class RobustRule:
         relation = self._relation(one, other, touching)
         depth = max(one.depth(b), other.depth(a)) if relation is Relation.CROSS else 0.0
         reason = _reason(matrix, relation)
-        # A patch reaches half its spacing beyond the last sample; what is apart is not that close.
-        distance = -depth if depth > 0 else near.gap if touching else max(near.gap, box_distance(a, b))
+        # A patch reaches half its spacing beyond the last sample; what is apart is not that close. Whether it
+        # is out of reach its samples say, in any frame: boxes along the axes hold only what they leave.
+        out = near.apart if near.apart > self.reach else max(near.gap, box_distance(a, b))
+        gap = near.gap if touching else out
+        distance = -depth if depth > 0 else gap
         # What is in something, or on it, was seen there; what seems apart may meet where nobody looked.
-        observed = relation is not Relation.DISJOINT or self._seen_apart(a, b, near.gap)
+        observed = relation is not Relation.DISJOINT or self._seen_apart(a, b, gap)
         return PairRelation(
             a=a.name,
             b=b.name,

@@ -198,6 +198,11 @@ class Closest:
     gap: float
     pairs: FloatArray
 
+    @property
+    def apart(self) -> float:
+        """Distance of the closest samples [m], which is never less than the surfaces'."""
+        return float(np.linalg.norm(self.pairs[:, 0] - self.pairs[:, 1], axis=1).min())
+
 
 def closest(a: SurfaceCloud, b: SurfaceCloud) -> Closest:
     """Distance of two surfaces and where they are closest.

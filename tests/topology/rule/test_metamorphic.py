@@ -32,6 +32,6 @@ def test_what_changes_nothing_in_the_scene_changes_no_pair(change: str, cameras:
 @pytest.mark.parametrize("change", CHANGES)
 @pytest.mark.parametrize("cameras", [0, 1, 3])
 def test_of_many_scenes_hardly_a_pair_changes(change: str, cameras: int) -> None:
-    """Boxes along the axes say which pairs are near: one at the end of the reach may change when turned."""
+    """Whether a gap is in sight is counted in pixels: noise of the last bit may tip one of a hundred."""
     found = [changed(change, cameras, seed) for seed in range(20, 40)]
-    assert sum(one for one, _ in found) <= 0.02 * sum(every for _, every in found)
+    assert sum(one for one, _ in found) <= 0.01 * sum(every for _, every in found)
