@@ -12,8 +12,9 @@ import msgspec
 from topple.benchmarks.possible import freeing_order
 from topple.benchmarks.rules import order_by
 from topple.planner.decide.goal import parse_goal
+from topple.planner.execution.attained import truly_unmet
 from topple.planner.execution.demo import loop_in
-from topple.planner.execution.judge import LIMITS, truly_unmet
+from topple.planner.execution.judge import LIMITS
 from topple.planner.formats.run_record import RunRecord, StepRecord
 from topple.planner.planning.order import cautious
 from topple.robots.scenarios import Scenario, scenario_called

@@ -12,6 +12,7 @@ import numpy as np
 from topple.topology.arrays import FloatArray
 from topple.topology.bodies.completed import completed_bodies, with_level_undersides
 from topple.topology.bodies.solids import Solids, moved, solids_of, up_of
+from topple.topology.bodies.surfaces import carry_over
 from topple.topology.bodies.tolerances import GRAIN
 from topple.topology.evidence import Evidence
 from topple.topology.geometry.samples import sampled
@@ -19,7 +20,7 @@ from topple.topology.relations import Relations
 from topple.topology.rule.relate import relate
 from topple.topology.sixim.table import classify
 from topple.topology.statics.contact import Contact
-from topple.topology.statics.rest import Statics, carry_over
+from topple.topology.statics.rest import Statics
 from topple.topology.statics.support import Support, supports
 from topple.topology.statics.sweep import overlap, swept_matrix
 

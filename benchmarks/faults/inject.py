@@ -22,7 +22,8 @@ from topple.benchmarks.faults.cameras import (
 from topple.benchmarks.faults.scene import ASIDE, LOWER, UPPER, small_scene
 from topple.benchmarks.row import Progress
 from topple.planner.decide.goal import parse_goal
-from topple.planner.execution.judge import LIMITS, Judge, truly_unmet
+from topple.planner.execution.attained import truly_unmet
+from topple.planner.execution.judge import LIMITS, Judge
 from topple.planner.execution.look import Observer
 from topple.planner.execution.loop import ClosedLoop
 from topple.planner.formats.run_record import RunRecord, StepRecord

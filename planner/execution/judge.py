@@ -6,19 +6,14 @@ from dataclasses import dataclass
 import numpy as np
 
 from topple.planner.decide.goal import Goal
+from topple.planner.execution.attained import truly_unmet
 from topple.planner.execution.execute import MISSED, TAKEN
 from topple.planner.execution.monitor import Verdict
 from topple.planner.tolerances import DISTURBED, TURNED
 from topple.planner.transfer.transfer import Transfer
 from topple.robots.poses import angle_between
 from topple.robots.world.simulated_arm import SimulatedArm, Touch
-from topple.robots.world.world import World
 from topple.topology.arrays import FloatArray
-from topple.topology.scene import Scene
-from topple.topology.situation import Situation
-
-SAMPLES = 3000  # points on a body's surface when the true scene is related: 2 mm apart on a can
-TABLE_SAMPLES = 20_000  # on one that never moves
 
 
 @dataclass(frozen=True)
@@ -26,8 +21,8 @@ class Limits:
     """From where on an object counts as disturbed.
 
     Attributes:
-        distance: Displacement in [m].
-        angle: Turn in [rad].
+        distance: Displacement in [m], in one action or in all since the object was last handled.
+        angle: Turn in [rad], likewise; of the handled object how far a failed attempt may tip it.
         hit: Contact force of the robot in [N] on something it does not handle: a brush below the
             weight of a can moves nothing.
         fall: Drop in [m] from which a displaced object counts as fallen.
@@ -60,15 +55,20 @@ class Judge:
     ) -> None:
         self._robot, self._world, self._fixed, self._up = robot, robot.world, tuple(fixed), up
         self._limits = limits
+        self._left: dict[str, FloatArray] = {}  # where each thing was when it was last handled, or at first
 
     def begin(self, transfer: Transfer) -> None:
         """Look before an action."""
         self._name, self._started = transfer.object, self._world.time
+        self._handled = (transfer.object, *transfer.riding, *self._fixed)
         self._before = self._world.poses()
+        self._left = {**self._before, **self._left}
         self._robot.touched.clear()
         self._taken: FloatArray | None = None
         self._slip: tuple[float, float] | None = None
-        self._lost_at: FloatArray | None = None
+        self._missed = False
+        self._highest = self._height()
+        self._robot.on_step.append(self._rise)
 
     def moment(self, moment: str, tool: str) -> None:
         """Look at the hand at a moment of `topple.planner.execution.execute`."""
@@ -78,16 +78,21 @@ class Judge:
         elif self._taken is not None:
             way = float(np.linalg.norm(now[:3, 3] - self._taken[:3, 3]))
             self._slip = way, angle_between(self._taken, now)
-            self._lost_at = self._world.pose(self._name)[:3, 3] if moment == MISSED else None
+        self._missed = self._missed or moment == MISSED
 
     def verdict(self) -> Verdict:
         """Say what the action did."""
-        before, now, handled = self._before, self._world.poses(), (self._name, *self._fixed)
+        self._robot.on_step.remove(self._rise)
+        before, now, handled = self._before, self._world.poses(), self._handled
         wrong = violations(before, now, self._robot.touched, handled, self._limits)
-        fallen = 0.0 if self._lost_at is None else float(self._lost_at[2] - now[self._name][2, 3])
+        fallen = self._highest - self._height() if self._missed else 0.0
         dropped = fallen > self._limits.drop
         if dropped:
             wrong.append(f"it was dropped by {100 * fallen:.0f} cm")
+        tipped = tilts(before, now, self._fixed)[self._name] if self._missed else 0.0
+        if tipped > self._limits.angle:
+            wrong.append(f"it was tipped by {np.degrees(tipped):.0f} degrees in a failed attempt")
+        wrong += self._crept(now, displacements(before, now, handled))
         touched = {other: touch for other, touch in self._robot.touched.items() if other not in handled}
         return Verdict(
             tuple(wrong),
@@ -99,6 +104,28 @@ class Judge:
             dropped,
             self._world.time - self._started,
         )
+
+    def _crept(self, now: Mapping[str, FloatArray], at_once: Mapping[str, tuple[float, float]]) -> list[str]:
+        """One sentence for each thing that moved by as much as counts in several actions, in none at once."""
+        found: list[str] = []
+        limits = self._limits
+        for name, (way, angle) in displacements(self._left, now, self._handled).items():
+            if way <= limits.distance and angle <= limits.angle:
+                continue
+            self._left[name] = now[name]  # said once
+            once, turned = at_once[name]
+            if once <= limits.distance and turned <= limits.angle:
+                by = f"{way * 1000:.0f} mm and {np.degrees(angle):.0f} degrees"
+                found.append(f"{name} has crept by {by} since it was last handled")
+        self._left.update({name: now[name] for name in self._handled if name in now})
+        return found
+
+    def _height(self) -> float:
+        """Of the handled object [m]."""
+        return float(self._world.pose(self._name)[:3, 3] @ self._up)
+
+    def _rise(self) -> None:
+        self._highest = max(self._highest, self._height())
 
     def unmet(self, goal: Goal) -> tuple[str, ...]:
         """Say what of a goal does not hold in the world as it is."""
@@ -173,32 +200,3 @@ def tilts(
         for name, pose in before.items()
         if name not in handled and name in after
     }
-
-
-def truly_unmet(goal: Goal, world: World, up: FloatArray) -> tuple[str, ...]:
-    """What of a goal does not hold in the world as it is, whatever the cameras make of it.
-
-    Args:
-        goal: What shall hold. What is to be free shall carry nothing.
-        world: The world at rest.
-        up: (3,) unit vector against gravity.
-
-    Returns:
-        The clauses that do not hold, in words.
-    """
-    rng = np.random.default_rng(0)
-    clouds: dict[str, FloatArray] = {}
-    for name in world.names:
-        points = world.body(name).surface(TABLE_SAMPLES if name in world.fixed else SAMPLES, rng)
-        pose = world.pose(name)
-        clouds[name] = points @ pose[:3, :3].T + pose[:3, 3]
-    scene = Scene(clouds, fixed=sorted(world.fixed), up=up)
-    situation = Situation(scene)
-    relations, carried = situation.relations, situation.supports
-    burdened = [
-        f"{name} is not free: it carries {pair.supported}"
-        for name in goal.free
-        for pair in carried
-        if pair.supporter == name
-    ]
-    return (*burdened, *goal.unmet(relations, scene.fixed, carried))

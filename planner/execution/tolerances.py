@@ -1,5 +1,17 @@
 """Thresholds of execution, each with its unit and reason, by the module that asks them."""
 
+# -- attained
+
+BEARS = 0.5
+"""Share of a thing's weight that what it is on bears: what leans puts less than half on what it leans on."""
+
+BURDENS = 0.05
+"""Share of a thing's weight with which it is held by another one: the solver's contacts tremble by less."""
+
+PRESSED = -0.3
+"""Upward part of a push below which the thing pushed lies under what pushes it, and is not held by it."""
+
+
 # -- execute
 
 TOUCHDOWN = 1.0

@@ -1,18 +1,23 @@
 """Relations are the one reading of the clouds: contacts, supports and dependencies follow them."""
 
 import json
+import sys
 from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 import pytest
+from scipy.spatial.transform import Rotation
 
 from topple.planner import order
 from topple.planner.decide.dependency import dependencies
 from topple.robots.shapes import bowl, box, plate, spoon
 from topple.topology import InvalidInput, Relation, Relations, Scene, UnknownObject, relate
 from topple.topology.situation import Situation
+
+sys.path.insert(0, str(Path(__file__).parent))
+from made import pile, seen
 
 PILES = Path(__file__).resolve().parents[2].parent / "shared" / "piles"
 
@@ -170,3 +175,18 @@ def test_a_situation_works_everything_out_once(laid: Scene) -> None:
     assert situation.relations is situation.relations
     assert situation.statics is situation.statics
     assert situation.supports is situation.supports
+
+
+def test_what_stays_is_completed_once_and_what_moves_keeps_its_body() -> None:
+    rng = np.random.default_rng(3)
+    before = Situation.of(seen(pile(rng), rng, 2))
+    left, moving = before.movable[0], before.movable[1]
+    pose = np.eye(4)
+    pose[:3, :3], pose[:3, 3] = Rotation.from_euler("z", 0.4).as_matrix(), (0.3, 0.1, 0.0)
+    whole = before.surfaces
+    assert before.without(left).surfaces[moving] is whole[moving]
+    after = before.moved([moving], pose)
+    assert after.surfaces[left] is whole[left]
+    turn, again = before.statics.upright.rotation, after.statics.upright.rotation
+    there = (whole[moving] @ turn) @ pose[:3, :3].T + pose[:3, 3]
+    np.testing.assert_allclose(after.surfaces[moving] @ again, there, atol=1e-9)

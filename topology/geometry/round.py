@@ -21,8 +21,8 @@ from topple.topology.geometry.tolerances import (
 ROUNDS = 12
 """Steps of least squares: a fit of half a ball is still after five."""
 
-STILL = 1e-9
-"""Step [m] of a fit that changes nothing any more: a thousandth of what a float32 cloud tells."""
+STILL = 1e-8
+"""Step [m] of a fit that changes nothing any more: less than what a float32 cloud tells."""
 
 
 COARSE = 0.01

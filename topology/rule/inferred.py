@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from topple.topology.arrays import FloatArray
+from topple.topology.bodies.surfaces import carry_over, surfaces_of
 from topple.topology.confidence import Evidence, confidence
 from topple.topology.geometry.axes import level_axes
 from topple.topology.geometry.outline import covers, outline
@@ -18,7 +19,6 @@ from topple.topology.sixim.table import Relation
 from topple.topology.statics.contact import TOLERANCES as CONTACT
 from topple.topology.statics.contact import find_contacts
 from topple.topology.tolerances import TOLERANCES
-from topple.topology.upright import Upright
 
 if TYPE_CHECKING:
     from topple.topology.statics.support import Support
@@ -48,6 +48,8 @@ def infer_contacts(
     """
     if scene.up is None or len(scene.clouds) < 2:
         return relations
+    if scene is not relations.scene:  # strays of some are left out
+        carry_over(scene, relations.scene)
     relations = _meeting_between_points(scene, relations)
     floating = floating_objects(scene, relations)
     open_pairs = [pair for name in floating for pair in relations.of(name) if _may_touch(pair)]
@@ -55,11 +57,8 @@ def infer_contacts(
     hidden = {frozenset((pair.a, pair.b)) for pair in open_pairs}
     if not hidden:
         return relations
-    from topple.topology.statics.rest import Statics, carry_over  # heavy, and needed by few scenes
+    from topple.topology.statics.rest import Statics  # heavy, and needed by few scenes
     from topple.topology.statics.support import supports
-
-    if scene is not relations.scene:  # strays of some are left out
-        carry_over(scene, relations.scene)
 
     concerned = _hanging_together(floating.union(*hidden), scene, relations)
     found = supports(Statics.of(scene, concerned), relations)
@@ -87,7 +86,7 @@ def _meeting_between_points(scene: Scene, relations: Relations) -> Relations:
     )
     if not narrow:
         return relations
-    for contact in find_contacts(Upright.of(scene), among=narrow):
+    for contact in find_contacts(surfaces_of(scene).upright, among=narrow):
         if float(contact.gaps.min()) <= CONTACT.tight:
             pair = relations.between(contact.a, contact.b)
             sure = confidence(Evidence.MEETS, len(scene.viewpoints))

@@ -28,7 +28,7 @@ from topple.topology.tolerances import TOLERANCES
 from topple.topology.views.free_space import FreeSpace
 
 RAYS = 10_000
-"""Points of a cloud that end lines of sight where there is no image: a table's every 5 mm."""
+"""Points of a cloud that end lines of sight, as far as no image shows them already: a table's every 5 mm."""
 CLOSE = "surfaces within the deviation"
 """Why two touch although no mean point of either is near the other: the contact lies between them."""
 APART = "surfaces further apart than the deviation"
@@ -249,4 +249,4 @@ def seen_in(scene: Scene) -> FreeSpace | None:
 def seen_points(scene: Scene, name: str) -> FloatArray:
     """(N, 3) points of an object that end lines of sight [m]: a spread of them, of a dense cloud."""
     cloud = scene.clouds[name]
-    return cloud if scene.images else cloud[:: -(-len(cloud) // RAYS)]
+    return cloud[:: -(-len(cloud) // RAYS)]

@@ -1,0 +1,104 @@
+"""The completed surfaces of a scene's bodies, shared by all who ask and by the scenes that come of it."""
+
+from collections.abc import Collection, Mapping
+from functools import cached_property
+from typing import TYPE_CHECKING
+from weakref import WeakKeyDictionary, ref
+
+import numpy as np
+
+from topple.topology.arrays import FloatArray
+from topple.topology.bodies.complete import complete
+from topple.topology.upright import Upright
+from topple.topology.views.free_space import FreeSpace
+
+if TYPE_CHECKING:
+    from topple.topology.scene import Scene
+
+
+class Surfaces:
+    """The bodies of a scene, each completed once for all who ask, in whatever company."""
+
+    def __init__(
+        self,
+        scene: "Scene",
+        like: "Surfaces | None" = None,
+        kept: Collection[str] = (),
+        moved: Mapping[str, FloatArray] | None = None,
+    ) -> None:
+        """Nothing is completed yet.
+
+        Args:
+            scene: The scene; asked for only while it lives.
+            like: The bodies of the scene that it came of.
+            kept: Names of those bodies that are where they were.
+            moved: name -> (4, 4) rigid transform in the world of those that are elsewhere.
+        """
+        self._scene, self._like = ref(scene), like
+        self._poses = {**{name: np.eye(4) for name in kept}, **(moved or {})}
+        self._done: dict[str, FloatArray] = {}
+
+    @property
+    def scene(self) -> "Scene | None":
+        """The scene, while there is one."""
+        return self._scene()
+
+    @cached_property
+    def upright(self) -> Upright:
+        """The scene turned upright; as the one it came of was, where anything is fixed that tells."""
+        scene, like = self.scene, self._like
+        assert scene is not None, "asked for by somebody who has the scene"
+        told = like is not None and like.scene is not None and bool(scene.fixed)
+        return Upright.of(scene, like.upright.rotation if told and like is not None else None)
+
+    @cached_property
+    def sight(self) -> FreeSpace | None:
+        """What the cameras saw to be empty, in the upright frame; None where no camera is known."""
+        upright, scene = self.upright, self.scene
+        if upright.viewpoints is None or scene is None:
+            return None
+        return FreeSpace(upright.clouds, upright.viewpoints, scene.images, upright.rotation)
+
+    def among(self, names: Collection[str]) -> dict[str, FloatArray]:
+        """Upright points (N, 3) [m] of the whole surfaces, by name."""
+        missing = [name for name in names if name not in self._done]
+        self._done.update(self._known([name for name in missing if name in self._poses]))
+        missing = [name for name in missing if name not in self._done]
+        self._done.update(complete(self.upright.among(missing), self.sight))
+        return {name: self._done[name] for name in names}
+
+    def _known(self, names: Collection[str]) -> dict[str, FloatArray]:
+        """The bodies that were completed in the scene this one came of, where they are now."""
+        like, names = self._like, [name for name in names if name not in self.upright.fixed]
+        if like is None or not names or like.scene is None:
+            return {}
+        before, now = like.upright.rotation, self.upright.rotation
+        found: dict[str, FloatArray] = {}
+        for name, body in like.among(names).items():
+            pose = self._poses[name]
+            turn = now @ pose[:3, :3] @ before.T
+            still = np.array_equal(pose, np.eye(4)) and np.array_equal(before, now)
+            found[name] = body if still else body @ turn.T + now @ pose[:3, 3]
+        return found
+
+
+_COMPLETED: WeakKeyDictionary["Scene", Surfaces] = WeakKeyDictionary()
+"""Of the scenes there are: relations that infer contacts, orders and placements ask of the same one."""
+
+
+def surfaces_of(scene: "Scene") -> Surfaces:
+    """The completed bodies of a scene."""
+    known = _COMPLETED.get(scene)
+    return _COMPLETED.setdefault(scene, Surfaces(scene)) if known is None else known
+
+
+def carry_over(scene: "Scene", before: "Scene", moved: Mapping[str, FloatArray] | None = None) -> None:
+    """Say of a scene that it came of another one: bodies whose clouds are the same ones are completed once.
+
+    Args:
+        scene: The scene, of which nothing was asked yet.
+        before: The one it came of.
+        moved: name -> (4, 4) rigid transform in the world of objects that are elsewhere now, and whole.
+    """
+    kept = [name for name, cloud in scene.clouds.items() if before.clouds.get(name) is cloud]
+    _COMPLETED.setdefault(scene, Surfaces(scene, surfaces_of(before), kept, moved))
