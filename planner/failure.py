@@ -12,7 +12,7 @@ from topple.topology.values import Word
 STEPS = ("grasp", "approach", "lift", "place", "retreat", "transfer", "move")
 """In the order in which a search looks at them: what fails later got further."""
 
-TOLD = 4  # reasons in a line for people: the rest is rarer, and in `TransferFailure.reasons`
+TOLD = 2  # reasons in a sentence for people: the rest is rarer, and in `TransferFailure.reasons`
 
 
 class Check(Word):
@@ -30,6 +30,17 @@ class Check(Word):
     """The object would not stay there."""
     PROOF = "proof"
     """Something may touch between the samples of a way."""
+
+
+HELP = {
+    Check.ROOM: "another hand may take it",
+    Check.REACH: "a base nearer to it, or an arm that reaches further, would get there",
+    Check.COLLISION: "more room around it, or another place for the base, would help",
+    Check.SEARCH: "another --seed may find a way",
+    Check.STAND: "a level place with room for it would help",
+    Check.PROOF: "more room along the way would help",
+}
+"""What would help where nothing that could be taken away is in the way."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -70,13 +81,21 @@ class TransferFailure:
     barring: Mapping[str, int] = field(default_factory=dict[str, int])
 
     def __str__(self) -> str:
-        """One line for people, with the commonest reasons."""
-        counted = [f"{count} x {reason}" for reason, count in self.reasons.items()]
-        more = ["and rarer ones"] if len(counted) > TOLD else []
-        words = f"cannot move {self.object}: {'; '.join([*counted[:TOLD], *more]) or 'nothing was tried'}"
+        """One sentence: what bars the try that got furthest, and what would help."""
+        return "; ".join(filter(None, (f"cannot move {self.object}: {self._obstacle()}", self._help())))
+
+    def _obstacle(self) -> str:
+        if self.furthest is None or self.furthest.check is Check.ROOM:  # one for the jaw, one for the cup
+            return " and ".join(list(self.reasons)[:TOLD]) or "nothing was tried"
+        return self.furthest.text
+
+    def _help(self) -> str:
         if self.blocking:
-            words += f" (in the way: {self.blocking})"
-        return words
+            return f"in the way: {self.blocking}"
+        if self.furthest is None:
+            return ""
+        placed = self.furthest.step == "place" and self.furthest.check is Check.ROOM
+        return HELP[Check.STAND if placed else self.furthest.check]
 
 
 @dataclass

@@ -69,7 +69,7 @@ def test_where_no_grasp_has_room_the_failure_says_beside_what() -> None:
     assert (found.furthest.step, found.furthest.check) == ("grasp", "room")
     assert {found.blocking} < {"left", "right"} == set(found.barring)
     assert "no room for the fingers beside left" in found.reasons
-    assert "(in the way: " in str(found)
+    assert str(found).endswith(f"; in the way: {found.blocking}")
 
 
 def test_the_setback_that_got_furthest_is_kept() -> None:
