@@ -178,20 +178,21 @@ CAMERAS = np.array([[0.45, 0.31, 0.5], [-0.5, 0.235, 0.5], [0.05, -0.55, 0.5]])
 """Where depth cameras stand around a table [m]."""
 
 
-def observe(pile: Pile, cameras: int, seed: int) -> Scene:
+def observe(pile: Pile, cameras: int, seed: int, more: FloatArray | None = None) -> Scene:
     """The pile as point clouds.
 
     Args:
         pile: The pile.
         cameras: How many look at it, 1 to 3; 0 gives whole surfaces without noise.
         seed: Seed of sampling and noise.
+        more: (k, 3) places from where it is looked at besides [m].
 
     Returns:
         The scene with its table; an object no camera sees is absent.
     """
     rng = np.random.default_rng(seed)
     clouds: dict[str, FloatArray] = {}
-    centres = CAMERAS[:cameras]
+    centres = CAMERAS[:cameras] if more is None else np.vstack([CAMERAS[:cameras], more])
     with pile.world() as world:
         for name in world.names:
             pose = world.pose(name)

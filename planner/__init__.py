@@ -14,6 +14,7 @@ if TYPE_CHECKING:
     from topple.planner.formats.plan_format import Plan
     from topple.planner.grasp.foreign import ForeignGrasps, grasps_from_array, read_grasps
     from topple.planner.grasp.rank import rank_grasps
+    from topple.planner.planning.next_view import next_view
     from topple.planner.planning.order import order
     from topple.planner.planning.plan import plan
     from topple.planner.report.run_page import run_page
@@ -32,6 +33,7 @@ __all__ = [
     "demo",
     "dependencies",
     "grasps_from_array",
+    "next_view",
     "order",
     "plan",
     "rank_grasps",
@@ -54,6 +56,7 @@ _HOME = {
     "demo": "execution.demo",
     "dependencies": "decide.dependency",
     "grasps_from_array": "grasp.foreign",
+    "next_view": "planning.next_view",
     "order": "planning.order",
     "plan": "planning.plan",
     "rank_grasps": "grasp.rank",

@@ -18,7 +18,7 @@ from topple.planner.cli.options import (
 )
 from topple.planner.cli.progress import Progress
 from topple.planner.cli.robot_options import add_gripper, arm_of
-from topple.planner.cli.tables import print_assumptions, print_order
+from topple.planner.cli.tables import print_assumptions, print_next_view, print_order
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
@@ -45,6 +45,11 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         help="say what bars the gripper's way: panda, panda-suction, iiwa, xarm6 or FILE.urdf",
     )
     add_gripper(parser)
+    parser.add_argument(
+        "--next-view",
+        action="store_true",
+        help="say from where a camera would see most of what is hidden and the order hangs on",
+    )
 
 
 def execute(args: argparse.Namespace) -> int:
@@ -63,7 +68,7 @@ def execute(args: argparse.Namespace) -> int:
     arm = arm_of(args) if args.robot else None
     options = {"seed": args.seed, "verify": args.verify, "budget": args.budget, "robot": arm}
     scene_paths(args)  # which may be among the names of --fixed and --target
-    work = partial(_answer, Reading.of(args), args.target, args.max_objects, options)
+    work = partial(_answer, Reading.of(args), args.target, args.max_objects, args.next_view, options)
     by_scenes = not (args.verify or args.robot)  # those take all cores, and import what prints when imported
     with Progress("order") as progress:
         return for_each_scene(args, work, partial(_show, args.json), progress, processes=by_scenes)
@@ -79,16 +84,29 @@ class _Answer:
 
 
 def _answer(
-    reading: Reading, target: list[str] | None, most_objects: int | None, options: dict[str, Any], path: str
+    reading: Reading,
+    target: list[str] | None,
+    most_objects: int | None,
+    look: bool,
+    options: dict[str, Any],
+    path: str,
 ) -> _Answer:
     """The order of a scene file."""
+    from topple.planner.planning.next_view import next_view
     from topple.planner.planning.order import order
     from topple.topology.rule.relate import relate
+    from topple.topology.situation import Situation
 
     scene = reading.scene(path)
-    relations = None if most_objects is None else relate(scene, most_objects=most_objects)
-    found = order(scene, target, relations=relations, **options)
-    return _Answer(found.to_json(), len(scene.movable), tuple(found.unresolved))
+    situation = Situation.of(
+        scene, None if most_objects is None else relate(scene, most_objects=most_objects)
+    )
+    found = order(situation, target, **options)
+    document = found.to_json()
+    if look:
+        view = next_view(situation, target, found=found)
+        document["next_view"] = None if view is None else view.to_json()
+    return _Answer(document, len(scene.movable), tuple(found.unresolved))
 
 
 def _show(as_json: bool, path: str, answer: _Answer) -> int:
@@ -96,6 +114,8 @@ def _show(as_json: bool, path: str, answer: _Answer) -> int:
         print_json({"scene": path, **answer.document})
     else:
         print_order(path, answer.document, answer.movable)
+        if "next_view" in answer.document:
+            print_next_view(answer.document["next_view"])
         print_assumptions(answer.document["assumptions"])
     for cycle in answer.unresolved:
         complain(f"{path}: no safe order: {' -> '.join([*cycle, cycle[0]])} is a cycle, each has to go first")

@@ -74,6 +74,21 @@ def print_order(title: str, document: Document, movable: int | None = None) -> N
         print_text(f"{bar['reason']}: it has to go before a hand gets there.")
 
 
+def print_next_view(view: Document | None) -> None:
+    """Print from where to look next.
+
+    Args:
+        view: The entry `next_view` of an order's document.
+    """
+    if view is None:
+        print_text("Next view: none would show anything more that the order hangs on.")
+        return
+    eye, target = ("(" + ", ".join(f"{value:.2f}" for value in view[key]) + ")" for key in ("eye", "target"))
+    told = ", ".join(f"{one['a']} and {one['b']}" for one in view["shows"][:3])
+    share = f"{100 * view['worth']:.0f} % of what is hidden and matters"
+    print_text(f"Next view: from {eye} towards {target} m, which shows {share}: where {told} may meet.")
+
+
 def _support(support: Document) -> tuple[str, ...]:
     inferred = "inferred" if support.get("inferred") else ""
     sure = f"{support['confidence']:.2f}"
