@@ -59,6 +59,7 @@ class Episode:
         folder: Where the frame is; empty for a built-in scene.
         mask_noise: Standard deviation in pixels by which edges of masks are wrong.
         shuffle_labels: Whether names of objects are not kept between looks.
+        wrist_camera: Whether the arm carries one more camera for a second look.
     """
 
     scenario: str
@@ -68,6 +69,7 @@ class Episode:
     folder: str = ""
     mask_noise: float = 0.0
     shuffle_labels: bool = False
+    wrist_camera: bool = False
 
 
 @dataclass(frozen=True)
@@ -207,6 +209,7 @@ def _played(episode: Episode, begun: float) -> Ending:
         loop = loop_in(
             stage, seed=episode.seed, cameras=episode.cameras, orderer=orderer,
             mask_noise=episode.mask_noise, shuffle_labels=episode.shuffle_labels,
+            wrist_camera=episode.wrist_camera,
         )  # fmt: skip
         first = loop.look()
         goal = parse_goal(stage.goal, first.scene)

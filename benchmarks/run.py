@@ -56,6 +56,7 @@ class Series:
         frames: Their names.
         mask_noise: Standard deviation in pixels by which edges of masks are wrong.
         shuffle_labels: Whether names of objects are not kept between looks.
+        wrist_camera: Whether the arm carries one more camera for a second look.
     """
 
     scenario: str
@@ -67,6 +68,7 @@ class Series:
     frames: tuple[str, ...] = ()
     mask_noise: float = 0.0
     shuffle_labels: bool = False
+    wrist_camera: bool = False
 
     def episodes(self, seed: int) -> list[Episode]:
         """Its episodes, from a first seed on."""
@@ -77,6 +79,7 @@ class Series:
             Episode(
                 self.scenario, seed + number, self.cameras, self.rule,
                 mask_noise=self.mask_noise, shuffle_labels=self.shuffle_labels,
+                wrist_camera=self.wrist_camera,
             )
             for number in range(self.seeds)
         ]  # fmt: skip
@@ -84,6 +87,7 @@ class Series:
     def __str__(self) -> str:
         """As it stands in a table."""
         eyes = f"{self.cameras} camera{'s' if self.cameras > 1 else ''}"
+        eyes += " and one on the wrist" if self.wrist_camera else ""
         masks = f", masks {self.mask_noise:g} px off" if self.mask_noise else ""
         names = ", labels shuffled" if self.shuffle_labels else ""
         return f"{self.scenario}, {eyes}{masks}{names}" + ("" if self.rule == TOPPLE else f", {self.rule}")
@@ -95,6 +99,7 @@ FULL = (
     Series("tower", 40, bar=95),
     Series("pile", 60, bar=90),
     Series("pile", 60, cameras=1, bar=80),
+    Series("pile", 60, cameras=1, bar=85, wrist_camera=True),
     Series("pile", 60, mask_noise=1.0),
     Series("pile", 60, shuffle_labels=True),
     Series("sort", 20, bar=85),

@@ -60,7 +60,7 @@ def execute(args: argparse.Namespace) -> int:
         video, rerun = video_of(args), rerun_of(args)
         record = demo(
             args.name, seed=args.seed, robot=args.robot, cameras=args.cameras, mask_noise=args.mask_noise,
-            folder=folder, video=video, rerun=rerun, progress=progress,
+            wrist_camera=args.wrist_camera, folder=folder, video=video, rerun=rerun, progress=progress,
         )  # fmt: skip
     run = record.to_json()
     if args.json:
@@ -75,7 +75,8 @@ def _as_counted(args: argparse.Namespace) -> bool:
     """Whether the scene is played with what its seeds were counted with."""
     from topple.planner.execution.demo_seeds import CAMERAS
 
-    return args.robot is None and args.cameras == CAMERAS and not args.mask_noise
+    plain = not (args.mask_noise or args.wrist_camera)
+    return args.robot is None and args.cameras == CAMERAS and plain
 
 
 def _print_demo(name: str, folder: Path, run: dict[str, Any], *, as_counted: bool) -> None:

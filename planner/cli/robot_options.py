@@ -115,6 +115,11 @@ def add_cameras(parser: argparse.ArgumentParser) -> None:
         metavar="PIXELS",
         help="how far edges of the masks are off, as those of a segmentation are (0)",
     )
+    parser.add_argument(
+        "--wrist-camera",
+        action="store_true",
+        help="the arm carries one more, for a second look before a doubtful step",
+    )
 
 
 def add_recordings(parser: argparse.ArgumentParser) -> None:

@@ -65,8 +65,8 @@ def execute(args: argparse.Namespace) -> int:
         progress(f"{path}: rebuilding the scene")
         record = run(
             scene, goal, arm_of(args), base=base_of(args, scene), cameras=args.cameras,
-            mask_noise=args.mask_noise, shuffle_labels=args.shuffle_labels, video=video, rerun=rerun,
-            seed=args.seed, progress=progress,
+            mask_noise=args.mask_noise, shuffle_labels=args.shuffle_labels, wrist_camera=args.wrist_camera,
+            video=video, rerun=rerun, seed=args.seed, progress=progress,
         )  # fmt: skip
         if place is not None:
             from topple.planner.report.run_page import run_page

@@ -40,6 +40,7 @@ def demo(
     robot: str | None = None,
     cameras: int = CAMERAS,
     mask_noise: float = 0.0,
+    wrist_camera: bool = False,
     folder: str | Path = "topple-demo",
     video: Path | None = None,
     rerun: Path | None = None,
@@ -54,6 +55,7 @@ def demo(
         robot: The arm; the one the scene is made for where None.
         cameras: How many depth cameras look on, 1 to 3.
         mask_noise: By how many pixels the edges of their masks are wrong (standard deviation).
+        wrist_camera: Whether the arm carries one more for a second look before a doubtful step.
         folder: Where relations.json, order.json, plan.json, run.json and report.html are written.
         video: Where a film of it is written, an MP4 file.
         rerun: Where a recording for the Rerun viewer is written, an .rrd file.
@@ -72,8 +74,9 @@ def demo(
             check_writable(place / file)
         robot = robot or stage.robot
         loop = loop_in(
-            stage, robot=robot, cameras=cameras, mask_noise=mask_noise, seed=seed, progress=progress
-        )
+            stage, robot=robot, cameras=cameras, mask_noise=mask_noise, wrist_camera=wrist_camera,
+            seed=seed, progress=progress,
+        )  # fmt: skip
         acting, first = loop.robot, loop.look()
         assert isinstance(acting, SimulatedArm)
         # the plan of the whole sequence is made on the other core while the arm already works
@@ -123,6 +126,7 @@ def loop_in(
     cameras: int = 3,
     mask_noise: float = 0.0,
     shuffle_labels: bool = False,
+    wrist_camera: bool = False,
     orderer: Orderer = cautious,
     seed: int = 0,
     progress: Progress | None = None,
@@ -135,6 +139,7 @@ def loop_in(
         cameras: How many depth cameras look on.
         mask_noise: By how many pixels the edges of their masks are wrong (standard deviation).
         shuffle_labels: Whether names of objects are not kept between looks.
+        wrist_camera: Whether the arm carries a camera for a second look before a doubtful step.
         orderer: What decides the order.
         seed: Of the sensor noise and every search.
         progress: Called with a line before and after each action.
@@ -153,6 +158,7 @@ def loop_in(
         seed=seed,
         progress=progress,
         shuffle_labels=shuffle_labels,
+        wrist_camera=wrist_camera,
     )
 
 

@@ -56,8 +56,8 @@ class Look:
 class Perception(Protocol):
     """Whatever looks at a scene: simulated cameras, or those of a robot."""
 
-    def look(self, expected: Scene | None = None) -> Look:
-        """Look now; `expected` is the scene as it should be, for what is hidden."""
+    def look(self, expected: Scene | None = None, more: Sequence[DepthImage] = ()) -> Look:
+        """Look now; `expected` is the scene as it should be, `more` are pictures just taken of it besides."""
         ...
 
 
@@ -90,10 +90,11 @@ class Observer:
         self._frames = Frames(self.cameras)
         self._last: Scene | None = None
 
-    def look(self, expected: Scene | None = None) -> Look:
+    def look(self, expected: Scene | None = None, more: Sequence[DepthImage] = ()) -> Look:
         """Takes a picture with every camera and relates what is seen.
 
         Args:
+            more: Pictures that another camera took just now.
             expected: The scene as it should be by now. Of what no camera sees any more, its cloud is kept
                 until a camera sees through the place where it should be.
 
@@ -105,6 +106,7 @@ class Observer:
             InvalidInput: No camera sees anything, or they never saw the table.
         """
         images, faults = self._frames.take(self.world, self.rng, changed=expected is not self._last)
+        images = (*images, *more)
         if self.shuffle_labels and expected is not None:
             images = associated(images, expected, self.rng)
         scene = self._scene(images)

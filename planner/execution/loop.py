@@ -4,7 +4,7 @@ import logging
 import time
 from collections import Counter
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from typing import Any
 
 import numpy as np
@@ -17,6 +17,7 @@ from topple.planner.execution.execute import Outcome, execute, withdraw
 from topple.planner.execution.judge import Judge
 from topple.planner.execution.look import Look, Observer, Perception, unexpected
 from topple.planner.execution.monitor import Monitor, NoMonitor
+from topple.planner.execution.second_look import HandCamera, doubtful, second_look
 from topple.planner.execution.standing import misplaced
 from topple.planner.execution.tolerances import STUCK
 from topple.planner.formats.run_record import INTERRUPTED, RunRecord, StepRecord
@@ -31,6 +32,7 @@ from topple.robots.driver import Driver
 from topple.robots.world.camera import Camera
 from topple.robots.world.simulated_arm import SimulatedArm
 from topple.robots.world.world import World
+from topple.robots.world.wrist_camera import WristCamera
 from topple.topology.arrays import FloatArray
 from topple.topology.errors import ToppleError
 from topple.topology.situation import Situation
@@ -73,6 +75,7 @@ class ClosedLoop:
         grasps: Grasps of the caller's own, in the world, for objects that the arm has not tried to take yet.
         progress: Called with a line before and after each action.
         judge: What watches from outside and says what was disturbed; by default nothing does.
+        wrist: A camera that the arm carries, for a second look before a doubtful step.
 
     After `run`, `followed` holds the steps that were done, with their transfers.
     """
@@ -86,6 +89,7 @@ class ClosedLoop:
     grasps: GraspsByObject = field(default_factory=dict[str, Sequence[Grasp]])
     progress: Progress | None = None
     judge: Monitor = field(default_factory=NoMonitor)
+    wrist: HandCamera | None = None
 
     def __post_init__(self) -> None:
         self._done: list[tuple[str, str]] = []
@@ -111,6 +115,7 @@ class ClosedLoop:
         masses: Mapping[str, float] | None = None,
         friction: Mapping[str, float] | None = None,
         shuffle_labels: bool = False,
+        wrist_camera: bool = False,
         **more: Any,
     ) -> "ClosedLoop":
         """Close the loop in a PyBullet world, judged by its true poses.
@@ -126,12 +131,14 @@ class ClosedLoop:
             masses: Masses [kg] by name of what was weighed; what is seen anew keeps them.
             friction: Coefficients of surfaces by name of what was tried, likewise.
             shuffle_labels: Whether names of objects are not kept between looks.
+            wrist_camera: Whether the arm carries a camera like the first one for a second look.
             **more: As the attributes of this class.
         """
         up = np.array([0.0, 0.0, 1.0]) if up is None else up
         rng = np.random.default_rng(seed)
         perception = Observer(world, cameras, rng, fixed, up, masses or {}, friction or {}, shuffle_labels)
-        return cls(robot, perception, goal, seed=seed, judge=Judge(robot, fixed, up), **more)
+        wrist = WristCamera(cameras[0], rng) if wrist_camera else None
+        return cls(robot, perception, goal, seed=seed, judge=Judge(robot, fixed, up), wrist=wrist, **more)
 
     def look(self) -> Look:
         """Takes a picture with every camera and relates what is seen."""
@@ -160,8 +167,11 @@ class ClosedLoop:
             self._check_place(look)
             chosen = self._first(look, goal)
             while chosen is not None and len(steps) < budget:
+                look, chosen, said = self._doubted(look, chosen, goal)
+                if chosen is None:
+                    break
                 step, look, found = self._act(look, chosen)
-                steps.append(step)
+                steps.append(replace(step, events=(*said, *step.events)))
                 wrong += found
                 self._check_hand()
                 self._check_place(look)
@@ -216,6 +226,21 @@ class ClosedLoop:
             words = f"the arm starts in collision: {where}"
             raise NoSafePlan(words, (words,))
         return chooser.choose()
+
+    def _doubted(
+        self, look: Look, chosen: NextStep, goal: Goal
+    ) -> tuple[Look, NextStep | None, tuple[str, ...]]:
+        """What is seen and chosen after a second look, where the step is doubtful and there is a camera."""
+        name, wrist = chosen.transfer.object, self.wrist
+        if wrist is None or not doubtful(chosen.order, name):
+            return look, chosen, ()
+        again = second_look(wrist, self.robot, look.situation, chosen.order, self.seed)
+        if again is None:
+            return look, chosen, ()
+        said = f"A second look before taking {name}, at a risk of {chosen.order.risk[name]:.2f}."
+        self._say(said)
+        look = self.perception.look(look.scene, (again[0],))
+        return look, self._chooser(look, goal).choose(), (said,)
 
     def _check_hand(self) -> None:
         """See that the hand let go of what it held.

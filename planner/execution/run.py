@@ -35,6 +35,7 @@ def run(
     cameras: int = 3,
     mask_noise: float = 0.0,
     shuffle_labels: bool = False,
+    wrist_camera: bool = False,
     video: Path | None = None,
     rerun: Path | None = None,
     grasps: OwnGrasps | None = None,
@@ -52,6 +53,7 @@ def run(
         cameras: How many depth cameras look on, 1 to 3.
         mask_noise: By how many pixels the edges of their masks are wrong (standard deviation).
         shuffle_labels: Whether names of objects are not kept between looks.
+        wrist_camera: Whether the arm carries one more for a second look before a doubtful step.
         video: Where a film of it is written, an MP4 file.
         rerun: Where a recording for the Rerun viewer is written, an .rrd file.
         grasps: Grasps of your own, in the scene's frame, as for `topple.planner.plan`. They count for an
@@ -92,6 +94,7 @@ def run(
             masses=scene.masses,
             friction=scene.friction,
             shuffle_labels=shuffle_labels,
+            wrist_camera=wrist_camera,
         )
         recording = Recording(acting, RERUN_RATE) if rerun is not None else None
         with filmed(video, acting, stage.cameras[0]):

@@ -83,6 +83,18 @@ SAGGED = 0.01
 EDGE = 0.02
 """[m] a table reaches beyond what was seen of it."""
 
+# -- second_look
+
+DOUBTFUL = 0.1
+"""Risk of a step from which a second look pays: it takes the arm a tenth of what a failed run takes."""
+
+VIEWS_TRIED = 8
+"""Of the best views as many are tried: what the ninth shows is half of what the first would."""
+
+TURNS = 8
+"""Turns of the camera about its line of sight that are tried."""
+
+
 # -- associate
 
 STAYED = 0.03

@@ -174,8 +174,12 @@ class SimulatedArm:
 
     def pose_in_hand(self, name: str, tool: str) -> FloatArray:
         """(4, 4) pose_object_to_tool of an object: how it moves in the hand is what a judge asks."""
+        return inverse(self.tool_pose(tool)) @ self.world.pose(name)
+
+    def tool_pose(self, tool: str) -> FloatArray:
+        """(4, 4) pose_tool_to_world where a tool truly is."""
         frame = self.arm.tool(tool)
-        return inverse(self.link_pose(frame.link) @ frame.pose_tool_to_link) @ self.world.pose(name)
+        return self.link_pose(frame.link) @ frame.pose_tool_to_link
 
     # -- what it does
 
