@@ -43,6 +43,7 @@ from topple.benchmarks.piles import make_pile, observe, truth
 from topple.benchmarks.recorded import Case, Frame, recorded_frames, recorded_piles
 from topple.benchmarks.row import Progress, Row
 from topple.benchmarks.scores import Score, f1_interval, score, share_interval
+from topple.planner.planning.next_view import next_view
 from topple.planner.planning.order import order
 from topple.topology.scene import Scene
 
@@ -95,11 +96,13 @@ def rows(
         The bench's rows.
     """
     extent = QUICK if quick else FULL
+    found: list[Row] = []
     if piles is not None:
         cases = list(recorded_piles(piles))[: extent.piles if quick else None]
     else:
         cases = [_case(seed, number, extent, progress) for number in range(extent.piles)]
-    found: list[Row] = []
+        progress("a second view")
+        found.append(_second_view(cases))
     for view in extent.views:
         progress(f"{VIEWS[view]}: default and baselines")
         found += _view(cases, view)
@@ -119,6 +122,34 @@ def _case(seed: int, number: int, extent: Extent, progress: Progress) -> Case:
     pile_seed = FIRST_PILE + 1000 * seed + number
     pile = make_pile(pile_seed)
     return Case(pile_seed, truth(pile), {view: observe(pile, view, pile_seed) for view in extent.views})
+
+
+def _second_view(cases: Sequence[Case]) -> Row:
+    """What one more picture adds to one camera: from where `next_view` says, and from the opposite side."""
+
+    def seen(case: Case, next_one: bool) -> Scene:
+        one = case.scenes[1]
+        middle = np.mean([one.clouds[name].mean(axis=0) for name in one.movable], axis=0)
+        opposite = one.viewpoints[0] * [-1.0, -1.0, 1.0] + 2.0 * middle * [1.0, 1.0, 0.0]
+        view = next_view(one) if next_one else None
+        if next_one and view is None:
+            return one
+        eye = opposite if view is None else view.eye
+        return observe(make_pile(case.seed), 1, case.seed, eye[None])
+
+    def total(next_one: bool) -> list[Score]:
+        scenes = [seen(case, next_one) for case in cases]
+        return [
+            score(_answer(scene), case.labels, scene.movable)
+            for case, scene in zip(cases, scenes, strict=True)
+        ]
+
+    ours, theirs = total(True), total(False)
+    interval = f1_interval(ours)
+    return Row(
+        "F1, 1 camera and the next view", sum(ours, Score()).f1, "", "and the opposite view",
+        sum(theirs, Score()).f1, None, None, interval,
+    )  # fmt: skip
 
 
 def _view(cases: Sequence[Case], view: int) -> list[Row]:
