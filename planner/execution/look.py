@@ -1,7 +1,7 @@
 """One look at the world: depth images, clouds, relations, and what of it was not expected."""
 
-from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, field
+from collections.abc import Collection, Mapping, Sequence
+from dataclasses import dataclass, field, replace
 from typing import Protocol
 
 import numpy as np
@@ -89,12 +89,13 @@ class Observer:
     def __post_init__(self) -> None:
         self._frames = Frames(self.cameras)
         self._last: Scene | None = None
+        self._kept: tuple[DepthImage, ...] = ()  # taken by another camera, of what is still as it was then
 
     def look(self, expected: Scene | None = None, more: Sequence[DepthImage] = ()) -> Look:
         """Takes a picture with every camera and relates what is seen.
 
         Args:
-            more: Pictures that another camera took just now.
+            more: Pictures that another camera took just now. What they show counts until it is moved.
             expected: The scene as it should be by now. Of what no camera sees any more, its cloud is kept
                 until a camera sees through the place where it should be.
 
@@ -106,7 +107,7 @@ class Observer:
             InvalidInput: No camera sees anything, or they never saw the table.
         """
         images, faults = self._frames.take(self.world, self.rng, changed=expected is not self._last)
-        images = (*images, *more)
+        images, kept = (*images, *more), self._kept
         if self.shuffle_labels and expected is not None:
             images = associated(images, expected, self.rng)
         scene = self._scene(images)
@@ -117,6 +118,11 @@ class Observer:
                 images = tuple(renamed(image, names) for image in images)
                 scene, faults = self._scene(images), (*faults, *said.values())
             scene, surprises = _joined(scene, expected)
+            kept = tuple(image for each in kept if (image := _still(each, self._last, expected, surprises)))
+            if kept:
+                images = (*images, *kept)
+                scene, _ = _joined(self._scene(images), expected)
+        self._kept = (*kept, *more)
         scene = scene.weighed(_among(self.masses, scene), _among(self.friction, scene))
         self._last = scene
         return Look(images, Situation(scene), _seen(images[0]), surprises, faults)
@@ -124,6 +130,24 @@ class Observer:
     def _scene(self, images: Sequence[DepthImage]) -> Scene:
         fixed = [name for name in self.fixed if any(name in image.names.values() for image in images)]
         return _thinned(Scene.from_images(images, fixed=fixed, up=self.up))
+
+
+def _still(
+    image: DepthImage, last: Scene | None, now: Scene, surprises: Collection[str]
+) -> DepthImage | None:
+    """A picture from before without what was moved since, or is not as expected; None if nothing is left."""
+    before = now if last is None else last
+    stays = [
+        name
+        for name, cloud in now.clouds.items()
+        if name not in surprises and before.clouds.get(name) is cloud
+    ]
+    kept = np.isin(image.label, [number for number, name in image.names.items() if name in stays])
+    if not kept.any():
+        return None
+    names = {number: name for number, name in image.names.items() if name in stays}
+    depth, label = np.where(kept, image.depth, 0.0), np.where(kept, image.label, 0)
+    return replace(image, depth=depth, label=label, names=names)
 
 
 def _joined(seen: Scene, expected: Scene) -> tuple[Scene, dict[str, str]]:

@@ -14,7 +14,7 @@ from topple.robots.world.simulated_arm import SimulatedArm
 from topple.robots.world.world import World
 
 
-@pytest.fixture(scope="module")
+@pytest.fixture
 def stage() -> World:
     """Two blocks on each other behind a wall, as the only camera sees them."""
     world = World()
@@ -54,3 +54,17 @@ def test_a_step_is_doubtful_by_its_risk(loop: ClosedLoop) -> None:
     risky = [name for name, risk in order.risk.items() if risk > 0.1]
     assert [name for name in order.order if doubtful(order, name)] == [n for n in order.order if n in risky]
     assert not doubtful(order, "somebody else")
+
+
+def test_what_it_showed_counts_until_it_is_moved(loop: ClosedLoop) -> None:
+    first = loop.look()
+    assert loop.wrist is not None
+    taken = second_look(loop.wrist, loop.robot, first.situation, cautious(first.situation, ["low"]), seed=0)
+    assert taken is not None
+    again = loop.perception.look(first.scene, (taken[0],))
+    later = loop.perception.look(again.scene)
+    assert len(later.scene.clouds["low"]) > 1.5 * len(first.scene.clouds["low"])
+    cloud = again.scene.clouds["low"] + np.array([0.0, 0.3, 0.0])  # as if it had been carried off
+    moved = loop.perception.look(later.scene.with_cloud("low", cloud))
+    assert len(moved.scene.clouds["low"]) < 1.5 * len(first.scene.clouds["low"])
+    assert len(moved.scene.clouds["upper"]) > 1.1 * len(first.scene.clouds["upper"])
