@@ -3,6 +3,7 @@
 from collections.abc import Callable
 
 import numpy as np
+from numpy.typing import ArrayLike
 from scipy.spatial.transform import Rotation
 
 from topple.benchmarks.piles import Pile, make_pile
@@ -65,6 +66,11 @@ def _moved(a: FloatArray, b: FloatArray) -> float:
     return float(np.linalg.norm((b - a)[:3, 3])) + 0.1 * angle_between(a, b)
 
 
+def _at(place: ArrayLike, turn: Rotation | None = None) -> FloatArray:
+    x, y, z = np.asarray(place, dtype=np.float64).tolist()
+    return pose_at(x, y, z, turn)
+
+
 def _yaw(angle: float) -> Rotation:
     return Rotation.from_euler("z", angle)
 
@@ -80,7 +86,7 @@ def _tower(world: World, rng: np.random.Generator) -> None:
             body = shapes.can(f"can_{k}", diameter=float(size[:2].min()), height=float(size[2]))
         else:
             body = shapes.box(f"box_{k}", tuple(size))
-        world.add(body, pose_at(*middle, top, _yaw(rng.uniform(0, np.pi))))
+        world.add(body, _at([*middle, top], _yaw(rng.uniform(0, np.pi))))
         top, half = top + float(size[2]) + GAP, float(size[:2].min()) / 2
 
 
@@ -111,7 +117,7 @@ def _arch(world: World, rng: np.random.Generator) -> None:
         ring = [(r * np.cos(a), r * np.sin(a)) for r in (inner, outer) for a in angles]
         corners = np.array([[x, y, z] for x, z in ring for y in (-depth / 2, depth / 2)])
         middle = corners.mean(axis=0)
-        world.add(Body.of(f"stone_{k}", [corners - middle], kind="stone"), pose_at(*middle))
+        world.add(Body.of(f"stone_{k}", [corners - middle], kind="stone"), _at(middle))
     for k, side in enumerate((-1, 1)):
         weight = shapes.box(f"foot_{k}", (0.06, depth, rng.uniform(0.05, 0.08)))
         world.add(weight, pose_at(side * (outer + 0.03 + GAP), 0, 0))
@@ -128,7 +134,7 @@ def _cards(world: World, rng: np.random.Generator) -> None:
             corner = np.array([side * thick / 2, 0, 0])  # the foot that stands
             foot = np.array([(2 * k - count + 1) * (reach + 0.02) + side * reach, 0, 1e-4])
             place = foot - turn.apply(corner)
-            world.add(shapes.box(f"card_{k}{'lr'[side > 0]}", (thick, deep, high)), pose_at(*place, turn))
+            world.add(shapes.box(f"card_{k}{'lr'[side > 0]}", (thick, deep, high)), _at(place, turn))
     if rng.random() < 0.6:
         roof = high * np.cos(tilt) + thick * np.sin(tilt) + 1e-3
         size = (4 * reach + 0.06, deep, thick) if count == 2 else (0.1, deep, thick)
@@ -156,7 +162,7 @@ def _dishes(world: World, rng: np.random.Generator) -> None:
     top = 0.0
     for k in range(int(rng.integers(1, 4))):
         plate = shapes.plate(f"plate_{k}", diameter=float(rng.uniform(0.2, 0.22)))
-        world.add(plate, pose_at(*rng.uniform(-0.002, 0.002, 2), top))
+        world.add(plate, _at([*rng.uniform(-0.002, 0.002, 2), top]))
         top += 0.008
     for k in range(int(rng.integers(0, 3))):
         bowl = shapes.bowl(f"bowl_{k}", diameter=0.15, height=0.06)
@@ -178,7 +184,7 @@ def _leaning(world: World, rng: np.random.Generator) -> None:
     for k in range(int(rng.integers(1, 4))):
         turn = Rotation.from_euler("y", -tilt)
         foot = np.array([x + min(high * np.sin(tilt), 0.12 * np.tan(tilt)), 0, 1e-4])
-        world.add(shapes.box(f"book_{k}", (thick, 0.1, high)), pose_at(*(foot + [thick / 2, 0, 0]), turn))
+        world.add(shapes.box(f"book_{k}", (thick, 0.1, high)), _at(foot + np.array([thick / 2, 0, 0]), turn))
         x += thick / np.cos(tilt) + GAP
     if rng.random() < 0.5:
         world.add(shapes.can("can", diameter=0.06, height=0.09), pose_at(0, 0, 0.12 + GAP))

@@ -1,8 +1,8 @@
 """How many partial arrangements stand when a finished one is put together, against simple orders.
 
-Seeded arrangements (piles, towers, bridges, arches, card houses, balances, nested dishes, leaning books) are
+Seeded arrangements (piles, towers, bridges, arches, card houses, balances, nested dishes, books) are
 settled in PyBullet and seen. Each order is then carried out there by ideal placements: every thing is lowered
-straight down into its place, rigidly, at 8 cm/s, and let go; what topple says is held is kept still meanwhile.
+straight down into its place, rigidly, at 8 cm/s, and let go; what is to be held is kept still meanwhile.
 A prefix stands where nothing that is down, and is not held, moves by 1 cm or 10 degrees, neither while the
 last thing comes nor in two seconds after it was let go. Each prefix begins with everything in its place, so
 that what went wrong before is not counted twice.
@@ -84,13 +84,12 @@ def _baselines(scene: Scene, seed: int) -> dict[str, tuple[str, ...]]:
     carried.add_edges_from((a, b) for a, b in carriers if a not in scene.fixed)
     draw = dict(zip(scene.movable, np.random.default_rng(seed).permutation(len(carried)), strict=True))
     units = nx.condensation(carried)  # what seems to carry each other comes in any order
-    random = nx.lexicographical_topological_sort(units, lambda c: min(draw[n] for n in units.nodes[c]["members"]))
+    members = {c: sorted(units.nodes[c]["members"], key=draw.__getitem__) for c in units}
+    random = nx.lexicographical_topological_sort(units, lambda c: draw[members[c][0]])
     return {
         "height": top_height(scene).order[::-1],
         "plain 6IM + height": naive(scene).order[::-1],
-        "random topological": tuple(
-            name for c in random for name in sorted(units.nodes[c]["members"], key=draw.__getitem__)
-        ),
+        "random topological": tuple(name for c in random for name in members[c]),
     }
 
 

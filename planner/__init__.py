@@ -4,6 +4,7 @@ from importlib import import_module
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
+    from topple.planner.building.build import BuildOrder, Hold, build_order
     from topple.planner.decide.arrange import Order, arrange
     from topple.planner.decide.dependency import Dependency, DependencyGraph, dependencies
     from topple.planner.errors import NoSafePlan
@@ -19,16 +20,19 @@ if TYPE_CHECKING:
     from topple.planner.report.run_page import run_page
 
 __all__ = [
+    "BuildOrder",
     "ClosedLoop",
     "Dependency",
     "DependencyGraph",
     "ForeignGrasps",
+    "Hold",
     "NoSafePlan",
     "Observer",
     "Order",
     "Plan",
     "RunLimits",
     "arrange",
+    "build_order",
     "demo",
     "dependencies",
     "grasps_from_array",
@@ -41,6 +45,9 @@ __all__ = [
 ]
 
 _HOME = {
+    "BuildOrder": "building.build",
+    "Hold": "building.build",
+    "build_order": "building.build",
     "ClosedLoop": "execution.loop",
     "Dependency": "decide.dependency",
     "DependencyGraph": "decide.dependency",

@@ -2,13 +2,13 @@
 
 import math
 from collections.abc import Collection, Mapping, Sequence
-from dataclasses import dataclass, replace
-from functools import cache
+from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
 import networkx as nx
 
-from topple.planner.building.prefixes import Falling, Names, Prefixes, fewest_holds
+from topple.planner.building.prefixes import Falling, Prefixes, fewest_holds
+from topple.planner.building.standing import falling_in
 from topple.planner.decide.arrange import Order
 from topple.planner.decide.assumptions import assumptions
 from topple.planner.decide.chances import reasoned
@@ -18,6 +18,7 @@ from topple.topology.evidence import Evidence
 from topple.topology.situation import Situation
 from topple.topology.statics.gravity import check_up
 from topple.topology.statics.rest import Statics
+from topple.topology.statics.tolerances import UNSTEADY
 from topple.topology.values import FrozenDict
 
 if TYPE_CHECKING:
@@ -117,7 +118,7 @@ def build_order(scene: "Scene | Situation", *, relations: "Relations | None" = N
     meeting: nx.Graph[str] = nx.Graph()
     meeting.add_nodes_from(scene.movable)
     meeting.add_edges_from((c.a, c.b) for c in statics.contacts if {c.a, c.b} <= meeting.nodes)
-    falling = _falling(statics)
+    falling = falling_in(statics)
     parts = nx.connected_components(nx.Graph([*meeting.edges, *over, *((n, n) for n in meeting)]))
     steps: list[str] = []
     holds: list[Hold] = []
@@ -129,7 +130,7 @@ def build_order(scene: "Scene | Situation", *, relations: "Relations | None" = N
         steps += [name for unit in chosen for name in unit]
         groups += [unit for unit in chosen if len(unit) > 1]
         holds += [
-            _hold(name, chosen[first][-1], chosen[last][-1], full)
+            _hold(name, chosen[first][-1], chosen[last][-1], full, situation)
             for name, (first, last) in sorted(found.held.items(), key=lambda each: each[1])
         ]
         proven = proven and found.proven
@@ -145,26 +146,12 @@ def build_order(scene: "Scene | Situation", *, relations: "Relations | None" = N
         groups=tuple(groups),
         unresolved=(),
         risk=FrozenDict(_risks(steps, holds, chances)),
-        assumptions=(*scene.assumptions, *assumptions(scene, statics)),
+        assumptions=(*scene.assumptions, *assumptions(scene, statics), *_unsteady(statics)),
         explanation=_explained(steps, holds, groups, graph),
         chances=FrozenDict({(then, first): chance for (first, then), chance in chances.items()}),
         holds=tuple(holds),
         proven=proven,
     )
-
-
-def _falling(statics: Statics) -> Falling:
-    """What does not stand, by the statics of the finished arrangement; asked once of each arrangement."""
-    every = frozenset(statics.upright.movable)
-
-    @cache
-    def falling(placed: Names, held: Names) -> frozenset[str]:
-        away = every - placed
-        if statics.sight is not None:
-            return frozenset(statics.unsteady_without(away, held))
-        return frozenset(statics.fallen_without(away, held))
-
-    return falling
 
 
 def _ordered(
@@ -191,12 +178,21 @@ def _ordered(
     )
 
 
-def _hold(name: str, since: str, until: str, removals: DependencyGraph) -> Hold:
+def _hold(name: str, since: str, until: str, removals: DependencyGraph, situation: Situation) -> Hold:
     """A hold with its reason: what would move if `until` were taken away again."""
     edge = removals.between(name, until)
     if edge is None:
-        return Hold(name, since, until, f"{name} does not stand there without {until}")
+        why = f"it does not stand safely without {until}"
+        return Hold(name, since, until, why, situation.chain(name, until))
     return Hold(name, since, until, edge.sentence(), edge.evidence)
+
+
+def _unsteady(statics: Statics) -> tuple[str, ...]:
+    """What does not stand in the finished arrangement, as far as its weights are known."""
+    found = [name for name, missing in statics.unexplained.items() if missing > UNSTEADY]
+    return tuple(
+        f"{name} stands in the whole arrangement, though its contacts do not show how" for name in found
+    )
 
 
 def _risks(

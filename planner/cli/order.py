@@ -18,7 +18,7 @@ from topple.planner.cli.options import (
 )
 from topple.planner.cli.progress import Progress
 from topple.planner.cli.robot_options import add_gripper, arm_of
-from topple.planner.cli.tables import print_assumptions, print_order
+from topple.planner.cli.tables import print_assumptions, print_build, print_order
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
@@ -45,6 +45,11 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         help="say what bars the gripper's way: panda, panda-suction, iiwa, xarm6 or FILE.urdf",
     )
     add_gripper(parser)
+    parser.add_argument(
+        "--build",
+        action="store_true",
+        help="say in which order to put the things of this finished arrangement down, and what to hold",
+    )
 
 
 def execute(args: argparse.Namespace) -> int:
@@ -60,8 +65,11 @@ def execute(args: argparse.Namespace) -> int:
         args.parser.error("--budget bounds --verify: give both or neither")
     if args.gripper is not None and not args.robot:
         args.parser.error("--gripper is what the robot holds with: give both or neither")
+    if args.build and (args.target or args.verify or args.robot):
+        args.parser.error("--build is about the whole arrangement: leave --target, --verify and --robot out")
     arm = arm_of(args) if args.robot else None
     options = {"seed": args.seed, "verify": args.verify, "budget": args.budget, "robot": arm}
+    options = None if args.build else options
     scene_paths(args)  # which may be among the names of --fixed and --target
     work = partial(_answer, Reading.of(args), args.target, args.max_objects, options)
     by_scenes = not (args.verify or args.robot)  # those take all cores, and import what prints when imported
@@ -79,21 +87,32 @@ class _Answer:
 
 
 def _answer(
-    reading: Reading, target: list[str] | None, most_objects: int | None, options: dict[str, Any], path: str
+    reading: Reading,
+    target: list[str] | None,
+    most_objects: int | None,
+    options: dict[str, Any] | None,
+    path: str,
 ) -> _Answer:
-    """The order of a scene file."""
+    """The order of a scene file; without options that in which it is built."""
+    from topple.planner.building.build import build_order
     from topple.planner.planning.order import order
     from topple.topology.rule.relate import relate
 
     scene = reading.scene(path)
     relations = None if most_objects is None else relate(scene, most_objects=most_objects)
-    found = order(scene, target, relations=relations, **options)
+    if options is None:
+        found = build_order(scene, relations=relations)
+    else:
+        found = order(scene, target, relations=relations, **options)
     return _Answer(found.to_json(), len(scene.movable), tuple(found.unresolved))
 
 
 def _show(as_json: bool, path: str, answer: _Answer) -> int:
     if as_json:
         print_json({"scene": path, **answer.document})
+    elif answer.document.get("build"):
+        print_build(path, answer.document)
+        print_assumptions(answer.document["assumptions"])
     else:
         print_order(path, answer.document, answer.movable)
         print_assumptions(answer.document["assumptions"])

@@ -74,6 +74,30 @@ def print_order(title: str, document: Document, movable: int | None = None) -> N
         print_text(f"{bar['reason']}: it has to go before a hand gets there.")
 
 
+def print_build(title: str, document: Document) -> None:
+    """Print in which order to put things down: the steps with their reasons, and what is held.
+
+    Args:
+        title: What is built.
+        document: A `topple.order` document of a build order.
+    """
+    names, risk = document["order"], document["risk"]
+    print_text(f"{title}: to build it, put {len(names)} objects down in this order")
+    reasons = [line.partition(": ")[2] for line in document["explanation"]]
+    rows = [
+        (str(i), name, why, f"{risk.get(name, 0):.2f}")
+        for i, (name, why) in enumerate(zip(names, reasons, strict=True), start=1)
+    ]
+    print_table(("", "put down", "because", "risk"), rows, right=(0, 3))
+    holds = document["holds"]
+    for hold in holds:
+        since = "" if hold["since"] == hold["object"] else f" from when {hold['since']} is put down"
+        print_text(f"Hold {hold['object']}{since} until {hold['until']} is down: {hold['because']}.")
+    if holds:
+        proven = "no order needs fewer" if document["fewest_holds_proven"] else "fewer may do"
+        print_text(f"{len(holds)} hold{'s' if len(holds) > 1 else ''}: {proven}.")
+
+
 def _support(support: Document) -> tuple[str, ...]:
     inferred = "inferred" if support.get("inferred") else ""
     sure = f"{support['confidence']:.2f}"
