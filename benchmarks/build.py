@@ -51,14 +51,14 @@ def rows(quick: bool, seed: int, progress: Progress) -> list[dict[str, Any]]:
     """Measure.
 
     Args:
-        quick: Sixteen arrangements.
+        quick: Ten arrangements.
         seed: Transfers on to other arrangements.
         progress: Called before each part.
 
     Returns:
         The bench's rows.
     """
-    count, counts, seconds = (16 if quick else ARRANGEMENTS), Counts(), list[float]()
+    count, counts, seconds = (10 if quick else ARRANGEMENTS), Counts(), list[float]()
     for number in range(count):
         one = FIRST + 1000 * seed + number
         kind, pile = arrangement(one)
