@@ -174,7 +174,7 @@ def _ordered(
     others = frozenset(statics.upright.movable) - frozenset(part)
     ordered = [units[c] for c in ranked]
     return ordered, fewest_holds(
-        ordered, before, lambda placed, held: falling(placed | others, held), meeting
+        ordered, before, lambda placed, held: placed & frozenset(falling(placed | others, held)), meeting
     )
 
 

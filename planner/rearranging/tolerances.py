@@ -10,6 +10,3 @@ SECONDS = 30.0
 
 GRID = 90
 """Places looked at along each edge of a workspace: a tenth of the radius of the discs that fill it."""
-
-TRIES = 400
-"""Orders tried for room within a workspace before more moves are taken."""
