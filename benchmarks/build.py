@@ -36,6 +36,7 @@ from topple.planner.simulate.tolerances import SPEED, WATCHED
 from topple.planner.tolerances import DISTURBED, TURNED
 from topple.robots.poses import angle_between
 from topple.robots.world.world import World
+from topple.topology.arrays import bounds
 from topple.topology.scene import Scene
 from topple.topology.situation import Situation
 
@@ -47,19 +48,23 @@ VIEWS = {0: "whole surfaces", 3: "3 cameras"}
 Names = frozenset[str]
 
 
-def rows(quick: bool, seed: int, progress: Progress) -> list[dict[str, Any]]:
+def rows(quick: bool, seed: int, progress: Progress, *, minutes: float | None = None) -> list[dict[str, Any]]:
     """Measure.
 
     Args:
         quick: Ten arrangements.
         seed: Transfers on to other arrangements.
         progress: Called before each part.
+        minutes: Begin no arrangement after that time.
 
     Returns:
         The bench's rows.
     """
     count, counts, seconds = (10 if quick else ARRANGEMENTS), Counts(), list[float]()
+    begun = perf_counter()
     for number in range(count):
+        if minutes is not None and perf_counter() - begun > 60 * minutes:
+            break
         one = FIRST + 1000 * seed + number
         kind, pile = arrangement(one)
         progress(f"arrangement {number + 1} of {count}: {kind} of {len(pile.bodies)}")
@@ -74,7 +79,8 @@ def rows(quick: bool, seed: int, progress: Progress) -> list[dict[str, Any]]:
             counts.add(view, "topple", kind, trial.stands(found.order, found), bool(found.holds))
             for name, order in _baselines(scene, one).items():
                 counts.add(view, name, kind, trial.stands(order), bool(found.holds))
-    return [row.to_json() for row in [*counts.rows(), Row("build_order, median", median(seconds), "s")]]
+    found = [*counts.rows(), Row("build_order, median, wall time", median(seconds), "s")]
+    return [row.to_json() for row in [Row("arrangements", len(counts.built[0, "topple"]), ""), *found]]
 
 
 def _baselines(scene: Scene, seed: int) -> dict[str, tuple[str, ...]]:
@@ -199,13 +205,16 @@ class Trial:
 
 
 def _lower(world: World, name: str) -> None:
-    """Bring a body straight down into its place, from above everything else."""
-    place = world.pose(name)
-    tops = [float(np.concatenate(world.parts(other))[:, 2].max()) for other in world.movable if other != name]
-    low = float(np.concatenate(world.parts(name))[:, 2].min())
-    above = max(max(tops, default=low) + 0.005 - low, 0.005)
+    """Bring a body straight down into its place, from above all that it passes."""
+    place, mine = world.pose(name), np.concatenate(world.parts(name))
+    low, high = bounds(mine)
+    tops = [float(low[2])]
+    for other in world.movable:
+        least, most = bounds(np.concatenate(world.parts(other)))
+        if other != name and (least < high)[:2].all() and (most > low)[:2].all():
+            tops.append(float(most[2]))
     step = SPEED * world.time_step
-    for height in np.arange(above, -step, -step):
+    for height in np.arange(max(tops) + 0.005 - float(low[2]), -step, -step):
         pose = place.copy()
         pose[2, 3] += max(float(height), 0.0)
         world.place(name, pose)

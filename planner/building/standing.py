@@ -38,10 +38,9 @@ def falling_in(statics: Statics) -> Falling:
         away = every - placed
         if not away:
             return frozenset()
-        for each in shaken:
-            if fallen := {**each.unsteady_without(away, held), **each.fallen_without(away, held)}:
-                return frozenset(fallen)
-        return frozenset()
+        if sunk := shaken[0].fallen_without(away, held):
+            return frozenset(sunk)
+        return frozenset(name for each in shaken for name in each.unsteady_without(away, held))
 
     return falling
 
