@@ -4,7 +4,8 @@ Given by `--data DIR` as `DIR/rearrange`:
 
 - `mort`: cubes in up to seven layers (Xu, Gao, Feng, Yu, "Optimal and Stable Multi-Layer Object Rearrangement
   on a Tabletop", IROS 2023). Solved is what has as few moves as the bound proves; every arrangement on the
-  way is set up in PyBullet at 10 cm a unit, where nothing may move by 1 cm or 10 degrees in a second.
+  way is set up in PyBullet at 10 cm a unit, where nothing may move by 1 cm or 10 degrees in a second; but
+  not where the given start or goal would fall itself with its masses a millimetre aside.
 - `trlb`: discs in a square (Gao, Lau, Huang, Bekris, Yu, "Fast High-Quality Tabletop Rearrangement in Bounded
   Workspace", ICRA 2022): any two files of one density and number are start and goal. Solved is what has its
   buffers within the square, after ten seconds at most; every move is checked for overlaps.
@@ -28,7 +29,7 @@ import numpy as np
 
 from topple.benchmarks.row import Progress, Row
 from topple.benchmarks.scores import share_interval
-from topple.planner.rearranging.cubes import cubes_problem
+from topple.planner.rearranging.cubes import cubes_problem, falling_cubes
 from topple.planner.rearranging.discs import Discs, Put, check, rearrange_discs
 from topple.planner.rearranging.moves import contracted, fewest_moves
 from topple.planner.rearranging.problem import Move, Problem, To
@@ -44,6 +45,9 @@ SIDE = 0.6
 
 UNIT = 0.1
 """[m] that a unit stands for."""
+
+MARGIN = 0.01
+"""In their unit, a millimetre: published arrangements that need more precise masses to stand are told apart."""
 
 SECONDS = 10.0
 CUBES = {5: ">= 100", 10: ">= 100", 20: ">= 100", 30: None, 40: None}
@@ -84,6 +88,7 @@ def _cube_rows(
 ) -> Iterable[Row]:
     lengths, bounds, seconds, stood = list[int](), list[int](), list[float](), list[bool]()
     theirs: dict[str, list[int]] = {rule: [] for rule in RULES}
+    given = 0
     for start, goal in pairs:
         problem = cubes_problem(start, goal, SIDE)
         begun = perf_counter()
@@ -92,7 +97,8 @@ def _cube_rows(
         assert problem.check(best.moves) is None, problem.check(best.moves)
         lengths.append(len(best.moves))
         bounds.append(best.bound)
-        if count <= 20:
+        if count <= 20 and all(not _marginal(places) for places in (start, goal)):
+            given += 1
             stood += _stands(start, goal, best.moves)
         for rule, moves in _by_rule(problem, seed).items():
             assert problem.check(moves) is None, problem.check(moves)
@@ -109,8 +115,9 @@ def _cube_rows(
     yield Row(f"{what}: moves, mean", mean(lengths), "", "the bound", mean(bounds))
     yield Row(f"{what}: longest time", max(seconds), "s", bar="<= 30")
     if stood:
-        yield Row(f"{what}: arrangements on the way that stand", _percent(stood), "%", bar=">= 100",
-                  interval=share_interval(sum(stood), len(stood)))  # fmt: skip
+        yield Row(f"{what}: given starts and goals that both stand", given, f"of {len(pairs)}")
+        yield Row(f"{what}: of these, arrangements on the way that stand", _percent(stood), "%",
+                  bar=">= 100", interval=share_interval(sum(stood), len(stood)))  # fmt: skip
 
 
 def _disc_rows(instances: Sequence[Discs], what: str, seed: int) -> Iterable[Row]:
@@ -268,6 +275,11 @@ def _discs_by_rule(discs: Discs, rule: str, rng: np.random.Generator) -> list[Pu
         puts.append(Put(disc, (x, y), buffer=not ready))
         places[disc] = spot
     return puts
+
+
+def _marginal(places: Places) -> bool:
+    """Whether some cube tips where masses are a millimetre aside: a simulator need not agree with statics."""
+    return bool(falling_cubes(places, SIDE, MARGIN)(frozenset(places), frozenset()))
 
 
 def _stands(start: Places, goal: Places, moves: Sequence[Move]) -> list[bool]:

@@ -30,8 +30,8 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         "name",
         nargs="?",
         metavar="NAME",
-        help="relate, order, build, rearrange, motion, paper, run or demo (all of these, one by one), or frozen "
-        "or reliability",
+        help="relate, order, build, rearrange, motion, paper, run or demo (all of these, one by one), "
+        "or frozen or reliability",
     )
     parser.add_argument("--quick", action="store_true", help="smaller and fewer cases: below two minutes")
     parser.add_argument(

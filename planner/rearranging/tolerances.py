@@ -10,3 +10,9 @@ SECONDS = 30.0
 
 GRID = 90
 """Places looked at along each edge of a workspace: a tenth of the radius of the discs that fill it."""
+
+
+# -- cubes
+
+HELD = 1e-6
+"""Missing share of a weight that still counts as carried: what a solver leaves."""
