@@ -47,7 +47,7 @@ UNIT = 0.1
 """[m] that a unit stands for."""
 
 MARGIN = 0.01
-"""In their unit, a millimetre: published arrangements that need more precise masses to stand are told apart."""
+"""In their unit, a millimetre: what needs masses more precise than that to stand is told apart."""
 
 SECONDS = 10.0
 CUBES = {5: ">= 100", 10: ">= 100", 20: ">= 100", 30: None, 40: None}

@@ -84,7 +84,7 @@ class Buffers:
         self.costs: FloatArray = np.array([1.0] * len(problem.moving) + [2.0] * len(problem.staying))
         self._rows: dict[frozenset[tuple[int, float]], float] = {}
         self.bound = len(problem.moving)
-        for first, then in problem.before:
+        for first, then in sorted(problem.before):
             self._leave(first, then)
 
     def solve(self, seconds: float, costs: FloatArray | None = None) -> frozenset[str]:
@@ -112,17 +112,14 @@ class Buffers:
         return self._completed(frozenset())
 
     def _leave(self, first: Event, then: Event) -> None:
-        """What stays has to be moved where its leaving is waited for, or its place, by what moves."""
-        (act, name), (_, other) = first, then
-        stays, moves = name in self._problem.staying, other in self._problem.moving
-        if act is Act.TAKE and stays and name != other:
-            entry = (self._at[name], 1.0)
-            if moves:
-                self._rows[frozenset((entry,))] = 1.0
-            else:
-                self._rows[frozenset((entry, (self._at[other], -1.0)))] = 0.0
-        if then[0] is Act.PUT and other in self._problem.staying and name in self._problem.moving:
-            self._rows[frozenset(((self._at[other], 1.0),))] = 1.0
+        """What stays is moved after all where its leaving is waited for, or its return has to wait."""
+        for (act, name), waits, other in ((first, Act.TAKE, then[1]), (then, Act.PUT, first[1])):
+            if act is waits and name in self._problem.staying and name != other:
+                entry = (self._at[name], 1.0)
+                if other in self._problem.moving:
+                    self._rows[frozenset((entry,))] = 1.0
+                else:
+                    self._rows[frozenset((entry, (self._at[other], -1.0)))] = 0.0
 
     def _chosen(self, seconds: float, costs: FloatArray | None) -> frozenset[str] | None:
         """The cheapest names that satisfy the inequalities known so far; None where time ran out."""

@@ -49,7 +49,8 @@ class Problem:
 
     Attributes:
         moving: Objects whose place in the goal is another one than at the start.
-        staying: Objects whose place is the same: they are moved only where something else demands it.
+        staying: Objects whose place is the same: they are moved only where something else demands it. What is
+            never moved was put before all else, and is taken after it.
         before: Pairs of events of these objects; a pair within one object is implied.
 
     Raises:
@@ -81,6 +82,9 @@ class Problem:
             waits.setdefault(then, set()).add(first)
         handled = {move.object for move in moves}
         absent = set(self.staying) - handled
+        for first, then in sorted(self.before):
+            if first[1] in handled and then[0] is Act.PUT and then[1] in absent:
+                return f"{then[1]} is never moved, though it has to be put after {first[0]} {first[1]}"
         for move in moves:
             events = [(Act.TAKE, move.object)] if (Act.TAKE, move.object) not in done else []
             events += [(Act.PUT, move.object)] if move.to is To.GOAL else []
