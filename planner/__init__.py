@@ -17,6 +17,7 @@ if TYPE_CHECKING:
     from topple.planner.grasp.rank import rank_grasps
     from topple.planner.planning.order import order
     from topple.planner.planning.plan import plan
+    from topple.planner.rearranging.rearrange import Rearrangement, rearrange
     from topple.planner.report.run_page import run_page
 
 __all__ = [
@@ -30,6 +31,7 @@ __all__ = [
     "Observer",
     "Order",
     "Plan",
+    "Rearrangement",
     "RunLimits",
     "arrange",
     "build_order",
@@ -40,6 +42,7 @@ __all__ = [
     "plan",
     "rank_grasps",
     "read_grasps",
+    "rearrange",
     "run",
     "run_page",
 ]
@@ -56,6 +59,7 @@ _HOME = {
     "Observer": "execution.look",
     "Order": "decide.arrange",
     "Plan": "formats.plan_format",
+    "Rearrangement": "rearranging.rearrange",
     "RunLimits": "execution.loop",
     "arrange": "decide.arrange",
     "demo": "execution.demo",
@@ -65,6 +69,7 @@ _HOME = {
     "plan": "planning.plan",
     "rank_grasps": "grasp.rank",
     "read_grasps": "grasp.foreign",
+    "rearrange": "rearranging.rearrange",
     "run": "execution.run",
     "run_page": "report.run_page",
 }

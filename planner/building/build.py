@@ -80,10 +80,12 @@ class BuildOrder(Order):
     Attributes:
         holds: What has to be held meanwhile.
         proven: Whether no order needs fewer holds.
+        footings: What the order keeps, also what follows from the direct ones of `graph`.
     """
 
     holds: tuple[Hold, ...] = ()
     proven: bool = True
+    footings: tuple[Footing, ...] = ()
 
     def to_json(self) -> dict[str, Any]:
         """The object that `topple order --build --json` prints."""
@@ -135,8 +137,8 @@ def build_order(scene: "Scene | Situation", *, relations: "Relations | None" = N
         ]
         proven = proven and found.proven
     place = {name: k for k, name in enumerate(steps)}
-    kept = [Footing.of(e) for e in full.dependencies if place[e.then] < place[e.first]]
-    graph = DependencyGraph(full.names, tuple(kept)).reduced()
+    kept = tuple(Footing.of(e) for e in full.dependencies if place[e.then] < place[e.first])
+    graph = DependencyGraph(full.names, kept).reduced()
     chances = reasoned(full, statics, len(scene.viewpoints) or None)
     return BuildOrder(
         targets=(),
@@ -151,6 +153,7 @@ def build_order(scene: "Scene | Situation", *, relations: "Relations | None" = N
         chances=FrozenDict({(then, first): chance for (first, then), chance in chances.items()}),
         holds=tuple(holds),
         proven=proven,
+        footings=kept,
     )
 
 

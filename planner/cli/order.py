@@ -18,7 +18,7 @@ from topple.planner.cli.options import (
 )
 from topple.planner.cli.progress import Progress
 from topple.planner.cli.robot_options import add_gripper, arm_of
-from topple.planner.cli.tables import print_assumptions, print_build, print_order
+from topple.planner.cli.tables import print_assumptions, print_build, print_moves, print_order
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
@@ -50,6 +50,9 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         action="store_true",
         help="say in which order to put the things of this finished arrangement down, and what to hold",
     )
+    parser.add_argument(
+        "--to", metavar="GOAL", help="say in which order to move things until they lie as in this other scene"
+    )
 
 
 def execute(args: argparse.Namespace) -> int:
@@ -65,11 +68,13 @@ def execute(args: argparse.Namespace) -> int:
         args.parser.error("--budget bounds --verify: give both or neither")
     if args.gripper is not None and not args.robot:
         args.parser.error("--gripper is what the robot holds with: give both or neither")
-    if args.build and (args.target or args.verify or args.robot):
-        args.parser.error("--build is about the whole arrangement: leave --target, --verify and --robot out")
+    whole = "--build" if args.build else "--to"
+    if (args.build or args.to) and (args.target or args.verify or args.robot or (args.build and args.to)):
+        others = "--target, --verify, --robot and --to" if args.build else "--target, --verify and --robot"
+        args.parser.error(f"{whole} is about the whole arrangement: leave {others} out")
     arm = arm_of(args) if args.robot else None
     options = {"seed": args.seed, "verify": args.verify, "budget": args.budget, "robot": arm}
-    options = None if args.build else options
+    options = None if args.build else {"to": args.to} if args.to else options
     scene_paths(args)  # which may be among the names of --fixed and --target
     work = partial(_answer, Reading.of(args), args.target, args.max_objects, options)
     by_scenes = not (args.verify or args.robot)  # those take all cores, and import what prints when imported
@@ -97,11 +102,17 @@ def _answer(
     from topple.planner.building.build import build_order
     from topple.planner.planning.order import order
     from topple.topology.rule.relate import relate
+    from topple.topology.situation import Situation
 
     scene = reading.scene(path)
     relations = None if most_objects is None else relate(scene, most_objects=most_objects)
     if options is None:
         found = build_order(scene, relations=relations)
+    elif "to" in options:
+        from topple.planner.rearranging.rearrange import rearrange
+
+        moves = rearrange(Situation.of(scene, relations), reading.scene(options["to"]))
+        return _Answer(moves.to_json(), len(scene.movable), ())
     else:
         found = order(scene, target, relations=relations, **options)
     return _Answer(found.to_json(), len(scene.movable), tuple(found.unresolved))
@@ -112,6 +123,9 @@ def _show(as_json: bool, path: str, answer: _Answer) -> int:
         print_json({"scene": path, **answer.document})
     elif answer.document.get("build"):
         print_build(path, answer.document)
+        print_assumptions(answer.document["assumptions"])
+    elif "moves" in answer.document:
+        print_moves(path, answer.document)
         print_assumptions(answer.document["assumptions"])
     else:
         print_order(path, answer.document, answer.movable)

@@ -98,6 +98,29 @@ def print_build(title: str, document: Document) -> None:
         print_text(f"{len(holds)} hold{'s' if len(holds) > 1 else ''}: {proven}.")
 
 
+def print_moves(title: str, document: Document) -> None:
+    """Print in which order things move from one arrangement to another, and how good that is.
+
+    Args:
+        title: The start.
+        document: A `topple.order` document with `moves`.
+    """
+    moves, bound = document["moves"], document["bound"]
+    buffers = sum(move["buffer"] for move in moves)
+    proven = "no sequence has fewer" if document["optimal"] else f"no sequence has fewer than {bound}"
+    print_text(f"{title}: {len(moves)} moves, {buffers} of them to make room; {proven}")
+    rows = [
+        (
+            str(i),
+            move["object"],
+            "out of the way" if move["buffer"] else "to its place",
+            line.partition(": ")[2],
+        )
+        for i, (move, line) in enumerate(zip(moves, document["explanation"], strict=True), start=1)
+    ]
+    print_table(("", "move", "where", "because"), rows, right=(0,))
+
+
 def _support(support: Document) -> tuple[str, ...]:
     inferred = "inferred" if support.get("inferred") else ""
     sure = f"{support['confidence']:.2f}"
