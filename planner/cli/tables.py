@@ -108,6 +108,9 @@ def print_moves(title: str, document: Document) -> None:
     moves, bound = document["moves"], document["bound"]
     buffers = sum(move["buffer"] for move in moves)
     proven = "no sequence has fewer" if document["optimal"] else f"no sequence has fewer than {bound}"
+    if not moves:
+        print_text(f"{title}: everything lies as it shall")
+        return
     print_text(f"{title}: {len(moves)} moves, {buffers} of them to make room; {proven}")
     rows = [
         (
