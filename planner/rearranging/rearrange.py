@@ -24,6 +24,7 @@ from topple.topology.situation import Situation
 from topple.topology.sixim.table import classify
 from topple.topology.statics.support import Support
 from topple.topology.statics.sweep import swept_matrix
+from topple.topology.values import ByValue
 
 if TYPE_CHECKING:
     from topple.topology.scene import Scene
@@ -57,7 +58,7 @@ class Place:
 
 
 @dataclass(frozen=True, eq=False)
-class Rearrangement:
+class Rearrangement(ByValue):
     """The order of moves that turns one arrangement into another.
 
     Attributes:
