@@ -5,7 +5,7 @@ Given by `--data DIR` as `DIR/rearrange`:
 - `mort`: cubes in up to seven layers (Xu, Gao, Feng, Yu, "Optimal and Stable Multi-Layer Object Rearrangement
   on a Tabletop", IROS 2023). Solved is what has as few moves as the bound proves; every arrangement on the
   way is set up in PyBullet at 10 cm a unit, where nothing may move by 1 cm or 10 degrees in a second; but
-  not where the given start or goal would fall itself with its masses a millimetre aside.
+  not where the given start or goal would fall itself with its masses two millimetres aside.
 - `trlb`: discs in a square (Gao, Lau, Huang, Bekris, Yu, "Fast High-Quality Tabletop Rearrangement in Bounded
   Workspace", ICRA 2022): any two files of one density and number are start and goal. Solved is what has its
   buffers within the square, after ten seconds at most; every move is checked for overlaps.
@@ -37,6 +37,7 @@ from topple.planner.tolerances import DISTURBED, TURNED
 from topple.robots import shapes
 from topple.robots.poses import angle_between
 from topple.robots.scenarios.scenario import pose_at
+from topple.robots.tolerances import TOLERANCES
 from topple.robots.world.world import World
 from topple.topology.arrays import FloatArray
 
@@ -46,8 +47,9 @@ SIDE = 0.6
 UNIT = 0.1
 """[m] that a unit stands for."""
 
-MARGIN = 0.01
-"""In their unit, a millimetre: what needs masses more precise than that to stand is told apart."""
+MARGIN = 2 * TOLERANCES.margin / UNIT
+"""In their unit, two millimetres: simulated cubes have round edges, of both that meet. What needs masses more
+precise than that to stand is told apart."""
 
 SECONDS = 10.0
 CUBES = {5: ">= 100", 10: ">= 100", 20: ">= 100", 30: None, 40: None}
@@ -278,7 +280,7 @@ def _discs_by_rule(discs: Discs, rule: str, rng: np.random.Generator) -> list[Pu
 
 
 def _marginal(places: Places) -> bool:
-    """Whether some cube tips where masses are a millimetre aside: a simulator need not agree with statics."""
+    """Whether some cube tips with masses two millimetres aside, where simulation need not agree."""
     return bool(falling_cubes(places, SIDE, MARGIN)(frozenset(places), frozenset()))
 
 
