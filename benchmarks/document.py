@@ -12,7 +12,7 @@ from typing import Any
 from topple.benchmarks.row import Progress
 from topple.topology.errors import DISTRIBUTION, InvalidInput
 
-BENCHES = ("relate", "order", "motion", "paper", "run", "demo")
+BENCHES = ("relate", "order", "build", "rearrange", "motion", "paper", "run", "demo")
 """Names; each is a module of this package with a function `rows(quick, seed, progress)`."""
 
 CHECKS = ("frozen", "reliability")

@@ -4,6 +4,7 @@ from importlib import import_module
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
+    from topple.planner.building.build import BuildOrder, Hold, build_order
     from topple.planner.decide.arrange import Order, arrange
     from topple.planner.decide.dependency import Dependency, DependencyGraph, dependencies
     from topple.planner.errors import NoSafePlan
@@ -17,19 +18,24 @@ if TYPE_CHECKING:
     from topple.planner.planning.next_view import next_view
     from topple.planner.planning.order import order
     from topple.planner.planning.plan import plan
+    from topple.planner.rearranging.rearrange import Rearrangement, rearrange
     from topple.planner.report.run_page import run_page
 
 __all__ = [
+    "BuildOrder",
     "ClosedLoop",
     "Dependency",
     "DependencyGraph",
     "ForeignGrasps",
+    "Hold",
     "NoSafePlan",
     "Observer",
     "Order",
     "Plan",
+    "Rearrangement",
     "RunLimits",
     "arrange",
+    "build_order",
     "demo",
     "dependencies",
     "grasps_from_array",
@@ -38,11 +44,15 @@ __all__ = [
     "plan",
     "rank_grasps",
     "read_grasps",
+    "rearrange",
     "run",
     "run_page",
 ]
 
 _HOME = {
+    "BuildOrder": "building.build",
+    "Hold": "building.build",
+    "build_order": "building.build",
     "ClosedLoop": "execution.loop",
     "Dependency": "decide.dependency",
     "DependencyGraph": "decide.dependency",
@@ -51,6 +61,7 @@ _HOME = {
     "Observer": "execution.look",
     "Order": "decide.arrange",
     "Plan": "formats.plan_format",
+    "Rearrangement": "rearranging.rearrange",
     "RunLimits": "execution.loop",
     "arrange": "decide.arrange",
     "demo": "execution.demo",
@@ -61,6 +72,7 @@ _HOME = {
     "plan": "planning.plan",
     "rank_grasps": "grasp.rank",
     "read_grasps": "grasp.foreign",
+    "rearrange": "rearranging.rearrange",
     "run": "execution.run",
     "run_page": "report.run_page",
 }

@@ -9,7 +9,7 @@ from importlib.metadata import version
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
-    from topple.planner import NoSafePlan, Order, order, plan, rank_grasps, run
+    from topple.planner import NoSafePlan, Order, build_order, order, plan, rank_grasps, rearrange, run
     from topple.robots import robot, scene_from_world
     from topple.topology import InvalidInput, Scene, ToppleError, load_scene, relate
 
@@ -22,10 +22,12 @@ __all__ = [
     "Scene",
     "ToppleError",
     "__version__",
+    "build_order",
     "load_scene",
     "order",
     "plan",
     "rank_grasps",
+    "rearrange",
     "relate",
     "robot",
     "run",
@@ -35,7 +37,7 @@ __all__ = [
 _PACKAGE_OF = {
     "topology": ("InvalidInput", "Scene", "ToppleError", "load_scene", "relate"),
     "robots": ("robot", "scene_from_world"),
-    "planner": ("NoSafePlan", "Order", "order", "plan", "rank_grasps", "run"),
+    "planner": ("NoSafePlan", "Order", "build_order", "order", "plan", "rank_grasps", "rearrange", "run"),
 }
 
 

@@ -11,7 +11,7 @@ EXAMPLES = Path(__file__).resolve().parents[1] / "examples"
 FRAMES = EXAMPLES.parents[1] / "shared" / "data" / "rgbd"
 SCRIPTS = (
     "dishes.py", "foreign_grasps.py", "lemon.py", "look.py", "order_clouds.py", "own_world.py", "pile.py",
-    "real_frame.py", "sort.py", "tower.py", "track.py",
+    "real_frame.py", "set_table.py", "sort.py", "tower.py", "track.py",
 )  # fmt: skip
 
 
@@ -33,6 +33,13 @@ def test_every_example_is_tested_and_short() -> None:
     assert sorted(path.name for path in EXAMPLES.glob("*.py")) == sorted(SCRIPTS)
     for script in SCRIPTS:
         assert len((EXAMPLES / script).read_text(encoding="utf-8").splitlines()) < 60, script
+
+
+@pytest.mark.slow
+def test_a_table_is_set_with_as_few_moves_as_can_be(tmp_path: Path) -> None:
+    lines = _output(tmp_path, "set_table.py")
+    assert "cup out of the way" in "\n".join(lines)
+    assert lines[-1] == "5 moves; no sequence has fewer than 5"
 
 
 @pytest.mark.slow

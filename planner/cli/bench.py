@@ -30,11 +30,12 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         "name",
         nargs="?",
         metavar="NAME",
-        help="relate, order, motion, paper, run or demo (all of these, one by one), or frozen or reliability",
+        help="relate, order, build, rearrange, motion, paper, run or demo (all of these, one by one), "
+        "or frozen or reliability",
     )
     parser.add_argument("--quick", action="store_true", help="smaller and fewer cases: below two minutes")
     parser.add_argument(
-        "--data", metavar="DIR", help="relate, order, run, frozen: the labelled frames of a folder"
+        "--data", metavar="DIR", help="relate, order, run, frozen, rearrange: recorded data of a folder"
     )
     parser.add_argument(
         "--piles",
@@ -50,7 +51,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         help="run, demo: keep what ended there, and go on (topple-bench-run.jsonl)",
     )
     parser.add_argument(
-        "--minutes", type=positive, metavar="M", help="run, demo: begin no episode after that time"
+        "--minutes", type=positive, metavar="M", help="run, demo, build: begin nothing after that time"
     )
     parser.add_argument("--counts", metavar="FILE", help="demo: write what `topple demo` tells of its seeds")
     parser.add_argument("--file", metavar="FILE", help="frozen: compare with that file (the package's own)")

@@ -1,9 +1,10 @@
 """`topple order`: which object to take next, and why."""
 
 import argparse
+from collections.abc import Callable
 from dataclasses import dataclass
 from functools import partial
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from topple.planner.cli.console import complain, print_json
 from topple.planner.cli.main import DONE, NO_SAFE_PLAN
@@ -18,7 +19,16 @@ from topple.planner.cli.options import (
 )
 from topple.planner.cli.progress import Progress
 from topple.planner.cli.robot_options import add_gripper, arm_of
-from topple.planner.cli.tables import print_assumptions, print_next_view, print_order
+from topple.planner.cli.tables import (
+    print_assumptions,
+    print_build,
+    print_moves,
+    print_next_view,
+    print_order,
+)
+
+if TYPE_CHECKING:
+    from topple.topology.situation import Situation
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
@@ -50,6 +60,14 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         action="store_true",
         help="say from where a camera would see most of what is hidden and the order hangs on",
     )
+    parser.add_argument(
+        "--build",
+        action="store_true",
+        help="say in which order to put the things of this finished arrangement down, and what to hold",
+    )
+    parser.add_argument(
+        "--to", metavar="GOAL", help="say in which order to move things until they lie as in this other scene"
+    )
 
 
 def execute(args: argparse.Namespace) -> int:
@@ -65,10 +83,20 @@ def execute(args: argparse.Namespace) -> int:
         args.parser.error("--budget bounds --verify: give both or neither")
     if args.gripper is not None and not args.robot:
         args.parser.error("--gripper is what the robot holds with: give both or neither")
+    whole = "--build" if args.build else "--to"
+    if (args.build or args.to) and (args.target or args.verify or args.robot or (args.build and args.to)):
+        others = "--target, --verify, --robot and --to" if args.build else "--target, --verify and --robot"
+        args.parser.error(f"{whole} is about the whole arrangement: leave {others} out")
     arm = arm_of(args) if args.robot else None
     options = {"seed": args.seed, "verify": args.verify, "budget": args.budget, "robot": arm}
+    reading = Reading.of(args)
     scene_paths(args)  # which may be among the names of --fixed and --target
-    work = partial(_answer, Reading.of(args), args.target, args.max_objects, args.next_view, options)
+    ask: _Ask = partial(_ordered, args.target, args.next_view, options)
+    if args.build:
+        ask = _built
+    elif args.to:
+        ask = partial(_moved, reading, args.to)
+    work = partial(_answer, reading, args.max_objects, ask)
     by_scenes = not (args.verify or args.robot)  # those take all cores, and import what prints when imported
     with Progress("order") as progress:
         return for_each_scene(args, work, partial(_show, args.json), progress, processes=by_scenes)
@@ -83,35 +111,59 @@ class _Answer:
     unresolved: tuple[tuple[str, ...], ...]
 
 
-def _answer(
-    reading: Reading,
-    target: list[str] | None,
-    most_objects: int | None,
-    look: bool,
-    options: dict[str, Any],
-    path: str,
-) -> _Answer:
-    """The order of a scene file."""
-    from topple.planner.planning.next_view import next_view
-    from topple.planner.planning.order import order
+_Ask = Callable[["Situation"], _Answer]
+
+
+def _answer(reading: Reading, most_objects: int | None, ask: _Ask, path: str) -> _Answer:
+    """What is asked of a scene file."""
     from topple.topology.rule.relate import relate
     from topple.topology.situation import Situation
 
     scene = reading.scene(path)
-    situation = Situation.of(
-        scene, None if most_objects is None else relate(scene, most_objects=most_objects)
-    )
+    known = None if most_objects is None else relate(scene, most_objects=most_objects)
+    return ask(Situation.of(scene, known))
+
+
+def _ordered(
+    target: list[str] | None, look: bool, options: dict[str, Any], situation: "Situation"
+) -> _Answer:
+    """The order in which things are taken, and from where to look next."""
+    from topple.planner.planning.next_view import next_view
+    from topple.planner.planning.order import order
+
     found = order(situation, target, **options)
     document = found.to_json()
     if look:
         view = next_view(situation, target, found=found)
         document["next_view"] = None if view is None else view.to_json()
-    return _Answer(document, len(scene.movable), tuple(found.unresolved))
+    return _Answer(document, len(situation.movable), tuple(found.unresolved))
+
+
+def _built(situation: "Situation") -> _Answer:
+    """The order in which things are put down."""
+    from topple.planner.building.build import build_order
+
+    found = build_order(situation)
+    return _Answer(found.to_json(), len(situation.movable), tuple(found.unresolved))
+
+
+def _moved(reading: Reading, goal: str, situation: "Situation") -> _Answer:
+    """The order in which things are moved until they lie as in another scene."""
+    from topple.planner.rearranging.rearrange import rearrange
+
+    moves = rearrange(situation, reading.scene(goal))
+    return _Answer(moves.to_json(), len(situation.movable), ())
 
 
 def _show(as_json: bool, path: str, answer: _Answer) -> int:
     if as_json:
         print_json({"scene": path, **answer.document})
+    elif answer.document.get("build"):
+        print_build(path, answer.document)
+        print_assumptions(answer.document["assumptions"])
+    elif "moves" in answer.document:
+        print_moves(path, answer.document)
+        print_assumptions(answer.document["assumptions"])
     else:
         print_order(path, answer.document, answer.movable)
         if "next_view" in answer.document:

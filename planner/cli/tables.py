@@ -89,6 +89,56 @@ def print_next_view(view: Document | None) -> None:
     print_text(f"Next view: from {eye} towards {target} m, which shows {share}: where {told} may meet.")
 
 
+def print_build(title: str, document: Document) -> None:
+    """Print in which order to put things down: the steps with their reasons, and what is held.
+
+    Args:
+        title: What is built.
+        document: A `topple.order` document of a build order.
+    """
+    names, risk = document["order"], document["risk"]
+    print_text(f"{title}: to build it, put {len(names)} objects down in this order")
+    reasons = [line.partition(": ")[2] for line in document["explanation"]]
+    rows = [
+        (str(i), name, why, f"{risk.get(name, 0):.2f}")
+        for i, (name, why) in enumerate(zip(names, reasons, strict=True), start=1)
+    ]
+    print_table(("", "put down", "because", "risk"), rows, right=(0, 3))
+    holds = document["holds"]
+    for hold in holds:
+        since = "" if hold["since"] == hold["object"] else f" from when {hold['since']} is put down"
+        print_text(f"Hold {hold['object']}{since} until {hold['until']} is down: {hold['because']}.")
+    if holds:
+        proven = "no order needs fewer" if document["fewest_holds_proven"] else "fewer may do"
+        print_text(f"{len(holds)} hold{'s' if len(holds) > 1 else ''}: {proven}.")
+
+
+def print_moves(title: str, document: Document) -> None:
+    """Print in which order things move from one arrangement to another, and how good that is.
+
+    Args:
+        title: The start.
+        document: A `topple.order` document with `moves`.
+    """
+    moves, bound = document["moves"], document["bound"]
+    buffers = sum(move["buffer"] for move in moves)
+    proven = "no sequence has fewer" if document["optimal"] else f"no sequence has fewer than {bound}"
+    if not moves:
+        print_text(f"{title}: everything lies as it shall")
+        return
+    print_text(f"{title}: {len(moves)} moves, {buffers} of them to make room; {proven}")
+    rows = [
+        (
+            str(i),
+            move["object"],
+            "out of the way" if move["buffer"] else "to its place",
+            line.partition(": ")[2],
+        )
+        for i, (move, line) in enumerate(zip(moves, document["explanation"], strict=True), start=1)
+    ]
+    print_table(("", "move", "where", "because"), rows, right=(0,))
+
+
 def _support(support: Document) -> tuple[str, ...]:
     inferred = "inferred" if support.get("inferred") else ""
     sure = f"{support['confidence']:.2f}"

@@ -125,25 +125,28 @@ class Statics:
         """How far bodies seem to sink while everything is in place: what contacts leave open."""
         return falls(self.weights, self._catching)
 
-    def fallen_without(self, away: Collection[str]) -> dict[str, float]:
+    def fallen_without(self, away: Collection[str], held: Collection[str] = ()) -> dict[str, float]:
         """Who falls once some objects are gone, for clouds that show whole surfaces.
 
         Args:
             away: Names taken out of the scene.
+            held: Names that a hand keeps still: they carry others, and do not fall.
 
         Returns:
             name -> how far, 1 where it just counts as a move, for those who move.
         """
         met = {name for c in self._catching if c.a in away or c.b in away for name in (c.a, c.b)}
-        found = falls(self.weights, self._catching, beside=met, without=away)
+        free = {name: weight for name, weight in self.weights.items() if name not in held}
+        found = falls(free, self._catching, beside=met, without=away)
         far = {name: fall.beyond(self._settled[name]) for name, fall in found.items()}
         return {name: share for name, share in far.items() if share > 1.0}
 
-    def unsteady_without(self, away: Collection[str]) -> dict[str, float]:
+    def unsteady_without(self, away: Collection[str], held: Collection[str] = ()) -> dict[str, float]:
         """Who does not stay where it is once some objects are gone.
 
         Args:
             away: Names taken out of the scene.
+            held: Names that a hand keeps still: they carry others, and stay.
 
         Returns:
             name -> share of its weight that nothing carries any more, only for those for whom it
@@ -151,7 +154,7 @@ class Statics:
         """
         met = {name for c in self.contacts if c.a in away or c.b in away for name in (c.a, c.b)}
         contacts = [c for c in self.contacts if c.a not in away and c.b not in away]
-        joined = islands(self.weights.keys() - set(away), contacts)
+        joined = islands(self.weights.keys() - {*away, *held}, contacts)
         moving = set[str]().union(*(island for island in joined if not island.isdisjoint(met)))
         left = {name: weight for name, weight in self.weights.items() if name in moving}
         usable = within_reach([c for c in contacts if c.a in moving or c.b in moving], left)

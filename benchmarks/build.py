@@ -1,0 +1,221 @@
+"""How many partial arrangements stand when a finished one is put together, against simple orders.
+
+Seeded arrangements (piles, towers, bridges, arches, card houses, balances, nested dishes, books) are
+settled in PyBullet and seen. Each order is then carried out there by ideal placements: every thing is lowered
+straight down into its place, rigidly, at 8 cm/s, and let go; what is to be held is kept still meanwhile.
+A prefix stands where nothing that is down, and is not held, moves by 1 cm or 10 degrees, neither while the
+last thing comes nor in two seconds after it was let go. Each prefix begins with everything in its place, so
+that what went wrong before is not counted twice.
+
+The baselines are given the same clouds and hold nothing:
+
+- height: the lowest top first,
+- plain 6IM + height: of two objects that are not disjoint by the paper's rule, the lower mean first,
+- random topological: any order in which what carries comes before what it carries, by topple's supports.
+
+Shares have Wilson's 95 % intervals. Seeds from `FIRST` on chose nothing.
+"""
+
+from collections.abc import Sequence
+from dataclasses import dataclass, field
+from statistics import median
+from time import perf_counter
+from typing import Any
+
+import networkx as nx
+import numpy as np
+
+from topple.benchmarks.arrangements import KINDS, arrangement
+from topple.benchmarks.guesses import naive, top_height
+from topple.benchmarks.piles import Pile, observe
+from topple.benchmarks.row import Progress, Row
+from topple.benchmarks.scores import share_interval
+from topple.planner.building.build import BuildOrder, build_order
+from topple.planner.simulate.lifts import set_friction
+from topple.planner.simulate.tolerances import SPEED, WATCHED
+from topple.planner.tolerances import DISTURBED, TURNED
+from topple.robots.poses import angle_between
+from topple.robots.world.world import World
+from topple.topology.arrays import bounds
+from topple.topology.scene import Scene
+from topple.topology.situation import Situation
+
+FIRST = 2_200_000
+ARRANGEMENTS = 200
+BAR = ">= 97"
+VIEWS = {0: "whole surfaces", 3: "3 cameras"}
+
+Names = frozenset[str]
+
+
+def rows(quick: bool, seed: int, progress: Progress, *, minutes: float | None = None) -> list[dict[str, Any]]:
+    """Measure.
+
+    Args:
+        quick: Ten arrangements.
+        seed: Transfers on to other arrangements.
+        progress: Called before each part.
+        minutes: Begin no arrangement after that time.
+
+    Returns:
+        The bench's rows.
+    """
+    count, counts, seconds = (10 if quick else ARRANGEMENTS), Counts(), list[float]()
+    begun = perf_counter()
+    for number in range(count):
+        if minutes is not None and perf_counter() - begun > 60 * minutes:
+            break
+        one = FIRST + 1000 * seed + number
+        kind, pile = arrangement(one)
+        progress(f"arrangement {number + 1} of {count}: {kind} of {len(pile.bodies)}")
+        trial = Trial(pile)
+        for view in VIEWS:
+            scene = observe(pile, view, one)
+            if set(scene.movable) != set(pile.poses):
+                continue  # a thing that no camera sees is in nobody's order
+            started = perf_counter()
+            found = build_order(scene)
+            seconds.append(perf_counter() - started)
+            counts.add(view, "topple", kind, trial.stands(found.order, found), bool(found.holds))
+            for name, order in _baselines(scene, one).items():
+                counts.add(view, name, kind, trial.stands(order), bool(found.holds))
+    found = [*counts.rows(), Row("build_order, median, wall time", median(seconds), "s")]
+    return [row.to_json() for row in [Row("arrangements", len(counts.built[0, "topple"]), ""), *found]]
+
+
+def _baselines(scene: Scene, seed: int) -> dict[str, tuple[str, ...]]:
+    carried: nx.DiGraph[str] = nx.DiGraph()
+    carried.add_nodes_from(scene.movable)
+    carriers = ((s.supporter, s.supported) for s in Situation(scene).supports)
+    carried.add_edges_from((a, b) for a, b in carriers if a not in scene.fixed)
+    draw = dict(zip(scene.movable, np.random.default_rng(seed).permutation(len(carried)), strict=True))
+    units = nx.condensation(carried)  # what seems to carry each other comes in any order
+    members = {c: sorted(units.nodes[c]["members"], key=draw.__getitem__) for c in units}
+    random = nx.lexicographical_topological_sort(units, lambda c: draw[members[c][0]])
+    return {
+        "height": top_height(scene).order[::-1],
+        "plain 6IM + height": naive(scene).order[::-1],
+        "random topological": tuple(name for c in random for name in members[c]),
+    }
+
+
+@dataclass
+class Counts:
+    """Prefixes that stood, by view, order and kind; whole arrangements built; and those that need a hold."""
+
+    stood: dict[tuple[int, str, str], list[bool]] = field(
+        default_factory=dict[tuple[int, str, str], list[bool]]
+    )
+    built: dict[tuple[int, str], list[bool]] = field(default_factory=dict[tuple[int, str], list[bool]])
+    free: dict[tuple[int, str], list[bool]] = field(default_factory=dict[tuple[int, str], list[bool]])
+
+    def add(self, view: int, who: str, kind: str, prefixes: Sequence[bool], held: bool) -> None:
+        """Count one arrangement."""
+        self.stood.setdefault((view, who, kind), []).extend(prefixes)
+        self.built.setdefault((view, who), []).append(all(prefixes))
+        if not held:
+            self.free.setdefault((view, who), []).extend(prefixes)
+
+    def rows(self) -> list[Row]:
+        """The figures, topple's beside each baseline's."""
+        found: list[Row] = []
+        for view, where in VIEWS.items():
+            ours, others = self._all(view, "topple"), ("height", "plain 6IM + height", "random topological")
+            for other in others:
+                bar = BAR if view == 0 and other == others[0] else None
+                theirs = self._all(view, other)
+                found.append(_row(f"prefixes that stand, {where}", ours, other, theirs, bar))
+            for other in others:
+                mine, theirs = self.free.get((view, "topple"), []), self.free.get((view, other), [])
+                found.append(_row(f"the same where nothing is held, {where}", mine, other, theirs))
+            for other in others:
+                mine, theirs = self.built[view, "topple"], self.built[view, other]
+                found.append(_row(f"arrangements built, {where}", mine, other, theirs))
+        for kind in KINDS:
+            if mine := self.stood.get((0, "topple", kind)):
+                what = f"prefixes that stand, {kind}, {VIEWS[0]}"
+                found.append(_row(what, mine, "height", self.stood[0, "height", kind]))
+        return found
+
+    def _all(self, view: int, who: str) -> list[bool]:
+        return [one for kind in KINDS for one in self.stood.get((view, who, kind), ())]
+
+
+def _row(what: str, ours: Sequence[bool], name: str, theirs: Sequence[bool], bar: str | None = None) -> Row:
+    interval = share_interval(sum(ours), len(ours))
+    return Row(what, _percent(ours), "%", name, _percent(theirs), bar=bar, interval=interval)
+
+
+def _percent(each: Sequence[bool]) -> float:
+    return 100.0 * sum(each) / max(len(each), 1)
+
+
+class Trial:
+    """An arrangement that is put together in simulation; what was seen of a prefix is kept."""
+
+    def __init__(self, pile: Pile) -> None:
+        self._pile = pile
+        self._bodies = {body.name: body for body in pile.bodies}
+        self._known: dict[tuple[Names, Names, str | None], bool] = {}
+
+    def stands(self, order: Sequence[str], found: BuildOrder | None = None) -> list[bool]:
+        """Whether each prefix of an order stands, with the holds of a build order."""
+        at = {name: k for k, name in enumerate(order)}
+        spans = [(h.object, at[h.since], at[h.until]) for h in (found.holds if found else ())]
+        together = {name: frozenset(group) for group in (found.groups if found else ()) for name in group}
+        verdicts: list[bool] = []
+        for k, name in enumerate(order):
+            unit = together.get(name, frozenset({name}))
+            if name in together and any(other in unit for other in order[k + 1 :]):
+                continue  # a prefix ends with all of them
+            there = frozenset(order[: k + 1])
+            meanwhile = frozenset(n for n, first, last in spans if first <= k <= last and n not in unit)
+            after = frozenset(n for n, first, last in spans if first <= k < last)
+            calm = len(unit) > 1 or self._still(there, meanwhile, name)
+            verdicts.append(calm and self._still(there, after, None))
+        return verdicts
+
+    def _still(self, there: Names, held: Names, coming: str | None) -> bool:
+        key = there, held, coming
+        if key not in self._known:
+            self._known[key] = self._watch(there, held, coming)
+        return self._known[key]
+
+    def _watch(self, there: Names, held: Names, coming: str | None) -> bool:
+        """Whether all stay in place while one of them is lowered, or where none is, for a while."""
+        poses = self._pile.poses
+        with World() as world:
+            world.add_table(size=(0.8, 0.8))
+            for name in sorted(there):
+                world.add(self._bodies[name], poses[name], fixed=name in held)
+            set_friction(world, 0.5, 0.6, dict.fromkeys(held, float(np.sqrt(0.5))))
+            if coming is None:
+                for _ in range(round(WATCHED / world.time_step / 24)):
+                    world.step(24)
+                    if world.at_rest():
+                        break
+            else:
+                _lower(world, coming)
+            after = {name: world.pose(name) for name in there - held - {coming}}
+        return all(
+            float(np.linalg.norm((pose - poses[name])[:3, 3])) <= DISTURBED
+            and angle_between(pose, poses[name]) <= TURNED
+            for name, pose in after.items()
+        )
+
+
+def _lower(world: World, name: str) -> None:
+    """Bring a body straight down into its place, from above all that it passes."""
+    place, mine = world.pose(name), np.concatenate(world.parts(name))
+    low, high = bounds(mine)
+    tops = [float(low[2])]
+    for other in world.movable:
+        least, most = bounds(np.concatenate(world.parts(other)))
+        if other != name and (least < high)[:2].all() and (most > low)[:2].all():
+            tops.append(float(most[2]))
+    step = SPEED * world.time_step
+    for height in np.arange(max(tops) + 0.005 - float(low[2]), -step, -step):
+        pose = place.copy()
+        pose[2, 3] += max(float(height), 0.0)
+        world.place(name, pose)
+        world.step()

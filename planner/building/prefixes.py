@@ -1,0 +1,121 @@
+"""Of all orders in which units may be put down, one whose every prefix stands, with the fewest holds.
+
+A hold keeps an object still. It only ever helps, so what is held may as well be held from its placing to the
+end while the number of holds is searched for; afterwards each is made as short as it can be.
+"""
+
+from collections.abc import Callable, Collection, Mapping, Sequence
+from dataclasses import dataclass
+from heapq import heapify, heappop, heappush
+
+import networkx as nx
+
+from topple.planner.building.tolerances import MOST_STATES
+
+Names = frozenset[str]
+
+Falling = Callable[[Names, Names], Collection[str]]
+"""(placed, held) -> those of the placed that do not stand while the held are kept still."""
+
+
+@dataclass(frozen=True)
+class Prefixes:
+    """An order whose every prefix stands.
+
+    Attributes:
+        path: Positions of the units, first to put down first.
+        held: name -> (first, last): it is held from the placing of the unit at `path[first]` until the one at
+            `path[last]` is down.
+        proven: Whether no order needs fewer holds.
+    """
+
+    path: tuple[int, ...]
+    held: Mapping[str, tuple[int, int]]
+    proven: bool
+
+
+_State = tuple[tuple[int, ...], Names]
+"""Positions of the units put down so far, and what is held."""
+
+
+def fewest_holds(
+    units: Sequence[Sequence[str]],
+    before: Sequence[frozenset[int]],
+    falling: Falling,
+    meeting: "nx.Graph[str]",
+    most_states: int = MOST_STATES,
+) -> Prefixes:
+    """Search all orders, those with fewer holds first, and of these those that prefer earlier units.
+
+    Args:
+        units: Names that are put down together, those to be preferred first.
+        before: Positions of the units that must be down before each; they close no cycle.
+        falling: What does not stand; nothing where everything is in place, and nothing that is held.
+        meeting: Which objects are in contact: holding one helps only those it hangs together with.
+        most_states: How many partial arrangements are tried until the first order found is taken.
+
+    Returns:
+        The order, with holds as short as they can be.
+    """
+    queue: list[tuple[tuple[object, ...], _State]] = []
+    tried = 0
+
+    def cost(path: tuple[int, ...], held: Names) -> tuple[object, ...]:
+        counts = (len(held), -len(path)) if tried < most_states else (-len(path), len(held))
+        return (*counts, path, sorted(held))
+
+    heappush(queue, (cost((), frozenset()), ((), frozenset())))
+    stood: dict[frozenset[int], list[Names]] = {}
+    while True:
+        path, held = heappop(queue)[1]
+        down = frozenset(path)
+        if any(fewer <= held for fewer in stood.get(down, ())):
+            continue
+        tried += 1
+        if tried == most_states:
+            queue = [(cost(*state), state) for _, state in queue]
+            heapify(queue)
+        placed = names_of(units, path)
+        fallen = falling(placed, held)
+        for name in _neighbours(fallen, placed, meeting) - held:
+            heappush(queue, (cost(path, held | {name}), (path, held | {name})))
+        if fallen:
+            continue
+        stood.setdefault(down, []).append(held)
+        if len(path) == len(units):
+            return Prefixes(path, _shortest(units, path, held, falling), tried < most_states)
+        for unit, needed in enumerate(before):
+            if unit not in down and needed <= down:
+                heappush(queue, (cost((*path, unit), held), ((*path, unit), held)))
+
+
+def names_of(units: Sequence[Sequence[str]], path: Collection[int]) -> Names:
+    """The objects of some units."""
+    return frozenset(name for unit in path for name in units[unit])
+
+
+def _neighbours(fallen: Collection[str], placed: Names, meeting: "nx.Graph[str]") -> Names:
+    """Whatever hangs together with what falls, itself included."""
+    there = meeting.subgraph(placed)
+    return frozenset(fallen).union(*(nx.node_connected_component(there, n) for n in fallen if n in there))
+
+
+def _shortest(
+    units: Sequence[Sequence[str]], path: tuple[int, ...], held: Names, falling: Falling
+) -> dict[str, tuple[int, int]]:
+    """Each hold begun as late and ended as early as the others, made so before it, allow."""
+    placed = [names_of(units, path[: k + 1]) for k in range(len(path))]
+    spans = {name: (next(k for k, there in enumerate(placed) if name in there), len(path)) for name in held}
+
+    def stands(k: int, without: str) -> bool:
+        still = {n for n, (first, last) in spans.items() if n != without and first <= k < last}
+        return not falling(placed[k], frozenset(still))
+
+    for name in sorted(held):
+        first, last = spans[name]
+        while last > first and stands(last - 1, name):
+            last -= 1
+        while first < last and stands(first, name):
+            first += 1
+        spans[name] = (first, last)
+    return {name: span for name, span in spans.items() if span[0] < span[1]}

@@ -1,0 +1,59 @@
+"""What stands of a part of an arrangement, also where masses are not quite where they are taken to be."""
+
+from dataclasses import replace
+from functools import cache
+
+import numpy as np
+
+from topple.planner.building.prefixes import Falling, Names
+from topple.planner.building.tolerances import OFF_CENTRE
+from topple.robots.world.bodies import Body
+from topple.topology.arrays import FloatArray
+from topple.topology.bodies.complete import is_hollow
+from topple.topology.statics.equilibrium import Weight, balance
+from topple.topology.statics.rest import Statics, within_reach
+from topple.topology.values import FrozenDict
+
+_SHIFTS = OFF_CENTRE * np.array([[0, 0, 0], [1, 0, 0], [-1, 0, 0], [0, 1, 0], [0, -1, 0]])
+
+
+def falling_in(statics: Statics) -> Falling:
+    """What falls of the parts of an arrangement, each asked about once.
+
+    A thing stands where contact forces hold it and it would not sink, with the masses where they seem to be
+    and with all of them a little to either side; by how much more than in the whole arrangement, counts.
+
+    Args:
+        statics: The finished arrangement at rest.
+
+    Returns:
+        (placed, held) -> names.
+    """
+    every = frozenset(statics.upright.movable)
+    centred = {n: replace(weight, centre=_centre(n, statics)) for n, weight in statics.weights.items()}
+    shaken = [_weighing(statics, centred, shift) for shift in _SHIFTS]
+
+    @cache
+    def falling(placed: Names, held: Names) -> Names:
+        away = every - placed
+        if not away:
+            return frozenset()
+        if sunk := shaken[0].fallen_without(away, held):
+            return frozenset(sunk)
+        return frozenset(name for each in shaken for name in each.unsteady_without(away, held))
+
+    return falling
+
+
+def _centre(name: str, statics: Statics) -> FloatArray:
+    """(3,) centre of mass [m]: that of the hull of a solid, that of the surface of a hollow thing."""
+    if is_hollow(statics.upright.clouds[name], statics.sight):
+        return statics.weights[name].centre
+    return Body.of(name, [statics.surfaces[name]], mass=1.0).centre_of_mass
+
+
+def _weighing(statics: Statics, weights: dict[str, Weight], shift: FloatArray) -> Statics:
+    """The same with other weights, their centres shifted."""
+    there = {name: replace(weight, centre=weight.centre + shift) for name, weight in weights.items()}
+    left_open = balance(there, within_reach(statics.contacts, there)).deficit
+    return replace(statics, weights=FrozenDict(there), unexplained=FrozenDict(dict(left_open)))

@@ -1,0 +1,1 @@
+"""From one arrangement to another: the fewest moves and buffers, with a bound that proves it."""

@@ -1,0 +1,100 @@
+"""Build orders of real arrangements: what is under first, what falls held."""
+
+import json
+from pathlib import Path
+
+import numpy as np
+import pytest
+from on_table import on_table
+from scipy.spatial.transform import Rotation
+
+from topple.planner import build_order
+from topple.planner.building.build import Footing
+from topple.planner.cli.main import main
+from topple.robots.shapes import box
+from topple.topology import InvalidInput, Scene
+
+
+def balance() -> Scene:
+    """A plank far past the edge of a pier, kept there by a weight."""
+    return on_table(
+        (box("plank", (0.3, 0.06, 0.02)), (0.11, 0.0, 0.1)),
+        (box("pier", (0.06, 0.1, 0.1)), (0.0, 0.0, 0.0)),
+        (box("weight", (0.05, 0.05, 0.06)), (-0.01, 0.0, 0.12)),
+    ).weighed({"plank": 0.1, "weight": 1.0})
+
+
+def test_what_carries_is_put_down_before_what_it_carries() -> None:
+    found = build_order(
+        on_table((box("lamp", (0.06, 0.06, 0.1)), (0, 0, 0.04)), (box("book", (0.12, 0.1, 0.04)), (0, 0, 0)))
+    )
+    assert found.order == ("book", "lamp")
+    assert not found.holds
+    (edge,) = found.graph.dependencies
+    assert isinstance(edge, Footing)
+    assert (edge.first, edge.then, edge.reason) == ("book", "lamp", "supported")
+    assert edge.sentence().startswith("book before lamp: lamp rests on book")
+    assert {frozenset((each.a, each.b)) for each in edge.evidence} == {frozenset(("book", "lamp"))}
+
+
+def test_a_counterweight_comes_after_its_plank_which_is_held_until_then() -> None:
+    found = build_order(balance())
+    assert found.order == ("pier", "plank", "weight")
+    (hold,) = found.holds
+    assert (hold.object, hold.since, hold.until) == ("plank", "plank", "weight")
+    assert found.proven
+    assert "weight holds plank in place by its weight" in hold.because
+    assert hold.evidence
+
+
+def test_a_plank_that_stands_alone_is_held_only_while_its_first_load_would_tip_it() -> None:
+    found = build_order(
+        on_table(
+            (box("pier", (0.05, 0.1, 0.1)), (0.0, 0.0, 0.0)),
+            (box("plank", (0.3, 0.06, 0.02)), (0.0, 0.0, 0.1)),
+            (box("left", (0.04, 0.05, 0.1)), (-0.12, 0.0, 0.12)),
+            (box("right", (0.04, 0.05, 0.1)), (0.12, 0.0, 0.12)),
+        )
+    )
+    assert found.order[:2] == ("pier", "plank")
+    (hold,) = found.holds
+    assert hold.object in {"plank", found.order[2]}
+    assert (hold.since, hold.until) == found.order[2:]
+
+
+def test_two_boards_that_lean_on_each_other_take_one_hold() -> None:
+    clouds, rng = dict(on_table().clouds), np.random.default_rng(0)
+    for name, side in (("left", -1), ("right", 1)):
+        turn = Rotation.from_euler("y", -side * 0.3).as_matrix()
+        points = box(name, (0.01, 0.08, 0.1)).surface(3000, rng) @ turn.T
+        inner = (side * points[:, 0]).min()
+        clouds[name] = points - [side * inner, 0.0, points[:, 2].min()]
+    found = build_order(Scene(clouds, fixed=["table"], up=[0, 0, 1]))
+    (hold,) = found.holds
+    assert (hold.object, hold.until) == found.order
+
+
+def test_the_command_prints_what_python_gives(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    scene = balance()
+    path = tmp_path / "goal.npz"
+    clouds = dict(scene.clouds)
+    np.savez(path, up=[0, 0, 1], fixed=["table"], **clouds)  # type: ignore[arg-type]
+    assert main(["order", str(path), "--build", "--json"]) == 0
+    document = json.loads(capsys.readouterr().out)
+    assert document["build"] is True
+    assert document["order"] == ["pier", "plank", "weight"]
+    assert [(hold["object"], hold["until"]) for hold in document["holds"]] == [("plank", "weight")]
+    assert document["format"] == "topple.order"
+    assert all(each["evidence"] for each in document["dependencies"])
+    assert main(["order", str(path), "--build"]) == 0
+    assert "Hold plank until weight is down" in capsys.readouterr().out
+
+
+def test_a_build_order_is_of_everything(capsys: pytest.CaptureFixture[str]) -> None:
+    assert main(["order", "x.npz", "--build", "--target", "plank"]) == 2
+    assert "leave --target" in capsys.readouterr().err
+
+
+def test_nothing_to_build_is_refused() -> None:
+    with pytest.raises(InvalidInput, match="nothing in the scene can move"):
+        build_order(on_table())
