@@ -2,11 +2,11 @@
 
 import argparse
 import os
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from contextlib import ExitStack
 from dataclasses import dataclass
 from functools import partial
-from typing import TYPE_CHECKING, TypeVar, cast
+from typing import TYPE_CHECKING, Any, TypeVar, cast
 
 from topple.planner.cli.console import complain
 from topple.planner.cli.main import WRONG_USE, ShowVersion
@@ -22,6 +22,7 @@ SCENES_A_WORKER = 3
 """Scenes from which another process pays: it takes half a second to start, a scene as long or longer."""
 
 _SCENE_SUFFIXES = (".npz", ".npy")
+_OF_FORMATS = ("image", "models")  # options that one format of scenes has
 _LISTS = ("fixed", "target")  # options that take one name after the other
 
 
@@ -37,7 +38,7 @@ def add_common(parser: argparse.ArgumentParser, *, scenes: str | None) -> None:
             "scenes",
             nargs="*",
             metavar="SCENE" if scenes == "one" else "SCENE...",
-            help=".npz of clouds, folder of cloud or mesh files, or RGB-D .npz / .npy",
+            help=".npz of clouds, folder of cloud or mesh files, RGB-D .npz / .npy, or folder of a BOP scene",
         )
     parser.add_argument(
         "--max-mb",
@@ -49,6 +50,10 @@ def add_common(parser: argparse.ArgumentParser, *, scenes: str | None) -> None:
         "--allow-outside",
         action="store_true",
         help="let scene.json name files that are not below its folder",
+    )
+    parser.add_argument("--image", type=int, metavar="N", help="which image of a BOP scene (its first)")
+    parser.add_argument(
+        "--models", action="store_true", default=None, help="the models of a BOP scene, not its depth"
     )
     parser.add_argument("--fixed", nargs="+", action="extend", metavar="NAME", help="objects that never move")
     parser.add_argument(
@@ -156,19 +161,22 @@ class Reading:
         up: Direction against gravity, or None.
         most_bytes: What a file may unpack to, or None for as much as is usual.
         allow_outside: Whether scene.json may name files that are not below its folder.
+        options: What was given of the options that one format alone has.
     """
 
     fixed: tuple[str, ...]
     up: tuple[float, ...] | None
     most_bytes: int | None
     allow_outside: bool
+    options: Mapping[str, Any]
 
     @staticmethod
     def of(args: argparse.Namespace) -> "Reading":
         """What the parsed arguments say."""
         up = None if args.up is None else tuple(args.up)
         most = None if args.max_mb is None else int(1e6 * args.max_mb)
-        return Reading(tuple(args.fixed or ()), up, most, args.allow_outside)
+        options = {key: value for key in _OF_FORMATS if (value := getattr(args, key)) is not None}
+        return Reading(tuple(args.fixed or ()), up, most, args.allow_outside, options)
 
     def scene(self, path: str) -> "Scene":
         """Read a scene.
@@ -190,6 +198,7 @@ class Reading:
             up=self.up,
             most_bytes=self.most_bytes,
             allow_outside=self.allow_outside,
+            **self.options,
         )
 
 

@@ -1,0 +1,107 @@
+"""What there are several of by name: topple's own, and what installed packages add by entry points."""
+
+import logging
+from collections.abc import Callable, Generator, Iterator, Mapping
+from contextlib import contextmanager
+from functools import cached_property, partial
+from importlib.metadata import EntryPoint, entry_points
+from typing import Any, Generic, TypeVar, cast
+
+from topple.topology.errors import InvalidInput, ToppleError
+
+log = logging.getLogger(__name__)
+
+Kind = TypeVar("Kind")
+
+
+class Table(Generic[Kind]):
+    """Things of one kind by name, each imported when it is first asked for.
+
+    A package adds one in its pyproject.toml, `[project.entry-points."topple.relations"]`, in the same words
+    in which topple names its own. What cannot be imported is named in a warning and left out.
+
+    Attributes:
+        group: Of the entry points, such as "topple.relations".
+        role: What one of them is, for messages: "rule".
+    """
+
+    def __init__(self, group: str, role: str, own: Mapping[str, str]) -> None:
+        """List topple's own.
+
+        Args:
+            group: Of the entry points.
+            role: What one of them is.
+            own: name -> "module:attribute", or "module" where that is the thing itself.
+        """
+        self.group, self.role = group, role
+        self._own = {name: EntryPoint(name, value, group) for name, value in own.items()}
+
+    @cached_property
+    def _entries(self) -> dict[str, EntryPoint]:
+        """Others' first: those that read files look at them before topple's own, which take any folder."""
+        added: dict[str, EntryPoint] = {}
+        for entry in entry_points(group=self.group):
+            if entry.name in self._own or entry.name in added:
+                log.warning("%s is left out: there is one of that name", self._called(entry))
+            else:
+                added[entry.name] = entry
+        return {**added, **self._own}
+
+    def __iter__(self) -> Iterator[str]:
+        """All names, topple's own first; what they name may turn out broken."""
+        return iter((*self._own, *(name for name in self._entries if name not in self._own)))
+
+    def __contains__(self, name: object) -> bool:
+        return name in self._entries
+
+    def __getitem__(self, name: str) -> Kind:
+        """What is called so; if it is another package's function, what it raises names that package.
+
+        Raises:
+            InvalidInput: There is nothing of that name, or it cannot be imported.
+        """
+        if name not in self:
+            raise InvalidInput(f"there is no {self.role} {name!r}: expected {', '.join(self)}")
+        if name in self._own:
+            return self._own[name].load()
+        with self.blamed(name):
+            found = self._entries[name].load()
+        return cast(Kind, partial(_call, self, name, found)) if callable(found) else found
+
+    def sound(self) -> Iterator[tuple[str, Kind]]:
+        """All that can be imported, others' before topple's own; a warning names each that cannot."""
+        for name in tuple(self._entries):
+            try:
+                yield name, self[name]
+            except InvalidInput as error:
+                log.warning("%s", error)
+                del self._entries[name]  # said once
+
+    @contextmanager
+    def blamed(self, name: str) -> Generator[None, None, None]:
+        """Say in a block whose fault it is when something of another package fails.
+
+        Args:
+            name: Which of them is at work.
+
+        Raises:
+            InvalidInput: It raised something that is no error of topple's.
+        """
+        try:
+            yield
+        except ToppleError:
+            raise
+        except Exception as error:  # whatever strangers raise
+            if name in self._own:
+                raise
+            what = " ".join(f"{type(error).__name__}: {error}".split())[:200]
+            raise InvalidInput(f"{self._called(self._entries[name])} failed: {what}") from error
+
+    def _called(self, entry: EntryPoint) -> str:
+        package = f" of package {entry.dist.name} {entry.dist.version}" if entry.dist else ""
+        return f"{self.role} {entry.name!r}{package} ({entry.value})"
+
+
+def _call(table: Table[Any], name: str, function: Callable[..., Any], *args: Any, **keywords: Any) -> Any:
+    with table.blamed(name):
+        return function(*args, **keywords)
