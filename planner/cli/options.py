@@ -40,6 +40,7 @@ def add_common(parser: argparse.ArgumentParser, *, scenes: str | None) -> None:
             metavar="SCENE" if scenes == "one" else "SCENE...",
             help=".npz of clouds, folder of cloud or mesh files, RGB-D .npz / .npy, or folder of a BOP scene",
         )
+        add_formats(parser)
     parser.add_argument(
         "--max-mb",
         type=_amount,
@@ -51,10 +52,6 @@ def add_common(parser: argparse.ArgumentParser, *, scenes: str | None) -> None:
         action="store_true",
         help="let scene.json name files that are not below its folder",
     )
-    parser.add_argument("--image", type=int, metavar="N", help="which image of a BOP scene (its first)")
-    parser.add_argument(
-        "--models", action="store_true", default=None, help="the models of a BOP scene, not its depth"
-    )
     parser.add_argument("--fixed", nargs="+", action="extend", metavar="NAME", help="objects that never move")
     parser.add_argument(
         "--up", nargs=3, type=float, metavar=("X", "Y", "Z"), help="direction against gravity"
@@ -62,6 +59,18 @@ def add_common(parser: argparse.ArgumentParser, *, scenes: str | None) -> None:
     parser.add_argument("--seed", type=_seed, default=0, metavar="N", help="seed of every random draw (0)")
     parser.add_argument("--json", action="store_true", help="JSON on stdout and nothing else")
     parser.add_argument("--version", action=ShowVersion, nargs=0, help="print the version and leave")
+
+
+def add_formats(parser: argparse.ArgumentParser) -> None:
+    """Add what one format of scenes has and the others have not.
+
+    Args:
+        parser: The sub-command's parser.
+    """
+    parser.add_argument("--image", type=int, metavar="N", help="which image of a BOP scene (its first)")
+    parser.add_argument(
+        "--models", action="store_true", default=None, help="the models of a BOP scene, not its depth"
+    )
 
 
 def add_target(
@@ -175,7 +184,7 @@ class Reading:
         """What the parsed arguments say."""
         up = None if args.up is None else tuple(args.up)
         most = None if args.max_mb is None else int(1e6 * args.max_mb)
-        options = {key: value for key in _OF_FORMATS if (value := getattr(args, key)) is not None}
+        options = {key: value for key in _OF_FORMATS if (value := getattr(args, key, None)) is not None}
         return Reading(tuple(args.fixed or ()), up, most, args.allow_outside, options)
 
     def scene(self, path: str) -> "Scene":
