@@ -1,7 +1,8 @@
 """What the cameras of the built-in dishes scene see, as a scene of a BOP dataset with its models.
 
-    python examples/write_bop.py bop
-    topple order bop/test/000001 --image 0      # the table is background, as in BOP
+    python examples/write_bop.py bop && topple order bop/test/000001 --image 0
+
+The table is background, as in BOP.
 """
 
 import json
