@@ -14,6 +14,17 @@ log = logging.getLogger(__name__)
 Kind = TypeVar("Kind")
 
 
+def expected(found: object, kind: type[Kind]) -> Kind:
+    """What a function of another package gave, as it should be.
+
+    Raises:
+        TypeError: It is something else.
+    """
+    if not isinstance(found, kind):
+        raise TypeError(f"it gave {type(found).__name__}, expected {kind.__name__}")
+    return found
+
+
 class Table(Generic[Kind]):
     """Things of one kind by name, each imported when it is first asked for.
 
@@ -23,17 +34,19 @@ class Table(Generic[Kind]):
     Attributes:
         group: Of the entry points, such as "topple.relations".
         role: What one of them is, for messages: "rule".
+        gives: What a function among them gives.
     """
 
-    def __init__(self, group: str, role: str, own: Mapping[str, str]) -> None:
+    def __init__(self, group: str, role: str, own: Mapping[str, str], gives: type = object) -> None:
         """List topple's own.
 
         Args:
             group: Of the entry points.
             role: What one of them is.
             own: name -> "module:attribute", or "module" where that is the thing itself.
+            gives: What a function among them gives.
         """
-        self.group, self.role = group, role
+        self.group, self.role, self.gives = group, role, gives
         self._own = {name: EntryPoint(name, value, group) for name, value in own.items()}
 
     @cached_property
@@ -104,4 +117,4 @@ class Table(Generic[Kind]):
 
 def _call(table: Table[Any], name: str, function: Callable[..., Any], *args: Any, **keywords: Any) -> Any:
     with table.blamed(name):
-        return function(*args, **keywords)
+        return expected(function(*args, **keywords), table.gives)

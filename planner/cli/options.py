@@ -14,6 +14,9 @@ from topple.planner.cli.progress import Progress
 from topple.topology.errors import InvalidInput
 
 if TYPE_CHECKING:
+    from topple.planner.decide.arrange import Order
+    from topple.planner.planning.step import Orderer
+    from topple.topology.relations import Relations
     from topple.topology.scene import Scene
 
 Answer = TypeVar("Answer")
@@ -71,6 +74,82 @@ def add_formats(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         "--models", action="store_true", default=None, help="the models of a BOP scene, not its depth"
     )
+
+
+def add_rule(parser: argparse.ArgumentParser) -> None:
+    """Add what relates every two objects.
+
+    Args:
+        parser: The sub-command's parser.
+    """
+    parser.add_argument("--rule", metavar="NAME", help="what relates: robust, plain or a plugin's (robust)")
+
+
+def add_orderer(parser: argparse.ArgumentParser, usual: str = "fewest") -> None:
+    """Add what orders the objects.
+
+    Args:
+        parser: The sub-command's parser.
+        usual: What does where it is not given.
+    """
+    parser.add_argument(
+        "--orderer", metavar="NAME", help=f"what orders: fewest, cautious or a plugin's ({usual})"
+    )
+
+
+def rule_of(args: argparse.Namespace) -> "Callable[[Scene], Relations] | None":
+    """What relates a scene by the rule that was named; None where none was.
+
+    Raises:
+        InvalidInput: There is no such rule, or it is broken.
+    """
+    if args.rule is None:
+        return None
+    from topple.topology.rule.relate import RULES, relate
+
+    _ = RULES[args.rule]  # refused before anything is read
+    return partial(relate, rule=args.rule)
+
+
+def orderer_of(args: argparse.Namespace) -> "Orderer | None":
+    """The orderer that was named; None where none was.
+
+    Raises:
+        InvalidInput: There is no such orderer, or it is broken.
+    """
+    if args.orderer is None:
+        return None
+    from topple.planner.planning.step import ORDERERS
+
+    return ORDERERS[args.orderer]
+
+
+def order_by(
+    orderer: "Orderer",
+    scene: "Scene",
+    targets: list[str] | None,
+    relations: "Relations | None",
+    seed: int,
+) -> "Order":
+    """The order that an orderer gives of a scene.
+
+    Args:
+        orderer: What orders.
+        scene: The scene.
+        targets: What is to be freed; everything where None.
+        relations: The scene's relations where they are known.
+        seed: Of every search.
+
+    Raises:
+        InvalidInput: A target is fixed, or the answer is no order.
+        UnknownObject: A target, or what the answer takes, is not in the scene.
+    """
+    from topple.planner.planning.order import check_targets
+    from topple.planner.planning.step import ask
+    from topple.topology.situation import Situation
+
+    wanted = check_targets(scene, targets) or scene.movable
+    return ask(orderer, Situation(scene, relations), wanted, seed=seed)
 
 
 def add_target(

@@ -1,9 +1,10 @@
 """`topple order`: which object to take next, and why."""
 
 import argparse
+from collections.abc import Callable
 from dataclasses import dataclass
 from functools import partial
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from topple.planner.cli.console import complain, print_json
 from topple.planner.cli.main import DONE, NO_SAFE_PLAN
@@ -11,14 +12,24 @@ from topple.planner.cli.options import (
     Reading,
     add_common,
     add_max_objects,
+    add_orderer,
+    add_rule,
     add_target,
     for_each_scene,
+    order_by,
+    orderer_of,
     positive,
+    rule_of,
     scene_paths,
 )
 from topple.planner.cli.progress import Progress
 from topple.planner.cli.robot_options import add_gripper, arm_of
 from topple.planner.cli.tables import print_assumptions, print_order
+
+if TYPE_CHECKING:
+    from topple.planner.planning.step import Orderer
+    from topple.topology.relations import Relations
+    from topple.topology.scene import Scene
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
@@ -30,6 +41,8 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     add_common(parser, scenes="many")
     add_target(parser)
     add_max_objects(parser)
+    add_rule(parser)
+    add_orderer(parser)
     parser.add_argument(
         "--verify", action="store_true", help="check the dependencies in simulation: take every object away"
     )
@@ -60,10 +73,17 @@ def execute(args: argparse.Namespace) -> int:
         args.parser.error("--budget bounds --verify: give both or neither")
     if args.gripper is not None and not args.robot:
         args.parser.error("--gripper is what the robot holds with: give both or neither")
+    if args.orderer is not None and (args.verify or args.robot):
+        args.parser.error("--verify and --robot are about topple's own order: leave out --orderer")
+    orderer, relating = orderer_of(args), rule_of(args)
+    if args.max_objects is not None:
+        from topple.topology.rule.relate import relate
+
+        relating = partial(relating or relate, most_objects=args.max_objects)
     arm = arm_of(args) if args.robot else None
     options = {"seed": args.seed, "verify": args.verify, "budget": args.budget, "robot": arm}
     scene_paths(args)  # which may be among the names of --fixed and --target
-    work = partial(_answer, Reading.of(args), args.target, args.max_objects, options)
+    work = partial(_answer, Reading.of(args), args.target, relating, orderer, options)
     by_scenes = not (args.verify or args.robot)  # those take all cores, and import what prints when imported
     with Progress("order") as progress:
         return for_each_scene(args, work, partial(_show, args.json), progress, processes=by_scenes)
@@ -79,15 +99,22 @@ class _Answer:
 
 
 def _answer(
-    reading: Reading, target: list[str] | None, most_objects: int | None, options: dict[str, Any], path: str
+    reading: Reading,
+    target: list[str] | None,
+    relating: "Callable[[Scene], Relations] | None",
+    orderer: "Orderer | None",
+    options: dict[str, Any],
+    path: str,
 ) -> _Answer:
     """The order of a scene file."""
     from topple.planner.planning.order import order
-    from topple.topology.rule.relate import relate
 
     scene = reading.scene(path)
-    relations = None if most_objects is None else relate(scene, most_objects=most_objects)
-    found = order(scene, target, relations=relations, **options)
+    relations = None if relating is None else relating(scene)
+    if orderer is None:
+        found = order(scene, target, relations=relations, **options)
+    else:
+        found = order_by(orderer, scene, target, relations, options["seed"])
     return _Answer(found.to_json(), len(scene.movable), tuple(found.unresolved))
 
 

@@ -15,7 +15,7 @@ from topple.planner.decide.turn import Ahead
 from topple.planner.errors import ArmFault, NoSafePlan
 from topple.planner.execution.execute import Outcome, execute, withdraw
 from topple.planner.execution.judge import Judge
-from topple.planner.execution.look import Look, Observer, Perception, unexpected
+from topple.planner.execution.look import Look, Observer, Perception, Relate, unexpected
 from topple.planner.execution.monitor import Monitor, NoMonitor
 from topple.planner.execution.standing import misplaced
 from topple.planner.execution.tolerances import STUCK
@@ -111,6 +111,7 @@ class ClosedLoop:
         masses: Mapping[str, float] | None = None,
         friction: Mapping[str, float] | None = None,
         shuffle_labels: bool = False,
+        relate: Relate | None = None,
         **more: Any,
     ) -> "ClosedLoop":
         """Close the loop in a PyBullet world, judged by its true poses.
@@ -126,11 +127,14 @@ class ClosedLoop:
             masses: Masses [kg] by name of what was weighed; what is seen anew keeps them.
             friction: Coefficients of surfaces by name of what was tried, likewise.
             shuffle_labels: Whether names of objects are not kept between looks.
+            relate: What relates what is seen; topple's own rule where None.
             **more: As the attributes of this class.
         """
         up = np.array([0.0, 0.0, 1.0]) if up is None else up
         rng = np.random.default_rng(seed)
-        perception = Observer(world, cameras, rng, fixed, up, masses or {}, friction or {}, shuffle_labels)
+        perception = Observer(
+            world, cameras, rng, fixed, up, masses or {}, friction or {}, shuffle_labels, relate
+        )
         return cls(robot, perception, goal, seed=seed, judge=Judge(robot, fixed, up), **more)
 
     def look(self) -> Look:

@@ -12,7 +12,7 @@ from topple.topology.checks import as_direction
 from topple.topology.errors import InvalidInput
 from topple.topology.io.assemble import Parts, assemble
 from topple.topology.io.limits import allowing
-from topple.topology.plugins import Table
+from topple.topology.plugins import Table, expected
 from topple.topology.scene import Scene
 
 
@@ -107,7 +107,7 @@ def _read(path: Path, options: dict[str, Any]) -> Parts:
                 continue
             _check_options(name, reader, options)
             try:
-                return reader.read(path, **options)
+                return expected(reader.read(path, **options), Parts)
             except OSError as error:
                 raise InvalidInput(f"cannot be read: {error.strerror or error}") from error
     raise InvalidInput(
