@@ -81,14 +81,27 @@ class Table(Generic[Kind]):
             found = self._entries[name].load()
         return cast(Kind, partial(_call, self, name, found)) if callable(found) else found
 
-    def sound(self) -> Iterator[tuple[str, Kind]]:
-        """All that can be imported, others' before topple's own; a warning names each that cannot."""
+    def first(self, fits: Callable[[Kind], bool]) -> tuple[str, Kind] | None:
+        """The first that fits, others' before topple's own; a warning names what is broken and is left out.
+
+        Args:
+            fits: Whether one of them is what is looked for.
+
+        Returns:
+            Its name and what it is; None where none fits.
+        """
         for name in tuple(self._entries):
             try:
-                yield name, self[name]
+                with self.blamed(name):
+                    found = self[name]
+                    if fits(found):
+                        return name, found
             except InvalidInput as error:
-                log.warning("%s", error)
+                if name in self._own:
+                    raise
+                log.warning("%s; it is left out", error)
                 del self._entries[name]  # said once
+        return None
 
     @contextmanager
     def blamed(self, name: str) -> Generator[None, None, None]:

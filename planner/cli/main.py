@@ -6,6 +6,7 @@ Nothing heavy is imported here: `topple --help` has to answer at once.
 import argparse
 import importlib
 import io
+import logging
 import os
 import sys
 import warnings
@@ -128,6 +129,7 @@ def _run(arguments: list[str]) -> int:
     from topple.topology.errors import InvalidInput, ToppleError
 
     args.parser = commands[args.command]
+    logging.basicConfig(format="topple: %(message)s")  # warnings: of plugins that are left out
     try:
         return int(command.execute(args))
     except InvalidInput as error:

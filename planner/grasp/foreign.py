@@ -89,10 +89,9 @@ def read_grasps(path: str | Path) -> ForeignGrasps:
     path = Path(path)
     try:
         path.open("rb").close()
-        for name, reader in GRASP_READERS.sound():
-            with GRASP_READERS.blamed(name):
-                if reader.reads(path):
-                    return expected(reader.read(path), ForeignGrasps)
+        if (found := GRASP_READERS.first(lambda reader: reader.reads(path))) is not None:
+            with GRASP_READERS.blamed(found[0]):
+                return expected(found[1].read(path), ForeignGrasps)
     except OSError as error:
         raise InvalidInput(f"{path}: cannot be read: {error.strerror}") from error
     raise InvalidInput(f"{path}: is no file of grasps: expected .npy, .npz or an isaac_grasp .yaml")

@@ -101,15 +101,14 @@ def _read(path: Path, options: dict[str, Any]) -> Parts:
         raise InvalidInput(
             "no such file or folder: expected an .npz, an .npy or a folder of clouds or meshes"
         )
-    for name, reader in READERS.sound():
-        with READERS.blamed(name):
-            if not reader.reads(path):
-                continue
+    try:
+        if (found := READERS.first(lambda reader: reader.reads(path))) is not None:
+            name, reader = found
             _check_options(name, reader, options)
-            try:
+            with READERS.blamed(name):
                 return expected(reader.read(path, **options), Parts)
-            except OSError as error:
-                raise InvalidInput(f"cannot be read: {error.strerror or error}") from error
+    except OSError as error:
+        raise InvalidInput(f"cannot be read: {error.strerror or error}") from error
     raise InvalidInput(
         "neither a file nor a folder: expected an .npz, an .npy or a folder of clouds or meshes"
     )
