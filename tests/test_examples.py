@@ -11,7 +11,8 @@ EXAMPLES = Path(__file__).resolve().parents[1] / "examples"
 FRAMES = EXAMPLES.parents[1] / "shared" / "data" / "rgbd"
 SCRIPTS = (
     "dishes.py", "foreign_grasps.py", "lemon.py", "look.py", "order_clouds.py", "own_world.py", "pile.py",
-    "real_frame.py", "sort.py", "tower.py", "track.py", "write_bop.py",
+    "real_frame.py", "sort.py", "tower.py", "track.py", "write_bag.py",
+    "write_bop.py",
 )  # fmt: skip
 
 
@@ -54,6 +55,13 @@ def test_a_simulated_scene_becomes_one_of_a_bop_dataset(tmp_path: Path) -> None:
     assert lines[-1].startswith("bop/test/000001: obj_000001 plate, ")
     scene = load_scene(tmp_path / "bop" / "test" / "000001", image=2)
     assert len(scene.names) == 6 and scene.fixed == {"table"}
+
+
+@pytest.mark.slow
+def test_a_simulated_camera_becomes_a_recording_of_ros(tmp_path: Path) -> None:
+    assert _output(tmp_path, "write_bag.py", "run")[-1].startswith("run: labels 1 table 3 plate ")
+    scene = load_scene(tmp_path / "run" / "run.mcap", fixed=["1"], image=2)
+    assert len(scene.names) == 6 and scene.robot_base is not None
 
 
 def test_plain_arrays_give_relations_and_an_order_with_reasons(tmp_path: Path) -> None:

@@ -25,7 +25,7 @@ SCENES_A_WORKER = 3
 """Scenes from which another process pays: it takes half a second to start, a scene as long or longer."""
 
 _SCENE_SUFFIXES = (".npz", ".npy")
-_OF_FORMATS = ("image", "models")  # options that one format of scenes has
+_OF_FORMATS = ("image", "models", "depth", "info", "labels")  # options that one format of scenes has
 _LISTS = ("fixed", "target")  # options that take one name after the other
 
 
@@ -41,7 +41,7 @@ def add_common(parser: argparse.ArgumentParser, *, scenes: str | None) -> None:
             "scenes",
             nargs="*",
             metavar="SCENE" if scenes == "one" else "SCENE...",
-            help=".npz of clouds, folder of cloud or mesh files, RGB-D .npz / .npy, or folder of a BOP scene",
+            help=".npz of clouds, folder of cloud or mesh files, RGB-D .npz / .npy, BOP scene, or ROS bag",
         )
         add_formats(parser)
     parser.add_argument(
@@ -70,10 +70,21 @@ def add_formats(parser: argparse.ArgumentParser) -> None:
     Args:
         parser: The sub-command's parser.
     """
-    parser.add_argument("--image", type=int, metavar="N", help="which image of a BOP scene (its first)")
+    parser.add_argument(
+        "--image",
+        type=int,
+        metavar="N",
+        help="which image of a BOP scene or frame of a recording (its first)",
+    )
     parser.add_argument(
         "--models", action="store_true", default=None, help="the models of a BOP scene, not its depth"
     )
+    for name, purpose in (
+        ("depth", "of a recording's depth images, or clouds with labels"),
+        ("info", "of its camera's intrinsics"),
+        ("labels", "of its masks"),
+    ):
+        parser.add_argument(f"--{name}", metavar="TOPIC", help=f"topic {purpose} (the only one)")
 
 
 def add_rule(parser: argparse.ArgumentParser) -> None:

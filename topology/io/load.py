@@ -38,6 +38,7 @@ READERS: Table[Reader] = Table(
     "reader of scenes",
     {
         "bop": "topple.topology.io.bop",
+        "bag": "topple.topology.io.bag",
         "folder": "topple.topology.io.folder",
         "file": "topple.topology.io.file",
     },
@@ -56,11 +57,12 @@ def load_scene(
 ) -> Scene:
     """Read a scene from a file or a folder, told apart by content.
 
-    Five kinds are read: an `.npz` of clouds, one array (N, 3) per object; one cloud with a label per point,
+    Six kinds are read: an `.npz` of clouds, one array (N, 3) per object; one cloud with a label per point,
     an `.npz` with `points` (N, 3) and `labels` (N,) or a `.pcd` with a field `label`; a folder with one cloud
     or mesh file per object and perhaps a `scene.json`; an RGB-D frame (`.npz` or `.npy`) with `depth`, `K`
     and a mask (H, W) or a stack `masks` (N, H, W); an image of a scene of a BOP dataset
-    (`topple.topology.io.bop`). Other packages add more (`READERS`).
+    (`topple.topology.io.bop`); a frame of a recording of ROS (`topple.topology.io.bag`). Other packages
+    add more (`READERS`).
 
     Where nothing is fixed, the table is the object named so, else the plane that carries the objects among
     the pixels or points of the background (label 0).
@@ -74,7 +76,7 @@ def load_scene(
         up: Direction (3,) against gravity.
         most_bytes: What the files may unpack to; half a gigabyte where None.
         allow_outside: Whether `files` of a scene.json may lie elsewhere than below its folder.
-        **options: What its format alone has, as `image=3` for a BOP dataset.
+        **options: What its format alone has: `image=3` for a BOP dataset and a recording.
 
     Returns:
         The scene; `assumptions` says what was assumed and not given.
