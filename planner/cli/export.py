@@ -26,7 +26,10 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     """
     parser.add_argument("plan", metavar="PLAN", help="plan.json of topple plan; - reads it from stdin")
     parser.add_argument(
-        "--to", required=True, metavar="FORMAT", help="pddl, bt, dot, graphml, moveit, json or a plugin's"
+        "--to",
+        required=True,
+        metavar="FORMAT",
+        help="pddl, bt, dot, graphml, moveit, ros2, json, or a plugin's",
     )
     parser.add_argument(
         "-o",

@@ -26,7 +26,7 @@ COMMANDS = {
     "rank": "rank the grasps of another pipeline by what may be taken first, and say what bars the others",
     "demo": "play a built-in scene: look, order, plan and clear it with an arm in simulation",
     "bench": "measure relations, orders and motions on this machine, each with a baseline beside it",
-    "export": "hand a plan on: PDDL, behaviour tree, DOT, GraphML, MoveIt scene",
+    "export": "hand a plan on: PDDL, behaviour tree, DOT, GraphML, MoveIt scene, ROS 2",
     "show": "draw a scene with its relations and its order",
 }
 

@@ -19,6 +19,7 @@ EXPORTERS: Table[Callable[[Plan], str | bytes]] = Table(
         "pddl": "topple.planner.export.pddl:pddl",
         "bt": "topple.planner.export.behavior_tree:behavior_tree",
         "moveit": "topple.planner.export.moveit:moveit_scene",
+        "ros2": "topple.planner.export.ros2:recording",
     },
 )
 """By name: a plan to what is written in a file, text or bytes; other packages add theirs."""
