@@ -6,5 +6,11 @@ settings.register_profile("topple", deadline=None)  # a busy machine is no failu
 settings.load_profile("topple")
 
 # Where PyBullet has no wheel, only what does not simulate is tested: these look through simulated cameras.
-SIMULATED = ["topology/test_containers.py", "topology/rule/test_facing.py", "topology/statics/test_hidden.py"]
+SIMULATED = [
+    "topology/test_containers.py",
+    "topology/io/test_bag.py",
+    "topology/io/test_bop.py",
+    "topology/rule/test_facing.py",
+    "topology/statics/test_hidden.py",
+]
 collect_ignore = [] if find_spec("pybullet") else SIMULATED

@@ -11,7 +11,7 @@ EXAMPLES = Path(__file__).resolve().parents[1] / "examples"
 FRAMES = EXAMPLES.parents[1] / "shared" / "data" / "rgbd"
 SCRIPTS = (
     "dishes.py", "foreign_grasps.py", "lemon.py", "look.py", "order_clouds.py", "own_world.py", "pile.py",
-    "real_frame.py", "set_table.py", "sort.py", "tower.py", "track.py",
+    "real_frame.py", "set_table.py", "sort.py", "tower.py", "track.py", "write_bag.py", "write_bop.py",
 )  # fmt: skip
 
 
@@ -53,6 +53,21 @@ def test_look_writes_a_small_scene_that_says_everything(tmp_path: Path) -> None:
     assert scene.robot_base is not None
     assert scene.assumptions == ()
     assert (tmp_path / "scene.npz").stat().st_size < 1_000_000
+
+
+@pytest.mark.slow
+def test_a_simulated_scene_becomes_one_of_a_bop_dataset(tmp_path: Path) -> None:
+    lines = _output(tmp_path, "write_bop.py", "bop")
+    assert lines[-1].startswith("bop/test/000001: obj_000001 plate, ")
+    scene = load_scene(tmp_path / "bop" / "test" / "000001", image=2)
+    assert len(scene.names) == 6 and scene.fixed == {"table"}
+
+
+@pytest.mark.slow
+def test_a_simulated_camera_becomes_a_recording_of_ros(tmp_path: Path) -> None:
+    assert _output(tmp_path, "write_bag.py", "run")[-1].startswith("run: labels 1 table 3 plate ")
+    scene = load_scene(tmp_path / "run" / "run.mcap", fixed=["1"], image=2)
+    assert len(scene.names) == 6 and scene.robot_base is not None
 
 
 def test_plain_arrays_give_relations_and_an_order_with_reasons(tmp_path: Path) -> None:

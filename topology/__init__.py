@@ -9,6 +9,7 @@ if TYPE_CHECKING:
     from topple.topology.geometry.thin import thinned
     from topple.topology.image import DepthImage
     from topple.topology.io import load_scene, load_sequence
+    from topple.topology.io.assemble import Parts
     from topple.topology.pair import PairRelation
     from topple.topology.relations import Relations
     from topple.topology.rule.relate import relate, relate_all
@@ -22,6 +23,7 @@ __all__ = [
     "Mesh",
     "NotInstalled",
     "PairRelation",
+    "Parts",
     "Relation",
     "Relations",
     "Scene",
@@ -42,6 +44,7 @@ _HOME = {
     "Mesh": "scene",
     "NotInstalled": "errors",
     "PairRelation": "pair",
+    "Parts": "io.assemble",
     "Relation": "sixim.table",
     "Relations": "relations",
     "Scene": "scene",

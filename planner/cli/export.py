@@ -9,6 +9,7 @@ from topple.planner.cli.console import print_json, print_text
 from topple.planner.cli.main import DONE
 from topple.planner.cli.options import add_common
 from topple.planner.files import check_writable, write_whole
+from topple.topology.errors import InvalidInput
 from topple.topology.io.limits import MOST_BYTES, check_size
 
 if TYPE_CHECKING:
@@ -25,7 +26,10 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     """
     parser.add_argument("plan", metavar="PLAN", help="plan.json of topple plan; - reads it from stdin")
     parser.add_argument(
-        "--to", required=True, metavar="FORMAT", help="pddl, bt, dot, graphml, moveit or json"
+        "--to",
+        required=True,
+        metavar="FORMAT",
+        help="pddl, bt, dot, graphml, moveit, ros2, json, or a plugin's",
     )
     parser.add_argument(
         "-o",
@@ -54,7 +58,9 @@ def execute(args: argparse.Namespace) -> int:
     if args.output is not None and folder is None:
         check_writable(args.output)
     plan = _read(args.plan)
-    text = export(plan, args.to)
+    made = export(plan, args.to)
+    if isinstance(made, bytes) and args.output is None:
+        raise InvalidInput(f"{args.to} is no text: say with -o FILE where it is written")
     written: list[str] = []
     if folder is not None:
         from topple.planner.export.pddl import domain_and_problem
@@ -62,7 +68,7 @@ def execute(args: argparse.Namespace) -> int:
         for name, content in zip(_PDDL_FILES, domain_and_problem(plan), strict=True):
             written.append(str(write_whole(folder / name, content)))
     elif args.output is not None:
-        written.append(str(write_whole(args.output, text)))
+        written.append(str(write_whole(args.output, made)))
     if args.json:
         print_json(
             {
@@ -71,13 +77,13 @@ def execute(args: argparse.Namespace) -> int:
                 "plan": args.plan,
                 "to": args.to,
                 "written": written,
-                "text": text,
+                "text": made if isinstance(made, str) else None,
             }
         )
     elif written:
         print_text(f"Written: {', '.join(written)}")
-    else:
-        print_text(text.removesuffix("\n"))
+    elif isinstance(made, str):
+        print_text(made.removesuffix("\n"))
     return DONE
 
 

@@ -6,6 +6,7 @@ Nothing heavy is imported here: `topple --help` has to answer at once.
 import argparse
 import importlib
 import io
+import logging
 import os
 import sys
 import warnings
@@ -25,7 +26,7 @@ COMMANDS = {
     "rank": "rank the grasps of another pipeline by what may be taken first, and say what bars the others",
     "demo": "play a built-in scene: look, order, plan and clear it with an arm in simulation",
     "bench": "measure relations, orders and motions on this machine, each with a baseline beside it",
-    "export": "hand a plan on: PDDL, behaviour tree, DOT, GraphML, MoveIt scene",
+    "export": "hand a plan on: PDDL, behaviour tree, DOT, GraphML, MoveIt scene, ROS 2",
     "show": "draw a scene with its relations and its order",
 }
 
@@ -128,6 +129,7 @@ def _run(arguments: list[str]) -> int:
     from topple.topology.errors import InvalidInput, ToppleError
 
     args.parser = commands[args.command]
+    logging.basicConfig(format="topple: %(message)s")  # warnings: of plugins that are left out
     try:
         return int(command.execute(args))
     except InvalidInput as error:

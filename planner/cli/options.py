@@ -2,11 +2,11 @@
 
 import argparse
 import os
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from contextlib import ExitStack
 from dataclasses import dataclass
 from functools import partial
-from typing import TYPE_CHECKING, TypeVar, cast
+from typing import TYPE_CHECKING, Any, TypeVar, cast
 
 from topple.planner.cli.console import complain
 from topple.planner.cli.main import WRONG_USE, ShowVersion
@@ -14,6 +14,9 @@ from topple.planner.cli.progress import Progress
 from topple.topology.errors import InvalidInput
 
 if TYPE_CHECKING:
+    from topple.planner.decide.arrange import Order
+    from topple.planner.planning.step import Orderer
+    from topple.topology.relations import Relations
     from topple.topology.scene import Scene
 
 Answer = TypeVar("Answer")
@@ -22,6 +25,7 @@ SCENES_A_WORKER = 3
 """Scenes from which another process pays: it takes half a second to start, a scene as long or longer."""
 
 _SCENE_SUFFIXES = (".npz", ".npy")
+_OF_FORMATS = ("image", "models", "depth", "info", "labels")  # options that one format of scenes has
 _LISTS = ("fixed", "target")  # options that take one name after the other
 
 
@@ -37,8 +41,9 @@ def add_common(parser: argparse.ArgumentParser, *, scenes: str | None) -> None:
             "scenes",
             nargs="*",
             metavar="SCENE" if scenes == "one" else "SCENE...",
-            help=".npz of clouds, folder of cloud or mesh files, or RGB-D .npz / .npy",
+            help=".npz of clouds, folder of cloud or mesh files, RGB-D .npz / .npy, BOP scene, or ROS bag",
         )
+        add_formats(parser)
     parser.add_argument(
         "--max-mb",
         type=_amount,
@@ -57,6 +62,105 @@ def add_common(parser: argparse.ArgumentParser, *, scenes: str | None) -> None:
     parser.add_argument("--seed", type=_seed, default=0, metavar="N", help="seed of every random draw (0)")
     parser.add_argument("--json", action="store_true", help="JSON on stdout and nothing else")
     parser.add_argument("--version", action=ShowVersion, nargs=0, help="print the version and leave")
+
+
+def add_formats(parser: argparse.ArgumentParser) -> None:
+    """Add what one format of scenes has and the others have not.
+
+    Args:
+        parser: The sub-command's parser.
+    """
+    parser.add_argument(
+        "--image",
+        type=int,
+        metavar="N",
+        help="which image of a BOP scene or frame of a recording (its first)",
+    )
+    parser.add_argument(
+        "--models", action="store_true", default=None, help="the models of a BOP scene, not its depth"
+    )
+    for name, purpose in (
+        ("depth", "of a recording's depth images, or clouds with labels"),
+        ("info", "of its camera's intrinsics"),
+        ("labels", "of its masks"),
+    ):
+        parser.add_argument(f"--{name}", metavar="TOPIC", help=f"topic {purpose} (the only one)")
+
+
+def add_rule(parser: argparse.ArgumentParser) -> None:
+    """Add what relates every two objects.
+
+    Args:
+        parser: The sub-command's parser.
+    """
+    parser.add_argument("--rule", metavar="NAME", help="what relates: robust, plain or a plugin's (robust)")
+
+
+def add_orderer(parser: argparse.ArgumentParser, usual: str = "fewest") -> None:
+    """Add what orders the objects.
+
+    Args:
+        parser: The sub-command's parser.
+        usual: What does where it is not given.
+    """
+    parser.add_argument(
+        "--orderer", metavar="NAME", help=f"what orders: fewest, cautious or a plugin's ({usual})"
+    )
+
+
+def rule_of(args: argparse.Namespace) -> "Callable[[Scene], Relations] | None":
+    """What relates a scene by the rule that was named; None where none was.
+
+    Raises:
+        InvalidInput: There is no such rule, or it is broken.
+    """
+    if args.rule is None:
+        return None
+    from topple.topology.rule.relate import RULES, relate
+
+    _ = RULES[args.rule]  # refused before anything is read
+    return partial(relate, rule=args.rule)
+
+
+def orderer_of(args: argparse.Namespace) -> "Orderer | None":
+    """The orderer that was named; None where none was.
+
+    Raises:
+        InvalidInput: There is no such orderer, or it is broken.
+    """
+    if args.orderer is None:
+        return None
+    from topple.planner.planning.step import ORDERERS
+
+    return ORDERERS[args.orderer]
+
+
+def order_by(
+    orderer: "Orderer",
+    scene: "Scene",
+    targets: list[str] | None,
+    relations: "Relations | None",
+    seed: int,
+) -> "Order":
+    """The order that an orderer gives of a scene.
+
+    Args:
+        orderer: What orders.
+        scene: The scene.
+        targets: What is to be freed; everything where None.
+        relations: The scene's relations where they are known.
+        seed: Of every search.
+
+    Raises:
+        InvalidInput: A target is fixed, or the answer is no order.
+        UnknownObject: A target, or what the answer takes, is not in the scene.
+    """
+    from topple.planner.planning.order import check_targets
+    from topple.planner.planning.step import ask
+    from topple.topology.situation import Situation
+
+    wanted = check_targets(scene, targets) or scene.movable
+    return ask(orderer, Situation(scene, relations), wanted, seed=seed)
 
 
 def add_target(
@@ -156,19 +260,22 @@ class Reading:
         up: Direction against gravity, or None.
         most_bytes: What a file may unpack to, or None for as much as is usual.
         allow_outside: Whether scene.json may name files that are not below its folder.
+        options: What was given of the options that one format alone has.
     """
 
     fixed: tuple[str, ...]
     up: tuple[float, ...] | None
     most_bytes: int | None
     allow_outside: bool
+    options: Mapping[str, Any]
 
     @staticmethod
     def of(args: argparse.Namespace) -> "Reading":
         """What the parsed arguments say."""
         up = None if args.up is None else tuple(args.up)
         most = None if args.max_mb is None else int(1e6 * args.max_mb)
-        return Reading(tuple(args.fixed or ()), up, most, args.allow_outside)
+        options = {key: value for key in _OF_FORMATS if (value := getattr(args, key, None)) is not None}
+        return Reading(tuple(args.fixed or ()), up, most, args.allow_outside, options)
 
     def scene(self, path: str) -> "Scene":
         """Read a scene.
@@ -190,6 +297,7 @@ class Reading:
             up=self.up,
             most_bytes=self.most_bytes,
             allow_outside=self.allow_outside,
+            **self.options,
         )
 
 

@@ -12,9 +12,14 @@ from topple.planner.cli.options import (
     Reading,
     add_common,
     add_max_objects,
+    add_orderer,
+    add_rule,
     add_target,
     for_each_scene,
+    order_by,
+    orderer_of,
     positive,
+    rule_of,
     scene_paths,
 )
 from topple.planner.cli.progress import Progress
@@ -28,6 +33,9 @@ from topple.planner.cli.tables import (
 )
 
 if TYPE_CHECKING:
+    from topple.planner.planning.step import Orderer
+    from topple.topology.relations import Relations
+    from topple.topology.scene import Scene
     from topple.topology.situation import Situation
 
 
@@ -40,6 +48,8 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     add_common(parser, scenes="many")
     add_target(parser)
     add_max_objects(parser)
+    add_rule(parser)
+    add_orderer(parser)
     parser.add_argument(
         "--verify", action="store_true", help="check the dependencies in simulation: take every object away"
     )
@@ -87,6 +97,14 @@ def execute(args: argparse.Namespace) -> int:
     if (args.build or args.to) and (args.target or args.verify or args.robot or (args.build and args.to)):
         others = "--target, --verify, --robot and --to" if args.build else "--target, --verify and --robot"
         args.parser.error(f"{whole} is about the whole arrangement: leave {others} out")
+    if args.orderer is not None and (args.verify or args.robot or args.next_view or args.build or args.to):
+        others = "--verify, --robot, --next-view, --build and --to"
+        args.parser.error(f"{others} are about topple's own order: leave out --orderer")
+    orderer, relating = orderer_of(args), rule_of(args)
+    if args.max_objects is not None:
+        from topple.topology.rule.relate import relate
+
+        relating = partial(relating or relate, most_objects=args.max_objects)
     arm = arm_of(args) if args.robot else None
     options = {"seed": args.seed, "verify": args.verify, "budget": args.budget, "robot": arm}
     reading = Reading.of(args)
@@ -96,7 +114,9 @@ def execute(args: argparse.Namespace) -> int:
         ask = _built
     elif args.to:
         ask = partial(_moved, reading, args.to)
-    work = partial(_answer, reading, args.max_objects, ask)
+    elif orderer is not None:
+        ask = partial(_ordered_by, orderer, args.target, args.seed)
+    work = partial(_answer, reading, relating, ask)
     by_scenes = not (args.verify or args.robot)  # those take all cores, and import what prints when imported
     with Progress("order") as progress:
         return for_each_scene(args, work, partial(_show, args.json), progress, processes=by_scenes)
@@ -114,14 +134,14 @@ class _Answer:
 _Ask = Callable[["Situation"], _Answer]
 
 
-def _answer(reading: Reading, most_objects: int | None, ask: _Ask, path: str) -> _Answer:
+def _answer(
+    reading: Reading, relating: "Callable[[Scene], Relations] | None", ask: _Ask, path: str
+) -> _Answer:
     """What is asked of a scene file."""
-    from topple.topology.rule.relate import relate
     from topple.topology.situation import Situation
 
     scene = reading.scene(path)
-    known = None if most_objects is None else relate(scene, most_objects=most_objects)
-    return ask(Situation.of(scene, known))
+    return ask(Situation.of(scene, None if relating is None else relating(scene)))
 
 
 def _ordered(
@@ -137,6 +157,12 @@ def _ordered(
         view = next_view(situation, target, found=found)
         document["next_view"] = None if view is None else view.to_json()
     return _Answer(document, len(situation.movable), tuple(found.unresolved))
+
+
+def _ordered_by(orderer: "Orderer", target: list[str] | None, seed: int, situation: "Situation") -> _Answer:
+    """The order of another orderer."""
+    found = order_by(orderer, situation.scene, target, situation.known_relations, seed)
+    return _Answer(found.to_json(), len(situation.movable), tuple(found.unresolved))
 
 
 def _built(situation: "Situation") -> _Answer:

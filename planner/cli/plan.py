@@ -6,7 +6,15 @@ from typing import TYPE_CHECKING
 
 from topple.planner.cli.console import print_table, print_text
 from topple.planner.cli.main import DONE, NO_SAFE_PLAN
-from topple.planner.cli.options import add_common, read_scene, scene_paths
+from topple.planner.cli.options import (
+    add_common,
+    add_orderer,
+    add_rule,
+    orderer_of,
+    read_scene,
+    rule_of,
+    scene_paths,
+)
 from topple.planner.cli.progress import Progress
 from topple.planner.cli.robot_options import add_goal, add_robot, arm_of, base_of, goal_of
 from topple.planner.cli.tables import print_assumptions
@@ -26,6 +34,8 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     add_common(parser, scenes="one")
     add_goal(parser)
     add_robot(parser)
+    add_rule(parser)
+    add_orderer(parser)
     parser.add_argument(
         "--upright",
         nargs="+",
@@ -63,10 +73,12 @@ def execute(args: argparse.Namespace) -> int:
     (path,) = scene_paths(args, many=False)
     goal = goal_of(args)
     place = None if args.output is None else check_writable(args.output)
+    orderer, relating = orderer_of(args), rule_of(args)
     with Progress("plan") as progress:
         progress(f"reading {path}")
         scene = read_scene(args, path)
         from topple.planner.formats.plan_format import plan_to_json
+        from topple.planner.planning.order import ordered
         from topple.planner.planning.plan import plan
 
         arm = arm_of(args)
@@ -74,7 +86,8 @@ def execute(args: argparse.Namespace) -> int:
         base = base_of(args, scene)
         found = plan(
             scene, goal, arm, base=base, upright=args.upright, allow_drop=args.allow_drop,
-            check=not args.verify, seed=args.seed, progress=progress,
+            orderer=orderer or ordered, relations=relating, check=not args.verify, seed=args.seed,
+            progress=progress,
         )  # fmt: skip
         checked = None
         if args.verify:

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any
 
 from topple.planner.cli.console import print_json, print_table, print_text
 from topple.planner.cli.main import DONE
-from topple.planner.cli.options import add_common, read_scene, scene_paths
+from topple.planner.cli.options import add_common, add_formats, read_scene, scene_paths
 from topple.planner.cli.progress import Progress
 from topple.planner.cli.robot_options import add_robot, arm_of, base_of
 from topple.planner.cli.tables import print_assumptions
@@ -32,6 +32,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--object", metavar="NAME", help="only the grasps that hold this object (all)")
     add_robot(parser)
     add_common(parser, scenes=None)
+    add_formats(parser)
 
 
 def execute(args: argparse.Namespace) -> int:

@@ -6,7 +6,15 @@ from typing import Any
 
 from topple.planner.cli.console import print_json
 from topple.planner.cli.main import DONE
-from topple.planner.cli.options import Reading, add_common, add_max_objects, for_each_scene, scene_paths
+from topple.planner.cli.options import (
+    Reading,
+    add_common,
+    add_max_objects,
+    add_rule,
+    for_each_scene,
+    rule_of,
+    scene_paths,
+)
 from topple.planner.cli.progress import Progress
 from topple.planner.cli.tables import print_assumptions, print_relations
 
@@ -25,6 +33,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         help="distance in metres that still counts as touching (estimated)",
     )
     add_max_objects(parser)
+    add_rule(parser)
     parser.add_argument(
         "--plain",
         action="store_true",
@@ -42,7 +51,12 @@ def execute(args: argparse.Namespace) -> int:
         Exit code 0, or 2 where a scene cannot be read or the deviation makes no sense for it.
     """
     scene_paths(args)  # which may be among the names of --fixed
-    options = {"deviation": args.deviation, "plain": args.plain, "most_objects": args.max_objects}
+    if args.plain and args.rule not in (None, "plain"):
+        args.parser.error(f"--plain is a rule as {args.rule} is: give one of the two")
+    rule_of(args)  # refused before anything is read
+    options = {
+        "deviation": args.deviation, "plain": args.plain, "most_objects": args.max_objects, "rule": args.rule
+    }  # fmt: skip
     work = partial(_document, Reading.of(args), options)
     with Progress("relate") as progress:
         return for_each_scene(args, work, partial(_show, args.json), progress)

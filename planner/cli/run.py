@@ -4,7 +4,15 @@ import argparse
 
 from topple.planner.cli.console import complain, print_json, print_text
 from topple.planner.cli.main import DONE, INTERRUPTED, NO_SAFE_PLAN
-from topple.planner.cli.options import add_common, read_scene, scene_paths
+from topple.planner.cli.options import (
+    add_common,
+    add_orderer,
+    add_rule,
+    orderer_of,
+    read_scene,
+    rule_of,
+    scene_paths,
+)
 from topple.planner.cli.progress import Progress
 from topple.planner.cli.robot_options import (
     add_cameras,
@@ -30,6 +38,8 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     add_common(parser, scenes="one")
     add_goal(parser)
     add_robot(parser)
+    add_rule(parser)
+    add_orderer(parser, usual="cautious")
     add_cameras(parser)
     parser.add_argument(
         "--shuffle-labels",
@@ -57,16 +67,19 @@ def execute(args: argparse.Namespace) -> int:
     goal = goal_of(args)
     place = None if args.report is None else check_writable(args.report)
     video, rerun = video_of(args), rerun_of(args)
+    orderer, relating = orderer_of(args), rule_of(args)
     with Progress("run") as progress:
         progress(f"reading {path}")
         scene = read_scene(args, path)
         from topple.planner.execution.run import run
+        from topple.planner.planning.order import cautious
 
         progress(f"{path}: rebuilding the scene")
         record = run(
             scene, goal, arm_of(args), base=base_of(args, scene), cameras=args.cameras,
             mask_noise=args.mask_noise, shuffle_labels=args.shuffle_labels, wrist_camera=args.wrist_camera,
-            video=video, rerun=rerun, seed=args.seed, progress=progress,
+            video=video, rerun=rerun, orderer=orderer or cautious, relate=relating, seed=args.seed,
+            progress=progress,
         )  # fmt: skip
         if place is not None:
             from topple.planner.report.run_page import run_page

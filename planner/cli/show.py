@@ -6,7 +6,17 @@ from typing import TYPE_CHECKING
 
 from topple.planner.cli.console import print_json, print_text
 from topple.planner.cli.main import DONE
-from topple.planner.cli.options import add_common, add_target, read_scene, scene_paths
+from topple.planner.cli.options import (
+    add_common,
+    add_orderer,
+    add_rule,
+    add_target,
+    order_by,
+    orderer_of,
+    read_scene,
+    rule_of,
+    scene_paths,
+)
 from topple.planner.cli.progress import Progress
 from topple.planner.files import check_writable, write_whole
 from topple.topology.errors import InvalidInput
@@ -27,6 +37,8 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     """
     add_common(parser, scenes="one")
     add_target(parser)
+    add_rule(parser)
+    add_orderer(parser)
     parser.add_argument(
         "-o", "--output", metavar="FILE", help="what to write, .html or .png (the scene's name with .html)"
     )
@@ -48,11 +60,12 @@ def execute(args: argparse.Namespace) -> int:
 
     (path,) = scene_paths(args, many=False)
     place = _output(args.output, path)
+    relating = rule_of(args) or relate
     with Progress("show") as progress:
         progress(f"reading {path}")
         scene = read_scene(args, path)
         progress(f"{path}: relating {len(scene.names)} objects")
-        relations = relate(scene)
+        relations = relating(scene)
         order = _order(args, scene, relations)
         progress(f"{path}: drawing")
         write_whole(place, _drawn(place, Path(path).name, scene, relations, order))
@@ -81,6 +94,9 @@ def _order(args: argparse.Namespace, scene: "Scene", relations: "Relations") -> 
 
     if not args.target and (scene.up is None or not scene.movable):
         return None
+    orderer = orderer_of(args)
+    if orderer is not None:
+        return order_by(orderer, scene, args.target, relations, args.seed)
     return order(scene, args.target, seed=args.seed, relations=relations)
 
 

@@ -1,6 +1,6 @@
 """One look at the world: depth images, clouds, relations, and what of it was not expected."""
 
-from collections.abc import Collection, Mapping, Sequence
+from collections.abc import Callable, Collection, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from typing import Protocol
 
@@ -22,6 +22,8 @@ from topple.topology.relations import Relations
 from topple.topology.scene import Scene
 from topple.topology.situation import Situation
 from topple.topology.sixim.table import Relation
+
+Relate = Callable[[Scene], Relations]
 
 
 @dataclass(frozen=True, eq=False)
@@ -75,6 +77,7 @@ class Observer:
         friction: Coefficients of surfaces by name of what was tried, seen or not.
         shuffle_labels: Whether names of objects are not kept between looks: what is seen is matched with what
             is expected, by place and shape.
+        relate: What relates what is seen; topple's own rule where None.
     """
 
     world: World
@@ -85,6 +88,7 @@ class Observer:
     masses: Mapping[str, float] = field(default_factory=dict[str, float])
     friction: Mapping[str, float] = field(default_factory=dict[str, float])
     shuffle_labels: bool = False
+    relate: Relate | None = None
 
     def __post_init__(self) -> None:
         self._frames = Frames(self.cameras)
@@ -125,7 +129,8 @@ class Observer:
         self._kept = (*kept, *more)
         scene = scene.weighed(_among(self.masses, scene), _among(self.friction, scene))
         self._last = scene
-        return Look(images, Situation(scene), _seen(images[0]), surprises, faults)
+        relations = None if self.relate is None else self.relate(scene)
+        return Look(images, Situation(scene, relations), _seen(images[0]), surprises, faults)
 
     def _scene(self, images: Sequence[DepthImage]) -> Scene:
         fixed = [name for name in self.fixed if any(name in image.names.values() for image in images)]

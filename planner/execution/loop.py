@@ -15,7 +15,7 @@ from topple.planner.decide.turn import Ahead
 from topple.planner.errors import ArmFault, NoSafePlan
 from topple.planner.execution.execute import Outcome, execute, withdraw
 from topple.planner.execution.judge import Judge
-from topple.planner.execution.look import Look, Observer, Perception, unexpected
+from topple.planner.execution.look import Look, Observer, Perception, Relate, unexpected
 from topple.planner.execution.monitor import Monitor, NoMonitor
 from topple.planner.execution.second_look import HandCamera, doubtful, second_look
 from topple.planner.execution.standing import misplaced
@@ -116,6 +116,7 @@ class ClosedLoop:
         friction: Mapping[str, float] | None = None,
         shuffle_labels: bool = False,
         wrist_camera: bool = False,
+        relate: Relate | None = None,
         **more: Any,
     ) -> "ClosedLoop":
         """Close the loop in a PyBullet world, judged by its true poses.
@@ -132,11 +133,14 @@ class ClosedLoop:
             friction: Coefficients of surfaces by name of what was tried, likewise.
             shuffle_labels: Whether names of objects are not kept between looks.
             wrist_camera: Whether the arm carries a camera like the first one for a second look.
+            relate: What relates what is seen; topple's own rule where None.
             **more: As the attributes of this class.
         """
         up = np.array([0.0, 0.0, 1.0]) if up is None else up
         rng = np.random.default_rng(seed)
-        perception = Observer(world, cameras, rng, fixed, up, masses or {}, friction or {}, shuffle_labels)
+        perception = Observer(
+            world, cameras, rng, fixed, up, masses or {}, friction or {}, shuffle_labels, relate
+        )
         wrist = WristCamera(cameras[0], rng) if wrist_camera else None
         return cls(robot, perception, goal, seed=seed, judge=Judge(robot, fixed, up), wrist=wrist, **more)
 

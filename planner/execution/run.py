@@ -5,6 +5,7 @@ from dataclasses import replace
 from pathlib import Path
 
 from topple.planner.decide.goal import parse_goal
+from topple.planner.execution.look import Relate
 from topple.planner.execution.loop import ClosedLoop, Progress
 from topple.planner.execution.rehearsal import Rehearsal
 from topple.planner.files import write_whole
@@ -40,6 +41,7 @@ def run(
     rerun: Path | None = None,
     grasps: OwnGrasps | None = None,
     orderer: Orderer = cautious,
+    relate: Relate | None = None,
     seed: int = 0,
     progress: Progress | None = None,
 ) -> RunRecord:
@@ -60,6 +62,7 @@ def run(
             object until the arm has tried to take it: where it is then has to be seen, and grasps for it
             there are searched for.
         orderer: What says in which order to free targets: see `topple.planner.planning.step.Orderer`.
+        relate: What relates what is seen, a function of the scene; topple's own rule where None.
         seed: Of sensor noise and every search.
         progress: Called with a line before and after each action.
 
@@ -86,6 +89,7 @@ def run(
             fixed=tuple(sorted(stage.world.fixed)),
             seed=seed,
             orderer=orderer,
+            relate=relate,
             grasps={
                 name: [_turned(grasp, stage.pose_scene_to_world) for grasp in some]
                 for name, some in own.items()

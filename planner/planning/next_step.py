@@ -24,13 +24,11 @@ from topple.planner.placement.placement import Placement
 from topple.planner.placement.stacking import over, placements_on
 from topple.planner.placement.tolerances import GENTLE
 from topple.planner.planning.order import ordered
-from topple.planner.planning.step import Action, NextStep, Orderer, Station
+from topple.planner.planning.step import Action, NextStep, Orderer, Station, ask
 from topple.planner.planning.tolerances import CHOICE, MORE_CHOICE
 from topple.planner.planning.transfers import MORE_HANDS, Transfers
 from topple.planner.transfer.segments import SegmentKind
 from topple.planner.transfer.transfer import TRANSFER_LIMITS, Transfer, TransferLimits
-from topple.topology.errors import InvalidInput, UnknownObject
-from topple.topology.scene import Scene
 from topple.topology.situation import Situation
 
 Option = tuple[Fallback | None, Callable[[], NextStep | None]]
@@ -249,8 +247,7 @@ class StepChooser:
 
     def _ordered(self, targets: Sequence[str]) -> Order:
         situation = self._loaded(targets)
-        chosen = self._orderer(situation, targets, seed=self.seed, beliefs=self._beliefs)
-        _check_order(chosen, situation.scene)
+        chosen = ask(self._orderer, situation, targets, seed=self.seed, beliefs=self._beliefs)
         if chosen.unresolved:
             cycles = tuple("cycle: " + " before ".join([*cycle, cycle[0]]) for cycle in chosen.unresolved)
             raise NoSafePlan(f"no safe order frees {', '.join(targets)}: {cycles[0]}", cycles)
@@ -377,18 +374,6 @@ def _first(options: Iterable[Option]) -> NextStep | None:
         if (step := attempt()) is not None:
             return step if name is None else replace(step, fallbacks=(name, *step.fallbacks))
     return None
-
-
-def _check_order(chosen: object, scene: Scene) -> None:
-    """Refuse what an orderer of the caller's own must not answer."""
-    if not isinstance(chosen, Order):
-        raise InvalidInput(
-            f"the orderer gave {type(chosen).__name__}, expected an Order: topple.planner.order "
-            "gives one, and topple.planner.arrange makes one"
-        )
-    for name in chosen.order:
-        if name not in scene.movable:
-            raise UnknownObject(name, scene.movable, role="object in the orderer's order")
 
 
 def _no_room(place: Place) -> TransferFailure:

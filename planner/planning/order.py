@@ -70,7 +70,7 @@ def order(
     started = time.monotonic()
     situation = Situation.of(scene, relations)
     scene = situation.scene
-    wanted = _check_targets(scene, targets)
+    wanted = check_targets(scene, targets)
     statics = situation.statics
     if check_gravity:
         check_up(scene, statics)
@@ -152,8 +152,17 @@ def _with_access(found: Order, situation: Situation, robot: "Arm | str") -> Orde
     return replace(found, access=ways.bars, assumptions=(*found.assumptions, *said))
 
 
-def _check_targets(scene: "Scene", targets: Sequence[str] | str | None) -> tuple[str, ...]:
-    """The targets as a tuple without repeats, all of them known and movable."""
+def check_targets(scene: "Scene", targets: Sequence[str] | str | None) -> tuple[str, ...]:
+    """The targets as a tuple without repeats, all of them known and movable.
+
+    Args:
+        scene: The scene.
+        targets: Names, one or several; None for none.
+
+    Raises:
+        InvalidInput: A target is fixed, or everything is.
+        UnknownObject: A target is not in the scene.
+    """
     if not scene.movable:
         raise InvalidInput("nothing in the scene can move: every object is fixed")
     given = (targets,) if isinstance(targets, str) else tuple(targets or ())

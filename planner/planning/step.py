@@ -2,7 +2,7 @@
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import Protocol
+from typing import Protocol, cast
 
 from topple.planner.decide.arrange import Order
 from topple.planner.decide.beliefs import Beliefs
@@ -11,6 +11,8 @@ from topple.planner.fallbacks import Fallback
 from topple.planner.transfer.transfer import Transfer
 from topple.robots.arm.arm import Arm
 from topple.topology.arrays import FloatArray
+from topple.topology.errors import InvalidInput, UnknownObject
+from topple.topology.plugins import Table
 from topple.topology.situation import Situation
 from topple.topology.values import Word
 
@@ -104,3 +106,49 @@ class Orderer(Protocol):
             holds back, the first that the arm can take goes; `unresolved` cycles end the plan.
         """
         ...
+
+
+ORDERERS: Table[Orderer] = Table(
+    "topple.orderers",
+    "orderer",
+    {
+        "fewest": "topple.planner.planning.order:ordered",
+        "cautious": "topple.planner.planning.order:cautious",
+    },
+    Order,
+)
+"""By name: the fewest removals, as in plans, the least risk, as in runs, and what other packages add."""
+
+
+def ask(
+    orderer: Orderer,
+    situation: Situation,
+    targets: Sequence[str],
+    *,
+    seed: int = 0,
+    beliefs: Beliefs | None = None,
+) -> Order:
+    """Ask an orderer, and refuse what it must not answer.
+
+    Args:
+        orderer: Whoever says in which order to take things.
+        situation: What is seen.
+        targets: Names to free, each in the scene.
+        seed: Of every search.
+        beliefs: What earlier looks made of the same things.
+
+    Raises:
+        InvalidInput: Its answer is no order.
+        UnknownObject: It takes what is not there, or never moves.
+    """
+    chosen = cast(object, orderer(situation, targets, seed=seed, beliefs=beliefs))  # whatever it is
+    scene = situation.scene
+    if not isinstance(chosen, Order):
+        raise InvalidInput(
+            f"the orderer gave {type(chosen).__name__}, expected an Order: topple.planner.order "
+            "gives one, and topple.planner.arrange makes one"
+        )
+    for name in chosen.order:
+        if name not in scene.movable:
+            raise UnknownObject(name, scene.movable, role="object in the orderer's order")
+    return chosen

@@ -16,6 +16,20 @@ from topple.robots.hands.suction_hand import CUP_JOINT, CUP_LINK, PANDA_CUP, pan
 from topple.robots.hands.wsg50 import wsg50_fingers, wsg50_xml
 from topple.topology.arrays import FloatArray
 from topple.topology.errors import InvalidInput, NotInstalled
+from topple.topology.plugins import Table
+
+ROBOTS: Table[Callable[[], Arm]] = Table(
+    "topple.robots",
+    "robot",
+    {
+        "panda": "topple.robots.catalog:panda",
+        "panda-suction": "topple.robots.catalog:panda_suction",
+        "iiwa": "topple.robots.catalog:iiwa",
+        "xarm6": "topple.robots.catalog:xarm6",
+    },
+    Arm,
+)
+"""What makes each arm, by the arm's name; other packages add theirs."""
 
 # Franka Emika Panda data sheet: joint limits, velocities, accelerations
 PANDA_LOWER = (-2.8973, -1.7628, -2.8973, -3.0718, -2.8973, -0.0175, -2.8973)  # [rad]
@@ -62,25 +76,25 @@ def robot(name: str | Path, gripper: str | Path | Gripper | Jaw | Cup | None = N
         InvalidInput: If the name is unknown (the message lists the known ones), a file cannot be used, or a
             gripper is given with an arm that has its own.
     """
-    if str(name) in _MAKERS:
+    if str(name) in ROBOTS:
         if gripper is not None:
             raise InvalidInput(f"{name} has a hand of its own: a gripper goes with the path of a .urdf file")
         return _by_name(str(name))
     if str(name).endswith((".urdf", ".xml")):
         return arm_from_file(name, gripper)
     raise InvalidInput(
-        f"unknown robot {str(name)!r}: expected {', '.join(_MAKERS)} or the path of a .urdf file"
+        f"unknown robot {str(name)!r}: expected {', '.join(ROBOTS)} or the path of a .urdf file"
     )
 
 
 def names() -> tuple[str, ...]:
     """The names `robot` knows."""
-    return tuple(_MAKERS)
+    return tuple(ROBOTS)
 
 
 @cache
 def _by_name(name: str) -> Arm:
-    return replace(_MAKERS[name](), catalog=True)
+    return replace(ROBOTS[name](), name=name, catalog=True)
 
 
 def data_path() -> Path:
@@ -120,13 +134,15 @@ def _panda_fingers() -> Tool:
     return Tool(ToolName.FINGERS, "panda_hand", pose, jaw, jaw.links, ToolState(jaw.max_opening))
 
 
-def _panda() -> Arm:
+def panda() -> Arm:
+    """Franka's Panda with its hand."""
     return _panda_arm(
         "panda", data_path() / "franka_panda" / "panda.urdf", {ToolName.FINGERS: _panda_fingers()}
     )
 
 
-def _panda_suction() -> Arm:
+def panda_suction() -> Arm:
+    """A Panda with a suction cup between its fingers."""
     design = PANDA_CUP
     cup = SuctionCup(
         CUP_LINK, CUP_JOINT, stroke=design.stroke, radius=design.radius, max_force=design.holding_force
@@ -152,7 +168,8 @@ def _panda_arm(name: str, urdf: Path, tools: dict[str, Tool]) -> Arm:
     )
 
 
-def _iiwa() -> Arm:
+def iiwa() -> Arm:
+    """KUKA's LBR iiwa 7 with a WSG50 hand."""
     source = data_path() / "kuka_iiwa" / "model.urdf"
     urdf = composed(source, "iiwa", wsg50_xml(data_path(), "lbr_iiwa_link_7", IIWA_FLANGE))
     fingers = wsg50_fingers()
@@ -168,7 +185,8 @@ def _iiwa() -> Arm:
     )
 
 
-def _xarm6() -> Arm:
+def xarm6() -> Arm:
+    """UFACTORY's xArm6 with its gripper."""
     angle = np.linspace(0.85, 0.0, 18)  # of the drive joint: shut to open
     # the outer knuckle swings the finger on a circle, and the finger turns back: its pad stays upright
     pad = 0.035 + 0.035465 * np.cos(angle) - 0.042039 * np.sin(angle) - XARM_PAD
@@ -194,11 +212,3 @@ def _xarm6() -> Arm:
         acceleration=XARM_ACCELERATION,
         home=XARM_HOME,
     )
-
-
-_MAKERS: dict[str, Callable[[], Arm]] = {
-    "panda": _panda,
-    "panda-suction": _panda_suction,
-    "iiwa": _iiwa,
-    "xarm6": _xarm6,
-}

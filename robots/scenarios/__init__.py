@@ -1,6 +1,6 @@
 """Built-in scenes: settled worlds with cameras, a robot's place and a task, each made from a seed."""
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable
 
 from topple.robots.scenarios.dishes import dishes
 from topple.robots.scenarios.lemon import lemon_in_bowl
@@ -8,22 +8,30 @@ from topple.robots.scenarios.pile import pile
 from topple.robots.scenarios.scenario import Scenario
 from topple.robots.scenarios.sort import sort
 from topple.robots.scenarios.tower import tower
-from topple.topology.errors import InvalidInput
-from topple.topology.values import FrozenDict
+from topple.topology.plugins import Table
 
-SCENARIOS: Mapping[str, Callable[[int], Scenario]] = FrozenDict(
-    {"dishes": dishes, "lemon": lemon_in_bowl, "tower": tower, "pile": pile, "sort": sort}
+SCENARIOS: Table[Callable[[int], Scenario]] = Table(
+    "topple.scenarios",
+    "scene",
+    {
+        "dishes": "topple.robots.scenarios.dishes:dishes",
+        "lemon": "topple.robots.scenarios.lemon:lemon_in_bowl",
+        "tower": "topple.robots.scenarios.tower:tower",
+        "pile": "topple.robots.scenarios.pile:pile",
+        "sort": "topple.robots.scenarios.sort:sort",
+    },
+    Scenario,
 )
-"""Every scenario by its name, to be called with a seed."""
+"""Every scenario by its name, to be called with a seed; other packages add theirs."""
 
 __all__ = ["SCENARIOS", "Scenario", "dishes", "lemon_in_bowl", "pile", "scenario_called", "sort", "tower"]
 
 
 def scenario_called(name: str, seed: int = 0) -> Scenario:
-    """Make a built-in scene.
+    """Make a scene by its name.
 
     Args:
-        name: dishes, lemon, tower, pile or sort.
+        name: dishes, lemon, tower, pile, sort, or what another package adds.
         seed: Any number; the same one gives the same scene.
 
     Returns:
@@ -32,6 +40,4 @@ def scenario_called(name: str, seed: int = 0) -> Scenario:
     Raises:
         InvalidInput: If there is no such scene.
     """
-    if name not in SCENARIOS:
-        raise InvalidInput(f"there is no scene {name!r}: choose one of {', '.join(SCENARIOS)}")
     return SCENARIOS[name](seed)

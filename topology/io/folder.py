@@ -21,7 +21,12 @@ _MOST_LISTED = 5  # names in a sentence that people read
 _SILENT_KEYS = ("format", "format_version", "name", "comment")
 
 
-def parts_from_folder(folder: Path) -> Parts:
+def reads(path: Path) -> bool:
+    """Any folder is one: what is in it that is no object is told when it is read."""
+    return path.is_dir()
+
+
+def read(path: Path) -> Parts:
     """Read every object of a folder.
 
     Each cloud (`.ply`, `.pcd`, `.xyz`, `.txt`) or mesh (`.obj`, `.stl`, `.ply`, `.glb`) is an object named as
@@ -31,7 +36,7 @@ def parts_from_folder(folder: Path) -> Parts:
     named in a note.
 
     Args:
-        folder: The folder.
+        path: The folder.
 
     Returns:
         What the folder says, in world coordinates.
@@ -40,8 +45,8 @@ def parts_from_folder(folder: Path) -> Parts:
         InvalidInput: If it has no clouds, two files for one object, or a broken file.
         OSError: If a file cannot be read.
     """
-    described = _read_description(folder / _DESCRIPTION)
-    files = _files_by_object(folder, described)
+    described = _read_description(path / _DESCRIPTION)
+    files = _files_by_object(path, described)
     poses = {
         name: as_pose(cast(ArrayLike, pose), f"pose of {name!r} in {_DESCRIPTION}")
         for name, pose in _mapping(described, "poses").items()
@@ -64,7 +69,7 @@ def parts_from_folder(folder: Path) -> Parts:
         masses=described.get("masses"),
         friction=described.get("friction"),
     )
-    parts.notes += _unused(folder, files.values())
+    parts.notes += _unused(path, files.values())
     for name, file in files.items():
         _add_object(parts, name, file, poses.get(name))
     return parts

@@ -20,7 +20,7 @@ _FEWEST_SAMPLES, _MOST_SAMPLES = 2_000, 20_000
 Geometry = tuple[FloatArray, IntArray | None, FloatArray]
 
 
-def read_geometry(path: Path, what: str) -> Geometry:
+def read_geometry(path: Path, what: str, unit: float = 1.0) -> Geometry:
     """Read one object.
 
     A mesh is sampled evenly over its surface, always the same way; its vertices are among the samples,
@@ -29,9 +29,10 @@ def read_geometry(path: Path, what: str) -> Geometry:
     Args:
         path: A `.ply`, `.pcd`, `.xyz`, `.txt` (read as `.xyz`), `.obj`, `.stl` or `.glb` file.
         what: What it is, for the message.
+        unit: Length of the file's unit in [m].
 
     Returns:
-        The cloud (N, 3) in the file's own frame, the mesh's faces (F, 3) or None for a cloud, and the
+        The cloud (N, 3) in [m] in the file's own frame, the mesh's faces (F, 3) or None for a cloud, and the
         mesh's vertices (V, 3); for a cloud its points again.
 
     Raises:
@@ -43,10 +44,10 @@ def read_geometry(path: Path, what: str) -> Geometry:
     suffix = path.suffix.lower()
     if suffix in (".pcd", ".xyz", ".txt"):
         points = read_pcd(path, what) if suffix == ".pcd" else _read_xyz(path, what)
-        points = as_points(points, what)
+        points = as_points(unit * points, what)
         return points, None, points
     vertices, faces = _read_with_trimesh(path, what)
-    vertices = as_points(vertices, what)
+    vertices = as_points(unit * vertices, what)
     if len(faces) == 0:
         return vertices, None, vertices
     return _sampled(vertices, faces), faces, vertices

@@ -1,22 +1,49 @@
 """load_scene: whatever the path holds, as a Scene."""
 
+import inspect
 import os
 from collections.abc import Iterable
 from pathlib import Path
+from typing import Any, Protocol
 
 from numpy.typing import ArrayLike
 
 from topple.topology.checks import as_direction
 from topple.topology.errors import InvalidInput
-from topple.topology.io.archive import is_labelled, is_rgbd, read_arrays
 from topple.topology.io.assemble import Parts, assemble
-from topple.topology.io.clouds import parts_from_clouds
-from topple.topology.io.folder import parts_from_folder
-from topple.topology.io.labelled import parts_from_labelled
 from topple.topology.io.limits import allowing
-from topple.topology.io.pcd import is_pcd, read_labelled_pcd
-from topple.topology.io.rgbd import parts_from_rgbd
+from topple.topology.plugins import Table, expected
 from topple.topology.scene import Scene
+
+
+class Reader(Protocol):
+    """A format of scenes: a module or an object with two functions."""
+
+    def reads(self, path: Path) -> bool:
+        """Whether what is there is of this format, complete or not; the path exists."""
+        ...
+
+    def read(self, path: Path, **options: Any) -> Parts:
+        """What it says: `Parts(clouds={name: points})` and what else it knows.
+
+        Raises:
+            InvalidInput: If it is broken; one line with what was expected.
+            OSError: If it cannot be read.
+        """
+        ...
+
+
+READERS: Table[Reader] = Table(
+    "topple.scenes",
+    "reader of scenes",
+    {
+        "bop": "topple.topology.io.bop",
+        "bag": "topple.topology.io.bag",
+        "folder": "topple.topology.io.folder",
+        "file": "topple.topology.io.file",
+    },
+)
+"""Every format by its name, asked in this order after those of other packages."""
 
 
 def load_scene(
@@ -26,14 +53,19 @@ def load_scene(
     up: ArrayLike | None = None,
     most_bytes: int | None = None,
     allow_outside: bool = False,
+    **options: Any,
 ) -> Scene:
     """Read a scene from a file or a folder, told apart by content.
 
-    Four kinds are read: an `.npz` of clouds, one array (N, 3) per object; one cloud with a label per point,
+    Six kinds are read: an `.npz` of clouds, one array (N, 3) per object; one cloud with a label per point,
     an `.npz` with `points` (N, 3) and `labels` (N,) or a `.pcd` with a field `label`; a folder with one cloud
     or mesh file per object and perhaps a `scene.json`; an RGB-D frame (`.npz` or `.npy`) with `depth`, `K`
-    and a mask (H, W) or a stack `masks` (N, H, W). Where nothing is fixed, the table is the object named so,
-    else the plane that carries the objects among the pixels or points of the background (label 0).
+    and a mask (H, W) or a stack `masks` (N, H, W); an image of a scene of a BOP dataset
+    (`topple.topology.io.bop`); a frame of a recording of ROS (`topple.topology.io.bag`). Other packages
+    add more (`READERS`).
+
+    Where nothing is fixed, the table is the object named so, else the plane that carries the objects among
+    the pixels or points of the background (label 0).
 
     The upward direction is `up`, else the one in the file, else the normal of its `table_plane`, else
     that of the plane of a fixed object, else unknown.
@@ -44,6 +76,7 @@ def load_scene(
         up: Direction (3,) against gravity.
         most_bytes: What the files may unpack to; half a gigabyte where None.
         allow_outside: Whether `files` of a scene.json may lie elsewhere than below its folder.
+        **options: What its format alone has: `image=3` for a BOP dataset and a recording.
 
     Returns:
         The scene; `assumptions` says what was assumed and not given.
@@ -56,7 +89,7 @@ def load_scene(
     place = Path(path)
     try:
         with allowing(most_bytes, allow_outside):
-            parts = _read(place)
+            parts = _read(place, options)
         return assemble(
             parts, [fixed] if isinstance(fixed, str) else list(fixed), given_up if up is None else up
         )
@@ -65,20 +98,30 @@ def load_scene(
         raise
 
 
-def _read(path: Path) -> Parts:
+def _read(path: Path, options: dict[str, Any]) -> Parts:
+    if not path.exists():
+        raise InvalidInput(
+            "no such file or folder: expected an .npz, an .npy or a folder of clouds or meshes"
+        )
     try:
-        if path.is_dir():
-            return parts_from_folder(path)
-        if not path.exists():
-            raise InvalidInput(
-                "no such file or folder: expected an .npz, an .npy or a folder of clouds or meshes"
-            )
-        arrays = read_labelled_pcd(path) if is_pcd(path) else read_arrays(path)
+        if (found := READERS.first(lambda reader: reader.reads(path))) is not None:
+            name, reader = found
+            _check_options(name, reader, options)
+            with READERS.blamed(name):
+                return expected(reader.read(path, **options), Parts)
     except OSError as error:
         raise InvalidInput(f"cannot be read: {error.strerror or error}") from error
-    if is_labelled(arrays):
-        return parts_from_labelled(arrays)
-    return parts_from_rgbd(arrays) if is_rgbd(arrays) else parts_from_clouds(arrays)
+    raise InvalidInput(
+        "neither a file nor a folder: expected an .npz, an .npy or a folder of clouds or meshes"
+    )
+
+
+def _check_options(name: str, reader: Reader, options: dict[str, Any]) -> None:
+    """Refuse options that a format does not have."""
+    known = inspect.signature(reader.read).parameters
+    stray = [key for key in options if key not in known]
+    if stray and not any(each.kind is each.VAR_KEYWORD for each in known.values()):
+        raise InvalidInput(f"is of the format {name!r}, which has no option {', '.join(stray)}: leave it out")
 
 
 def _name_the_file(error: InvalidInput, path: str) -> None:

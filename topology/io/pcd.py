@@ -17,7 +17,7 @@ _TYPES = {kind + size: f"<{kind.lower()}{size}" for kind in "IU" for size in "12
     "F8": "<f8",
 }
 
-_LABELS = ("label", "object_id", "object", "instance")
+LABELS = ("label", "object_id", "object", "instance")
 
 
 @dataclass(frozen=True)
@@ -68,11 +68,11 @@ def read_labelled_pcd(path: Path) -> dict[str, np.ndarray]:
         OSError: If the file cannot be read.
     """
     header, records = _read(path, "the file")
-    labels = [name for name in header.record.names or () if name in _LABELS]
+    labels = [name for name in header.record.names or () if name in LABELS]
     if len(labels) != 1:
         found = " and ".join(labels) or "no label"
         raise InvalidInput(
-            f"the PCD file has {found} with its points: expected one field {', '.join(_LABELS)} for a whole "
+            f"the PCD file has {found} with its points: expected one field {', '.join(LABELS)} for a whole "
             "scene; or put one file per object into a folder"
         )
     values = records[labels[0]].reshape(len(records))
@@ -119,7 +119,7 @@ def _read_header(content: bytes) -> tuple[_Header, int]:
     if not {"x", "y", "z"} <= set(fields):
         raise ValueError(f"its fields are {' '.join(fields)}, expected x y z among them")
     # Padding fields may all be called "_": only what is read needs its own name.
-    kept = ("x", "y", "z", *_LABELS)
+    kept = ("x", "y", "z", *LABELS)
     names = [field if field in kept else f"{field}#{place}" for place, field in enumerate(fields)]
     if not len(fields) == len(kinds) == len(counts):
         raise ValueError(f"it has {len(fields)} fields, {len(kinds)} types and {len(counts)} counts")
@@ -170,7 +170,7 @@ def _read_ascii(body: bytes, header: _Header) -> np.ndarray:
     column = 0
     for name in names:
         size = int(np.prod(header.record[name].shape))
-        if name in "xyz" or name in _LABELS:
+        if name in "xyz" or name in LABELS:
             records[name] = table[:, column : column + size].reshape(records[name].shape)
         column += size
     return records

@@ -3,12 +3,14 @@
 import os
 from collections.abc import Iterable, Iterator, Mapping
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike
 
 from topple.topology.arrays import FloatArray
 from topple.topology.errors import InvalidInput
+from topple.topology.io import bag
 from topple.topology.io.archive import Array, read_arrays
 from topple.topology.io.assemble import Parts, assemble
 from topple.topology.io.clouds import amounts_in
@@ -22,20 +24,25 @@ _TABLE_STEP = 50  # every so manieth point says where the table must reach: all 
 
 
 def load_sequence(
-    path: str | os.PathLike[str], *, fixed: Iterable[str] = (), up: ArrayLike | None = None
+    path: str | os.PathLike[str],
+    *,
+    fixed: Iterable[str] = (),
+    up: ArrayLike | None = None,
+    **options: Any,
 ) -> Iterator[Scene]:
     """Read the frames of a tracked scene, one after the other.
 
-    Two kinds are read: a folder of scenes that `load_scene` reads, taken in the order of their names, and an
-    `.npz` with all frames of an object in one array, `NAME_xyz_01mm` (N, 3) in tenths of a millimetre, whose
-    rows `NAME_offsets[i]` to `NAME_offsets[i + 1]` are frame i; optional `table_plane`, `up`, `fixed`,
-    `masses`, `friction` and `viewpoints` (the camera's frame, with its centre in the origin, where not
-    given).
+    Three kinds are read: a recording of ROS (`topple.topology.io.bag`, extra `ros`); a folder of scenes that
+    `load_scene` reads, taken in the order of their names; and an `.npz` with all frames of an object in one
+    array, `NAME_xyz_01mm` (N, 3) in tenths of a millimetre, whose rows `NAME_offsets[i]` to
+    `NAME_offsets[i + 1]` are frame i; optional `table_plane`, `up`, `fixed`, `masses`, `friction` and
+    `viewpoints` (the camera's frame, with its centre in the origin, where not given).
 
     Args:
         path: File or folder.
         fixed: Names of objects that never move, beside those the files name.
         up: Direction (3,) against gravity.
+        **options: Of a recording, the topics: `depth`, `info`, `labels`.
 
     Yields:
         A scene per frame. An object no point of which was seen in a frame is absent from it; clouds that do
@@ -45,6 +52,12 @@ def load_sequence(
         InvalidInput: If the path holds no sequence; one line that names the file.
     """
     place, fixed = Path(path), [fixed] if isinstance(fixed, str) else list(fixed)
+    if place.exists() and bag.reads(place):
+        try:
+            yield from (assemble(parts, fixed, up) for parts in bag.frames(place, **options))
+        except InvalidInput as error:
+            raise InvalidInput(f"{os.fspath(path)}: {error}") from error
+        return
     if place.is_dir():
         files = sorted(file for file in place.iterdir() if not file.name.startswith("."))
         if not files:

@@ -1,6 +1,6 @@
 """Relations of all pairs of a scene: broad phase, then a closer look at the pairs that are near."""
 
-from collections.abc import Iterable
+from collections.abc import Callable, Iterable
 from concurrent.futures import Executor
 from functools import partial
 
@@ -10,6 +10,7 @@ from topple.topology.cloud import estimate_deviation
 from topple.topology.errors import InvalidInput
 from topple.topology.geometry.broadphase import near_pairs
 from topple.topology.pair import PairRelation
+from topple.topology.plugins import Table, expected
 from topple.topology.relations import Relations, Rule
 from topple.topology.rule.robust import RobustRule, seen_in
 from topple.topology.scene import Scene
@@ -22,11 +23,22 @@ NEAR_EACH = 20
 """Others near each object on average: each such pair is looked at closely for some milliseconds. In a heap
 there are fifteen."""
 
-__all__ = ["PairRelation", "Relations", "relate", "relate_all"]
+RULES: Table[Callable[[Scene, float | None], Rule]] = Table(
+    "topple.relations",
+    "rule",
+    {"robust": "topple.topology.rule.relate:robust", "plain": "topple.topology.rule.relate:plainly"},
+)
+"""What makes each rule for a scene, by the rule's name; the deviation [m] is None where it is not given."""
+
+__all__ = ["RULES", "PairRelation", "Relations", "relate", "relate_all"]
 
 
 def relate(
-    scene: Scene, deviation: float | None = None, plain: bool = False, most_objects: int | None = None
+    scene: Scene,
+    deviation: float | None = None,
+    plain: bool = False,
+    most_objects: int | None = None,
+    rule: str | None = None,
 ) -> Relations:
     """Decide the spatial relation of every pair of objects of a scene.
 
@@ -39,18 +51,25 @@ def relate(
             hidden surfaces and hollow objects.
         most_objects: How many objects the scene may have, `MOST_OBJECTS` where None, since the work grows
             with the square of it; of the pairs `NEAR_EACH` times as many may be near each other.
+        rule: One of `RULES`: "robust", "plain", or what another package adds.
 
     Returns:
         One relation per unordered pair.
 
     Raises:
-        InvalidInput: The deviation is no positive length below the size of the objects, or there are more
-            objects or near pairs than is allowed.
+        InvalidInput: The deviation is no positive length below the size of the objects, there are more
+            objects or near pairs than is allowed, or there is no such rule.
     """
     most = MOST_OBJECTS if most_objects is None else most_objects
     _check_count(len(scene.clouds), "objects", most)
-    rule = _rule(scene, deviation, plain)
-    return rule.conclude(scene, _relate_by(rule, scene, NEAR_EACH * most))
+    if deviation is not None:
+        _check_deviation(scene, deviation)
+    name = rule or ("plain" if plain else "robust")
+    if plain and name != "plain":
+        raise InvalidInput(f"the rule is plain and {name!r}: expected one of the two")
+    with RULES.blamed(name):
+        chosen = RULES[name](scene, None if deviation is None else float(deviation))
+        return chosen.conclude(scene, _relate_by(chosen, scene, NEAR_EACH * most))
 
 
 def relate_all(
@@ -59,6 +78,7 @@ def relate_all(
     plain: bool = False,
     executor: Executor | None = None,
     most_objects: int | None = None,
+    rule: str | None = None,
 ) -> list[Relations]:
     """Relate many scenes, on the workers of an executor where one is given.
 
@@ -68,21 +88,34 @@ def relate_all(
         plain: As for `relate`.
         executor: Any executor of `concurrent.futures`, or one with the same `map`.
         most_objects: As for `relate`.
+        rule: As for `relate`.
 
     Returns:
         The relations of each scene, in order.
     """
-    each = partial(relate, deviation=deviation, plain=plain, most_objects=most_objects)
+    each = partial(relate, deviation=deviation, plain=plain, most_objects=most_objects, rule=rule)
     return list(map(each, scenes) if executor is None else executor.map(each, scenes))
 
 
-def _rule(scene: Scene, deviation: float | None, plain: bool) -> Rule:
-    if deviation is not None:
-        _check_deviation(scene, deviation)
-    if plain:
-        return PlainRule(TOLERANCES.plain_deviation if deviation is None else float(deviation))
-    estimated = estimate_deviation(scene) if deviation is None else float(deviation)
+def robust(scene: Scene, deviation: float | None = None) -> RobustRule:
+    """The rule that withstands noise, hidden surfaces and hollow objects, for a scene.
+
+    Args:
+        scene: The scene.
+        deviation: The deviation factor δ [m]; estimated where None.
+    """
+    estimated = estimate_deviation(scene) if deviation is None else deviation
     return RobustRule(deviation=estimated, up=scene.up, sight=seen_in(scene))
+
+
+def plainly(scene: Scene, deviation: float | None = None) -> PlainRule:
+    """The paper's rule to the letter of Table 1.
+
+    Args:
+        scene: Any scene: the rule looks at two clouds and nothing else.
+        deviation: The deviation factor δ [m]; 0.002 where None.
+    """
+    return PlainRule(TOLERANCES.plain_deviation if deviation is None else deviation)
 
 
 def _check_deviation(scene: Scene, deviation: float) -> None:
@@ -114,5 +147,5 @@ def _relate_by(rule: Rule, scene: Scene, most_pairs: int) -> Relations:
     pairs = near_pairs(lower, upper, rule.reach)
     _check_count(len(pairs), "pairs of objects near each other", most_pairs)
     for i, j in pairs.tolist():
-        near[i, j] = rule.relate(prepared[i], prepared[j])
+        near[i, j] = expected(rule.relate(prepared[i], prepared[j]), PairRelation)
     return Relations(tuple(scene.clouds), rule, near, prepared, scene)

@@ -8,6 +8,7 @@ from pathlib import Path
 import networkx as nx
 import numpy as np
 import pytest
+from rosbags.highlevel import AnyReader
 
 from topple.planner.cli.main import main
 from topple.planner.formats.plan_format import plan_from_json, plan_to_json
@@ -66,6 +67,47 @@ def test_the_moveit_scene_has_every_object(plan_file: Path, capsys: pytest.Captu
     lines = _exported(capsys, plan_file, "moveit").splitlines()
     assert [line[2:] for line in lines if line.startswith("* ")] == ["table", "under it", "on top"]
     assert lines[-1] == "."
+
+
+def test_a_recording_of_ros_2_does_what_the_plan_does(
+    plan_file: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    assert main(["export", str(plan_file), "--to", "ros2"]) == 2  # no text
+    assert "ros2 is no text: say with -o FILE where it is written" in capsys.readouterr().err
+    _exported(capsys, plan_file, "ros2", "-o", tmp_path / "plan.mcap")
+    found, sent = plan_from_json(plan_file.read_bytes()), dict[str, list]()
+    with AnyReader([tmp_path / "plan.mcap"]) as reader:  # by the types that are in the file
+        for connection, recorded, raw in reader.messages():
+            message = reader.deserialize(raw, connection.msgtype)
+            sent.setdefault(connection.topic, []).append((recorded / 1e9, connection.msgtype, message))
+    assert {kind for _, kind, _ in sent["/joint_trajectory"]} == {"trajectory_msgs/msg/JointTrajectory"}
+    motions = [part.motion for step in found.steps for part in step.segments if part.motion is not None]
+    assert len(motions) == len(sent["/joint_trajectory"]) > 8
+    clock = 0.0
+    for motion, (recorded, _, message) in zip(motions, sent["/joint_trajectory"], strict=True):
+        assert recorded >= clock and message.header.frame_id == "base"  # one after the other
+        clock = recorded + motion.times[-1] - 1e-6
+        assert message.joint_names == found.joints
+        for sent_rows, rows in (("positions", motion.positions), ("velocities", motion.velocities)):
+            assert np.array_equal([getattr(point, sent_rows) for point in message.points], rows)
+        told = [at.time_from_start.sec + 1e-9 * at.time_from_start.nanosec for at in message.points]
+        assert told == pytest.approx(motion.times, abs=1e-8)
+    opened = [message.position for _, _, message in sent["/gripper_command"]]
+    hands = [part.hand.opening for step in found.steps for part in step.segments]
+    assert opened == [hand for hand, before in zip(hands, [None, *hands], strict=False) if hand != before]
+    segments = [json.loads(message.data) for _, _, message in sent["/topple/segment"]]
+    assert [each["kind"] for each in segments] == [s.kind for step in found.steps for s in step.segments]
+    assert json.loads(sent["/topple/order"][0][2].data)["order"] == found.order
+    objects = {message.id: message for _, _, message in sent["/collision_object"]}
+    assert set(objects) == {"table", "under it", "on top"}
+    corners = np.array([[at.x, at.y, at.z] for at in objects["on top"].meshes[0].vertices])
+    assert corners.min(axis=0) == pytest.approx([-0.02, -0.02, 0.0505], abs=3e-3)
+    assert corners.max(axis=0) == pytest.approx([0.02, 0.02, 0.0905], abs=3e-3)
+    triangles = np.array([face.vertex_indices for face in objects["on top"].meshes[0].triangles])
+    assert triangles.shape[1] == 3 and triangles.max() == len(corners) - 1
+    (placed,) = sent["/tf_static"][0][2].transforms
+    assert (placed.header.frame_id, placed.child_frame_id) == ("world", "base")
+    assert placed.transform.translation.x == pytest.approx(-0.5)
 
 
 def test_json_is_the_same_plan(plan_file: Path, capsys: pytest.CaptureFixture[str]) -> None:

@@ -1,0 +1,59 @@
+"""What a camera of the built-in dishes scene sees, as a recording of ROS 2 (extra `ros`) in a folder."""
+
+import sys
+
+import numpy as np
+from rosbags.rosbag2 import StoragePlugin, Writer
+from rosbags.typesys import Stores, get_typestore
+from scipy.spatial.transform import Rotation
+
+from topple.robots.scenarios import scenario_called
+from topple.topology import DepthImage
+
+STORE = get_typestore(Stores.ROS2_JAZZY)
+MSG = {name.replace("/msg/", "/"): kind for name, kind in STORE.types.items()}
+ROI = MSG["sensor_msgs/RegionOfInterest"](0, 0, 0, 0, False)
+
+
+def write_bag(path: str, seen: list[DepthImage], base: np.ndarray, storage=StoragePlugin.MCAP) -> None:
+    """Write one frame a second, all from the place of the first."""
+    eye = seen[0].pose_camera_to_world
+    tree = [_transform("panda_link0", base), _transform("camera_optical", eye)]
+    with Writer(path, version=9, storage_plugin=storage) as bag:
+        _send(bag, 0, "/tf_static", MSG["tf2_msgs/TFMessage"](tree))
+        for at, look in enumerate(seen, start=1):
+            head, (height, width) = _header(at, "camera_optical"), look.depth.shape
+            about = (np.zeros(5), look.K.ravel(), np.eye(3).ravel(), np.eye(3, 4).ravel(), 0, 0)
+            info = MSG["sensor_msgs/CameraInfo"](head, height, width, "plumb_bob", *about, ROI)
+            _send(bag, at, "/camera/depth/camera_info", info)
+            _send(bag, at, "/camera/depth/image_rect", _image(head, 1e3 * look.depth, "16UC1", "<u2"))
+            _send(bag, at, "/labels", _image(head, look.label, "mono8", "u1"))
+
+
+def _header(seconds: int, frame: str):
+    return MSG["std_msgs/Header"](MSG["builtin_interfaces/Time"](seconds, 0), frame)
+
+
+def _image(head, pixels: np.ndarray, encoding: str, kind: str):
+    rows = np.round(pixels).astype(kind)
+    return MSG["sensor_msgs/Image"](head, *rows.shape, encoding, 0, rows.strides[0], rows.view("u1").ravel())
+
+
+def _transform(child: str, pose: np.ndarray):
+    turn = MSG["geometry_msgs/Quaternion"](*Rotation.from_matrix(pose[:3, :3]).as_quat())
+    placed = MSG["geometry_msgs/Transform"](MSG["geometry_msgs/Vector3"](*pose[:3, 3]), turn)
+    return MSG["geometry_msgs/TransformStamped"](_header(0, "world"), child, placed)
+
+
+def _send(bag: Writer, seconds: int, topic: str, message) -> None:
+    kind, known = message.__msgtype__, {each.topic: each for each in bag.connections}
+    connection = known.get(topic) or bag.add_connection(topic, kind, typestore=STORE)
+    bag.write(connection, seconds * 10**9, STORE.serialize_cdr(message, kind))
+
+
+if __name__ == "__main__":
+    # then: topple order run --fixed 1 --target 3
+    path, rng = sys.argv[1] if len(sys.argv) > 1 else "run", np.random.default_rng(0)
+    with scenario_called("dishes") as stage:
+        write_bag(path, [stage.cameras[0].look(stage.world, rng) for _ in range(3)], stage.pose_base_to_world)
+        print(f"{path}: labels", *(f"{number + 1} {name}" for name, number in stage.world.ids.items()))

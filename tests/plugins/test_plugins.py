@@ -1,0 +1,219 @@
+"""What another package adds by entry points: used by its name, and named and left out where it is broken."""
+
+import importlib
+import json
+import os
+import re
+import shutil
+import subprocess
+import sys
+from collections.abc import Iterator
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+
+from topple.planner.cli.main import main
+from topple.planner.export import EXPORTERS, export
+from topple.planner.formats.plan_format import Plan, plan_from_json, plan_to_json
+from topple.planner.grasp.foreign import GRASP_READERS, read_grasps
+from topple.planner.planning.order import cautious, ordered
+from topple.planner.planning.plan import plan
+from topple.planner.planning.step import ORDERERS
+from topple.robots.catalog import ROBOTS, names, robot
+from topple.robots.scenarios import SCENARIOS, scenario_called
+from topple.topology import InvalidInput, load_scene
+from topple.topology.io.load import READERS
+from topple.topology.plugins import Table
+from topple.topology.rule.relate import RULES, relate, relate_all
+from topple.topology.scene import Scene
+
+if sys.version_info >= (3, 11):
+    import tomllib
+else:
+    import tomli as tomllib
+
+KITCHEN = Path(__file__).parent / "kitchen"
+PAGE = Path(__file__).parents[2] / "docs" / "plugins.md"
+TABLES: tuple[Table[Any], ...] = (RULES, ORDERERS, READERS, GRASP_READERS, ROBOTS, EXPORTERS, SCENARIOS)
+STACK = {
+    name: np.random.default_rng(1).uniform([0, 0, low], [0.1, 0.1, low + 0.1], (300, 3))
+    for name, low in (("lower", 0.0), ("upper", 0.1))
+}
+"""Two boxes, and a third beside them that is higher than the lower."""
+STACK["beside"] = STACK["lower"] * [1, 1, 1.5] + [0.2, 0, 0]
+
+
+@pytest.fixture(scope="module")
+def installed(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """The folder in which the package lies as an installer leaves it: modules and metadata."""
+    place = tmp_path_factory.mktemp("site-packages")
+    shutil.copytree(KITCHEN / "topple_kitchen", place / "topple_kitchen")
+    project = tomllib.loads((KITCHEN / "pyproject.toml").read_text())["project"]
+    about = place / "topple_kitchen-1.0.dist-info"
+    about.mkdir()
+    (about / "METADATA").write_text(f"Metadata-Version: 2.1\nName: {project['name']}\nVersion: 1.0\n")
+    lines = [
+        line
+        for group, entries in project["entry-points"].items()
+        for line in (f"[{group}]", *(f"{name} = {value}" for name, value in entries.items()))
+    ]
+    (about / "entry_points.txt").write_text("\n".join(lines) + "\n")
+    return place
+
+
+@pytest.fixture
+def kitchen(installed: Path, monkeypatch: pytest.MonkeyPatch) -> Iterator[None]:
+    """The package can be imported, and topple has not looked for packages yet."""
+    monkeypatch.syspath_prepend(str(installed))
+    importlib.invalidate_caches()
+    for table in TABLES:
+        table.__dict__.pop("_entries", None)
+    yield
+    for table in TABLES:
+        table.__dict__.pop("_entries", None)
+
+
+def _scene() -> Scene:
+    table = np.random.default_rng(0).uniform([-0.3, -0.3, -0.01], [0.7, 0.4, 0.0], (4000, 3))
+    return Scene({"table": table, **STACK}, fixed=["table"], up=[0, 0, 1])
+
+
+@pytest.mark.parametrize("table", TABLES, ids=lambda table: table.group)
+def test_topples_own_are_found_by_name(table: Table[Any]) -> None:
+    assert len(list(table)) >= 2
+    for name in table:
+        assert table[name] is not None
+    with pytest.raises(InvalidInput, match=f"there is no {table.role} 'x': expected "):
+        _ = table["x"]
+
+
+def test_every_group_of_the_page_is_one_of_topple_and_its_code_is_what_is_tested() -> None:
+    page = PAGE.read_text(encoding="utf-8")
+    project = tomllib.loads((KITCHEN / "pyproject.toml").read_text())["project"]
+    assert set(re.findall(r"`(topple\.\w+)` \|", page)) == {table.group for table in TABLES}
+    assert set(project["entry-points"]) == {table.group for table in TABLES}
+    blocks = re.findall(r"^```py\n(.*?)^```$", page, re.MULTILINE | re.DOTALL)
+    files = {path: path.read_text() for path in sorted((KITCHEN / "topple_kitchen").glob("*.py"))}
+    shown = [text for path, text in files.items() if path.stem not in ("__init__", "failing")]
+    assert sorted(blocks) == sorted(shown) and len(shown) == len(TABLES)
+    for text in shown:
+        assert len([line for line in text.splitlines() if line]) <= 14, text
+
+
+@pytest.mark.usefixtures("kitchen")
+def test_a_rule_of_another_package_relates() -> None:
+    scene = _scene()
+    assert relate(scene, rule="boxes").between("lower", "beside").relation == "disjoint"
+    assert relate(scene, rule="boxes").between("lower", "upper").relation == "touch"
+    assert relate(scene, 0.12, rule="boxes").between("lower", "beside").relation == "touch"
+    assert relate_all([scene], rule="boxes") == [relate(scene, rule="boxes")]
+
+
+def test_the_names_of_topples_own_rules_are_what_the_arguments_were() -> None:
+    scene = _scene()
+    assert relate(scene, rule="plain") == relate(scene, plain=True)
+    assert relate(scene, rule="robust") == relate(scene)
+    with pytest.raises(InvalidInput, match="the rule is plain and 'robust'"):
+        relate(scene, plain=True, rule="robust")
+    assert ORDERERS["fewest"] is ordered and ORDERERS["cautious"] is cautious
+
+
+@pytest.mark.usefixtures("kitchen")
+def test_what_is_broken_is_named(tmp_path: Path, caplog: pytest.LogCaptureFixture) -> None:
+    with pytest.raises(InvalidInput, match=r"rule 'broken' of package topple-kitchen 1.0 .* failed: ModuleN"):
+        relate(_scene(), rule="broken")
+    with pytest.raises(InvalidInput, match=r"rule 'failing' .* failed: ValueError: no rule for 4 objects$"):
+        relate(_scene(), rule="failing")
+    with pytest.raises(InvalidInput, match=r"orderer 'failing' .*: it gave list, expected Order"):
+        ORDERERS["failing"](_scene(), ["lower"])
+    np.savez(tmp_path / "scene.npz", **STACK)
+    assert len(load_scene(tmp_path / "scene.npz").names) == 3  # the reader that is broken is left out
+    assert [record.message for record in caplog.records] == [
+        "reader of scenes 'broken' of package topple-kitchen 1.0 (topple_kitchen.nowhere) failed: "
+        "ModuleNotFoundError: No module named 'topple_kitchen.nowhere'; it is left out"
+    ]
+    assert load_scene(tmp_path / "scene.npz") and len(caplog.records) == 1  # and said once
+
+
+@pytest.mark.usefixtures("kitchen")
+def test_a_name_of_topples_own_is_not_taken_over(caplog: pytest.LogCaptureFixture) -> None:
+    assert "kitchen-arm" in names() and names().count("panda") == 1
+    assert "robot 'panda' of package topple-kitchen 1.0" in caplog.text
+    assert "there is one of that name" in caplog.text
+
+
+@pytest.mark.usefixtures("kitchen")
+def test_files_of_other_formats_are_read(tmp_path: Path) -> None:
+    lines = [f"{name},{','.join(map(str, point))}" for name, cloud in STACK.items() for point in cloud]
+    (tmp_path / "scene.csv").write_text("\n".join(lines))
+    scene = load_scene(tmp_path / "scene.csv", fixed=["beside"])
+    assert scene.names == tuple(STACK) and scene.fixed == {"beside"} and scene.up is not None
+    assert scene.clouds["upper"] == pytest.approx(STACK["upper"])
+    (tmp_path / "broken.csv").write_text("cup,1,2,three\n")
+    with pytest.raises(
+        InvalidInput, match=r"broken\.csv: reader of scenes 'csv' of package .* could not conv"
+    ):
+        load_scene(tmp_path / "broken.csv")
+    (tmp_path / "grasps.csv").write_text("0.1,0.2,0.3,0.05\n")
+    grasps = read_grasps(tmp_path / "grasps.csv")
+    assert grasps.widths.tolist() == [0.05] and grasps.poses_tool_to_source[0, :3, 3].tolist() == [
+        0.1,
+        0.2,
+        0.3,
+    ]
+
+
+@pytest.mark.usefixtures("kitchen")
+def test_an_arm_and_a_scene_of_another_package_are_known_by_name() -> None:
+    arm = robot("kitchen-arm")
+    assert arm.name == "kitchen-arm" and arm.tools and arm.catalog
+    with scenario_called("cups", 3) as stage:
+        assert stage.goal == "free low" and set(stage.world.movable) == {"low", "high"}
+
+
+@pytest.mark.slow
+@pytest.mark.usefixtures("kitchen")
+def test_an_arm_a_scene_an_orderer_and_an_exporter_of_another_package_plan_together() -> None:
+    with scenario_called("cups", 3) as stage:
+        images = [eye.look(stage.world) for eye in stage.cameras]
+        seen = Scene.from_images(images, fixed=stage.fixed, up=stage.up)
+        base = stage.pose_base_to_world
+    arm = robot("kitchen-arm")
+    found: Plan = plan(seen, stage.goal, arm, base=base, orderer=ORDERERS["highest"])
+    assert export(found, "list") == "1. remove high\n2. free low\n"
+    assert plan_from_json(plan_to_json(found)) == found  # whose arm is found again by its name
+
+
+@pytest.mark.usefixtures("kitchen")
+def test_commands_take_them_by_name(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    np.savez("scene.npz", up=[0, 0, 1], fixed=["table"], **dict(_scene().clouds))
+    assert (
+        main(["order", "scene.npz", "--rule", "boxes", "--orderer", "highest", "--target", "lower", "--json"])
+        == 0
+    )
+    assert json.loads(capsys.readouterr().out)["order"] == ["upper", "beside", "lower"]
+    assert main(["relate", "scene.npz", "--rule", "broken"]) == 2
+    said = capsys.readouterr()
+    assert said.out == "" and said.err.startswith("topple: rule 'broken' of package topple-kitchen 1.0 (")
+    assert main(["order", "scene.npz", "--orderer", "x"]) == 2
+    assert "there is no orderer 'x': expected fewest, cautious, highest, failing\n" in capsys.readouterr().err
+
+
+def test_an_installed_package_is_found_by_the_command(installed: Path, tmp_path: Path) -> None:
+    np.savez(tmp_path / "scene.npz", **STACK)
+    done = subprocess.run(
+        [sys.executable, "-m", "topple.planner.cli.main", "relate", "scene.npz", "--rule", "boxes"],
+        cwd=tmp_path,
+        env={**os.environ, "PYTHONPATH": str(installed), "OMP_NUM_THREADS": "1"},
+        capture_output=True,
+        text=True,
+        check=True,
+    )
+    assert re.search(r"^lower +touch +upper", done.stdout, re.MULTILINE)
+    assert done.stderr.startswith("topple: reader of scenes 'broken' of package topple-kitchen 1.0 (")
+    assert len(done.stderr.splitlines()) == 1
