@@ -67,6 +67,11 @@ def read_grasps(path: str | Path) -> ForeignGrasps:
         data = path.read_bytes()
     except OSError as error:
         raise InvalidInput(f"{path}: cannot be read: {error.strerror}") from error
+    with np.errstate(over="ignore", invalid="ignore"):  # of what is then refused as no rigid transform
+        return _told_apart(data, path)
+
+
+def _told_apart(data: bytes, path: Path) -> ForeignGrasps:
     if path.suffix in (".yaml", ".yml"):
         return _isaac(data, str(path))
     if data[:4] == b"PK\x03\x04":
@@ -253,8 +258,8 @@ def _checked(grasps: ForeignGrasps, name: str) -> ForeignGrasps:
             )
     poses = grasps.poses_tool_to_source
     rotations = poses[:, :3, :3]
-    square = rotations @ rotations.swapaxes(1, 2) - np.eye(3)
-    with np.errstate(invalid="ignore"):
+    with np.errstate(all="ignore"):  # of what is no rotation
+        square = rotations @ rotations.swapaxes(1, 2) - np.eye(3)
         holds = {
             "is not finite": np.isfinite(poses).all(axis=(1, 2)),
             "is no rigid transform: its last row is not 0 0 0 1": np.isclose(poses[:, 3], [0, 0, 0, 1]).all(
