@@ -225,7 +225,7 @@ def _parents_first(links: Mapping[str, Link], joints: Mapping[str, Joint], path:
     for joint in joints.values():
         children.setdefault(joint.parent, []).append(joint.child)
     ordered: dict[str, Link] = {}
-    waiting = roots
+    waiting = list(roots)
     while waiting:
         name = waiting.pop(0)
         ordered[name] = links[name]
