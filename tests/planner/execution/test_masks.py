@@ -6,7 +6,7 @@ from on_table import on_table
 from topple.planner.execution.masks import misnamed, renamed
 from topple.robots.shapes import box
 from topple.robots.shapes.fruit import lemon
-from topple.robots.shapes.tableware import bowl
+from topple.robots.shapes.tableware import bowl, plate
 from topple.topology.image import DepthImage
 from topple.topology.scene import Scene
 
@@ -52,6 +52,11 @@ def test_what_comes_to_light_in_a_bowl_or_flat_under_what_was_taken_is_no_piece(
     fruit = lemon("lemon").surface(2000, np.random.default_rng(2)) + np.array([0.0, 0.0, 0.012])
     before = Scene({"bowl": vessel, "table": BEFORE.clouds["table"]}, fixed=["table"], up=[0, 0, 1])
     assert misnamed(before.with_cloud("lemon", fruit), before) == ({}, {})
+    dish = plate("plate").surface(4000, np.random.default_rng(1))
+    lid = box("lid", (0.245, 0.245, 0.003)).surface(2000, np.random.default_rng(2))
+    before = Scene({"plate": dish, "table": BEFORE.clouds["table"]}, fixed=["table"], up=[0, 0, 1])
+    lying = before.with_cloud("lid", lid + np.array([0.0, 0.0, dish[:, 2].max()]))
+    assert misnamed(lying, before) == ({}, {})
     card = box("card", (0.10, 0.08, 0.002)).surface(2000, np.random.default_rng(5))
     card = card + np.array([0.0, 0.2, 0.04])
     cloud = BEFORE.clouds["flat"]
