@@ -19,6 +19,7 @@ SUFFIXES = (".ply", ".pcd", ".xyz", ".txt", ".obj", ".stl", ".glb")
 _CORNERS = re.compile(r"[fv]([-+.0-9].*)?")
 _WHOLE = re.compile(r"[-+]?[0-9]{1,18}")
 _SAMPLE_SPACING = 0.002  # [m] mean distance of a mesh's samples, about what a depth camera sees at 1 m
+_MOST_PIECES = 200  # materials or solids of one object: scans have a few; readers take the square of it
 _FEWEST_SAMPLES, _MOST_SAMPLES = 2_000, 20_000
 
 Geometry = tuple[FloatArray, IntArray | None, FloatArray]
@@ -146,8 +147,12 @@ def _check_ply(path: Path, what: str) -> None:
 
 def _check_obj(path: Path, what: str) -> None:
     """Refuse lines that readers pass over: vertices and faces cut short, and faces of vertex 0."""
+    materials: set[str] = set()
     with path.open(encoding="utf-8", errors="replace") as file:
         for number, line in enumerate(file, start=1):
+            if "usemtl" in line:  # where the reader begins another piece, in a comment too
+                materials.add(line)
+                _check_pieces(len(materials), what, "materials")
             words = line.split("#", 1)[0].split()
             if not words or not _CORNERS.fullmatch(words[0]):
                 continue
@@ -164,7 +169,21 @@ def _check_obj(path: Path, what: str) -> None:
                 raise InvalidInput(f"{what} names vertex 0 in line {number}: expected counts from 1")
 
 
-_DECLARED: dict[str, Callable[[Path, str], None]] = {".ply": _check_ply, ".obj": _check_obj}
+def _check_stl(path: Path, what: str) -> None:
+    """Refuse an STL text of more solids than an object has."""
+    _check_pieces(path.read_bytes().lower().count(b"endsolid"), what, "solids")
+
+
+def _check_pieces(count: int, what: str, of: str) -> None:
+    if count > _MOST_PIECES:
+        raise InvalidInput(f"{what} has more than {_MOST_PIECES} {of}: expected those of one object")
+
+
+_DECLARED: dict[str, Callable[[Path, str], None]] = {
+    ".ply": _check_ply,
+    ".obj": _check_obj,
+    ".stl": _check_stl,
+}
 
 
 def _sampled(vertices: FloatArray, faces: IntArray) -> FloatArray:

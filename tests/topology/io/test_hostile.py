@@ -168,6 +168,23 @@ HOSTILE: dict[str, tuple[Callable[[Path], Path], str]] = {
         ),
         "its label has numbers that are no uint32",
     ),
+    "an OBJ of as many materials as faces": (
+        lambda at: folder(
+            at / "f",
+            {"a.obj": "v 0 0 0\nv 1 0 0\nv 0 1 0\n" + "".join(f"usemtl {k}\nf 1 2 3\n" for k in range(9999))},
+        ),
+        "more than 200 materials",
+    ),
+    "an STL of as many solids as faces": (
+        lambda at: folder(
+            at / "f",
+            {
+                "a.stl": "solid a\nfacet normal 0 0 0\nouter loop\nvertex 0 0 0\nvertex 1 0 0\nvertex 0 1 0\n"
+                "endloop\nendfacet\nendsolid\n" * 9999
+            },
+        ),
+        "more than 200 solids",
+    ),
     "a negative number of points": (
         lambda at: folder(at / "f", {"a.pcd": PCD.format(count="1 1 1", points=-1, data="binary")}),
         "declares -1 points",
