@@ -1,7 +1,6 @@
 """Give readers what is not sound, and count what they make of it."""
 
 import logging
-import resource
 import signal
 import tempfile
 import threading
@@ -120,7 +119,7 @@ def tried(reader: Reader, parts: Parts, folder: Path) -> str | None:
         What is wrong with what came of it, None where nothing is.
     """
     path = reader.write(parts, folder)
-    held, begun = _held(), time.process_time()
+    held, begun = _peak(anew=True), time.process_time()
     said: str | None = None
     lines: list[str] = []
     try:
@@ -136,7 +135,7 @@ def tried(reader: Reader, parts: Parts, folder: Path) -> str | None:
         said = f"logged {lines[0]!r:.160}"
     if said is None and (spent := time.process_time() - begun) > SECONDS:
         said = f"took {spent:.1f} s"
-    if said is None and (grown := _held() - held) > MEGABYTES:
+    if said is None and (grown := _peak() - held) > MEGABYTES:
         said = f"took {grown:.0f} MB"
     return said
 
@@ -187,6 +186,9 @@ def _interrupted_after(seconds: float) -> Generator[None, None, None]:
         signal.signal(signal.SIGPROF, before)
 
 
-def _held() -> float:
-    """What the process held at most so far [MB]."""
-    return resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / 1e3
+def _peak(anew: bool = False) -> float:
+    """What the process held at most [MB], from now on where it is to begin anew."""
+    if anew:
+        Path("/proc/self/clear_refs").write_text("5", encoding="ascii")
+    status = Path("/proc/self/status").read_text(encoding="utf-8")
+    return float(status.partition("VmHWM:")[2].split()[0]) / 1e3

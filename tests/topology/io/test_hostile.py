@@ -168,6 +168,14 @@ HOSTILE: dict[str, tuple[Callable[[Path], Path], str]] = {
         ),
         "its label has numbers that are no uint32",
     ),
+    "a label for every point": (
+        lambda at: saved(at / "a.npz", points=np.tile(CLOUD, (67, 1)), labels=np.arange(20_100)),
+        "20099 labels: expected one per object, at most 10000",
+    ),
+    "a cloud of small numbers that are held as large ones": (
+        lambda at: saved(at / "a.npz", a=np.zeros((12_000_000, 3), dtype=np.int8)),
+        "would unpack to 288 MB",
+    ),
     "an OBJ of as many materials as faces": (
         lambda at: folder(
             at / "f",
