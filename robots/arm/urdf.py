@@ -227,9 +227,9 @@ def _parents_first(links: Mapping[str, Link], joints: Mapping[str, Joint], path:
     ordered: dict[str, Link] = {}
     waiting = list(roots)
     while waiting:
-        name = waiting.pop(0)
+        name = waiting.pop()
         ordered[name] = links[name]
-        waiting = children.get(name, []) + waiting
+        waiting += reversed(children.get(name, []))
     if len(ordered) != len(links):
         lost = ", ".join(name for name in links if name not in ordered)
         raise InvalidInput(f"{path.name}: links in a loop, not connected to {roots[0]!r}: {lost}")
