@@ -23,6 +23,8 @@ from multiprocessing import active_children, get_context
 from pathlib import Path
 from typing import Any
 
+import msgspec
+
 from topple.benchmarks.behaviour import BEHAVIOUR
 from topple.benchmarks.document import machine
 from topple.benchmarks.frozen_cases import Case, Item, cases
@@ -30,6 +32,7 @@ from topple.benchmarks.row import Progress, Row
 from topple.planner.files import check_writable, write_whole
 from topple.planner.workers import serve
 from topple.topology.errors import InvalidInput
+from topple.topology.io.strict_json import read_json
 
 FILE = Path(__file__).with_name("frozen.json")
 FORMAT, FORMAT_VERSION = "topple.frozen", 1
@@ -84,11 +87,13 @@ class Frozen:
             InvalidInput: It cannot be read, or is something else.
         """
         try:
-            entry = json.loads(path.read_text(encoding="utf-8"))
+            entry = read_json(path.read_text(encoding="utf-8"), str(path))
             if (entry["format"], entry["format_version"]) != (FORMAT, FORMAT_VERSION):
                 raise ValueError(f"its format is {entry['format']} {entry['format_version']}")
-            own, recorded = ({one["what"]: Item(**one) for one in entry[key]} for key in ("own", "recorded"))
-            return Frozen(int(entry["behaviour"]), entry["machine"], own, recorded)
+            kept = (msgspec.convert(entry[key], list[Item]) for key in ("own", "recorded"))
+            own, recorded = ({item.what: item for item in items} for items in kept)
+            behaviour = msgspec.convert(entry["behaviour"], int)
+            return Frozen(behaviour, msgspec.convert(entry["machine"], dict[str, Any]), own, recorded)
         except OSError as error:
             raise InvalidInput(f"{path}: nothing is frozen there ({error}): --write makes it") from error
         except (ValueError, KeyError, TypeError) as error:

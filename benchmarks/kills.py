@@ -22,7 +22,7 @@ from topple.robots.scratch import LOCK
 TOPPLE = (sys.executable, "-m", "topple.planner.cli.main")
 GONE_WITHIN = 5.0  # [s] after its parent that a worker is gone
 ROOM = 30_000  # [bytes] of a file that a full disk takes
-LONGEST = 120.0  # [s] that a killed command is waited for to keep an episode
+LONGEST = 300.0  # [s] that a killed command is waited for to keep an episode
 NEXT_START = "from topple.robots.scratch import Scratch; Scratch().close()"
 
 
@@ -33,11 +33,13 @@ class Killed:
     Attributes:
         command: Its name.
         kills: How often.
+        clean: After how many of them nothing was left.
         left: What should not have been left, in sentences.
     """
 
     command: str
     kills: int
+    clean: int
     left: tuple[str, ...]
 
 
@@ -58,7 +60,7 @@ def kill(kills: int, seed: int, progress: Progress) -> list[Killed]:
     """Kill commands with signal 9, each at moments spread over its run.
 
     Args:
-        kills: In all; a quarter of them hit `bench run` just after it kept an episode.
+        kills: In all; a quarter of more than four hit `bench run` just after it kept an episode.
         seed: Of the moments.
         progress: Called before each kill.
 
@@ -80,13 +82,21 @@ def kill(kills: int, seed: int, progress: Progress) -> list[Killed]:
         found: list[Killed] = []
         for command, arguments in commands.items():
             moments = np.sort(rng.uniform(0.1, longest[command], each))
-            left: list[str] = []
+            left: list[list[str]] = []
             for moment in moments.tolist():
                 progress(f"{command}, killed after {moment:.1f} s")
-                left += _after_kill(place, arguments, moment)
-            found.append(Killed(command, each, tuple(left)))
-        found.append(_bench(place, max(1, kills - each * len(commands)), rng, progress))
+                left.append(_after_kill(place, arguments, moment))
+            found.append(_killed(command, left))
+        if kills > each * len(commands):
+            found.append(_bench(place, kills - each * len(commands), rng, progress))
     return found
+
+
+def _killed(command: str, left: Sequence[Sequence[str]]) -> Killed:
+    """What a command leaves, kill by kill, as a count."""
+    return Killed(
+        command, len(left), sum(not each for each in left), tuple(said for each in left for said in each)
+    )
 
 
 def _scene(place: Path) -> tuple[str, ...]:
@@ -98,7 +108,7 @@ def _scene(place: Path) -> tuple[str, ...]:
 def _bench(place: Path, kills: int, rng: np.random.Generator, progress: Progress) -> Killed:
     """`bench run`, killed soon after each episode that it keeps."""
     journal = place / "runs.jsonl"
-    left: list[str] = []
+    left: list[list[str]] = []
     for number in range(kills):
         progress(f"bench run, killed after episode {number + 1}")
         before = _lines(journal)
@@ -108,13 +118,13 @@ def _bench(place: Path, kills: int, rng: np.random.Generator, progress: Progress
             while _lines(journal) == before and time.monotonic() < until and process.poll() is None:
                 time.sleep(0.1)
             time.sleep(float(rng.uniform(0.0, 1.0)))
-            left += _ended(place, process)
-        if _lines(journal) == before:
-            left.append(f"bench run kept no episode within {LONGEST:.0f} s")
+            left.append(_ended(place, process))
     text = journal.read_text(encoding="utf-8") if journal.exists() else ""
     kept = Counter(json.dumps(json.loads(line)["episode"], sort_keys=True) for line in text.splitlines())
-    left += [f"bench run counted twice: {episode}" for episode, count in kept.items() if count > 1]
-    return Killed("bench run", kills, tuple(left))
+    if not kept:
+        left[-1].append(f"bench run kept no episode in {kills} times {LONGEST:.0f} s")
+    left[-1] += [f"bench run counted twice: {episode}" for episode, count in kept.items() if count > 1]
+    return _killed(f"bench run, {len(kept)} episodes kept meanwhile", left)
 
 
 def _lines(journal: Path) -> int:

@@ -27,6 +27,9 @@ class Row:
             a least one, value / baseline (times as long) where it is a largest one.
         bar: What is aimed at, ">= 12x", "<= 1/15", ">= 0.93" or "0"; None where there is none.
         interval: 95 % interval of the figure, where it is a share of few cases.
+        tried: On how many cases it was counted, where it counts cases.
+        held: In how many of them all was well.
+        wrong: What went wrong in the first of the others, in sentences.
     """
 
     what: str
@@ -37,6 +40,9 @@ class Row:
     ratio: float | None = None
     bar: str | None = None
     interval: tuple[float, float] | None = None
+    tried: int | None = None
+    held: int | None = None
+    wrong: tuple[str, ...] = ()
 
     @property
     def ok(self) -> bool | None:
@@ -64,6 +70,8 @@ class Row:
         }
         if self.interval is not None:
             row["interval"] = list(self.interval)
+        if self.tried is not None:
+            row |= {"tried": self.tried, "held": self.held, "wrong": list(self.wrong)}
         return row
 
 

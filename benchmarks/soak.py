@@ -32,6 +32,7 @@ class Held:
     Attributes:
         rounds: How many.
         growth: Memory after a round, median of the last third against that of the second.
+        megabytes: That of the last third.
         clients: Simulations that are still open.
         threads: More than there were at the start.
         files: Open files, more than after the first round.
@@ -39,6 +40,7 @@ class Held:
 
     rounds: int
     growth: float
+    megabytes: float
     clients: int
     threads: int
     files: int
@@ -68,6 +70,7 @@ def soak(rounds: int) -> Held:
     return Held(
         rounds,
         median(memory[-third:]) / median(memory[-2 * third : -third]),
+        median(memory[-third:]) / 1e6,
         sum(_is_open(client) for client in range(CLIENTS)),
         threading.active_count() - threads,
         _files() - files,
@@ -86,12 +89,15 @@ def soaked(rounds: int, progress: Progress) -> Held:
         return pool.submit(soak, rounds).result()
 
 
-def side_by_side(copies: int, progress: Progress) -> int:
-    """How many answers of threads and processes are not those that come one after the other.
+def side_by_side(copies: int, progress: Progress) -> tuple[int, int]:
+    """Ask threads and processes for what is also asked one after the other.
 
     Args:
         copies: How often each scene is ordered.
         progress: Called once.
+
+    Returns:
+        How many answers came, and how many of them are not those that come one after the other.
     """
     progress("the same orders in three threads and in four processes")
     goals = GOALS * copies
@@ -101,7 +107,7 @@ def side_by_side(copies: int, progress: Progress) -> int:
     with worker_pool(PROCESSES) as processes:
         in_processes = list(processes.map(_ordered, goals))
     differ: Callable[[list[dict[str, Any]]], int] = partial(_differences, serial)
-    return differ(in_threads) + differ(in_processes)
+    return 2 * len(serial), differ(in_threads) + differ(in_processes)
 
 
 def _differences(a: list[dict[str, Any]], b: list[dict[str, Any]]) -> int:

@@ -1,5 +1,7 @@
 """Array types of the package, and the read-only copies its frozen types hand out."""
 
+from typing import Any
+
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
@@ -51,3 +53,19 @@ def frozen_int(array: ArrayLike) -> IntArray:
     copy = np.array(array, dtype=np.int64, order="C")
     copy.setflags(write=False)
     return copy
+
+
+def whole_numbers(array: NDArray[Any]) -> NDArray[Any]:
+    """Take whole numbers that are stored as floats for what they are.
+
+    Args:
+        array: Numbers of any shape.
+
+    Returns:
+        The same as int64 where all of them are finite, whole and below 2**53, up to which floats tell
+        them apart; else the array itself.
+    """
+    if array.dtype.kind != "f" or not np.isfinite(array).all():
+        return array
+    whole = (array == np.round(array)).all() and (np.abs(array) < 2.0**53).all()
+    return array.astype(np.int64) if whole else array

@@ -6,7 +6,7 @@ from dataclasses import dataclass, field
 import numpy as np
 from numpy.typing import NDArray
 
-from topple.topology.arrays import BoolArray, FloatArray, IntArray, frozen, frozen_int
+from topple.topology.arrays import BoolArray, FloatArray, IntArray, frozen, frozen_int, whole_numbers
 from topple.topology.checks import as_intrinsics, as_name, as_pose, numeric
 from topple.topology.errors import InvalidInput
 from topple.topology.values import ByValue, FrozenDict
@@ -178,14 +178,15 @@ def _as_label(label: IntArray) -> IntArray:
         raise InvalidInput(
             f"the mask has shape {array.shape}: expected one label per pixel (H, W), 0 = background"
         )
-    if array.dtype.kind == "f" and np.isfinite(array).all() and (array == np.round(array)).all():
-        array = array.astype(np.int64)
+    array = whole_numbers(array)
     if array.dtype.kind not in "iub":
         raise InvalidInput(f"the mask holds {array.dtype} values: expected whole numbers, 0 = background")
     if array.size and array.min() < 0:
         raise InvalidInput(
             f"the mask holds the label {array.min()}: expected 0 = background and objects from 1 on"
         )
+    if array.size and int(array.max()) >= 1 << 63:
+        raise InvalidInput(f"the mask holds the label {array.max()}: expected numbers of objects from 1 on")
     return frozen_int(array)
 
 

@@ -17,7 +17,8 @@ MISSED = 1
 """Exit code where a figure misses its bar."""
 
 _THREADS = ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS")
-_HEADINGS = ("what", "value", "baseline", "its value", "ratio", "bar", "")
+_HEADINGS = ("what", "tried", "held", "value", "baseline", "its value", "ratio", "bar", "")
+_NUMBERS = ("tried", "held", "value", "its value", "ratio")
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
@@ -120,8 +121,13 @@ def _print(document: Mapping[str, Any]) -> None:
         f"topple bench {document['bench']}, {size}, seed {document['seed']}: "
         f"{machine['processor']}, {machine['cores']} cores"
     )
-    print_table(_HEADINGS, [_cells(row) for row in rows], right=(1, 3, 4))
+    columns = [list(column) for column in zip(*map(_cells, rows), strict=True)]
+    used = [k for k, column in enumerate(columns) if any(column)]
+    headings = [_HEADINGS[k] for k in used]
+    right = [k for k, heading in enumerate(headings) if heading in _NUMBERS]
+    print_table(headings, list(zip(*(columns[k] for k in used), strict=True)), right=right)
     for row in rows:
+        print_text(*(f"{row['what']}: {' '.join(said.split())}" for said in row.get("wrong", ())))
         for one in row.get("differences", ()):
             parts = f" ({', '.join(one['parts'])})" if one["parts"] else ""
             print_text(f"{one['what']}{parts}", f"  was  {one['was']}", f"  now  {one['now']}")
@@ -140,6 +146,7 @@ def _cells(row: Mapping[str, Any]) -> tuple[str, ...]:
     verdict = {None: "", True: "ok", False: "MISSED"}[row["ok"]]
     return (
         row["what"],
+        *("" if row.get(key) is None else f"{row[key]:,}" for key in ("tried", "held")),
         value,
         row["baseline"] or "",
         "" if row["baseline_value"] is None else _figure(row["baseline_value"], row["unit"]),

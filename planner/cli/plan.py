@@ -1,10 +1,11 @@
 """`topple plan`: order, grasps, placements and motions of the whole sequence, before anything moves."""
 
 import argparse
+import json
 from collections.abc import Sequence
 from typing import TYPE_CHECKING
 
-from topple.planner.cli.console import print_table, print_text
+from topple.planner.cli.console import print_json, print_table, print_text
 from topple.planner.cli.main import DONE, NO_SAFE_PLAN
 from topple.planner.cli.options import (
     add_common,
@@ -97,7 +98,9 @@ def execute(args: argparse.Namespace) -> int:
     holds = checked is None or checked.ok
     if place is not None and holds:
         write_whole(place, document + "\n")
-    if args.json:
+    if args.json and checked is not None:
+        print_json({**json.loads(document), "verification": checked.to_json()})
+    elif args.json:
         print_text(document)
     else:
         _print_plan(path, found)
@@ -114,10 +117,30 @@ def _print_verification(checked: "Verification") -> None:
         print_text(f"Allowed: {words}")
     if checked.ok:
         print_text(f"Verified: {count} checks at {checked.states} states, every residual at most 0.")
-        return
-    print_text(f"Not verified: {len(checked.failed)} of {count} checks failed:")
-    rows = [(bad.name, f"{bad.value:.2g} {bad.unit}", bad.witness) for bad in checked.failed]
-    print_table(("check", "beyond by", "where"), rows, right=(1,))
+    else:
+        print_text(f"Not verified: {len(checked.failed)} of {count} checks failed:")
+        rows = [(bad.name, f"{bad.value:.2g} {bad.unit}", bad.witness) for bad in checked.failed]
+        print_table(("check", "beyond by", "where"), rows, right=(1,))
+    _print_proofs(checked)
+
+
+def _print_proofs(checked: "Verification") -> None:
+    """What is shown by which means, a row for all steps of which the same is."""
+    steps: dict[tuple[str, str], list[str]] = {}
+    for number, proofs in (
+        *((str(one.step + 1), one.proofs) for one in checked.steps),
+        ("plan", checked.whole),
+    ):
+        for proof in proofs:
+            told = {True: proof.what, False: f"NOT SO: {proof.what}", None: f"not shown: {proof.what}"}
+            means = f"{proof.means}: {proof.detail}" if proof.shown is None else proof.means
+            steps.setdefault((told[proof.shown], means), []).append(number)
+    rows = [
+        (told, means, "all" if len(which) == len(checked.steps) > 1 else ", ".join(which))
+        for (told, means), which in steps.items()
+    ]
+    print_table(("what", "by", "steps"), rows)
+    print_text(f"Asked of no plan: {', '.join(checked.unasked)}.")
 
 
 def _print_plan(path: str, plan: "Plan") -> None:

@@ -8,8 +8,9 @@ from scipy.optimize import linear_sum_assignment
 from scipy.spatial import KDTree
 
 from topple.planner.execution.associate import apart, middle
-from topple.planner.execution.tolerances import ALIKE, MOVED, PIECE, SEAM, STAYED, SWAPPED
+from topple.planner.execution.tolerances import AGAIN, ALIKE, MOVED, PIECE, SEAM, STAYED, SWAPPED
 from topple.topology.arrays import FloatArray
+from topple.topology.geometry.hull import Hull
 from topple.topology.image import DepthImage
 from topple.topology.scene import Scene
 
@@ -84,14 +85,17 @@ def _pieces(seen: Mapping[str, FloatArray], expected: Scene) -> dict[str, str]:
 
 
 def _is_piece(piece: FloatArray, rest: Sequence[FloatArray], whole: FloatArray) -> bool:
-    """Whether a cloud lies on what was seen of a remembered one, and covers much of it.
+    """Whether a cloud lies on a remembered one, and covers much of what was seen of it.
 
-    A thing that comes to light on another one lies where nothing of the other was seen before.
+    Where something stood on it nothing was seen of it before: there it ends where its hull does. A thing that
+    comes to light on another one stands out from that hull, or covers little that was seen of the other.
     """
     shift = middle(np.concatenate([piece, *rest])) - middle(whole)  # it was put down there, or nearly
     if np.linalg.norm(shift) > STAYED:
         return False
     there = whole + shift
-    on = (KDTree(there).query(piece, distance_upper_bound=SEAM)[0] < SEAM).mean()
+    seen = KDTree(there).query(piece, distance_upper_bound=SEAM)[0] < SEAM
+    at_its_end = np.abs(Hull.of(there).signed_distance(piece)) < SEAM
+    on = (seen | at_its_end).mean()
     covered = (KDTree(piece).query(there, distance_upper_bound=SEAM)[0] < SEAM).mean()
-    return bool(on > ALIKE and covered > PIECE)
+    return bool(on > ALIKE and seen.mean() > AGAIN and covered > PIECE)

@@ -123,6 +123,9 @@ SEAM = 0.005
 ALIKE = 0.8
 """Share of a piece that lies there; the rest is noise at its edges."""
 
+AGAIN = 0.5
+"""Share of a piece at least that lies where its object was seen before: a lid on a plate ends at its hull."""
+
 PIECE = 0.1
 """Share of a remembered surface that a piece of it covers: less may be a thing at its edge."""
 

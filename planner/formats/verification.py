@@ -1,7 +1,7 @@
-"""What a check found: named residuals, at most 0 where all is well, and a witness for the worst of each."""
+"""What checks found: residuals, at most 0 where all is well, and what they prove of each step."""
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import Any
 
 BROKEN = "dependencies of the scene broken"
@@ -18,6 +18,7 @@ class Residual:
         unit: m, rad, or 1 for counts and shares.
         witness: Where the worst was found, or why it was not evaluated.
         allowed: What was allowed, in the unit.
+        steps: Indices of the steps in which more than that was found.
     """
 
     name: str
@@ -25,6 +26,7 @@ class Residual:
     unit: str
     witness: str = ""
     allowed: float = 0.0
+    steps: tuple[int, ...] = ()
 
     @property
     def evaluated(self) -> bool:
@@ -38,6 +40,59 @@ class Residual:
 
 
 @dataclass(frozen=True)
+class Proof:
+    """Something that a plan claims, and whether a check bears it out.
+
+    Attributes:
+        what: What is claimed, in a few words.
+        means: By which means it is looked at.
+        shown: True where they bear it out, False where they refute it, None where they do not tell.
+        detail: Figures; where it is refuted by what, and where it is not told why not.
+    """
+
+    what: str
+    means: str
+    shown: bool | None
+    detail: str = ""
+
+    def to_json(self) -> dict[str, Any]:
+        """As JSON has it."""
+        return {"what": self.what, "means": self.means, "shown": self.shown, "detail": self.detail}
+
+
+@dataclass(frozen=True)
+class StepProofs:
+    """What is proven of one step, and what is not.
+
+    Attributes:
+        step: Its index, from 0.
+        object: What it moves.
+        action: What it does with that.
+        proofs: What is claimed of it, in the order in which it happens.
+    """
+
+    step: int
+    object: str
+    action: str
+    proofs: tuple[Proof, ...]
+
+    @property
+    def proven(self) -> tuple[Proof, ...]:
+        """What is borne out."""
+        return tuple(proof for proof in self.proofs if proof.shown)
+
+    @property
+    def refuted(self) -> tuple[Proof, ...]:
+        """What is not so."""
+        return tuple(proof for proof in self.proofs if proof.shown is False)
+
+    @property
+    def unchecked(self) -> tuple[Proof, ...]:
+        """What nothing was shown of, either way."""
+        return tuple(proof for proof in self.proofs if proof.shown is None)
+
+
+@dataclass(frozen=True)
 class Verification:
     """All residuals of a plan.
 
@@ -45,11 +100,17 @@ class Verification:
         residuals: One for each check.
         states: How many arm states were looked at.
         allowed: What a step says that it allows and no residual counts: drops, in sentences.
+        steps: What this proves of each step, and what not.
+        whole: What it proves of the plan as a whole.
+        unasked: What is asked of no plan.
     """
 
     residuals: tuple[Residual, ...]
     states: int = 0
     allowed: tuple[str, ...] = ()
+    steps: tuple[StepProofs, ...] = ()
+    whole: tuple[Proof, ...] = ()
+    unasked: tuple[str, ...] = ()
 
     @property
     def ok(self) -> bool:
@@ -60,6 +121,12 @@ class Verification:
     def failed(self) -> tuple[Residual, ...]:
         """What was checked and is not well."""
         return tuple(residual for residual in self.residuals if residual.evaluated and not residual.ok)
+
+    @property
+    def refuted(self) -> tuple[Proof, ...]:
+        """What the plan claims and is not so, of its steps and as a whole."""
+        of_steps = (proof for step in self.steps for proof in step.refuted)
+        return (*of_steps, *(proof for proof in self.whole if proof.shown is False))
 
     @property
     def left_out(self) -> tuple[Residual, ...]:
@@ -87,9 +154,17 @@ class Verification:
                     "unit": residual.unit,
                     "allowed": residual.allowed,
                     "witness": residual.witness,
+                    "steps": list(residual.steps),
                 }
                 for residual in self.residuals
             ],
+            "steps": [
+                {"step": one.step, "object": one.object, "action": one.action}
+                | {"proofs": [proof.to_json() for proof in one.proofs]}
+                for one in self.steps
+            ],
+            "whole": [proof.to_json() for proof in self.whole],
+            "unasked": list(self.unasked),
         }
 
 
@@ -103,6 +178,7 @@ class Worst:
         allowed: What is allowed.
         value: The worst so far.
         witness: Where that was.
+        steps: Indices of the steps in which more than is allowed was noted.
     """
 
     name: str
@@ -110,15 +186,23 @@ class Worst:
     allowed: float = 0.0
     value: float = 0.0
     witness: str = ""
+    steps: set[int] = field(default_factory=set[int])
 
-    def note(self, value: float, witness: str) -> None:
-        """Take a value into account."""
+    def note(self, value: float, witness: str, step: int | None = None) -> None:
+        """Take a value into account, with the index of the step it is of, if it is of one."""
+        if step is not None and not value <= self.allowed:
+            self.steps.add(step)
         if value > self.value or not math.isfinite(value):
             self.value, self.witness = value, witness
 
+    def count(self, witness: str, step: int | None = None) -> None:
+        """Take down one more of what there should be none of."""
+        self.note(self.value + 1.0, f"{self.witness}; {witness}" if self.witness else witness, step)
+
     def residual(self) -> Residual:
         """The residual: the worst value beyond what is allowed."""
-        return Residual(self.name, self.value - self.allowed, self.unit, self.witness, self.allowed)
+        steps = tuple(sorted(self.steps))
+        return Residual(self.name, self.value - self.allowed, self.unit, self.witness, self.allowed, steps)
 
 
 def not_evaluated(name: str, unit: str, why: str) -> Residual:

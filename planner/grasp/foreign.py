@@ -90,7 +90,8 @@ def read_grasps(path: str | Path) -> ForeignGrasps:
     try:
         path.open("rb").close()
         if (found := GRASP_READERS.first(lambda reader: reader.reads(path))) is not None:
-            with GRASP_READERS.blamed(found[0]):
+            # overflow: of what is then refused as no rigid transform
+            with GRASP_READERS.blamed(found[0]), np.errstate(over="ignore", invalid="ignore"):
                 return expected(found[1].read(path), ForeignGrasps)
     except OSError as error:
         raise InvalidInput(f"{path}: cannot be read: {error.strerror}") from error
@@ -184,8 +185,8 @@ def checked(grasps: ForeignGrasps, name: str) -> ForeignGrasps:
             )
     poses = grasps.poses_tool_to_source
     rotations = poses[:, :3, :3]
-    square = rotations @ rotations.swapaxes(1, 2) - np.eye(3)
-    with np.errstate(invalid="ignore"):
+    with np.errstate(all="ignore"):  # of what is no rotation
+        square = rotations @ rotations.swapaxes(1, 2) - np.eye(3)
         holds = {
             "is not finite": np.isfinite(poses).all(axis=(1, 2)),
             "is no rigid transform: its last row is not 0 0 0 1": np.isclose(poses[:, 3], [0, 0, 0, 1]).all(

@@ -70,32 +70,33 @@ class BulletCheck:
             link = self._link_pose(tool.link) @ tool.pose_tool_to_link
             computed = np.array(self.plan.pose_base_to_world) @ self.arm.tool_pose(q, tool.name)[0]
             stray = float(np.abs(link - computed).max()) if tool.name == ToolName.FINGERS else 0.0
-            self.strayed.note(stray, f"{piece.where}: {tool.name} at state {k}")
+            self.strayed.note(stray, f"{piece.where}: {tool.name} at state {k}", piece.index)
             for name, to_tool in piece.held.items():
                 self._put(name, computed @ to_tool)
             where = f"{piece.where}: {{}} in {{}} at state {k} of {len(piece.states)} of PyBullet"
             for name in piece.poses:
                 for body in self._bodies[name]:
-                    self._arm_against(body, name, allowed, where)
+                    self._arm_against(piece, body, name, where)
                 depth = self._depth(piece.held, name) if piece.held else 0.0
                 if frozenset((piece.step.object, name)) not in allowed:
-                    self.touching.note(depth, where.format(piece.step.object, name))
+                    self.touching.note(depth, where.format(piece.step.object, name), piece.index)
                 elif piece.step.placement.into != name:  # let down into a hollow: seen points decide there
                     pressed.setdefault(name, []).append(depth)
         for name, depths in pressed.items():
             rest = depths[-1 if piece.segment.kind == "place" else 0]
-            self.deeper.note(max(depths) - rest, f"{piece.where}: {piece.step.object} against {name}")
+            against = f"{piece.where}: {piece.step.object} against {name}"
+            self.deeper.note(max(depths) - rest, against, piece.index)
 
     def residuals(self) -> tuple[Residual, ...]:
         """What was found."""
         return self.touching.residual(), self.deeper.residual(), self.strayed.residual()
 
-    def _arm_against(self, body: int, name: str, allowed: frozenset[frozenset[str]], where: str) -> None:
+    def _arm_against(self, piece: SegmentReplay, body: int, name: str, where: str) -> None:
         for contact in pybullet.getClosestPoints(self._robot, body, 0.0, physicsClientId=self._client):
             link = self._names.get(contact[3], "base")
             moves = link in self.arm.links and self.arm.frame_of_link[self.arm.links.index(link)] > 0
-            if moves and frozenset((link, name)) not in allowed:
-                self.touching.note(-float(contact[8]), where.format(link, name))
+            if moves and frozenset((link, name)) not in piece.may_touch:
+                self.touching.note(-float(contact[8]), where.format(link, name), piece.index)
 
     def _depth(self, held: dict[str, FloatArray], name: str) -> float:
         """How deep what is held is in another object [m]; python-fcl's depths of hulls come out too small."""

@@ -126,9 +126,8 @@ class FclCheck:
     def _note(self, driven: SegmentReplay, a: _Piece, b: _Piece, k: int) -> None:
         depth = self._depth(a, b)
         if depth is not None:
-            self.touching.note(
-                depth, f"{driven.where}: {a.name} in {b.name} at state {k} of {len(driven.states)}"
-            )
+            where = f"{driven.where}: {a.name} in {b.name} at state {k} of {len(driven.states)}"
+            self.touching.note(depth, where, driven.index)
 
     def _depth(self, a: _Piece, b: _Piece) -> float | None:
         """How deep two placed pieces are in each other [m]; None where they do not touch."""

@@ -24,7 +24,6 @@ def check_claims(plan: Plan) -> tuple[Residual, ...]:
     """
     scores = Worst("scores against their terms", "1", ROUNDED_SCORE)
     upright = Worst("steps upright that are not to be, or the other way round", "1")
-    wrong: list[str] = []
     for index, step in enumerate(plan.steps):
         where = f"step {index + 1} ({step.object})"
         grasp = step.grasp
@@ -34,10 +33,9 @@ def check_claims(plan: Plan) -> tuple[Residual, ...]:
             except KeyError as error:
                 off = 1.0
                 where = f"{where}: a {grasp.kind} has a term {error}"
-            scores.note(off, where)
+            scores.note(off, where, index)
         if step.upright != (step.object in plan.upright):
-            wrong.append(where)
-    upright.note(float(len(wrong)), "; ".join(wrong))
+            upright.count(where, index)
     order = Worst("order against the steps", "1")
     order.note(float(plan.order != [step.object for step in plan.steps]), ", ".join(plan.order))
     return scores.residual(), upright.residual(), order.residual()

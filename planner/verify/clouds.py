@@ -62,7 +62,8 @@ class CloudCheck:
                 continue
             for k, pose in enumerate(poses):
                 depth = _depth(_moved(cloud, np.linalg.inv(pose)), solids)
-                self.entered.note(depth, f"{piece.where}: {seen[0]} in {other} at state {k * EVERY}")
+                where = f"{piece.where}: {seen[0]} in {other} at state {k * EVERY}"
+                self.entered.note(depth, where, piece.index)
 
     def residuals(self) -> tuple[Residual, ...]:
         """What was found, and whether the plan's bodies are those of the scene."""

@@ -39,7 +39,6 @@ class HandCheck:
         self._up = np.array(self.plan.up)
         self._hand = {link for tool in self.arm.tools.values() for link in tool.links}
         self._fixed = {thing.name for thing in self.plan.objects if thing.fixed}
-        self._unexcused = 0
 
     def look(self, piece: SegmentReplay) -> None:
         """Check one segment."""
@@ -48,8 +47,8 @@ class HandCheck:
         self._excuses(piece)
         ends = tool_poses(self.arm, self.plan, piece.segment.tool, piece.states[-1:])[0]
         if kind == "approach":
-            self.grasp.note(off_by(ends, grasp), piece.where)
-            self.reach.note(self._to_object(piece, ends), piece.where)
+            self.grasp.note(off_by(ends, grasp), piece.where, piece.index)
+            self.reach.note(self._to_object(piece, ends), piece.where, piece.index)
         if kind == "grasp":
             told = {
                 held.object: np.array(held.pose_start_to_tool)
@@ -58,15 +57,16 @@ class HandCheck:
             }
             for name, to_tool in piece.held.items():
                 off = off_by(to_tool, told[name]) if name in told else 1.0  # not said at all
-                self.held.note(off, f"{piece.where}: {name}")
+                self.held.note(off, f"{piece.where}: {name}", piece.index)
         if kind == "place":
             wanted = np.array(piece.step.placement.pose_before_to_after) @ grasp
-            self.place.note(off_by(ends, wanted), piece.where)
+            self.place.note(off_by(ends, wanted), piece.where, piece.index)
         if piece.step.upright and piece.step.object in piece.held:
             poses = tool_poses(self.arm, self.plan, piece.segment.tool, piece.states)
             now = piece.before[piece.step.object][:3, :3]
             turned = poses[:, :3, :3] @ piece.held[piece.step.object][:3, :3] @ now.T @ self._up
-            self.tilt.note(float(np.arccos(np.clip(turned @ self._up, -1.0, 1.0)).max()), piece.where)
+            tilted = float(np.arccos(np.clip(turned @ self._up, -1.0, 1.0)).max())
+            self.tilt.note(tilted, piece.where, piece.index)
 
     def residuals(self) -> tuple[Residual, ...]:
         """What was found."""
@@ -99,8 +99,7 @@ class HandCheck:
                 (other,) = pair - {name}
                 fine = self._near(piece, other)
             if not fine:
-                self._unexcused += 1
-                self.excuse.note(float(self._unexcused), f"{piece.where}: {' and '.join(sorted(pair))}")
+                self.excuse.count(f"{piece.where}: {' and '.join(sorted(pair))}", piece.index)
 
     def _near(self, piece: SegmentReplay, other: str) -> bool:
         """Whether the object in the hand is next to another one where it is taken or put."""

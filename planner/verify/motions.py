@@ -29,38 +29,38 @@ def check_motions(plan: Plan, arm: Arm) -> tuple[Residual, ...]:
         "times": Worst("times that do not increase", "1"),
         "proof": Worst("motions without a proof", "1"),
     }
-    q, unproven = np.array(plan.q_start), 0
+    q = np.array(plan.q_start)
     for index, step in enumerate(plan.steps):
         for segment in step.segments:
             if segment.motion is None:
                 continue
             where = f"step {index + 1} ({step.object}), {segment.kind}"
-            unproven += not segment.certified
-            found["proof"].note(float(unproven), where)
-            q = _check_motion(segment, q, arm, found, where)
+            if not segment.certified:
+                found["proof"].count(where, index)
+            q = _check_motion(segment, q, arm, found, where, index)
     return tuple(worst.residual() for worst in found.values())
 
 
 def _check_motion(
-    segment: SegmentData, q: FloatArray, arm: Arm, found: dict[str, Worst], where: str
+    segment: SegmentData, q: FloatArray, arm: Arm, found: dict[str, Worst], where: str, step: int
 ) -> FloatArray:
     assert segment.motion is not None
     times = np.array(segment.motion.times)
     positions, velocities = np.array(segment.motion.positions), np.array(segment.motion.velocities)
     beyond = np.maximum(positions - arm.upper, arm.lower - positions).max(axis=0)
-    found["position"].note(float(beyond.max()), f"{where}: {arm.joints[int(beyond.argmax())]}")
-    found["continuity"].note(float(np.abs(positions[0] - q).max()), where)
-    found["rest"].note(float(np.abs(velocities[[0, -1]]).max()), where)
+    found["position"].note(float(beyond.max()), f"{where}: {arm.joints[int(beyond.argmax())]}", step)
+    found["continuity"].note(float(np.abs(positions[0] - q).max()), where, step)
+    found["rest"].note(float(np.abs(velocities[[0, -1]]).max()), where, step)
     if len(times) > 1:
         span = np.diff(times)[:, None]
-        found["times"].note(float(np.count_nonzero(span <= 0.0)), where)
+        found["times"].note(float(np.count_nonzero(span <= 0.0)), where, step)
         span = np.maximum(span, 1e-9)
         mean = np.diff(positions, axis=0) / span
         for speeds in (velocities, mean):
             share = (np.abs(speeds) / arm.velocity).max(axis=0) - 1.0
-            found["velocity"].note(float(share.max()), f"{where}: {arm.joints[int(share.argmax())]}")
+            found["velocity"].note(float(share.max()), f"{where}: {arm.joints[int(share.argmax())]}", step)
         share = (np.abs(np.diff(velocities, axis=0) / span) / arm.acceleration).max(axis=0) - 1.0
-        found["acceleration"].note(float(share.max()), f"{where}: {arm.joints[int(share.argmax())]}")
+        found["acceleration"].note(float(share.max()), f"{where}: {arm.joints[int(share.argmax())]}", step)
         drift = np.abs(np.diff(positions, axis=0) - 0.5 * (velocities[1:] + velocities[:-1]) * span)
-        found["integral"].note(float(drift.max()), where)
+        found["integral"].note(float(drift.max()), where, step)
     return positions[-1]

@@ -34,25 +34,16 @@ def check_precedence(
     own = Worst("dependencies of the plan broken", "1")
     waits = Worst("steps that wait for nothing and should", "1")
     excused = Worst("excuses for dependencies that are kept", "1")
-    late = [
-        f"{e.then} before {e.first}"
-        for e in plan.dependencies
-        if e.then in last and first.get(e.first, never) > last[e.then]
-    ]
-    own.note(float(len(late)), "; ".join(late))
-    lazy: list[str] = []
     for edge in plan.dependencies:
         index = last.get(edge.then, -1)
+        if edge.then in last and first.get(edge.first, never) > index:
+            own.count(f"{edge.then} before {edge.first}", index)
         if first.get(edge.first, never) < index and first[edge.first] not in plan.steps[index].after:
-            lazy.append(f"step {index + 1} ({edge.then}) for {edge.first}")
-    waits.note(float(len(lazy)), "; ".join(lazy))
-    idle = [
-        f"step {index + 1} ({step.object}) for {edge.first}"
-        for index, step in enumerate(plan.steps)
-        for edge in step.against
-        if edge.then != step.object or first.get(edge.first, never) < index or edge.confidence >= LIKELY
-    ]
-    excused.note(float(len(idle)), "; ".join(idle))
+            waits.count(f"step {index + 1} ({edge.then}) for {edge.first}", index)
+    for index, step in enumerate(plan.steps):
+        for edge in step.against:
+            if edge.then != step.object or first.get(edge.first, never) < index or edge.confidence >= LIKELY:
+                excused.count(f"step {index + 1} ({step.object}) for {edge.first}", index)
     if situation is None:
         return own.residual(), waits.residual(), excused.residual()
     from topple.planner.decide.dependency import dependencies
@@ -68,15 +59,10 @@ def check_precedence(
     group = {name: i for i, names in enumerate(nx.strongly_connected_components(graph)) for name in names}
     # what goes along with a container that is kept upright need not go before it
     along = {(held.object, step.object) for step in plan.steps for held in step.attachments if step.upright}
-    broken = [
-        f"{then} before {before}"
-        for before, then in edges
-        if then in first
-        and group[before] != group[then]
-        and (before, then) not in along
-        and first.get(before, never) > first[then]
-    ]
-    again.note(float(len(broken)), "; ".join(broken))
+    for before, then in edges:
+        free = group[before] == group[then] or (before, then) in along
+        if then in first and not free and first.get(before, never) > first[then]:
+            again.count(f"{then} before {before}", first[then])
     return own.residual(), waits.residual(), excused.residual(), again.residual()
 
 

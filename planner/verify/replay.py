@@ -99,33 +99,35 @@ class Replay:
                 q = states[-1]
                 hand = ToolState(segment.hand.opening, segment.hand.cup_extension)
                 if segment.kind == SegmentKind.GRASP:
-                    self._take(part, segment, hand, q, where)
+                    self._take(index, part, segment, hand, q, where)
                 elif segment.kind == SegmentKind.RELEASE:
                     self._let_go(index, part, hand, q, before, where)
                 elif self._held:
-                    self._keep(hand, where)
-                self._say(segment, where)
+                    self._keep(index, hand, where)
+                self._say(index, segment, where)
                 self._hand = hand
                 rest = {name: pose for name, pose in self.poses.items() if name not in self._held}
                 yield SegmentReplay(index, part, segment, states, rest, dict(self._held), before)
             where = f"step {index + 1} ({part.object})"
             if self._held:
-                self.kept.note(len(self._held), f"{where}: {', '.join(self._held)}")
+                self.kept.note(len(self._held), f"{where}: {', '.join(self._held)}", index)
             if not any(name == part.object for _, name in self.taken[moved:]):
-                self.idle.note(self.idle.value + 1.0, f"{where}: it is never taken and let go")
+                self.idle.count(f"{where}: it is never taken and let go", index)
 
     def residuals(self) -> tuple[Residual, ...]:
         """What was found."""
         found = (self.grips, self.idle, self.kept, self.told, self.told_into, self.hand, self.place)
         return tuple(worst.residual() for worst in found)
 
-    def _take(self, part: Step, segment: SegmentData, hand: ToolState, q: FloatArray, where: str) -> None:
+    def _take(
+        self, index: int, part: Step, segment: SegmentData, hand: ToolState, q: FloatArray, where: str
+    ) -> None:
         """Close the hand: what is then in it moves with it."""
         tool = tool_poses(self.arm, self.plan, segment.tool, q[None])[0]
         words = "something is in it already" if self._held else None
         words = words or self._grip.fails(part, segment.tool, self._hand, hand, tool, self.poses)
         if words is not None:
-            self.grips.note(self.grips.value + 1.0, f"{where}: {words}")
+            self.grips.count(f"{where}: {words}", index)
             return
         self._tool = segment.tool
         riding = [held.object for held in part.attachments if held.object != part.object]
@@ -133,12 +135,12 @@ class Replay:
             if name == part.object or self._grip.rides(name, part.object, self.poses):
                 self._held[name] = inverse(tool) @ self.poses[name]
             else:
-                self.grips.note(self.grips.value + 1.0, f"{where}: {name} does not lie in {part.object}")
+                self.grips.count(f"{where}: {name} does not lie in {part.object}", index)
 
-    def _keep(self, hand: ToolState, where: str) -> None:
+    def _keep(self, index: int, hand: ToolState, where: str) -> None:
         """A hand that holds stays as it is."""
-        self.hand.note(abs(hand.opening - self._hand.opening), where)
-        self.hand.note(abs(hand.cup_extension - self._hand.cup_extension), where)
+        self.hand.note(abs(hand.opening - self._hand.opening), where, index)
+        self.hand.note(abs(hand.cup_extension - self._hand.cup_extension), where, index)
 
     def _let_go(
         self,
@@ -153,7 +155,7 @@ class Replay:
         if not self._held:
             return
         if self._tool == ToolName.FINGERS and hand.opening <= self._hand.opening + OPENED:
-            self.told.note(self.told.value + 1.0, f"{where}: the pads stay closed")
+            self.told.count(f"{where}: the pads stay closed", index)
             return
         tool = tool_poses(self.arm, self.plan, self._tool, q[None])[0]
         declared = np.array(part.placement.pose_before_to_after)
@@ -161,23 +163,23 @@ class Replay:
         for name, to_tool in self._held.items():
             pose = tool @ to_tool
             if name in before:
-                self.place.note(off_by(pose, declared @ before[name]), f"{where}: {name}")
+                self.place.note(off_by(pose, declared @ before[name]), f"{where}: {name}", index)
             self.poses[name] = pose.copy()
             self.poses[name][:3, 3] -= fall
             self.taken.append((index, name))
         self._held = {}
         into = part.placement.into
         if into is not None and not self._grip.rides(part.object, into, self.poses):
-            self.told_into.note(self.told_into.value + 1.0, f"{where}: it is not over {into}")
+            self.told_into.count(f"{where}: it is not over {into}", index)
 
-    def _say(self, segment: SegmentData, where: str) -> None:
+    def _say(self, index: int, segment: SegmentData, where: str) -> None:
         """Hold what a segment says of its hand against what is in it."""
         if (segment.holding is not None) != bool(self._held) or (
             segment.holding is not None and segment.holding not in self._held
         ):
             truth = ", ".join(self._held) or "nothing"
             words = f"{where}: {segment.holding or 'nothing'} is said, {truth} is in it"
-            self.told.note(self.told.value + 1.0, words)
+            self.told.count(words, index)
 
 
 def resampled(segment: SegmentData, q: FloatArray, step: float) -> FloatArray:

@@ -59,12 +59,13 @@ class RestCheck:
         where = f"step {piece.index + 1} ({name})"
         if step.placement.falls:
             self.allowed.append(f"{where} is let go to fall: {found}")
-            self.excused.note(self.excused.value + float(found.within()), where)
+            if found.within():
+                self.excused.count(where, piece.index)
         elif found.outside is not None:
-            self.out.note(found.outside, where)
+            self.out.note(found.outside, where, piece.index)
         else:
-            self.shift.note(found.shift, where)
-            self.turn.note(found.turn, where)
+            self.shift.note(found.shift, where, piece.index)
+            self.turn.note(found.turn, where, piece.index)
 
     def residuals(self) -> tuple[Residual, ...]:
         """How far things shift, turn and leave containers, and what of bodies is outside of their wholes."""

@@ -7,12 +7,15 @@ import numpy as np
 from topple.planner.formats.plan_format import Plan
 from topple.planner.formats.plan_robot import arm_from
 from topple.planner.formats.verification import BROKEN, Residual, Verification, not_evaluated
+from topple.planner.verify.between import BetweenCheck
 from topple.planner.verify.by_fcl import FclCheck
 from topple.planner.verify.claims import check_claims, check_scene
 from topple.planner.verify.clouds import CloudCheck
+from topple.planner.verify.force import ForceCheck
 from topple.planner.verify.handled import HandCheck
 from topple.planner.verify.motions import check_motions
 from topple.planner.verify.outcome import check_goal, check_precedence
+from topple.planner.verify.proofs import UNASKED, Proofs
 from topple.planner.verify.replay import Replay, SegmentReplay
 from topple.planner.verify.rest import RestCheck
 from topple.planner.verify.tolerances import STEP
@@ -37,8 +40,10 @@ def verify(
 
     Trajectories are looked at every 0.002 rad with python-fcl, and every 0.01 rad with PyBullet, whose
     kinematics and hulls are its own; what may touch by intent has to have a reason and may not be pressed
-    deeper. Placements are let go in simulation. With the scene, seen points may not be entered, precedence is
-    derived again, and the goal's relations are computed where the plan puts the clouds.
+    deeper; that nothing touches between these states is proven by certificates, derived again from the
+    motions as they are written. Placements are let go in simulation. With the scene, seen points may not be
+    entered, precedence is derived again, and the goal's relations are computed where the plan puts the
+    clouds.
 
     Args:
         plan: The plan, fresh or read back from JSON.
@@ -47,7 +52,8 @@ def verify(
         step: Spacing of the states [rad].
 
     Returns:
-        The residuals, at most 0 where all is well, `inf` where not evaluated.
+        The residuals, at most 0 where all is well, `inf` where not evaluated; with what they prove of each
+        step, by which means, and what is not shown.
 
     Raises:
         InvalidInput: The plan's arm or its URDF is not found here and none was given, the URDF is another
@@ -64,11 +70,14 @@ def verify(
         _check_names(plan, scene)
     played, fcl_check, hands = Replay(plan, arm, step), FclCheck(plan, arm), HandCheck(plan, arm)
     clouds = None if scene is None else CloudCheck(plan, arm, scene)
+    masses = {} if scene is None else scene.masses
+    between, force = BetweenCheck(plan, arm), ForceCheck(plan, arm, masses)
+    proofs = Proofs(plan, between, force, masses, (step, COARSE * step))
     put: list[SegmentReplay] = []
     with BulletCheck(plan, arm) as bullet:
         for piece in played.segments():
-            hands.look(piece)
-            fcl_check.look(piece)
+            for check in (hands, fcl_check, between, force, proofs):
+                check.look(piece)
             bullet.look(_thinned(piece))
             if clouds is not None:
                 clouds.look(piece)
@@ -95,7 +104,14 @@ def verify(
             *check_scene(plan, situation),
             check_goal(plan, played.poses, played.taken, scene),
         ]
-    return Verification(tuple(residuals), fcl_check.states, tuple(rest.allowed))
+    return Verification(
+        tuple(residuals),
+        fcl_check.states,
+        tuple(rest.allowed),
+        proofs.steps(residuals),
+        proofs.whole(residuals),
+        UNASKED,
+    )
 
 
 def _left_out() -> list[Residual]:

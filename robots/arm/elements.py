@@ -8,6 +8,8 @@ import numpy as np
 from topple.topology.arrays import FloatArray
 from topple.topology.errors import InvalidInput
 
+FARTHEST = 1e8  # [m] or [rad]: what squares overflow for is no place on an arm
+
 
 def number(text: str | None, default: float | None, where: str) -> float:
     """A finite number; the default where there is no text. Refused in the words of `where` otherwise."""
@@ -30,8 +32,8 @@ def numbers(text: str | None, count: int, default: tuple[float, ...] | None, whe
         found = np.array([float(word) for word in str(text).split()])
     except ValueError:
         found = np.empty(0)
-    if len(found) != count or not np.isfinite(found).all():
-        raise InvalidInput(f"{where}: expected {count} numbers, found {text!r}")
+    if len(found) != count or not (np.abs(found) < FARTHEST).all():  # nan is not
+        raise InvalidInput(f"{where}: expected {count} numbers below {FARTHEST:g}, found {text!r}")
     return found
 
 

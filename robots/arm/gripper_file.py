@@ -19,6 +19,9 @@ EXAMPLE = (
     '[cup] with link = "LINK", offset = [0, 0, 0.1] and radius = 0.015, or [jaw] with joints = ["JOINT"]'
 )
 
+MOST_BYTES = 1 << 15
+"""Of a gripper's file, which has a page: parsers take the square of a key's length."""
+
 
 class Jaw(msgspec.Struct, frozen=True, forbid_unknown_fields=True, kw_only=True):
     """A parallel jaw; what is left out is measured on the fingers' collision geometry.
@@ -98,12 +101,19 @@ def read_gripper(path: str | Path) -> Gripper:
     tomllib: Any = importlib.import_module("tomllib" if sys.version_info >= (3, 11) else "tomli")
     path = Path(path)
     try:
-        document: dict[str, Any] = tomllib.loads(path.read_text(encoding="utf-8"))
+        with path.open("rb") as file:
+            content = file.read(MOST_BYTES + 1)
     except OSError as error:
         raise InvalidInput(
             f"{path}: cannot be read ({error.strerror}); give the path of a TOML file"
         ) from error
-    except (tomllib.TOMLDecodeError, UnicodeDecodeError) as error:
+    if len(content) > MOST_BYTES:
+        raise InvalidInput(
+            f"{path}: more than {MOST_BYTES} bytes: expected a file that describes one gripper"
+        )
+    try:
+        document: dict[str, Any] = tomllib.loads(content.decode("utf-8"))
+    except (ValueError, RecursionError) as error:  # broken, no text, numbers without end, nested without end
         raise InvalidInput(f"{path}: not TOML ({error})") from error
     try:
         gripper = msgspec.convert(document, Gripper)

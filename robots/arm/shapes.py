@@ -41,12 +41,12 @@ def geometry_parts(
         half = numbers(shape.get("size"), 3, None, f"{where} box") / 2
         return [np.array([[x, y, z] for x in (-1, 1) for y in (-1, 1) for z in (-1, 1)]) * half]
     if shape.tag in ("cylinder", "capsule"):
-        radius, length = number(shape.get("radius"), None, where), number(shape.get("length"), None, where)
+        radius, length = _radius(shape, where), number(shape.get("length"), None, where)
         return [_prism(radius, length + (2 * radius if shape.tag == "capsule" else 0.0))]
     if shape.tag == "sphere":
         import trimesh
 
-        radius = number(shape.get("radius"), None, where)
+        radius = _radius(shape, where)
         # the icosphere lies inside the ball: scale it so that its faces do not
         return [np.asarray(trimesh.creation.icosphere(subdivisions=2, radius=radius * 1.02).vertices)]
     if shape.tag != "mesh":
@@ -97,6 +97,13 @@ def find_mesh(name: str, path: Path) -> Path | None:
     elif not candidates:
         candidates = [path.parent / relative]
     return next((candidate for candidate in candidates if candidate.is_file()), None)
+
+
+def _radius(shape: ElementTree.Element, where: str) -> float:
+    radius = number(shape.get("radius"), None, where)
+    if radius <= 0.0:
+        raise InvalidInput(f"{where}: expected a radius above 0, found {shape.get('radius')!r}")
+    return radius
 
 
 def _prism(radius: float, length: float) -> FloatArray:

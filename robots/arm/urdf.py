@@ -13,6 +13,7 @@ from pathlib import Path
 from xml.parsers import expat
 
 import numpy as np
+from scipy.spatial import QhullError
 
 from topple.robots.arm.elements import number, numbers, origin_of
 from topple.robots.arm.shapes import geometry_parts
@@ -22,6 +23,7 @@ from topple.topology.errors import InvalidInput
 
 DRIVABLE = ("revolute", "continuous", "prismatic")
 UNBOUND_PREFIX = expat.errors.codes[expat.errors.XML_ERROR_UNBOUND_PREFIX]
+LONGEST = 1e3  # [m] no arm is a kilometre long; hulls of far larger numbers are none
 FULL_TURN = 2 * math.pi  # a continuous joint may turn so far either way: cables and hoses allow no more
 
 
@@ -223,11 +225,11 @@ def _parents_first(links: Mapping[str, Link], joints: Mapping[str, Joint], path:
     for joint in joints.values():
         children.setdefault(joint.parent, []).append(joint.child)
     ordered: dict[str, Link] = {}
-    waiting = roots
+    waiting = list(roots)
     while waiting:
-        name = waiting.pop(0)
+        name = waiting.pop()
         ordered[name] = links[name]
-        waiting = children.get(name, []) + waiting
+        waiting += reversed(children.get(name, []))
     if len(ordered) != len(links):
         lost = ", ".join(name for name in links if name not in ordered)
         raise InvalidInput(f"{path.name}: links in a loop, not connected to {roots[0]!r}: {lost}")
@@ -295,5 +297,10 @@ def _read_link(element: ElementTree.Element, path: Path, missing: list[str], cut
         where = f"{path.name}: link {name!r}"
         pose = origin_of(collision, where)
         for vertices in geometry_parts(collision.find("geometry"), path, where, missing, cut):
-            parts.append(frozen(hull_of(vertices @ pose[:3, :3].T + pose[:3, 3])[0]))
+            if not max(np.abs(vertices).max(initial=0.0), np.abs(pose[:3, 3]).max()) < LONGEST:  # nan is not
+                raise InvalidInput(f"{where} has a collision shape beyond {LONGEST:g} m: expected metres")
+            try:
+                parts.append(frozen(hull_of(vertices @ pose[:3, :3].T + pose[:3, 3])[0]))
+            except QhullError as error:
+                raise InvalidInput(f"{where} has a collision shape that has no hull") from error
     return Link(name, tuple(parts))

@@ -103,18 +103,23 @@ def _read_npz(path: Path) -> dict[str, Array]:
                     f"the name {name!r} occurs twice: expected one array per name, so rename one"
                 )
             check_size(sum(archive.getinfo(name).file_size for name in members), "the file")
-            return {name.removesuffix(_MEMBER): _read_member(archive, name) for name in members}
+            arrays: dict[str, Array] = {}
+            held = 0
+            for name in members:
+                arrays[name.removesuffix(_MEMBER)] = array = _read_member(archive, name, held)
+                held += _held(array.shape, array.dtype)
+            return arrays
     except (OSError, InvalidInput):
         raise
     except Exception as error:  # zipfile fails on altered bytes in many ways
         raise InvalidInput(f"the file is a broken .npz ({_reason(error)}): write it again") from error
 
 
-def _read_member(archive: zipfile.ZipFile, member: str) -> Array:
+def _read_member(archive: zipfile.ZipFile, member: str, held: int) -> Array:
     what = f"array {member.removesuffix(_MEMBER)!r}"
     try:
         with archive.open(member) as file:
-            _check_header(file, archive.getinfo(member).file_size, what)
+            _check_header(file, archive.getinfo(member).file_size, what, held)
         with archive.open(member) as file:
             return np.lib.format.read_array(file, allow_pickle=False)
     except InvalidInput:
@@ -123,13 +128,19 @@ def _read_member(archive: zipfile.ZipFile, member: str) -> Array:
         raise InvalidInput(_refusal(error, what)) from error
 
 
-def _check_header(file: IO[bytes], size: int, what: str) -> None:
-    """Refuse an array that declares more than there is of it, before room is made for it."""
+def _held(shape: tuple[int, ...], kind: "np.dtype[Any]") -> int:
+    """Bytes that an array takes; one of points (N, 3) is held with eight for each number."""
+    points = len(shape) == 2 and shape[1] == 3 and kind.kind in "iuf"
+    return math.prod(shape) * (max(kind.itemsize, 8) if points else kind.itemsize)
+
+
+def _check_header(file: IO[bytes], size: int, what: str, held: int = 0) -> None:
+    """Refuse an array that declares more than there is of it, or too much beside what is held already."""
     version = np.lib.format.read_magic(file)
     read = np.lib.format.read_array_header_1_0 if version == (1, 0) else np.lib.format.read_array_header_2_0
     shape, _, kind = read(file)
     declared = math.prod(shape) * kind.itemsize
-    check_size(declared, what)
+    check_size(held + _held(shape, kind), what)
     if declared > size and not kind.hasobject:
         raise InvalidInput(f"{what} is broken (it declares {declared} bytes and has {size}): write it again")
 

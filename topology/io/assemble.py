@@ -154,9 +154,7 @@ def _flat_cloud(points: FloatArray, plane: FloatArray) -> FloatArray:
     axes = np.stack(_axes(normal))
     flat = points @ axes.T
     lower, upper = flat.min(axis=0) - _TABLE_MARGIN, flat.max(axis=0) + _TABLE_MARGIN
-    fine = _grid(
-        lower, upper, max(_TABLE_SPACING, float(np.sqrt(np.prod(upper - lower) / _MOST_TABLE_POINTS)))
-    )
+    fine = _grid(lower, upper, _TABLE_SPACING)
     beyond = _TABLE_REACH - _TABLE_MARGIN
     coarse = _grid(lower - beyond, upper + beyond, _FAR_SPACING)
     coarse = coarse[~((coarse > lower) & (coarse < upper)).all(axis=1)]
@@ -164,7 +162,13 @@ def _flat_cloud(points: FloatArray, plane: FloatArray) -> FloatArray:
 
 
 def _grid(lower: FloatArray, upper: FloatArray, spacing: float) -> FloatArray:
-    """Points (N, 2) over a rectangle, its corners among them, at most a spacing apart [m]."""
+    """Points (N, 2) over a rectangle, its corners among them.
+
+    They are at most a spacing apart [m], or as near as so many may be: objects may be far from each other.
+    """
+    extent = upper - lower
+    spacing = max(spacing, float(np.sqrt(np.prod(extent) / _MOST_TABLE_POINTS)))
+    spacing = max(spacing, float(extent.max()) / _MOST_TABLE_POINTS)
     steps = np.ceil((upper - lower) / spacing).astype(np.int64) + 1
     along, across = np.meshgrid(*(np.linspace(lower[k], upper[k], steps[k]) for k in (0, 1)))
     return np.stack([along.ravel(), across.ravel()], axis=1)

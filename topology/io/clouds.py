@@ -97,6 +97,8 @@ def names_in(array: Array) -> list[str]:
         raise InvalidInput(
             f"fixed holds {array.dtype} values: expected names of objects, numpy.array(['table'])"
         )
-    if array.dtype.kind == "S":
-        return [value.decode("utf-8", "replace") for value in np.ravel(array).tolist()]
-    return [str(value) for value in np.ravel(array).tolist()]
+    try:
+        values: list[object] = np.ravel(array).tolist()
+    except (SystemError, ValueError) as error:  # numbers that stand for no letter
+        raise InvalidInput(f"an array of {array.dtype} holds what is no text: expected names") from error
+    return [value.decode("utf-8", "replace") if isinstance(value, bytes) else str(value) for value in values]

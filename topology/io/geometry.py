@@ -1,5 +1,7 @@
 """One object's file: a cloud as it is, a mesh sampled over its surface."""
 
+import logging
+import re
 from collections.abc import Callable
 from pathlib import Path
 from typing import Any, cast
@@ -14,7 +16,10 @@ from topple.topology.io.pcd import read_pcd
 
 SUFFIXES = (".ply", ".pcd", ".xyz", ".txt", ".obj", ".stl", ".glb")
 
+_CORNERS = re.compile(r"[fv]([-+.0-9].*)?")
+_WHOLE = re.compile(r"[-+]?[0-9]{1,18}")
 _SAMPLE_SPACING = 0.002  # [m] mean distance of a mesh's samples, about what a depth camera sees at 1 m
+_MOST_PIECES = 200  # materials or solids of one object: scans have a few; readers take the square of it
 _FEWEST_SAMPLES, _MOST_SAMPLES = 2_000, 20_000
 
 Geometry = tuple[FloatArray, IntArray | None, FloatArray]
@@ -97,6 +102,8 @@ def _read_with_trimesh(path: Path, what: str) -> tuple[FloatArray, IntArray]:
     check_size(path.stat().st_size, what)
     if path.suffix.lower() in _DECLARED:
         _DECLARED[path.suffix.lower()](path, what)
+    log: logging.Logger = trimesh.util.log
+    silent, log.disabled = log.disabled, True  # what it says of a broken file, a trace even, is said below
     try:
         loaded: Any = trimesh.load(path, process=False)
         if isinstance(loaded, trimesh.Scene):
@@ -112,6 +119,8 @@ def _read_with_trimesh(path: Path, what: str) -> tuple[FloatArray, IntArray]:
     except Exception as error:  # each of trimesh's readers fails on a broken file in its own way
         reason = " ".join(str(error).split())[:120] or type(error).__name__
         raise InvalidInput(f"{what} is no readable {path.suffix[1:].upper()} file: {reason}") from error
+    finally:
+        log.disabled = silent
     if faces.size and (faces.min() < 0 or faces.max() >= len(vertices)):
         raise InvalidInput(
             f"{what} has a face naming vertex {faces.max()}, but only {len(vertices)} vertices"
@@ -138,15 +147,44 @@ def _check_ply(path: Path, what: str) -> None:
 
 
 def _check_obj(path: Path, what: str) -> None:
-    """Refuse faces of vertex 0: OBJ counts from 1, and readers take 0 for the last one."""
+    """Refuse lines that readers pass over: vertices and faces cut short, and faces of vertex 0."""
+    materials: set[str] = set()
     with path.open(encoding="utf-8", errors="replace") as file:
         for number, line in enumerate(file, start=1):
-            words = line.split()
-            if words[:1] == ["f"] and any(word.split("/")[0].lstrip("+-") == "0" for word in words[1:]):
+            if "usemtl" in line:  # where the reader begins another piece, in a comment too
+                materials.add(line)
+                _check_pieces(len(materials), what, "materials")
+            words = line.split("#", 1)[0].split()
+            if not words or not _CORNERS.fullmatch(words[0]):
+                continue
+            if len(words[0]) > 1:
+                raise InvalidInput(
+                    f"{what} reads {line.strip()[:40]!r} in line {number}: expected v or f alone"
+                )
+            corners = [word.split("/")[0] for word in words[1:]]
+            if len(corners) < 3 or (words[0] == "f" and not all(_WHOLE.fullmatch(word) for word in corners)):
+                raise InvalidInput(
+                    f"{what} reads {line.strip()[:40]!r} in line {number}: expected three numbers or more"
+                )
+            if words[0] == "f" and any(int(word) == 0 for word in corners):  # taken for the last one
                 raise InvalidInput(f"{what} names vertex 0 in line {number}: expected counts from 1")
 
 
-_DECLARED: dict[str, Callable[[Path, str], None]] = {".ply": _check_ply, ".obj": _check_obj}
+def _check_stl(path: Path, what: str) -> None:
+    """Refuse an STL text of more solids than an object has."""
+    _check_pieces(path.read_bytes().lower().count(b"endsolid"), what, "solids")
+
+
+def _check_pieces(count: int, what: str, of: str) -> None:
+    if count > _MOST_PIECES:
+        raise InvalidInput(f"{what} has more than {_MOST_PIECES} {of}: expected those of one object")
+
+
+_DECLARED: dict[str, Callable[[Path, str], None]] = {
+    ".ply": _check_ply,
+    ".obj": _check_obj,
+    ".stl": _check_stl,
+}
 
 
 def _sampled(vertices: FloatArray, faces: IntArray) -> FloatArray:

@@ -42,8 +42,11 @@ def parts_from_labelled(arrays: Mapping[str, Array]) -> Parts:
     called = [names.get(label, str(label)) for label in present]
     if len(set(called)) < len(called):
         raise InvalidInput(f"two labels share a name: {sorted(called)}; expected one name per label")
+    by_label = np.flatnonzero(seen)[np.argsort(labels[seen], kind="stable")]
+    bounds = [np.searchsorted(labels[by_label], present, side=side) for side in ("left", "right")]
+    pieces = zip(called, bounds[0].tolist(), bounds[1].tolist(), strict=True)
     return Parts(
-        clouds={name: points[(labels == label) & seen] for name, label in zip(called, present, strict=True)},
+        clouds={name: points[by_label[first:end]] for name, first, end in pieces},
         fixed=fixed_labels(arrays, names),
         up=arrays.get("up"),
         viewpoints=arrays.get("viewpoints"),

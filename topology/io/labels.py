@@ -7,6 +7,7 @@ import numpy as np
 from topple.topology.errors import InvalidInput
 from topple.topology.io.archive import Array
 from topple.topology.io.clouds import names_in
+from topple.topology.io.limits import MOST_OBJECTS
 
 NAMING = ("names", "ids")
 """Arrays that name the labels."""
@@ -31,8 +32,12 @@ def label_names(arrays: Mapping[str, Array], label: Array) -> dict[int, str]:
         The name of each label that has one and occurs; none where there are no `names`.
 
     Raises:
-        InvalidInput: If `names` is no text, does not say which label a name belongs to, or names one twice.
+        InvalidInput: If there are more labels than any scene has objects, or `names` is no text, does not say
+            which label a name belongs to, or names one twice.
     """
+    present = {int(number) for number in np.unique(label) if number > 0}
+    if len(present) > MOST_OBJECTS:
+        raise InvalidInput(f"{len(present)} labels: expected one per object, at most {MOST_OBJECTS} of them")
     if "names" not in arrays:
         return {}
     names = arrays["names"]
@@ -40,7 +45,6 @@ def label_names(arrays: Mapping[str, Array], label: Array) -> dict[int, str]:
         raise InvalidInput(
             f"names holds {names.dtype} of shape {names.shape}: expected one text per label (M,)"
         )
-    present = [int(number) for number in np.unique(label) if number > 0]
     if "ids" in arrays:
         ids = arrays["ids"]
         if ids.dtype.kind not in "iu" or ids.shape != names.shape:
@@ -52,10 +56,10 @@ def label_names(arrays: Mapping[str, Array], label: Array) -> dict[int, str]:
             raise InvalidInput("ids names a label twice: expected each label once")
     else:
         numbers = list(range(len(names)))
-        if present and len(names) <= present[-1]:
+        if present and len(names) <= max(present):
             raise InvalidInput(
-                f"names has {len(names)} entries and the labels reach {present[-1]}: expected names[i] for "
+                f"names has {len(names)} entries and the labels reach {max(present)}: expected names[i] for "
                 "label i, the background's at 0; or whole numbers ids, one per name, that say whose it is"
             )
     named = zip(numbers, names_in(names), strict=True)
-    return {number: name for number, name in named if number in set(present) and name.strip()}
+    return {number: name for number, name in named if number in present and name.strip()}

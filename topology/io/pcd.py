@@ -8,7 +8,7 @@ from pathlib import Path
 
 import numpy as np
 
-from topple.topology.arrays import FloatArray
+from topple.topology.arrays import FloatArray, whole_numbers
 from topple.topology.errors import InvalidInput
 from topple.topology.io.limits import check_size
 
@@ -76,8 +76,7 @@ def read_labelled_pcd(path: Path) -> dict[str, np.ndarray]:
             "scene; or put one file per object into a folder"
         )
     values = records[labels[0]].reshape(len(records))
-    if values.dtype.kind == "f" and np.isfinite(values).all() and (values == np.round(values)).all():
-        values = values.astype(np.int64)
+    values = whole_numbers(values)
     arrays = {"points": _points_of(records), "labels": values}
     if header.organised or header.viewpoint.any():
         arrays["viewpoints"] = header.viewpoint[None]
@@ -138,6 +137,9 @@ def _read_header(content: bytes) -> tuple[_Header, int]:
 
 
 def _read_records(body: bytes, header: _Header) -> np.ndarray:
+    for name in header.record.names or ():
+        if name in ("x", "y", "z", *LABELS) and header.record[name].shape not in ((), (1,)):
+            raise ValueError(f"its {name} has {header.record[name].shape} numbers a point, expected one")
     if header.storage == "ascii":
         return _read_ascii(body, header)
     if header.storage == "binary":
@@ -171,7 +173,11 @@ def _read_ascii(body: bytes, header: _Header) -> np.ndarray:
     for name in names:
         size = int(np.prod(header.record[name].shape))
         if name in "xyz" or name in LABELS:
-            records[name] = table[:, column : column + size].reshape(records[name].shape)
+            given = table[:, column : column + size].reshape(records[name].shape)
+            with np.errstate(over="ignore", invalid="ignore"):  # told below, or infinite and refused
+                records[name] = given
+            if records[name].dtype.kind in "iu" and not (records[name] == given).all():
+                raise ValueError(f"its {name} has numbers that are no {records[name].dtype}")
         column += size
     return records
 

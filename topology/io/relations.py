@@ -3,6 +3,7 @@
 from collections.abc import Mapping
 from dataclasses import replace
 from math import isfinite
+from types import NoneType
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -53,6 +54,9 @@ def _pair(entry: Mapping[str, Any], relations: Relations, where: str) -> PairRel
     known = relations.with_relation(entry["a"], entry["b"], entry.get("relation", "")).between(
         entry["a"], entry["b"]
     )
+    for key in ("kind", "reason"):
+        if not isinstance(entry.get(key), (str, NoneType)):
+            raise InvalidInput(f"{where}.{key}: expected text or null")
     told: dict[str, Any] = {"inferred": bool(entry.get("inferred", False)), "kind": entry.get("kind")}
     if "matrix" in entry:
         told["reason"] = entry.get("reason")
@@ -61,6 +65,8 @@ def _pair(entry: Mapping[str, Any], relations: Relations, where: str) -> PairRel
         told["gap_exact"] = bool(entry.get("gap_exact", True))
     if "confidence" in entry:
         told["confidence"] = _number(entry["confidence"], f"{where}.confidence")
+        if not 0.0 <= told["confidence"] <= 1.0:
+            raise InvalidInput(f"{where}.confidence: {entry['confidence']} is no number from 0 to 1")
     if "observed" in entry:
         told["observed"] = bool(entry["observed"])
     if "matrix" in entry:

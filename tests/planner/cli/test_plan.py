@@ -1,6 +1,7 @@
 """`topple plan`: the plan file, the refusals, and exit code 1 with the reason where there is no plan."""
 
 import json
+import re
 from pathlib import Path
 
 import numpy as np
@@ -54,6 +55,14 @@ def test_a_plan_that_is_verified_says_so(scene: Path, capsys: pytest.CaptureFixt
     out = capsys.readouterr().out
     assert "every motion certified" in out
     assert "every residual at most 0" in out
+    assert re.search(r"nor between these states +swept certificate derived again +1 *\n", out)
+    assert "not shown" not in out and "NOT SO" not in out
+    assert "Asked of no plan: joint torques" in out
+    assert main([*argv, "--json"]) == 0
+    document = json.loads(capsys.readouterr().out)
+    assert document["verification"]["ok"] is True
+    assert document["verification"]["steps"][0]["object"] == "box"
+    assert plan_from_json(json.dumps(document)).order == ["box"]
 
 
 def test_a_start_in_collision_is_refused_with_what_it_meets(
@@ -171,4 +180,5 @@ def test_a_drop_has_to_be_allowed_and_is_then_told(
     out = capsys.readouterr().out
     assert "it is let go to fall as it will" in out
     assert "Allowed: step 1 (peg) is let go to fall" in out
+    assert "not shown: it stays there" in out
     assert "every residual at most 0" in out

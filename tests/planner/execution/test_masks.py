@@ -5,6 +5,8 @@ from on_table import on_table
 
 from topple.planner.execution.masks import misnamed, renamed
 from topple.robots.shapes import box
+from topple.robots.shapes.fruit import lemon
+from topple.robots.shapes.tableware import bowl, plate
 from topple.topology.image import DepthImage
 from topple.topology.scene import Scene
 
@@ -34,6 +36,33 @@ def test_a_piece_of_a_mask_belongs_to_the_whole() -> None:
     names, said = misnamed(after, BEFORE)
     assert names == {"flat_piece": "flat"}
     assert said == {"flat": "the mask of flat is split: flat_piece is a piece of it"}
+
+
+def test_a_piece_with_a_top_that_was_hidden_belongs_to_the_whole() -> None:
+    cloud = BEFORE.clouds["flat"][BEFORE.clouds["flat"][:, 2] > 0.002]  # nobody sees what it stands on
+    under = (np.abs(cloud[:, :2] - [0.0, 0.2]) < [0.058, 0.048]).all(axis=1) & (cloud[:, 2] > 0.039)
+    before = BEFORE.with_cloud("flat", cloud[~under])  # something stood there
+    right = cloud[:, 0] > 0.01
+    after = BEFORE.with_cloud("flat", cloud[~right]).with_cloud("flat_piece", cloud[right])
+    assert misnamed(after, before)[0] == {"flat_piece": "flat"}
+
+
+def test_what_comes_to_light_in_a_bowl_or_flat_under_what_was_taken_is_no_piece() -> None:
+    vessel = bowl("bowl").surface(4000, np.random.default_rng(1))
+    fruit = lemon("lemon").surface(2000, np.random.default_rng(2)) + np.array([0.0, 0.0, 0.012])
+    before = Scene({"bowl": vessel, "table": BEFORE.clouds["table"]}, fixed=["table"], up=[0, 0, 1])
+    assert misnamed(before.with_cloud("lemon", fruit), before) == ({}, {})
+    dish = plate("plate").surface(4000, np.random.default_rng(1))
+    lid = box("lid", (0.245, 0.245, 0.003)).surface(2000, np.random.default_rng(2))
+    before = Scene({"plate": dish, "table": BEFORE.clouds["table"]}, fixed=["table"], up=[0, 0, 1])
+    lying = before.with_cloud("lid", lid + np.array([0.0, 0.0, dish[:, 2].max()]))
+    assert misnamed(lying, before) == ({}, {})
+    card = box("card", (0.10, 0.08, 0.002)).surface(2000, np.random.default_rng(5))
+    card = card + np.array([0.0, 0.2, 0.04])
+    cloud = BEFORE.clouds["flat"]
+    under = (np.abs(cloud[:, :2] - [0.0, 0.2]) < [0.05, 0.04]).all(axis=1) & (cloud[:, 2] > 0.039)
+    before = BEFORE.with_cloud("flat", cloud[~under])
+    assert misnamed(before.with_cloud("card", card), before) == ({}, {})
 
 
 def test_a_thing_that_comes_to_light_is_no_piece() -> None:

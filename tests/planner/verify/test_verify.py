@@ -7,6 +7,7 @@ import pytest
 from topple.planner.formats.plan_format import Plan, plan_from_json, plan_to_json
 from topple.planner.planning.plan import plan
 from topple.planner.verify import Verification, verify
+from topple.planner.verify.proofs import OF_PLANS, OF_STEPS
 from topple.robots.catalog import robot
 from topple.robots.shapes.boxes import box
 from topple.topology.errors import InvalidInput
@@ -70,6 +71,92 @@ def test_the_record_is_json_with_units_and_nulls(found: Plan, checked: Verificat
     assert {row["unit"] for row in document["residuals"]} <= {"m", "rad", "rad/s", "1"}
     bare = verify(found, step=ROUGH).to_json()
     assert None in [row["value"] for row in bare["residuals"]]
+
+
+def test_each_step_says_what_is_proven_by_which_means_and_nothing_is_open(checked: Verification) -> None:
+    assert [(one.step, one.object, one.action) for one in checked.steps] == [
+        (0, "upper", "remove"),
+        (1, "lower", "free"),
+    ]
+    for one in checked.steps:
+        assert {proof.means for proof in one.proven} >= {
+            "hand state replayed",
+            "friction and force of the pads",
+            "swept certificate derived again",
+            "dependencies derived again",
+            "let go in PyBullet",
+        }
+        assert not one.refuted and not one.unchecked
+    assert [proof.shown for proof in checked.whole] == [True, True]
+    assert checked.to_json()["steps"][1]["proofs"][0]["shown"] is True
+    assert "joint torques" in checked.unasked
+
+
+def test_every_residual_bears_on_one_claim(checked: Verification) -> None:
+    names = [name for claim in (*OF_STEPS, *OF_PLANS) for name in claim.residuals]
+    assert sorted(names) == sorted(residual.name for residual in checked.residuals)
+
+
+def test_without_the_scene_steps_say_what_was_not_looked_at(found: Plan) -> None:
+    bare = verify(found, step=ROUGH)
+    for one in bare.steps:
+        assert {(proof.what, proof.detail) for proof in one.unchecked} == {
+            ("so it is by what was seen", "no scene was given"),
+            ("no seen point is entered", "no scene was given"),
+        }
+    assert [proof.shown for proof in bare.whole] == [None, None]
+
+
+def test_what_is_known_to_be_too_heavy_is_not_shown_to_be_held(found: Plan) -> None:
+    checked = verify(found, stacked().weighed({"lower": 30.0, "upper": 0.1}), step=ROUGH)
+    (first,), (second,) = (
+        [proof for proof in one.proofs if proof.what == "its weight is held"] for one in checked.steps
+    )
+    assert first.shown is True and first.detail.endswith("weighed")
+    assert second.shown is None and second in checked.steps[1].unchecked
+
+
+def test_what_states_far_apart_do_not_see_no_certificate_covers(found: Plan) -> None:
+    """Looked at in their first and last state alone, motions past the tall box are not proven free."""
+    checked = verify(spoiled(found, bend_into_the_tall_box), stacked(), step=100.0)
+    assert checked["collisions (python-fcl)"] <= 0.0
+    (between,) = [proof for proof in checked.steps[0].unchecked if proof.means.startswith("swept")]
+    assert "transfer" in between.detail and "tall" in between.detail
+    assert any(proof.means.startswith("swept") for proof in checked.steps[1].proven)
+
+
+def test_what_has_no_motion_is_not_taken_for_proven(found: Plan) -> None:
+    checked = verify(spoiled(found, do_nothing_in_step_1), stacked(), step=ROUGH)
+    assert {proof.detail for proof in checked.steps[0].unchecked} >= {
+        "there is no motion",
+        "it is never let go",
+        "nothing is held, or it has no volume",
+    }
+    assert [proof.means for proof in checked.steps[0].refuted] == ["hand state replayed"]
+
+
+@pytest.mark.parametrize(
+    ("change", "step", "what"),
+    [
+        ("bend_into_the_tall_box", 0, "arm and load meet nothing"),
+        ("swap_the_steps", 0, "so it is by what was seen"),
+        ("hasten", 0, "the arm can follow"),
+        ("put_it_into_the_air", 1, "it is let go where the step says"),
+        ("let_it_fall_unsaid", 1, "it stays there"),
+        ("take_hold_beside", 1, "it is held from grasp to release"),
+    ],
+)
+def test_the_step_in_which_it_is_spoiled_is_the_one_refuted(
+    found: Plan, change: str, step: int, what: str
+) -> None:
+    checked = checked_once(found, globals()[change])
+    assert what in [proof.what for proof in checked.steps[step].refuted]
+    assert what in [proof.what for proof in checked.steps[1 - step].proven]
+    assert all(proof.detail for proof in checked.refuted)
+
+
+def do_nothing_in_step_1(document: dict) -> None:
+    document["steps"][0]["segments"] = []
 
 
 def spoiled(found: Plan, change: object) -> Plan:

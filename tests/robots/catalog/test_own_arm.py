@@ -185,6 +185,9 @@ def test_a_cup_beside_recognised_fingers_is_drawn_in_on_the_way() -> None:
     [
         ("", "no tool in it: write"),
         ("[cup", "not TOML"),
+        pytest.param("a = " + "[" * 9999, "not TOML", id="nested without end"),
+        pytest.param("a = " + "9" * 9999, "not TOML", id="a number without end"),
+        pytest.param("a." * 99999 + "b = 1", "more than 32768 bytes", id="a key without end"),
         ("[clamp]\nforce = 3", "unknown field `clamp`"),
         ('[cup]\nlink = "tool0"\nradius = 0.01', "missing required field `offset` - at `$.cup`"),
         (

@@ -2,9 +2,11 @@
 
 import io
 import json
+import time
 import tracemalloc
 import zipfile
 from collections.abc import Callable
+from contextlib import nullcontext
 from pathlib import Path
 
 import numpy as np
@@ -38,6 +40,11 @@ def folder(path: Path, files: dict[str, str | bytes]) -> Path:
     for name, content in files.items():
         place = path / name
         place.write_bytes(content) if isinstance(content, bytes) else place.write_text(content)
+    return path
+
+
+def filed(path: Path, text: str) -> Path:
+    path.write_text(text)
     return path
 
 
@@ -115,6 +122,77 @@ HOSTILE: dict[str, tuple[Callable[[Path], Path], str]] = {
         lambda at: folder(at / "f", {"a.obj": "v 0 0 0\nv 0.1 0 0\nv 0 0.1 0\nf 0 1 2\n"}),
         "vertex 0 in line 4",
     ),
+    "a face cut short": (
+        lambda at: folder(at / "f", {"a.obj": "v 0 0 0\nv 0.1 0 0\nv 0 0.1 0\nf 1 2 3\nf 1 2 "}),
+        "reads 'f 1 2' in line 5",
+    ),
+    "a vertex cut short": (
+        lambda at: folder(at / "f", {"a.obj": "v 0 0 0\nv 0.1 0 0\nv 0 0.1\nf 1 2 3\n"}),
+        "reads 'v 0 0.1' in line 3",
+    ),
+    "a face whose word runs into its number": (
+        lambda at: folder(at / "f", {"a.obj": "v 0 0 0\nv 0.1 0 0\nv 0 0.1 0\nf1 2 3\n"}),
+        "reads 'f1 2 3' in line 4",
+    ),
+    "several numbers for one axis": (
+        lambda at: folder(at / "f", {"a.pcd": PCD.format(count="4 1 1", points=2, data="ascii") + "0 " * 12}),
+        "its x has",
+    ),
+    "a stl that is neither kind": (
+        lambda at: folder(at / "f", {"a.stl": b"solid x\nfacet normal 0 0 z\nouter loop\nvertex 0 0\n" * 9}),
+        "is empty",
+    ),
+    "names that are no text": (
+        lambda at: saved(at / "a.npz", a=CLOUD, fixed=np.array([0x7FFFFFFF, 0], dtype="<u4").view("<U2")),
+        "holds what is no text",
+    ),
+    "a label beyond all numbers": (
+        lambda at: saved(
+            at / "a.npz", depth=np.ones((4, 5)), K=[[5, 0, 2], [0, 5, 2], [0, 0, 1]],
+            label=np.full((4, 5), 1 << 63, dtype=np.uint64),
+        ),
+        "holds the label 9223372036854775808",
+    ),
+    "a float label beyond all numbers": (
+        lambda at: saved(
+            at / "a.npz", depth=np.ones((4, 5)), K=[[5, 0, 2], [0, 5, 2], [0, 0, 1]],
+            label=np.full((4, 5), 1e300),
+        ),
+        "expected whole numbers",
+    ),
+    "a label that is none": (
+        lambda at: filed(
+            at / "a.pcd",
+            "VERSION 0.7\nFIELDS x y z label\nSIZE 4 4 4 4\nTYPE F F F U\nWIDTH 2\nHEIGHT 1\nPOINTS 2\n"
+            "DATA ascii\n0 0 0 1\n0 0 0.1 -1e300\n",
+        ),
+        "its label has numbers that are no uint32",
+    ),
+    "a label for every point": (
+        lambda at: saved(at / "a.npz", points=np.tile(CLOUD, (67, 1)), labels=np.arange(20_100)),
+        "20099 labels: expected one per object, at most 10000",
+    ),
+    "a cloud of small numbers that are held as large ones": (
+        lambda at: saved(at / "a.npz", a=np.zeros((12_000_000, 3), dtype=np.int8)),
+        "would unpack to 288 MB",
+    ),
+    "an OBJ of as many materials as faces": (
+        lambda at: folder(
+            at / "f",
+            {"a.obj": "v 0 0 0\nv 1 0 0\nv 0 1 0\n" + "".join(f"usemtl {k}\nf 1 2 3\n" for k in range(9999))},
+        ),
+        "more than 200 materials",
+    ),
+    "an STL of as many solids as faces": (
+        lambda at: folder(
+            at / "f",
+            {
+                "a.stl": "solid a\nfacet normal 0 0 0\nouter loop\nvertex 0 0 0\nvertex 1 0 0\nvertex 0 1 0\n"
+                "endloop\nendfacet\nendsolid\n" * 9999
+            },
+        ),
+        "more than 200 solids",
+    ),
     "a negative number of points": (
         lambda at: folder(at / "f", {"a.pcd": PCD.format(count="1 1 1", points=-1, data="binary")}),
         "declares -1 points",
@@ -189,3 +267,32 @@ def test_files_below_the_folder_are_read_and_others_only_where_that_is_allowed(t
     (scene / "scene.json").write_text(json.dumps({"files": {"a": "link.xyz"}}))
     with pytest.raises(InvalidInput, match="not below the folder"):
         load_scene(scene)
+
+
+def test_a_table_under_objects_far_from_each_other_has_a_bounded_number_of_points(tmp_path: Path) -> None:
+    path = saved(
+        tmp_path / "a.npz", a=CLOUD, b=CLOUD + np.array([9e7, 2e7, 0.0]), table_plane=[0.0, 0.0, 1.0, 0.0]
+    )
+    tracemalloc.start()
+    try:
+        with pytest.raises(InvalidInput, match="extends over"):
+            load_scene(path)
+        assert tracemalloc.get_traced_memory()[1] < 50e6
+    finally:
+        tracemalloc.stop()
+
+
+def test_a_compressed_pcd_is_read_fast_and_never_beyond_what_it_declares(tmp_path: Path) -> None:
+    count = 375_000  # 4.5 MB, the longest repetitions of one literal
+    size = 12 * count
+    runs, rest = divmod(size - 1, 264)
+    packed = bytes([0, 0]) + bytes([0xE0, 255, 0]) * runs + bytes([0xE0, rest - 9, 0])
+    header = PCD.format(count="1 1 1", points=count, data="binary_compressed").encode()
+    header = header.replace(b"WIDTH 2", b"WIDTH %d" % count)
+    for more in (0, 1):  # what unpacks to more is left where it passes the end
+        body = packed + bytes([0xE0, 255, 0]) * (100_000 * more)
+        (tmp_path / "a.pcd").write_bytes(header + np.array([len(body), size], dtype="<u4").tobytes() + body)
+        begun = time.process_time()
+        with pytest.raises(InvalidInput) if more else nullcontext():
+            assert len(load_scene(tmp_path).clouds["a"]) == count
+        assert time.process_time() - begun < 5.0
