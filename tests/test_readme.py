@@ -24,7 +24,7 @@ BLOCKS = [
         r"^```(\w+)\n(.*?)^```$", page.read_text(encoding="utf-8"), re.MULTILINE | re.DOTALL
     )
 ]
-MOST_WORDS = 800  # one screen
+MOST_WORDS = 600  # one screen
 
 
 def _steps() -> list[tuple[str, str]]:
