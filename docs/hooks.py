@@ -1,7 +1,7 @@
 """Brings onto the site what stands outside docs/: the lab notebook beside its code, CONTRIBUTING, CHANGELOG.
 
-Links on pages lead through the checkout, so that they work there too. Here they become links of the site; those
-to what it does not hold (code, licence) become plain text.
+Links on pages lead through the checkout, so that they work there too. Here they become links of the
+site; those to code and licence, which it does not hold, become plain text.
 """
 
 import posixpath

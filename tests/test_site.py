@@ -19,7 +19,7 @@ ROOT = Path(__file__).resolve().parents[1]
 
 @pytest.fixture(scope="module")
 def site(tmp_path_factory: pytest.TempPathFactory) -> Path:
-    """The built site; a broken link, a page without a menu entry or a picture that is missing stops the build."""
+    """The built site; a broken link, a page without a menu entry, a missing picture: all stop it."""
     folder = tmp_path_factory.mktemp("site")
     build = [sys.executable, "-m", "mkdocs", "build", "--strict", "--quiet", "--site-dir", str(folder)]
     environment = {**os.environ, "NO_MKDOCS_2_WARNING": "1"}
@@ -47,14 +47,14 @@ def test_nothing_is_fetched_from_elsewhere(site: Path) -> None:
         assert fetched == [], page
 
 
-@pytest.mark.parametrize("spoilt", ["[gone](gone.md)", "![gone](gone.png)", "[here](index.md#gone)"])
-def test_a_broken_link_stops_the_build(tmp_path: Path, spoilt: str) -> None:
+def test_broken_links_stop_the_build(tmp_path: Path) -> None:
+    spoilt = "# Here\n\n[page](gone.md) ![picture](gone.png) [heading](index.md#gone)\n"
     (tmp_path / "docs").mkdir()
-    (tmp_path / "docs" / "index.md").write_text(f"# Here\n\n{spoilt}\n", encoding="utf-8")
+    (tmp_path / "docs" / "index.md").write_text(spoilt, encoding="utf-8")
     settings = (ROOT / "mkdocs.yml").read_text(encoding="utf-8")
-    validation = settings[settings.index("validation:") : settings.index("nav:")]
+    validation = settings[settings.index("validation:") : settings.index("\nnav:")]
     (tmp_path / "mkdocs.yml").write_text(f"site_name: spoilt\n{validation}", encoding="utf-8")
     build = [sys.executable, "-m", "mkdocs", "build", "--strict", "--quiet"]
     done = subprocess.run(build, cwd=tmp_path, capture_output=True, text=True, timeout=60)
     assert done.returncode != 0
-    assert "gone" in done.stderr
+    assert [place in done.stderr for place in ("gone.md", "gone.png", "#gone")] == [True] * 3, done.stderr
