@@ -25,7 +25,7 @@ lint: .venv/dev.stamp
 
 # The site, in site/: any warning stops the build, a broken link too.
 docs: .venv/dev.stamp
-	NO_MKDOCS_2_WARNING=1 $(BIN)/python -m mkdocs build --strict --quiet
+	NO_MKDOCS_2_WARNING=1 $(BIN)/python -m mkdocs build --strict
 
 # Every picture of the docs, from the scripts in docs/figures and benchmarks; some ten minutes.
 figures: .venv/docs.stamp film

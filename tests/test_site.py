@@ -21,7 +21,7 @@ ROOT = Path(__file__).resolve().parents[1]
 def site(tmp_path_factory: pytest.TempPathFactory) -> Path:
     """The built site; a broken link, a page without a menu entry, a missing picture: all stop it."""
     folder = tmp_path_factory.mktemp("site")
-    build = [sys.executable, "-m", "mkdocs", "build", "--strict", "--quiet", "--site-dir", str(folder)]
+    build = [sys.executable, "-m", "mkdocs", "build", "--strict", "--site-dir", str(folder)]
     environment = {**os.environ, "NO_MKDOCS_2_WARNING": "1"}
     done = subprocess.run(build, cwd=ROOT, env=environment, capture_output=True, text=True, timeout=120)
     assert done.returncode == 0, done.stderr
@@ -54,7 +54,7 @@ def test_broken_links_stop_the_build(tmp_path: Path) -> None:
     settings = (ROOT / "mkdocs.yml").read_text(encoding="utf-8")
     validation = settings[settings.index("validation:") : settings.index("\nnav:")]
     (tmp_path / "mkdocs.yml").write_text(f"site_name: spoilt\n{validation}", encoding="utf-8")
-    build = [sys.executable, "-m", "mkdocs", "build", "--strict", "--quiet"]
+    build = [sys.executable, "-m", "mkdocs", "build", "--strict"]
     done = subprocess.run(build, cwd=tmp_path, capture_output=True, text=True, timeout=60)
     assert done.returncode != 0
     assert [place in done.stderr for place in ("gone.md", "gone.png", "#gone")] == [True] * 3, done.stderr

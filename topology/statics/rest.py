@@ -71,6 +71,28 @@ _COMPLETED: WeakKeyDictionary["Scene", _Completed] = WeakKeyDictionary()
 """Of the scenes there are: relations that infer contacts, orders and placements ask of the same one."""
 
 
+def _completed(scene: "Scene") -> _Completed:
+    bodies = _COMPLETED.get(scene)
+    return _COMPLETED.setdefault(scene, _Completed.of(scene)) if bodies is None else bodies
+
+
+def whole_surfaces(scene: "Scene") -> dict[str, FloatArray]:
+    """The surface of every object that can move, guessed sides included, as orders and placements see it.
+
+    Args:
+        scene: A scene that knows where up is.
+
+    Returns:
+        Name -> (N, 3) points [m] in the scene's frame.
+
+    Raises:
+        InvalidInput: The scene has no `up`.
+    """
+    bodies = _completed(scene)
+    surfaces = bodies.among(bodies.upright.clouds)
+    return {name: surfaces[name] @ bodies.upright.rotation for name in bodies.upright.movable}
+
+
 @dataclass(frozen=True, eq=False)
 class Statics:
     """What gravity can be asked about.
@@ -113,9 +135,7 @@ class Statics:
         Raises:
             InvalidInput: The scene has no `up`.
         """
-        bodies = _COMPLETED.get(scene)
-        if bodies is None:
-            bodies = _COMPLETED.setdefault(scene, _Completed.of(scene))
+        bodies = _completed(scene)
         upright = bodies.upright if among is None else bodies.upright.among(among)
         sight, surfaces = bodies.sight, bodies.among(upright.clouds)
         meeting = None if relations is None else relations.meeting
