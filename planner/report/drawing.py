@@ -149,7 +149,7 @@ def _thinned(cloud: FloatArray, share: int) -> FloatArray:
     """Means of a cloud's points in cells, as fine as its share of the points allows."""
     cell = LIMITS.finest
     while len(kept := voxel_means(cloud, cell)) > share:
-        cell *= 1.2
+        cell *= max(1.1, float(np.sqrt(len(kept) / share)))
     return kept
 
 

@@ -42,7 +42,7 @@ class Limits:
     finest: float = 0.0025
     normal: int = 26
     guessed: float = 0.008
-    largest: int = 100
+    largest: int = 130
     hull_vertices: int = 36
     crease: float = 3.0
     label: int = 18

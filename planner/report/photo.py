@@ -18,8 +18,8 @@ _TINT = 0.28
 """Share of an object's colour within its mask: enough to tell masks apart, and the photo stays a photo."""
 _LINE = 2
 """Width of an outline [px]."""
-_MARGIN = 40
-"""Least that is shown beside the masks [px]."""
+_LEAST = 0.5
+"""Share of the photo's width and height that is shown at least."""
 
 
 def photo(
@@ -73,14 +73,18 @@ def _shown(image: DepthImage, label: int, scene: Scene, index: Mapping[str, int]
 
 
 def _around(masks: BoolArray) -> tuple[slice, slice]:
-    """The part of the photo about all masks: what is on the table, and a little of what is around it."""
-    spans: list[slice] = []
-    for axis in (1, 0):
-        where = np.nonzero(masks.any(axis=axis))[0]
-        first, last = (int(where[0]), int(where[-1])) if len(where) else (0, masks.shape[1 - axis])
-        margin = max(_MARGIN, (last - first) // 4)
-        spans.append(slice(max(first - margin, 0), last + margin))
-    return spans[0], spans[1]
+    """The part of the photo about all masks, shaped like it, and not so small that its pixels show."""
+    if not masks.any():
+        return slice(None), slice(None)
+    spans = [np.nonzero(masks.any(axis=axis))[0][[0, -1]] for axis in (1, 0)]
+    shares = [(last - first) / size for (first, last), size in zip(spans, masks.shape, strict=True)]
+    share = min(max(1.4 * max(shares), _LEAST), 1.0)
+    parts: list[slice] = []
+    for (first, last), size in zip(spans, masks.shape, strict=True):
+        length = round(share * size)
+        start = int(np.clip((first + last - length) // 2, 0, size - length))
+        parts.append(slice(start, start + length))
+    return parts[0], parts[1]
 
 
 def _clear(at: tuple[float, float], taken: Sequence[tuple[float, float]]) -> tuple[float, float]:
