@@ -28,7 +28,7 @@ MOST_WORDS = 600  # one screen
 
 
 def _steps() -> list[tuple[str, str]]:
-    """(language, text) of each shell line and each Python block that is run, in order; once what is there twice."""
+    """(language, text) of each shell line and each Python block that is run, in order, each once."""
     steps: dict[tuple[str, str], None] = {}
     for language, text in BLOCKS:
         if language == "sh":
