@@ -5,14 +5,17 @@
 What is drawn is what topple answered about the clouds; where it answers otherwise the script stops.
 """
 
+from dataclasses import replace
+
 import numpy as np
 import trimesh
 from PIL import Image, ImageDraw
 from relations import box, sampled, vessel
-from scipy.spatial import KDTree
 from studio import BLUE, GREEN, GREY, INK, ORANGE, PAPER, RED, SOFT, Studio, beside, font, save
 
 from topple.planner import order
+from topple.planner.report.drawing import Drawing
+from topple.planner.report.raster import Projection, render_clouds
 from topple.robots.scenarios import scenario_called
 from topple.topology import Scene
 from topple.topology.situation import Situation
@@ -155,26 +158,25 @@ def hidden_contacts() -> None:
     scene = Scene.from_images([image], fixed=stage.fixed, up=stage.up)
     statics = Situation.of(scene).statics
     to_world = statics.upright.rotation  # of rows
-    colours = dict(zip(scene.movable, (ORANGE, BLUE, GREEN, PURPLE, "#e2b93b", "#8c564b"), strict=False))
-    centre = np.vstack([scene.clouds[name] for name in scene.movable]).mean(axis=0)
-    side = np.array(scene.viewpoints[0]) - centre
-    away = np.array((-side[0] * 0.75 - side[1] * 0.6, -side[1] * 0.75 + side[0] * 0.6, 0.28))
     if not any(contact.inferred for contact in statics.contacts):
         raise SystemExit("no contact was inferred")
+    whole = Drawing.of(scene)
+    side = whole.centre - whole.eye
+    behind = whole.centre + np.array((0.75 * side[0] + 0.6 * side[1], 0.75 * side[1] - 0.6 * side[0], 0.3))
     pictures = []
     for guessed in (False, True):
-        view = Studio((720, 520))
-        for name in scene.movable:
-            cloud = scene.clouds[name]
-            view.points(cloud, colours[name], 5)
-            if guessed:
-                surface = statics.surfaces[name] @ to_world
-                view.points(surface[KDTree(cloud).query(surface)[0] > 0.005], "#c3c6cb", 6)
+        objects = [each for each in whole.objects if not each.fixed]
+        if not guessed:
+            objects = [replace(o, points=o.points[: o.seen], normals=o.normals[: o.seen]) for o in objects]
+        drawing = replace(whole, objects=tuple(objects), eye=behind)
+        view = Projection(drawing, 1440, 1040)
+        image = Image.fromarray(render_clouds(drawing, view, (255, 255, 255)))
+        pen = ImageDraw.Draw(image)
         for contact in statics.contacts:
-            if guessed and contact.inferred:
-                view.points(contact.points @ to_world, RED, 20)
-        pictures.append(view.image(tuple(centre + 0.85 * away / np.linalg.norm(away)), tuple(centre), 17))
-    titles = ("seen by one camera, from behind", "grey: completed; red: contacts inferred")
+            for x, y in view.pixels(contact.points @ to_world)[0] if guessed and contact.inferred else ():
+                pen.ellipse((x - 13, y - 13, x + 13, y + 13), fill=RED, outline=PAPER, width=4)
+        pictures.append(image.resize((720, 520)).crop((0, 190, 720, 520)))
+    titles = ("seen by one camera, from behind", "hatched: completed; red: contacts inferred")
     save(beside(*pictures, titles=titles), "hidden_contacts")
 
 
