@@ -35,11 +35,11 @@ def completion(
     Returns:
         The script, to be sourced: `source <(topple --completion bash)`.
     """
+    from topple.planner.execution.demo_seeds import counted_scenes
     from topple.planner.export import EXPORTERS
     from topple.robots.catalog import names
-    from topple.robots.scenarios import SCENARIOS
 
-    words = {"demo": tuple(SCENARIOS)}
+    words = {"demo": counted_scenes()}
     values: dict[str, Sequence[str]] = {
         "--robot": names(),
         "--to": tuple(EXPORTERS),

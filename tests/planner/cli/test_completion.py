@@ -9,6 +9,7 @@ import pytest
 
 from topple.planner.cli.completion import SHELLS
 from topple.planner.cli.main import COMMANDS, main
+from topple.robots.scenarios import SCENARIOS
 
 ASKED = {  # the words typed so far, the last one to be completed -> some of what has to be offered
     "or": {"order"},
@@ -71,3 +72,11 @@ def test_topple_alone_says_what_most_people_want(capsys):
 def test_another_shell_is_refused_in_one_line(capsys):
     assert main(["--completion", "tcsh"]) == 2
     assert len(capsys.readouterr().err.strip().splitlines()) == 1
+
+
+def test_completion_needs_no_simulation_and_knows_every_demo():
+    code = "import sys; sys.modules.update(pybullet=None, pybullet_data=None)\n"
+    code += "from topple.planner.cli.main import main; sys.exit(main(['--completion', 'bash']))"
+    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True)
+    assert done.returncode == 0, done.stderr
+    assert f'words="{" ".join(SCENARIOS)}"' in done.stdout
