@@ -6,7 +6,7 @@ BIN := .venv/bin
 # a file stay in one process, which makes their fixtures once.
 TESTS := OMP_NUM_THREADS=1 OPENBLAS_NUM_THREADS=1 $(BIN)/python -m pytest -n 2 --dist loadfile
 
-.PHONY: demo test test-all lint peers schema film python clean
+.PHONY: demo test test-all lint docs figures peers schema film python clean
 
 demo: .venv/run.stamp
 	$(BIN)/topple demo
@@ -20,7 +20,18 @@ test-all: .venv/dev.stamp
 lint: .venv/dev.stamp
 	$(BIN)/ruff check .
 	$(BIN)/ruff format --check .
+	$(BIN)/codespell
 	$(BIN)/pyright
+
+# The site, in site/: any warning stops the build, a broken link too.
+docs: .venv/dev.stamp
+	NO_MKDOCS_2_WARNING=1 $(BIN)/python -m mkdocs build --strict
+
+# Every picture of the docs, from the scripts in docs/figures and benchmarks; some ten minutes.
+figures: .venv/docs.stamp film
+	for figure in relations reasoning floor_plan pages; do $(BIN)/python docs/figures/$$figure.py || exit 1; done
+	$(BIN)/python -m topple.benchmarks.wrong -o docs/wrong
+	$(BIN)/python benchmarks/without_order.py 4 docs/without_order.png
 
 # Other planners, for `topple bench motion` to run beside ours; each needs versions of its own.
 peers: | python
@@ -54,5 +65,9 @@ python:
 	$(BIN)/pip install --quiet --editable '.[dev]'
 	@touch $@ .venv/run.stamp
 
+.venv/docs.stamp: .venv/dev.stamp
+	$(BIN)/pip install --quiet --editable '.[docs]'
+	@touch $@
+
 clean:
-	rm -rf .venv .dev dist topple-demo .pytest_cache .ruff_cache .hypothesis
+	rm -rf .venv .dev dist site topple-demo .pytest_cache .ruff_cache .hypothesis

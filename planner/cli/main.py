@@ -30,6 +30,15 @@ COMMANDS = {
     "show": "draw a scene with its relations and its order",
 }
 
+_START = """topple says what a robot can safely take next from a cluttered scene, and why.
+
+  topple demo                                 see it: an arm clears a plate in simulation
+  topple order SCENE.npz --target NAME        what must go first to free NAME, and why
+  topple show SCENE.npz -o page.html          the same as a page to turn and zoom
+
+SCENE is a cloud or mesh per object, or an RGB-D frame with a mask. All commands: topple --help
+"""
+
 _EPILOG = (
     "exit codes: 0 done; 1 no safe plan or a failed run; 2 wrong use or unreadable input; 70 a fault of "
     "topple itself; 130 interrupted"
@@ -42,6 +51,18 @@ class Parser(argparse.ArgumentParser):
     def error(self, message: str) -> NoReturn:
         """Print what is wrong and where to read on, and leave with exit code 2."""
         self.exit(WRONG_USE, f"{self.prog}: {message} (see {self.prog} --help)\n")
+
+
+class ShowCompletion(argparse.Action):
+    """Prints a shell's completion script; every command's options are read for it."""
+
+    def __call__(self, parser: argparse.ArgumentParser, _: object, shell: object, *__: object) -> None:
+        """Print the script and leave."""
+        from topple.planner.cli.completion import completion
+
+        parsers = {name: _parser(name)[1][name] for name in COMMANDS}
+        sys.stdout.write(completion(str(shell), parsers, COMMANDS))
+        parser.exit(DONE)
 
 
 class ShowVersion(argparse.Action):
@@ -120,8 +141,8 @@ def _run(arguments: list[str]) -> int:
     chosen = next((argument for argument in arguments if not argument.startswith("-")), None)
     parser, commands = _parser(chosen)
     if not arguments:
-        parser.print_help(sys.stderr)
-        return WRONG_USE
+        sys.stdout.write(_START)
+        return DONE
     args = parser.parse_args([_plain_number(argument) for argument in arguments])
     if args.command is None:
         parser.error(f"no command given; choose from {', '.join(COMMANDS)}")
@@ -156,6 +177,13 @@ def _parser(chosen: str | None) -> tuple[Parser, dict[str, Parser]]:
         epilog=_EPILOG,
     )
     parser.add_argument("--version", action=ShowVersion, nargs=0, help="print the version and leave")
+    shells = ("bash", "zsh", "fish")
+    parser.add_argument(
+        "--completion",
+        action=ShowCompletion,
+        choices=shells,
+        help="print a shell's completion script and leave",
+    )
     actions = parser.add_subparsers(dest="command", metavar="COMMAND", parser_class=Parser)
     commands: dict[str, Parser] = {}
     for name, purpose in COMMANDS.items():

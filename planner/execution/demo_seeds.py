@@ -40,6 +40,11 @@ class SeedCount:
         return f"of {which}, {len(self.reached)} reach the goal with nothing disturbed"
 
 
+def counted_scenes() -> tuple[str, ...]:
+    """Names of the scenes that were counted: all that are built in. Asking needs no simulation."""
+    return tuple(_document()["scenes"])
+
+
 def counted(name: str) -> SeedCount | None:
     """What was counted of a scene.
 

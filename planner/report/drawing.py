@@ -1,4 +1,4 @@
-"""What is drawn of a scene: thinned clouds, hull outlines, centres, and where to look from."""
+"""What is drawn of a scene: surfaces as lit points, hull outlines, centres, and where to look from."""
 
 import base64
 from collections.abc import Mapping
@@ -6,12 +6,16 @@ from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
+from scipy.spatial import KDTree
 
 from topple.planner.report.limits import LIMITS
-from topple.planner.report.palette import Colour, css, object_colours
+from topple.planner.report.palette import Colour, css, ink_on, object_colours
 from topple.topology.arrays import FloatArray, IntArray
 from topple.topology.geometry.hull import Hull
+from topple.topology.geometry.normals import patch_planes
+from topple.topology.geometry.thin import voxel_means
 from topple.topology.scene import Scene
+from topple.topology.bodies.surfaces import whole_surfaces
 
 
 @dataclass(frozen=True, eq=False)
@@ -22,7 +26,9 @@ class DrawnObject:
         name: The object's name.
         colour: Its colour.
         fixed: It never moves.
-        points: (N, 3) thinned cloud [m].
+        points: (N, 3) points of its surface [m], thinned: those that were seen, then those that are guessed.
+        normals: (N, 3) unit normals of the surface there, of either sign.
+        seen: How many of the points were seen.
         spacing: Typical distance of a point to its nearest neighbour [m]; the size of a drawn dot.
         centre: (3,) centroid of the whole cloud [m].
         top: (3,) point above the centroid at the height of the highest corner [m]; where the name stands.
@@ -34,6 +40,8 @@ class DrawnObject:
     colour: Colour
     fixed: bool
     points: FloatArray
+    normals: FloatArray
+    seen: int
     spacing: float
     centre: FloatArray
     top: FloatArray
@@ -61,7 +69,7 @@ class Drawing:
 
     @staticmethod
     def of(scene: Scene, points: int = LIMITS.page_points) -> "Drawing":
-        """Thin a scene's clouds and outline their hulls.
+        """Thin a scene's clouds, add what is guessed of their surfaces, and outline their hulls.
 
         Args:
             scene: The scene.
@@ -73,8 +81,9 @@ class Drawing:
         colours = object_colours(scene.names, scene.fixed)
         shares = _shares(scene, points)
         up = _up(scene)
+        whole = whole_surfaces(scene) if scene.up is not None and len(scene.viewpoints) else {}
         objects = tuple(
-            _drawn(name, cloud, colours[name], name in scene.fixed, shares[name], up)
+            _drawn(name, cloud, whole.get(name), colours[name], name in scene.fixed, shares[name], up)
             for name, cloud in scene.clouds.items()
         )
         lower, upper = _box(objects)
@@ -116,28 +125,42 @@ def _shares(scene: Scene, points: int) -> Mapping[str, int]:
 
 
 def _drawn(
-    name: str, cloud: FloatArray, colour: Colour, fixed: bool, share: int, up: FloatArray
+    name: str,
+    cloud: FloatArray,
+    whole: FloatArray | None,
+    colour: Colour,
+    fixed: bool,
+    share: int,
+    up: FloatArray,
 ) -> DrawnObject:
-    if share < len(cloud):  # a random subset has the density of the whole, and needs no search
-        chosen = np.sort(np.random.default_rng(0).choice(len(cloud), share, replace=False))
-        points = cloud[chosen]
-    else:
-        points = np.asarray(cloud)
+    seen = _thinned(cloud, share)
+    points = seen
+    if whole is not None and len(whole):
+        hidden = whole[np.asarray(KDTree(cloud).query(whole)[0]) > LIMITS.guessed]
+        points = np.concatenate([seen, _thinned(hidden, share)]) if len(hidden) else seen
     corners, edges = hull_outline(cloud)
     centre = cloud.mean(axis=0)
     top = centre + up * float(((corners - centre) @ up).max())
-    return DrawnObject(name, colour, fixed, points, _spacing(points), centre, top, corners, edges)
+    spacing, normals = _spacing_and_normals(points)
+    return DrawnObject(name, colour, fixed, points, normals, len(seen), spacing, centre, top, corners, edges)
 
 
-def _spacing(points: FloatArray) -> float:
-    """Typical distance between neighbours in a thinned cloud [m], from at most 400 of its points."""
-    if len(points) < 2:
-        return 0.003
-    from scipy.spatial import KDTree
+def _thinned(cloud: FloatArray, share: int) -> FloatArray:
+    """Means of a cloud's points in cells, as fine as its share of the points allows."""
+    cell = LIMITS.finest
+    while len(kept := voxel_means(cloud, cell)) > share:
+        cell *= max(1.1, float(np.sqrt(len(kept) / share)))
+    return kept
 
-    asked = points[:: max(1, len(points) // 400)]
-    distance = np.asarray(KDTree(points).query(asked, k=min(4, len(points)))[0])[:, -1]
-    return float(np.clip(np.median(distance), 5e-4, 0.02))
+
+def _spacing_and_normals(points: FloatArray) -> tuple[float, FloatArray]:
+    """Typical distance between neighbours [m], and (N, 3) unit normals of the patches around the points."""
+    near = min(LIMITS.normal, len(points))
+    if near < 3:
+        return 0.003, np.tile([0.0, 0.0, 1.0], (len(points), 1))
+    distance, neighbours = KDTree(points).query(points, k=near)
+    spacing = float(np.clip(np.median(np.asarray(distance)[:, min(3, near - 1)]), 5e-4, 0.02))
+    return spacing, patch_planes(points[np.asarray(neighbours)])[1]
 
 
 def hull_outline(cloud: FloatArray) -> tuple[FloatArray, IntArray]:
@@ -221,10 +244,13 @@ def _object_json(drawn: DrawnObject) -> dict[str, Any]:
     return {
         "name": drawn.name,
         "colour": css(drawn.colour),
+        "ink": css(ink_on(drawn.colour)),
         "fixed": drawn.fixed,
         "lower": [float(value) for value in lower],
         "step": step,
         "points": base64.b64encode(packed.tobytes()).decode("ascii"),
+        "normals": base64.b64encode(np.round(drawn.normals * 127).astype(np.int8).tobytes()).decode("ascii"),
+        "seen": drawn.seen,
         "spacing": round(drawn.spacing, 5),
         "centre": _rounded(drawn.centre),
         "top": _rounded(drawn.top),

@@ -1,4 +1,4 @@
-"""The picture of one scene: clouds, hulls and relation lines at the left, graph and order at the right."""
+"""The picture of one scene: surfaces and relation lines at the left, graph and order at the right."""
 
 from functools import cache
 from typing import TYPE_CHECKING, Any
@@ -7,12 +7,12 @@ import numpy as np
 
 from topple.planner.pictures import png
 from topple.planner.report.drawing import Drawing, DrawnObject
-from topple.planner.report.graph import DrawnGraph, arrow_head, shortened
+from topple.planner.report.graph import DrawnGraph, arrow_head
 from topple.planner.report.layout import BADGE, NODE_HEIGHT, Point
-from topple.planner.report.palette import FIXED_COLOUR, RELATION_COLOURS, Colour, reason_colour
+from topple.planner.report.palette import FIXED_COLOUR, RELATION_COLOURS, Colour, ink_on, reason_colour
 from topple.planner.report.raster import Projection, render_clouds
 from topple.planner.report.view import Document, Documented, document, object_index, view_data
-from topple.planner.report.words import order_in_words
+from topple.planner.report.words import order_in_words, ordinal, shortened
 from topple.topology.arrays import FloatArray
 from topple.topology.scene import Scene
 
@@ -105,31 +105,17 @@ def _width(text: str, size: float) -> float:
 
 
 def _view(drawing: Drawing, data: dict[str, Any]) -> "Image.Image":
-    """The 3-D view: clouds, hulls, relation lines with arrows, names, legend."""
+    """The 3-D view: surfaces, relation lines with arrows, names, legend."""
     from PIL import Image
 
     projection = Projection(drawing, WIDTH, HEIGHT)
-    clouds = Image.fromarray(render_clouds(drawing, Projection(drawing, WIDTH * FINE, HEIGHT * FINE), PAPER))
-    hulls = clouds.copy()
-    pen = _Pen(hulls)
-    for drawn in drawing.objects:
-        if not drawn.fixed:  # the box of a table hides more than it says
-            _draw_hull(pen, projection, drawn)
-    image = Image.blend(clouds, hulls, 0.6)
+    image = Image.fromarray(render_clouds(drawing, Projection(drawing, WIDTH * FINE, HEIGHT * FINE), PAPER))
     pen = _Pen(image)
     for line in data["relations"]:
         _draw_relation(pen, projection, drawing, line)
     _draw_names(pen, projection, drawing, data["places"])
     _draw_legend(pen)
     return image
-
-
-def _draw_hull(pen: _Pen, projection: Projection, drawn: DrawnObject) -> None:
-    places, depth = projection.pixels(drawn.corners)
-    red, green, blue = (round(0.55 * part) for part in drawn.colour)
-    for a, b in drawn.edges:
-        if np.isfinite(depth[[a, b]]).all():
-            pen.line([_point(places[a]), _point(places[b])], (red, green, blue), 1)
 
 
 def _draw_relation(pen: _Pen, projection: Projection, drawing: Drawing, line: dict[str, Any]) -> None:
@@ -166,7 +152,7 @@ def _draw_names(pen: _Pen, projection: Projection, drawing: Drawing, places: lis
             continue
         place = places[number] if places else 0
         name = shortened(drawn.name)
-        badge = max(18.0, _width(str(place), 12) + 10) if place else 4.0
+        badge = max(18.0, _width(ordinal(place), 12) + 10) if place else 4.0
         width = badge + _width(name, 12) + 10
         left, top = float(at[number, 0]) - width / 2, float(at[number, 1]) - 18
         if any(
@@ -178,7 +164,9 @@ def _draw_names(pen: _Pen, projection: Projection, drawing: Drawing, places: lis
         pen.box(left, top, left + badge, top + 18, drawn.colour)
         pen.text(left + badge + 5, top + 9, name, size=12)
         if place:
-            pen.text(left + badge / 2, top + 9, str(place), size=12, colour=PAPER, anchor="mm")
+            pen.text(
+                left + badge / 2, top + 9, ordinal(place), size=12, colour=ink_on(drawn.colour), anchor="mm"
+            )
 
 
 def _draw_legend(pen: _Pen) -> None:
@@ -190,7 +178,7 @@ def _draw_legend(pen: _Pen) -> None:
         pen.line([(x, HEIGHT - 20), (x + 20, HEIGHT - 20)], colour, 3)
         pen.text(x + 26, HEIGHT - 20, str(relation), size=12, colour=SOFT)
         x += 44 + _width(str(relation), 12)
-    pen.text(x, HEIGHT - 20, "dashed: inferred", size=12, colour=SOFT)
+    pen.text(x, HEIGHT - 20, "dashed: inferred; hatched: guessed", size=12, colour=SOFT)
 
 
 def _graph_image(scene: Scene, drawing: Drawing, order: Document) -> "Image.Image":
@@ -267,12 +255,19 @@ def _draw_graph(
         pen.text(x, y, text, size=size, colour=reason_colour(graph.reasons[edge][0]), anchor="mm")
     for name, centre in graph.layout.centres.items():
         (x, y), half, high = placed(centre), graph.layout.widths[name] / 2 * shrink, NODE_HEIGHT / 2 * shrink
-        badge = BADGE * shrink
+        badge, paint = BADGE * shrink, colours.get(name, FIXED_COLOUR)
         pen.box(x - half, y - high, x + half, y + high, PAPER, INK if name in graph.targets else LINE)
-        pen.box(x - half, y - high, x - half + badge, y + high, colours.get(name, FIXED_COLOUR))
+        pen.box(x - half, y - high, x - half + badge, y + high, paint)
         if name in graph.places:
             size = max(7.0, 12 * shrink)
-            pen.text(x - half + badge / 2, y, str(graph.places[name]), size=size, colour=PAPER, anchor="mm")
+            pen.text(
+                x - half + badge / 2,
+                y,
+                ordinal(graph.places[name]),
+                size=size,
+                colour=ink_on(paint),
+                anchor="mm",
+            )
         pen.text(x + badge / 2, y, graph.labels[name], size=max(7.0, 12 * shrink), anchor="mm")
 
 

@@ -9,8 +9,8 @@ import networkx as nx
 
 from topple.planner.report.layout import BADGE, NODE_HEIGHT, GraphLayout, Point, layered
 from topple.planner.report.limits import LIMITS
-from topple.planner.report.palette import FIXED_COLOUR, REASON_COLOURS, Colour, css, reason_colour
-from topple.planner.report.words import because
+from topple.planner.report.palette import FIXED_COLOUR, REASON_COLOURS, Colour, css, ink_on, reason_colour
+from topple.planner.report.words import because, ordinal, shortened
 
 Document = Mapping[str, Any]
 
@@ -71,12 +71,6 @@ class DrawnGraph:
             targets=frozenset(str(name) for name in order.get("targets", ())),
             hidden=len(reasons) - len(kept),
         )
-
-
-def shortened(name: str) -> str:
-    """A name cut to `LIMITS.label` characters, on one line."""
-    line = " ".join(name.split()) or name.strip() or "(blank)"
-    return line if len(line) <= LIMITS.label else line[: LIMITS.label - 1] + "…"
 
 
 def graph_svg(graph: DrawnGraph, colours: Mapping[str, Colour], index: Mapping[str, int]) -> str:
@@ -149,17 +143,18 @@ def _box(graph: DrawnGraph, name: str, colour: Colour | None, index: Mapping[str
     left, top = x - width / 2, y - NODE_HEIGHT / 2
     kind = "node target" if name in graph.targets else "node"
     link = f'data-object="{index[name]}" tabindex="0"' if name in index else ""
-    place = graph.places.get(name)
+    place, paint = graph.places.get(name), colour or FIXED_COLOUR
     number = (
         ""
         if place is None
-        else f'<text class="place" x="{left + BADGE / 2:.1f}" y="{y + 4.5:.1f}">{place}</text>'
+        else f'<text class="place" style="fill:{css(ink_on(paint))}" x="{left + BADGE / 2:.1f}" '
+        f'y="{y + 4.5:.1f}">{ordinal(place)}</text>'
     )
     return (
         f'<g class="{kind}" {link}><title>{escape(name)}</title>'
         f'<rect class="box" x="{left:.1f}" y="{top:.1f}" width="{width:.1f}" height="{NODE_HEIGHT:.0f}"/>'
         f'<rect x="{left:.1f}" y="{top:.1f}" width="{BADGE:.0f}" height="{NODE_HEIGHT:.0f}" '
-        f'fill="{css(colour or FIXED_COLOUR)}"/>{number}'
+        f'fill="{css(paint)}"/>{number}'
         f'<text x="{x + BADGE / 2:.1f}" y="{y + 4.5:.1f}">{escape(graph.labels[name])}</text></g>'
     )
 
@@ -175,7 +170,8 @@ def _legend(used: set[str], hidden: int) -> str:
         f'<span class="key"><i style="background:{css(reason_colour(reason))}"></i>{escape(reason)}</span>'
         for reason in [*known, *sorted(used - set(known))]
     ]
-    note = "An arrow from a to b: a goes before b. Numbers give the order; a bold frame marks a target."
+    note = "An arrow from a to b: a goes before b. 1st, 2nd, ... is the place in the order; "
+    note += "a bold frame marks a target."
     if hidden:
         note += f" {hidden} arrows that follow from others are left out."
     return f'<p class="legend">{"".join(items)}<span class="note">{note}</span></p>'

@@ -58,22 +58,24 @@ def viewer(number: int, *, ordered: bool, path: bool = False) -> str:
     Returns:
         HTML the viewer script fills.
     """
-    switches = ["clouds", "hulls", "relations", "names"]
+    switches = ["surfaces", "hulls", "relations", "names"]
     switches += ["order"] if ordered else []
     switches += ["path"] if path else []
     words = {"order": "order numbers", "path": "tool path"}
     boxes = "".join(
-        f'<label><input type="checkbox" data-show="{show}" checked> {words.get(show, show)}</label>'
+        f'<label><input type="checkbox" data-show="{show}"{"" if show == "hulls" else " checked"}> '
+        f"{words.get(show, show)}</label>"
         for show in switches
     )
     return (
         f'<figure class="viewer" data-view="{number}"><div class="switches">{boxes}'
         '<button type="button" data-reset>reset view</button></div>'
-        '<div class="stage"><canvas tabindex="0" aria-label="3-D view of the scene"></canvas>'
+        '<div class="stage"><canvas tabindex="0" role="img" aria-label="3-D view of the scene"></canvas>'
         '<div class="info" hidden></div></div>'
         f"<figcaption>{relation_legend()}"
         '<span class="note">Drag to turn, shift-drag to move, wheel to zoom; click an object to keep it lit. '
-        "Solid lines were observed, dashed ones inferred; grey: contact that one side alone shows."
+        "Hatched surface is guessed: no camera saw it. Solid lines were observed, dashed ones inferred; "
+        "grey: contact that one side alone shows."
         "</span></figcaption></figure>"
     )
 

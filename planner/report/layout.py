@@ -12,7 +12,7 @@ Knot = tuple[str, int]
 """A place in a layer: an object (its name, -1), or a bend of a long arrow (the edge's name, its layer)."""
 
 NODE_HEIGHT = 30.0
-BADGE = 24.0
+BADGE = 34.0
 """Width of the coloured field of a box that carries the number."""
 LAYER_GAP = 58.0
 NODE_GAP = 30.0
@@ -285,7 +285,7 @@ def _label_places(
     taken = [(x, y, widths[name], NODE_HEIGHT) for name, (x, y) in centres.items()]
     labels: dict[tuple[str, str], Point] = {}
     for edge, route in routes.items():
-        size = (_label_width(texts[edge]), 13.0)
+        size = (_label_width(texts[edge]), 14.0)
         for part in (0.5, 0.38, 0.62, 0.26, 0.74):
             x, y = _along(route, part)
             clear = all(
@@ -299,8 +299,8 @@ def _label_places(
 
 
 def _label_width(text: str) -> float:
-    """Width of an arrow's label at 11 px."""
-    return len(text) * 6.0 + 4.0
+    """Width of an arrow's label at 12 px."""
+    return len(text) * 7.0 + 8.0
 
 
 def _along(route: Sequence[Point], part: float) -> Point:

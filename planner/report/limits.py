@@ -18,6 +18,12 @@ class Limits:
         least_points: Points an object keeps however many objects share the budget: fewer no longer
             look like a surface.
         fixed_share: Share of the points that tables and shelves may take together.
+        finest: Edge in [m] of the cells in which a cloud is averaged before it is drawn: a depth camera's
+            noise is smoothed away, and a spoon still has a rim.
+        normal: Neighbours that a point's surface normal is fitted to: a patch of a centimetre.
+        guessed: Surface farther in [m] than this from every point that was seen counts as guessed: more
+            than twice the spacing of the completed surface.
+        largest: A disc of a picture is at most this share of its height: larger ones take seconds.
         hull_vertices: Corners of a drawn hull. The hull of a noisy cloud has hundreds and its edges
             then hide the cloud; the farthest 36 keep its outline within a few percent.
         crease: Edges between hull facets closer in direction than this many degrees are not drawn.
@@ -33,6 +39,10 @@ class Limits:
     run_points: int = 160_000
     least_points: int = 150
     fixed_share: float = 0.3
+    finest: float = 0.0025
+    normal: int = 26
+    guessed: float = 0.008
+    largest: int = 130
     hull_vertices: int = 36
     crease: float = 3.0
     label: int = 18

@@ -3,6 +3,8 @@
 import math
 from collections.abc import Collection, Iterable
 
+import numpy as np
+
 from topple.topology.sixim.table import Relation
 
 Colour = tuple[int, int, int]
@@ -84,6 +86,15 @@ def _encoded(linear: float) -> int:
 def css(colour: Colour) -> str:
     """The colour as CSS writes it, `#rrggbb`."""
     return "#{:02x}{:02x}{:02x}".format(*colour)
+
+
+def ink_on(colour: Colour) -> Colour:
+    """Black or white, whichever is easier to read on a colour (relative luminance of WCAG 2)."""
+    linear = [
+        part / 12.92 if part <= 0.04045 else ((part + 0.055) / 1.055) ** 2.4
+        for part in np.divide(colour, 255)
+    ]
+    return (255, 255, 255) if float(np.dot(linear, (0.2126, 0.7152, 0.0722))) < 0.179 else (0, 0, 0)
 
 
 def relation_colour(relation: str) -> Colour:

@@ -1,16 +1,13 @@
-"""Pixels: clouds projected into an image with a depth buffer."""
-
-from typing import TYPE_CHECKING
+"""Pixels: surfaces projected into an image with a depth buffer."""
 
 import numpy as np
 from numpy.typing import NDArray
+from scipy.ndimage import maximum_filter, minimum_filter
 
 from topple.planner.pictures import Pixels
-from topple.planner.report.drawing import Drawing
+from topple.planner.report.drawing import Drawing, DrawnObject
+from topple.planner.report.limits import LIMITS
 from topple.topology.arrays import FloatArray
-
-if TYPE_CHECKING:
-    pass
 
 
 class Projection:
@@ -28,6 +25,7 @@ class Projection:
         right = np.cross(self._forward, drawing.up)
         self._right = right / np.linalg.norm(right)
         self._down = np.cross(self._forward, self._right)
+        self._up = drawing.up
         self._focal = 1.5 * min(width, height)
         distance = self._fit(drawing)
         self._eye = drawing.centre - self._forward * distance
@@ -59,13 +57,28 @@ class Projection:
         y = self.height / 2 + scale * (away @ self._down)
         return np.stack([x, y], axis=1), np.where(behind, np.inf, depth)
 
-    def size(self, length: float, depth: float) -> float:
-        """Pixels a length [m] takes at a depth [m]."""
+    def size(self, length: float, depth: FloatArray) -> FloatArray:
+        """Pixels that a length [m] takes at some depths [m]."""
         return length * self._focal / depth
+
+    def lit(self, normals: FloatArray) -> tuple[FloatArray, FloatArray]:
+        """How the lamp over the viewer's shoulder falls on surfaces.
+
+        Args:
+            normals: (N, 3) unit normals, of either sign.
+
+        Returns:
+            (N,) light, 0..1, and (N, 2) by how much depth grows across and down the image, per unit.
+        """
+        lamp = 0.9 * self._up - self._forward - 0.5 * self._right
+        facing = normals @ self._forward
+        steep = np.where(facing < 0, -1.0, 1.0) * np.maximum(np.abs(facing), 0.3)
+        slopes = -np.stack([normals @ self._right, normals @ self._down], axis=1) / steep[:, None]
+        return np.abs(normals @ (lamp / np.linalg.norm(lamp))), slopes
 
 
 def render_clouds(drawing: Drawing, projection: Projection, paper: tuple[int, int, int]) -> Pixels:
-    """Draw the clouds, near points over far ones, folds and edges darkened.
+    """Draw surfaces as the pages do: each point is a lit disc that lies in them; what is guessed is hatched.
 
     Args:
         drawing: The scene as it is drawn.
@@ -76,56 +89,72 @@ def render_clouds(drawing: Drawing, projection: Projection, paper: tuple[int, in
         (H, W, 3) uint8.
     """
     height, width = projection.height, projection.width
-    depth = np.full((height, width), np.inf)
-    owner = np.full((height, width), -1, dtype=np.int64)
+    depth = np.full(height * width, np.inf)
+    owner = np.full(height * width, -1, dtype=np.int64)
+    light = np.ones(height * width)
     for number, drawn in enumerate(drawing.objects):
-        rows, columns, near = _patch(
-            projection, drawn.points, drawn.spacing, height / (150 if drawn.fixed else 40)
-        )
-        won = near < depth[rows, columns]
-        depth[rows, columns][won] = near[won]
-        owner[rows, columns][won] = number
+        pixel, far, shine = _discs(projection, drawn)
+        np.minimum.at(depth, pixel, far)
+        won = far == depth[pixel]
+        owner[pixel[won]], light[pixel[won]] = number, shine[won]
+    _fill(owner.reshape(height, width), [n for n, drawn in enumerate(drawing.objects) if drawn.fixed])
     colours = np.array([drawn.colour for drawn in drawing.objects], dtype=np.float64)
-    fixed = np.array([drawn.fixed for drawn in drawing.objects], dtype=np.bool_)
-    spacing = np.array([drawn.spacing for drawn in drawing.objects])
-    slack = np.where(fixed, 1e9, 1.5 * spacing)  # dots stand in steps on a slanted surface
-    image = _shaded(depth, owner, colours, slack, drawing.radius)
+    fixed = np.array([drawn.fixed for drawn in drawing.objects], dtype=np.bool_)[owner]
+    spacing = np.array([drawn.spacing for drawn in drawing.objects])[owner]
+    fold = _fold(depth.reshape(height, width), np.where(fixed, np.inf, 2 * spacing).reshape(height, width))
+    bright = np.maximum(np.abs(light) - fold.ravel() * (10 / drawing.radius), 0.4)
+    row, column = np.divmod(np.arange(height * width), width)
+    stripe = (row + column) // max(height // 150, 2) % 2 == 0
+    faint = np.where(fixed, 0.7, np.where(light < 0, np.where(stripe, 0.72, 0.3), 0.0))[:, None]
+    image = np.minimum(colours[owner] * bright[:, None], 255.0)
     background = np.array(paper, dtype=np.float64)
-    image = np.where(fixed[owner][..., None], image + (background - image) * 0.6, image)
-    return np.where((owner >= 0)[..., None], image, background).round().astype(np.uint8)
+    image = np.where((owner >= 0)[:, None], image + (background - image) * faint, background)
+    return image.round().astype(np.uint8).reshape(height, width, 3)
 
 
-def _patch(
-    projection: Projection, points: FloatArray, spacing: float, largest: float
-) -> tuple[slice, slice, FloatArray]:
-    """The part of the image a cloud covers, and the depth of its nearest point at each pixel there."""
-    from scipy.ndimage import minimum_filter
+def _discs(projection: Projection, drawn: DrawnObject) -> tuple[NDArray[np.int64], FloatArray, FloatArray]:
+    """The pixels that an object's discs cover: their number, depth [m], and light, below 0 where guessed."""
+    places, depth = projection.pixels(drawn.points)
+    kept = np.isfinite(depth)
+    places, depth, normals = places[kept], depth[kept], drawn.normals[kept]
+    side, slopes = projection.lit(normals)
+    shine = (0.5 + 0.55 * side) * np.where(np.arange(len(drawn.points))[kept] < drawn.seen, 1.0, -1.0)
+    scale = projection.size(1.0, depth)
+    half = np.clip(scale * max(drawn.spacing * 1.15, 8e-4), 0.8, projection.height / LIMITS.largest)
+    largest = np.argsort(-half)  # first, so that those that reach an offset come first
+    places, depth, shine, slopes = places[largest], depth[largest], shine[largest], slopes[largest]
+    half, scale, cells = half[largest], scale[largest], np.rint(places).astype(np.int64)
+    pixel, far, shines = [np.zeros(0, dtype=np.int64)], [np.zeros(0)], [np.zeros(0)]
+    reach = int(np.ceil(half.max(initial=0.0)))
+    for offset in np.ndindex(2 * reach + 1, 2 * reach + 1):
+        step = np.array(offset) - reach
+        count = int(np.searchsorted(-half, 0.71 - np.hypot(*step)))  # the middle may be that far off its cell
+        cell = cells[:count] + step
+        off = cell - places[:count]
+        inside = ((off**2).sum(axis=1) <= half[:count] ** 2) & (cell >= 0).all(axis=1)
+        inside &= (cell < (projection.width, projection.height)).all(axis=1)
+        at = np.nonzero(inside)[0]
+        pixel.append(cell[at, 1] * projection.width + cell[at, 0])
+        far.append(depth[at] + (slopes[at] * off[at]).sum(axis=1) / scale[at])
+        shines.append(shine[at])
+    return np.concatenate(pixel), np.concatenate(far), np.concatenate(shines)
 
-    places, depth = projection.pixels(points)
-    cells = np.round(places).astype(np.int64)
-    inside = np.isfinite(depth) & (cells >= 0).all(axis=1)
-    inside &= (cells[:, 0] < projection.width) & (cells[:, 1] < projection.height)
-    cells, depth = cells[inside], depth[inside]
-    if not len(cells):
-        return slice(0, 0), slice(0, 0), np.zeros((0, 0))
-    dot = int(np.clip(projection.size(spacing * 1.9, float(np.median(depth))), 2, largest))
-    lower = np.maximum(cells.min(axis=0) - dot, 0)
-    upper = np.minimum(cells.max(axis=0) + dot + 1, [projection.width, projection.height])
-    near = np.full((int(upper[1] - lower[1]), int(upper[0] - lower[0])), np.inf)
-    np.minimum.at(near, (cells[:, 1] - lower[1], cells[:, 0] - lower[0]), depth)
-    near = np.asarray(minimum_filter(near, size=dot, mode="constant", cval=np.inf))
-    return slice(int(lower[1]), int(upper[1])), slice(int(lower[0]), int(upper[0])), near
+
+def _fill(owner: NDArray[np.int64], tables: list[int]) -> None:
+    """Close the holes of a table in place: its points lie too far apart for discs of bounded size."""
+    if tables:
+        size = owner.shape[0] // 24
+        covered = np.asarray(minimum_filter(maximum_filter(owner >= 0, size), size), dtype=np.bool_)
+        owner[covered & (owner < 0)] = tables[0]
 
 
-def _shaded(
-    depth: FloatArray, owner: NDArray[np.int64], colours: FloatArray, slack: FloatArray, radius: float
-) -> FloatArray:
-    """Colour each pixel by its object, darker the more its neighbours stand in front of it."""
-    fold = np.zeros_like(depth)
-    limit = np.where(owner >= 0, depth, -np.inf) - slack[owner]
+def _fold(depth: FloatArray, slack: FloatArray) -> FloatArray:
+    """By how much [m] the neighbours of a pixel stand in front of it: edges."""
+    fold, depth = (
+        np.zeros_like(depth),
+        np.where(np.isfinite(depth), depth, 1e9),
+    )  # nothing stands before nothing
     for axis in (0, 1):
         for step in (-2, 2):
-            beside = np.roll(depth, step, axis=axis)
-            fold += np.clip(np.where(np.isfinite(beside), limit - beside, 0.0), 0.0, 0.03)
-    light = np.clip(1.08 - fold * (14 / radius), 0.45, 1.08)[..., None]
-    return np.minimum(colours[owner] * light, 255.0)
+            fold += np.clip(depth - np.roll(depth, step, axis=axis) - slack, 0.0, 0.03)
+    return fold

@@ -2,7 +2,7 @@
 
 import base64
 import math
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from html import escape
 from typing import Any
 
@@ -11,8 +11,8 @@ from topple.planner.pictures import picture
 from topple.planner.report.drawing import Drawing
 from topple.planner.report.html import page, viewer
 from topple.planner.report.limits import LIMITS
-from topple.planner.report.show import dependency_section
-from topple.planner.report.tables import order_list, relation_changes, relation_table
+from topple.planner.report.show import dependency_section, photo_section
+from topple.planner.report.tables import Change, order_list, relation_changes, relation_table
 from topple.planner.report.view import object_index, view_data
 from topple.planner.report.words import millimetres
 from topple.topology.arrays import FloatArray
@@ -66,7 +66,8 @@ class _RunPage:
         if step.events:
             html += f"<ul>{''.join(f'<li>{escape(text)}</li>' for text in step.events)}</ul>"
         html += _facts(step)
-        html += self.picture_pair(step)
+        drawing = None if step.scene is None else Drawing.of(step.scene, self.points)
+        html += self.picture_pair(step, drawing)
         html += (
             '<div class="columns even"><div>'
             + _disturbed(step)
@@ -74,7 +75,9 @@ class _RunPage:
             + _predictions(step)
             + "</div></div>"
         )
-        html += self.seen(step.scene, step.relations, step.order, step.tool_path, "Seen before this step")
+        html += self.seen(
+            drawing, step.scene, step.relations, step.order, step.tool_path, "Seen before this step"
+        )
         return html + "</section>"
 
     def end(self) -> str:
@@ -90,17 +93,27 @@ class _RunPage:
             html += (
                 "<h2>Notes</h2><ul>" + "".join(f"<li>{escape(note)}</li>" for note in record.notes) + "</ul>"
             )
-        html += self.seen(record.scene, record.relations, record.order, None, "Seen at the end")
+        drawing = None if record.scene is None else Drawing.of(record.scene, self.points)
+        html += self.seen(drawing, record.scene, record.relations, record.order, None, "Seen at the end")
         return html + "</section>"
 
-    def picture_pair(self, step: StepRecord) -> str:
-        shown = [
+    def picture_pair(self, step: StepRecord, drawing: Drawing | None) -> str:
+        """What a camera saw before, its masks outlined, and after."""
+        before = (
+            "" if drawing is None or step.scene is None else photo_section(step.scene, drawing, step.order)
+        )
+        shown = (before or self.plain(step.picture_before, "before")) + self.plain(
+            step.picture_after, "after"
+        )
+        return f'<div class="pictures">{shown}</div>' if shown else ""
+
+    def plain(self, data: bytes | None, when: str) -> str:
+        if not data:
+            return ""
+        return (
             f'<figure><img data-picture="{self.number(data)}" alt="camera, {when}">'
-            f'<figcaption class="note">{when}</figcaption></figure>'
-            for data, when in ((step.picture_before, "before"), (step.picture_after, "after"))
-            if data
-        ]
-        return f'<div class="pictures">{"".join(shown)}</div>' if shown else ""
+            f'<figcaption class="note">{when.capitalize()}</figcaption></figure>'
+        )
 
     def number(self, data: bytes) -> int:
         """Number of a picture; the view after a step is often the one before the next."""
@@ -108,6 +121,7 @@ class _RunPage:
 
     def seen(
         self,
+        drawing: Drawing | None,
         scene: Scene | None,
         relations: Document | None,
         order: Document | None,
@@ -115,9 +129,8 @@ class _RunPage:
         title: str,
     ) -> str:
         """View, relations, graph and order of one moment."""
-        if scene is None:
+        if scene is None or drawing is None:
             return ""
-        drawing = Drawing.of(scene, self.points)
         index = object_index(drawing)
         self.views.append(view_data(drawing, relations or _NO_RELATIONS, order, tool_path))
         moved = tool_path is not None and len(tool_path) > 0
@@ -213,8 +226,8 @@ def _disturbed(step: StepRecord) -> str:
             f"<td class=number>{math.degrees(turned):.1f}°</td><td class=number>{force}</td></tr>"
         )
     return (
-        '<h2>Disturbed</h2><div class="scroll"><table><thead><tr><th>object</th><th class=number>moved</th>'
-        f"<th class=number>turned</th><th class=number>force</th></tr></thead>"
+        '<h2>Disturbed</h2><div class="scroll" tabindex="0"><table><thead><tr><th>object</th>'
+        f"<th class=number>moved</th><th class=number>turned</th><th class=number>force</th></tr></thead>"
         f"<tbody>{rows}</tbody></table></div>"
     )
 
@@ -227,18 +240,31 @@ def _predictions(step: StepRecord) -> str:
             "<p>As predicted.</p>" if step.relations_as_predicted else '<p class="bad">Not as predicted.</p>'
         )
     changes = relation_changes(step.predicted, step.observed)
-    if not changes:
-        return html + f"<p>All {len(list(step.observed.get('relations', ())))} pairs as predicted.</p>"
-    rows = "".join(
-        f"<tr><td>{escape(a)}</td><td>{escape(b)}</td><td>{escape(expected)}</td><td>{escape(seen)}</td></tr>"
-        for a, b, expected, seen in changes
-    )
-    verdict = "" if step.relations_as_predicted else '<p class="bad">Not as predicted.</p>'
-    return (
-        html
-        + verdict
-        + (
-            '<div class="scroll"><table><thead><tr><th>A</th><th>B</th><th>predicted</th><th>observed</th>'
-            f"</tr></thead><tbody>{rows}</tbody></table></div>"
+    against = [change for change in changes if change.counts]
+    within = [change for change in changes if not change.counts]
+    if step.relations_as_predicted and not against:
+        count = len(list(step.observed.get("relations", ())))
+        html += f"<p>As predicted: none of {count} pairs contradicts what was to be seen.</p>"
+    else:
+        html += '<p class="bad">Not as predicted.</p>' + _change_table(against)
+    if within:
+        html += (
+            f"<details><summary>{len(within)} within what noise explains</summary><p class=note>"
+            "Another kind of contact, or a pair of which too little was seen to tell contact from a gap; "
+            "neither counts.</p>"
+            f"{_change_table(within)}</details>"
         )
+    return html
+
+
+def _change_table(changes: Sequence[Change]) -> str:
+    if not changes:
+        return ""
+    rows = "".join(
+        f"<tr><td>{escape(c.a)}</td><td>{escape(c.b)}</td><td>{escape(c.predicted)}</td><td>{escape(c.observed)}</td></tr>"
+        for c in changes
+    )
+    return (
+        '<div class="scroll" tabindex="0"><table><thead><tr><th>A</th><th>B</th><th>predicted</th>'
+        f"<th>observed</th></tr></thead><tbody>{rows}</tbody></table></div>"
     )

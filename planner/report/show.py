@@ -6,6 +6,7 @@ from typing import Any
 from topple.planner.report.drawing import Drawing
 from topple.planner.report.graph import DrawnGraph, graph_svg
 from topple.planner.report.html import page, viewer
+from topple.planner.report.photo import photo
 from topple.planner.report.tables import order_list, relation_table, sentence_list
 from topple.planner.report.view import Document, Documented, document, object_index, view_data
 from topple.planner.report.words import listed, sentences
@@ -39,7 +40,7 @@ def show_page(
     body += '<main class="columns"><div>' + viewer(0, ordered=planned is not None)
     if planned is not None:
         body += dependency_section(scene, drawing, planned)
-    body += "</div><div>"
+    body += "</div><div>" + photo_section(scene, drawing, planned)
     if planned is not None:
         body += "<h2>Safe order</h2>" + order_list(planned, index)
     body += "<h2>Relations</h2>" + relation_table(found, index)
@@ -59,6 +60,15 @@ def dependency_section(scene: Scene, drawing: Drawing, order: Document) -> str:
     colours = {drawn.name: drawn.colour for drawn in drawing.objects}
     svg = graph_svg(graph, colours, object_index(drawing))
     return f'<h2>Dependency graph</h2><div class="graph-box">{svg}</div>'
+
+
+def photo_section(scene: Scene, drawing: Drawing, order: Document | None) -> str:
+    """The photo with its masks in the colours of the drawing; nothing where the scene has none."""
+    colours = {drawn.name: drawn.colour for drawn in drawing.objects}
+    places = (
+        {} if order is None else {str(name): place for place, name in enumerate(order.get("order", ()), 1)}
+    )
+    return photo(scene, colours, object_index(drawing), places)
 
 
 def _head(scene: Scene, order: Document | None, title: str) -> str:

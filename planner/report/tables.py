@@ -1,6 +1,7 @@
 """Tables of the pages as HTML: relations, the order in words, risks, what bars the way."""
 
 from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
 from html import escape
 from typing import Any
 
@@ -11,6 +12,7 @@ from topple.planner.report.words import listed, millimetres, order_in_words, sen
 from topple.topology.sixim.table import Relation
 
 Document = Mapping[str, Any]
+_UNSEEN = "not seen"
 
 
 def relation_table(relations: Document, index: Mapping[str, int]) -> str:
@@ -40,7 +42,9 @@ def relation_table(relations: Document, index: Mapping[str, int]) -> str:
     deviation = relations.get("deviation")
     if deviation is not None:
         html += (
-            f'<p class="note">Deviation δ = {millimetres(float(deviation))}. Rows read “A relation B”.</p>'
+            '<p class="note">Rows read “A relation B”. Evidence: seen or inferred, and the share of such '
+            "evidence that was right on scenes of known truth. "
+            f"Deviation δ = {millimetres(float(deviation))}.</p>"
         )
     return html
 
@@ -48,8 +52,8 @@ def relation_table(relations: Document, index: Mapping[str, int]) -> str:
 def _pair_table(pairs: Sequence[Mapping[str, Any]], index: Mapping[str, int]) -> str:
     rows = "".join(_pair_row(pair, index) for pair in pairs)
     return (
-        '<div class="scroll"><table><thead><tr><th>A</th><th>relation</th><th>B</th>'
-        "<th class=number>gap</th><th class=number>confidence</th><th>evidence</th></tr></thead>"
+        '<div class="scroll" tabindex="0"><table><thead><tr><th>A</th><th>relation</th><th>B</th>'
+        "<th class=number>gap</th><th>evidence</th></tr></thead>"
         f"<tbody>{rows}</tbody></table></div>"
     )
 
@@ -58,7 +62,7 @@ def _pair_row(pair: Mapping[str, Any], index: Mapping[str, int]) -> str:
     a, b, relation = str(pair["a"]), str(pair["b"]), str(pair["relation"])
     gap = pair.get("gap")
     shown = "" if gap is None else ("" if pair.get("gap_exact", True) else "≥ ") + millimetres(float(gap))
-    sure = "" if pair.get("confidence") is None else f"{float(pair['confidence']):.2f}"
+    sure = "" if pair.get("confidence") is None else f", {float(pair['confidence']):.2f}"
     dot = f'<i class="dot" style="background:{css(relation_colour(relation))}"></i>'
     evidence = "inferred" if is_inferred(pair) else "observed"
     notes = [str(pair[key]) for key in ("kind", "reason") if pair.get(key)]
@@ -68,8 +72,8 @@ def _pair_row(pair: Mapping[str, Any], index: Mapping[str, int]) -> str:
     return (
         f'<tr data-ends="{index.get(a, -1)} {index.get(b, -1)}"{title}>'
         f"<td>{object_name(a, index)}</td><td class=relation>{dot}{escape(relation)}{note}</td>"
-        f"<td>{object_name(b, index)}</td><td class=number>{shown}</td><td class=number>{sure}</td>"
-        f"<td>{evidence}</td></tr>"
+        f"<td>{object_name(b, index)}</td><td class=number>{shown}</td>"
+        f"<td class=evidence>{evidence}{sure}</td></tr>"
     )
 
 
@@ -92,8 +96,8 @@ def order_list(order: Document, index: Mapping[str, int]) -> str:
     """
     risk: Mapping[str, float] = order.get("risk") or {}
     items = "".join(
-        f'<li data-object="{index.get(name, -1)}"><b class="name">{escape(name)}</b>: {escape(sentence)}'
-        f"{_risk(risk.get(name))}</li>"
+        f'<li data-object="{index.get(name, -1)}" tabindex="0"><b class="name">{escape(name)}</b>: '
+        f"{escape(sentence)}{_risk(risk.get(name))}</li>"
         for name, sentence in order_in_words(order)
     )
     html = f'<ol class="order">{items}</ol>' if items else '<p class="note">There is nothing to take.</p>'
@@ -152,29 +156,51 @@ def sentence_list(lines: Sequence[str], title: str) -> str:
     return f"<h2>{escape(title)}</h2><ul>{''.join(f'<li>{escape(line)}</li>' for line in told)}</ul>"
 
 
-def relation_changes(predicted: Document, observed: Document) -> list[tuple[str, str, str, str]]:
+@dataclass(frozen=True)
+class Change:
+    """A pair whose relation is not the predicted one.
+
+    Attributes:
+        a: One object.
+        b: The other one.
+        predicted: "a relation b" as it was predicted; "not seen" where it was not.
+        observed: As it was seen.
+        counts: It is a contradiction: in contact instead of apart, or the other way round, and both were
+            observed; or an object is gone. The loop counts the same (`execution.look.unexpected`).
+    """
+
+    a: str
+    b: str
+    predicted: str
+    observed: str
+    counts: bool
+
+
+def relation_changes(predicted: Document, observed: Document) -> list[Change]:
     """Pairs whose relation is not the predicted one.
 
     Args:
         predicted: A `topple.relations` document.
         observed: Another, of what was seen.
-
-    Returns:
-        (a, b, predicted relation, observed relation); "not seen" where a pair stands in one document only.
     """
     expected, seen = _by_pair(predicted), _by_pair(observed)
-    changes: list[tuple[str, str, str, str]] = []
+    changes: list[Change] = []
     for pair in dict.fromkeys([*expected, *seen]):
-        before, after = expected.get(pair, "not seen"), seen.get(pair, "not seen")
-        if before != after:
-            changes.append((*pair, before, after))
+        before, sure_before = expected.get(pair, (_UNSEEN, True))
+        after, sure_after = seen.get(pair, (_UNSEEN, True))
+        if before == after:
+            continue
+        apart = (before == Relation.DISJOINT) != (after == Relation.DISJOINT)
+        counts = after == _UNSEEN or (apart and before != _UNSEEN and sure_before and sure_after)
+        changes.append(Change(*pair, before, after, counts))
     return changes
 
 
-def _by_pair(relations: Document) -> dict[tuple[str, str], str]:
-    """Relation of each pair, oriented by name, so that two documents can be compared."""
-    found: dict[tuple[str, str], str] = {}
+def _by_pair(relations: Document) -> dict[tuple[str, str], tuple[str, bool]]:
+    """Relation of each pair, and whether it was observed, oriented by name: so two documents compare."""
+    found: dict[tuple[str, str], tuple[str, bool]] = {}
     for pair in relations.get("relations", ()):
         a, b, relation = str(pair["a"]), str(pair["b"]), Relation(pair["relation"])
-        found[(a, b) if a <= b else (b, a)] = str(relation if a <= b else relation.converse)
+        said = str(relation if a <= b else relation.converse)
+        found[(a, b) if a <= b else (b, a)] = said, bool(pair.get("observed", True))
     return found

@@ -3,6 +3,7 @@
 from collections.abc import Mapping, Sequence
 from typing import Any
 
+from topple.planner.report.limits import LIMITS
 from topple.topology.rounded import rounded
 
 Document = Mapping[str, Any]
@@ -23,7 +24,7 @@ def because(first: Sequence[str], reason: str, then: str = "it") -> str:
     Args:
         first: Names of those that go before, at least one.
         reason: Reason of these dependencies.
-        then: Who goes after them, in the clause.
+        then: What goes after them, in the clause.
 
     Returns:
         A clause such as "cup and spoon rest on it"; an unknown reason is quoted as it is.
@@ -98,6 +99,18 @@ def _by_reason(
         if name not in same and (among is None or name in among):
             same.append(name)
     return {reason: same for reason, same in names.items() if same}
+
+
+def ordinal(place: int) -> str:
+    """A place as English counts it: "1st", "2nd", "11th". Objects may be named by bare numbers."""
+    ending = "th" if place % 100 in (11, 12, 13) else {1: "st", 2: "nd", 3: "rd"}.get(place % 10, "th")
+    return f"{place}{ending}"
+
+
+def shortened(name: str) -> str:
+    """A name cut to `LIMITS.label` characters, on one line."""
+    line = " ".join(name.split()) or name.strip() or "(blank)"
+    return line if len(line) <= LIMITS.label else line[: LIMITS.label - 1] + "…"
 
 
 def listed(words: Sequence[str]) -> str:

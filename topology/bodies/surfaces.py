@@ -102,3 +102,20 @@ def carry_over(scene: "Scene", before: "Scene", moved: Mapping[str, FloatArray] 
     """
     kept = [name for name, cloud in scene.clouds.items() if before.clouds.get(name) is cloud]
     _COMPLETED.setdefault(scene, Surfaces(scene, surfaces_of(before), kept, moved))
+
+
+def whole_surfaces(scene: "Scene") -> dict[str, FloatArray]:
+    """The surface of every object that can move, guessed sides included, as orders and placements see it.
+
+    Args:
+        scene: A scene that knows where up is.
+
+    Returns:
+        Name -> (N, 3) points [m] in the scene's frame.
+
+    Raises:
+        InvalidInput: The scene has no `up`.
+    """
+    bodies = surfaces_of(scene)
+    found = bodies.among(bodies.upright.clouds)
+    return {name: found[name] @ bodies.upright.rotation for name in bodies.upright.movable}

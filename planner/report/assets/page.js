@@ -61,7 +61,7 @@ class Panel {
     const name = (i) => this.scene.objects[i].name;
     const lines = [];
     const place = this.scene.places && this.scene.places[index];
-    if (place) lines.push(`number ${place} in the order`);
+    if (place) lines.push(`${ordinal(place)} in the order`);
     for (const { a, b, relation, faint, kind } of this.scene.relations) {
       if (a === index) lines.push(`${faint ? kind || relation : relation} ${faint ? "with " : ""}${name(b)}`);
       if (b === index) lines.push(`${faint ? kind || relation : this.scene.converse[relation]} ${faint ? "with " : ""}${name(a)}`);

@@ -1,12 +1,14 @@
 "use strict";
-// A 3-D view of clouds, hulls and relation lines on a plain 2-D canvas. Points go through a depth buffer of
-// our own, so the view needs no graphics card, and the buffer says which object is under the pointer.
+// A 3-D view of surfaces, hulls and relation lines on a plain 2-D canvas. Points go as lit discs through a depth
+// buffer of our own, so the view needs no graphics card, and the buffer says which object is under the pointer.
 
 const cross = (a, b) => [a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]];
 const dot = (a, b) => a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
 const sub = (a, b) => [a[0] - b[0], a[1] - b[1], a[2] - b[2]];
 const add = (a, b, s) => [a[0] + s * b[0], a[1] + s * b[1], a[2] + s * b[2]];
 const unit = (a) => { const n = Math.hypot(...a) || 1; return [a[0] / n, a[1] / n, a[2] / n]; };
+
+const ordinal = (n) => n + (n % 100 > 10 && n % 100 < 14 ? "th" : ["th", "st", "nd", "rd"][n % 10] || "th");
 
 // Coordinates come as 16-bit steps from the lower corner of the object's box.
 function unpack(object) {
@@ -23,9 +25,10 @@ class Viewer {
   constructor(canvas, scene, onPick) {
     this.canvas = canvas;
     this.scene = scene;
-    this.show = { clouds: true, hulls: true, relations: true, names: true, order: true, path: true };
+    this.show = { surfaces: true, hulls: false, relations: true, names: true, order: true, path: true };
     this.lit = new Set();
     this.clouds = scene.objects.map(unpack);
+    this.normals = scene.objects.map((o) => Int8Array.from(atob(o.normals), (c) => c.charCodeAt(0)));
     this.colours = scene.objects.map((o) => [1, 3, 5].map((i) => parseInt(o.colour.slice(i, i + 2), 16)));
     this.frame();
     this.reset();
@@ -69,12 +72,12 @@ class Viewer {
     this.eye = add(this.target, back, this.distance);
   }
 
-  // Nearest the eye may come for every corner of what can be taken, and the tool's path, to stay in sight.
+  // Nearest the eye may come for every corner of what can be taken to stay in sight.
   fit() {
     const taken = this.scene.objects.filter((o, _, all) => !o.fixed || all.every((other) => other.fixed));
     const w = 0.42 * this.canvas.width, h = 0.38 * this.canvas.height;
     let distance = this.scene.radius * 1.5;
-    for (const corner of [...taken.flatMap((object) => object.corners), ...(this.scene.path || [])]) {
+    for (const corner of taken.flatMap((object) => object.corners)) {
       const p = sub(corner, this.target);
       const aside = Math.max(Math.abs(dot(p, this.right)) / w, Math.abs(dot(p, this.down)) / h);
       distance = Math.max(distance, aside * this.focal - dot(p, this.forward));
@@ -98,6 +101,7 @@ class Viewer {
       this.canvas.height = height;
       this.depth = new Float32Array(width * height);
       this.owner = new Int16Array(width * height);
+      this.shine = new Float32Array(width * height);
     }
     const style = getComputedStyle(this.canvas);
     this.paper = style.backgroundColor.match(/\d+/g).slice(0, 3).map(Number);
@@ -108,7 +112,7 @@ class Viewer {
     context.clearRect(0, 0, width, height);
     this.depth.fill(Infinity);
     this.owner.fill(-1);
-    if (this.show.clouds) this.drawClouds(context, width, height);
+    if (this.show.surfaces) this.drawClouds(context, width, height);
     if (this.show.hulls) this.drawHulls(context);
     if (this.show.relations) this.drawRelations(context);
     if (this.show.path && this.scene.path) this.drawPath(context);
@@ -117,23 +121,31 @@ class Viewer {
 
   dimmed(index) { return this.lit.size > 0 && !this.lit.has(index); }
 
+  // Every point is a disc that lies in the surface: together they are the surface, lit and with its own depth.
   drawClouds(context, width, height) {
-    const { depth, owner, eye, right, down, forward, focal } = this;
+    const { depth, owner, shine, eye, right, down, forward, focal } = this;
+    const lamp = unit(add(add(forward.map((v) => -v), this.up, 0.9), right, -0.5));
     this.scene.objects.forEach((object, index) => {
-      const points = this.clouds[index], size = Math.max(object.spacing * 1.9, 0.0006);
-      const largest = (object.fixed ? 5 : 12) * this.scale;
+      const points = this.clouds[index], normals = this.normals[index], radius = Math.max(object.spacing * 1.15, 0.0008);
       for (let i = 0; i < points.length; i += 3) {
         const x = points[i] - eye[0], y = points[i + 1] - eye[1], z = points[i + 2] - eye[2];
         const w = x * forward[0] + y * forward[1] + z * forward[2];
         if (w < this.distance * 0.02) continue;
-        const s = focal / w, half = Math.max(1, Math.min(largest, s * size)) / 2;
+        const n = [normals[i] / 127, normals[i + 1] / 127, normals[i + 2] / 127], s = focal / w;
+        const bright = (0.5 + 0.55 * Math.abs(dot(n, lamp))) * (i < 3 * object.seen ? 1 : -1); // below 0: guessed
+        const facing = dot(n, forward), steep = (facing < 0 ? -1 : 1) * Math.max(Math.abs(facing), 0.3) * s;
+        const across = -dot(n, right) / steep, along = -dot(n, down) / steep; // depth per pixel
+        const half = Math.max(0.8, s * radius), reach = half * half;
         const u = width / 2 + s * (x * right[0] + y * right[1] + z * right[2]);
         const v = height / 2 + s * (x * down[0] + y * down[1] + z * down[2]);
-        const u0 = Math.max(0, Math.round(u - half)), u1 = Math.min(width, Math.round(u + half));
-        const v0 = Math.max(0, Math.round(v - half)), v1 = Math.min(height, Math.round(v + half));
-        for (let row = v0; row < v1; row++) {
-          for (let k = row * width + u0; k < row * width + u1; k++) {
-            if (w < depth[k]) { depth[k] = w; owner[k] = index; }
+        const u0 = Math.max(0, Math.ceil(u - half)), u1 = Math.min(width - 1, Math.floor(u + half));
+        const v0 = Math.max(0, Math.ceil(v - half)), v1 = Math.min(height - 1, Math.floor(v + half));
+        for (let row = v0; row <= v1; row++) {
+          for (let column = u0; column <= u1; column++) {
+            const dx = column - u, dy = row - v, k = row * width + column;
+            if (dx * dx + dy * dy > reach) continue;
+            const far = w + across * dx + along * dy;
+            if (far < depth[k]) { depth[k] = far; owner[k] = index; shine[k] = bright; }
           }
         }
       }
@@ -141,27 +153,28 @@ class Viewer {
     this.shade(context, width, height);
   }
 
-  // Darkens a pixel by how far its neighbours stand in front of it: edges and folds become visible
-  // without any normals.
+  // Colours each pixel by its object and light, darker where a neighbour stands in front of it, so that edges are
+  // seen; hatched where the surface is guessed.
   shade(context, width, height) {
-    const { depth, owner, paper } = this;
+    const { depth, owner, shine, paper } = this;
     const image = context.createImageData(width, height);
-    const strength = 14 / this.scene.radius, reach = Math.max(1, Math.round(1.5 * this.scale));
+    const strength = 10 / this.scene.radius, reach = Math.max(1, Math.round(this.scale)), stripe = Math.round(4 * this.scale);
     const steps = [-reach, reach, -reach * width, reach * width];
     for (let k = 0; k < depth.length; k++) {
       const index = owner[k];
       if (index < 0) continue;
-      let fold = 0;
       const { fixed, spacing } = this.scene.objects[index];
-      const slack = fixed ? Infinity : 1.5 * spacing; // dots stand in steps on a slanted surface
-      for (const step of steps) {
-        const beside = depth[k + step];
-        if (beside < depth[k] - slack) fold += Math.min(depth[k] - beside - slack, 0.03);
+      let fold = 0;
+      if (!fixed) for (const step of steps) {
+        const ahead = depth[k] - depth[k + step] - 2 * spacing;
+        if (ahead > 0) fold += Math.min(ahead, 0.03);
       }
-      const light = Math.max(0.45, 1.08 - fold * strength), colour = this.colours[index];
-      const faint = this.dimmed(index) ? 0.78 : fixed ? 0.6 : 0;
+      const guessed = shine[k] < 0, colour = this.colours[index];
+      const bright = Math.max(0.4, Math.abs(shine[k]) - fold * strength);
+      const hatched = guessed && Math.floor(((k % width) + Math.floor(k / width)) / stripe) % 2 === 0;
+      const faint = this.dimmed(index) ? 0.78 : fixed ? 0.7 : guessed ? (hatched ? 0.72 : 0.3) : 0;
       for (let c = 0; c < 3; c++) {
-        const value = Math.min(255, colour[c] * light);
+        const value = Math.min(255, colour[c] * bright);
         image.data[4 * k + c] = value + (paper[c] - value) * faint;
       }
       image.data[4 * k + 3] = 255;
@@ -248,10 +261,10 @@ class Viewer {
     labels.sort((a, b) => this.lit.has(b.index) - this.lit.has(a.index) || (a.at ? a.at[2] : 1e9) - (b.at ? b.at[2] : 1e9));
     for (const { object, index, at } of labels) {
       if (!at || this.dimmed(index) || (object.fixed && !this.lit.has(index))) continue;
-      const place = this.show.order && this.scene.places ? this.scene.places[index] : 0;
+      const place = this.show.order && this.scene.places ? this.scene.places[index] : 0, number = place ? ordinal(place) : "";
       const name = object.name.length > 24 ? object.name.slice(0, 23) + "…" : object.name;
       const text = this.show.names ? name : "", pad = 5 * this.scale, h = size + 6 * this.scale;
-      const badge = place ? Math.max(h, context.measureText(place).width + 2 * pad) : 3 * this.scale;
+      const badge = place ? Math.max(h, context.measureText(number).width + 2 * pad) : 3 * this.scale;
       if (!text && !place) continue;
       const w = badge + (text ? context.measureText(text).width + 2 * pad : 0);
       const box = [at[0] - w / 2, at[1] - h, w, h];
@@ -264,8 +277,8 @@ class Viewer {
       context.fillStyle = this.ink;
       context.fillText(text, box[0] + badge + pad, at[1] - h / 2 + 0.5);
       if (!place) continue;
-      context.fillStyle = "#fff";
-      context.fillText(place, box[0] + (badge - context.measureText(place).width) / 2, at[1] - h / 2 + 0.5);
+      context.fillStyle = object.ink;
+      context.fillText(number, box[0] + (badge - context.measureText(number).width) / 2, at[1] - h / 2 + 0.5);
     }
   }
 
@@ -279,7 +292,7 @@ class Viewer {
   under(event) {
     const box = this.canvas.getBoundingClientRect();
     const u = Math.floor((event.clientX - box.left) * this.scale), v = Math.floor((event.clientY - box.top) * this.scale);
-    return this.show.clouds && this.owner ? this.owner[v * this.canvas.width + u] ?? -1 : -1;
+    return this.show.surfaces && this.owner ? this.owner[v * this.canvas.width + u] ?? -1 : -1;
   }
 
   turn(dx, dy) {

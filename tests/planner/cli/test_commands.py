@@ -251,11 +251,11 @@ def test_every_command_takes_the_common_options(command: str, capsys: pytest.Cap
         assert option in out
 
 
-def test_without_a_command_the_help_goes_to_stderr() -> None:
+def test_without_a_command_it_says_where_to_begin() -> None:
     done = _topple()
-    assert done.returncode == 2
-    assert done.stdout == ""
-    assert "usage: topple" in done.stderr
+    assert done.returncode == 0
+    assert "topple demo" in done.stdout
+    assert done.stderr == ""
 
 
 def test_the_process_leaves_with_the_exit_code(stack: Path) -> None:

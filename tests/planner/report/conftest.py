@@ -6,6 +6,7 @@ import pytest
 from topple.planner.formats.run_record import RunRecord, StepRecord
 from topple.planner.pictures import picture
 from topple.planner.planning.order import order
+from topple.topology.image import DepthImage
 from topple.topology.rule.relate import relate
 from topple.topology.scene import Scene
 
@@ -32,10 +33,32 @@ def stack_scene(names=("crate", "tin", NASTY), up=(0, 0, 1)):
 
 
 @pytest.fixture(scope="session")
+def half_seen():
+    """A box on a table of which one camera saw the top and the side towards it."""
+    box = box_cloud((0, 0, 0.05), (0.1, 0.1, 0.1), 6000)
+    seen = box[(box[:, 0] < -0.049) | (box[:, 2] > 0.099)]
+    table = box_cloud((0, 0, -0.01), (0.8, 0.8, 0.02), 4000, 9)
+    return Scene({"table": table, "box": seen}, fixed=["table"], up=[0, 0, 1], viewpoints=[[-0.8, 0, 0.6]])
+
+
+@pytest.fixture(scope="session")
 def stack():
     scene = stack_scene()
     relations = relate(scene)
     return scene, relations, order(scene, ["crate"], relations=relations)
+
+
+@pytest.fixture(scope="session")
+def photographed():
+    """A scene of one photo: two boxes side by side on a table, the labels of both bare numbers."""
+    depth, label = np.full((120, 160), 0.9), np.full((120, 160), 9)
+    for number, columns in ((1, slice(30, 70)), (2, slice(80, 120))):
+        depth[40:80, columns], label[40:80, columns] = 0.82, number
+    rgb = np.random.default_rng(0).integers(90, 160, (120, 160, 3)).astype(np.uint8)
+    K = np.array([[150.0, 0, 80], [0, 150.0, 60], [0, 0, 1]])
+    scene = Scene.from_images([DepthImage(depth, K, label, rgb=rgb)], fixed=["9"])
+    relations = relate(scene)
+    return scene, relations, order(scene, relations=relations)
 
 
 @pytest.fixture(scope="session")

@@ -55,6 +55,13 @@ def open_page(browser, tmp_path):
     assert [url for url in fetched if not url.startswith(("file:", "data:"))] == []
 
 
+GRAVE = ("serious", "critical")
+SMALLEST = """() => Math.min(...[...document.querySelectorAll("body *")]
+  .filter((e) => e.checkVisibility())
+  .filter((e) => [...e.childNodes].some((n) => n.nodeType === 3 && n.textContent.trim()))
+  .map((e) => parseFloat(getComputedStyle(e).fontSize)))"""
+
+
 def settle(page):
     """Waits until the view has drawn what it was asked to."""
     page.evaluate("() => new Promise((done) => requestAnimationFrame(() => requestAnimationFrame(done)))")
@@ -107,9 +114,10 @@ def test_every_switch_changes_the_picture(open_page, stack):
     page = open_page(show_page(*stack))
     before = pixels(page)
     for box in page.locator(".switches input").all():
-        box.uncheck()
+        on = box.is_checked()
+        box.set_checked(not on)
         assert pixels(page) != before, box.get_attribute("data-show")
-        box.check()
+        box.set_checked(on)
     assert pixels(page) == before
 
 
@@ -162,6 +170,35 @@ def test_the_steps_of_a_run_turn_by_mark_button_and_key(open_page, run_record):
     assert shown() == [1]
     page.keyboard.press("Home")
     assert shown() == [0]
+
+
+@pytest.mark.parametrize("width", [1300, 400])
+@pytest.mark.parametrize("colours", ["light", "dark"])
+def test_pages_are_readable_at_every_width_and_in_the_dark(
+    open_page, photographed, stack, run_record, width, colours
+):
+    for html in (show_page(*photographed), show_page(*stack), run_page(run_record)):
+        page = open_page(html)
+        page.set_viewport_size({"width": width, "height": 900})
+        page.emulate_media(color_scheme=colours)
+        for details in page.locator("details").all():
+            details.evaluate("(e) => { e.open = true; }")
+        settle(page)
+        assert page.evaluate("document.documentElement.scrollWidth") <= width
+        assert page.evaluate(SMALLEST) >= 12
+        axe = pytest.importorskip("axe_playwright_python.sync_playwright", reason="axe is not installed")
+        found = axe.Axe().run(page).response["violations"]
+        worst = [(rule["id"], rule["nodes"][0]["html"]) for rule in found if rule["impact"] in GRAVE]
+        assert worst == []
+
+
+def test_the_evidence_column_is_in_sight(open_page, photographed):
+    for width in (1300, 400):
+        page = open_page(show_page(*photographed))
+        page.set_viewport_size({"width": width, "height": 900})
+        settle(page)
+        edge = page.locator("td.evidence").first.bounding_box()
+        assert edge["x"] + edge["width"] <= width
 
 
 def test_no_order_and_dark_colours(open_page, browser, stack):

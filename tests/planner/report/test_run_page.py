@@ -6,11 +6,13 @@ import numpy as np
 import pytest
 from PIL import Image
 
+from topple.planner.execution.look import unexpected
 from topple.planner.formats.run_record import RunRecord, StepRecord
 from topple.planner.pictures import picture
 from topple.planner.report.run_page import run_page
-from topple.planner.report.tables import relation_changes
+from topple.planner.report.tables import Change, relation_changes
 from topple.topology.errors import InvalidInput
+from topple.topology.rule.relate import relate
 
 
 def test_every_step_has_a_section_and_a_mark_on_the_timeline(run_record):
@@ -37,14 +39,27 @@ def test_what_moved_too_far_is_marked(run_record):
 
 
 def test_differences_from_the_prediction_are_listed_whatever_the_orientation():
-    def relations(a, b, relation):
-        return {"relations": [{"a": a, "b": b, "relation": relation}]}
+    def relations(a, b, relation, observed=True):
+        return {"relations": [{"a": a, "b": b, "relation": relation, "observed": observed}]}
 
     assert relation_changes(relations("a", "b", "within"), relations("b", "a", "contain")) == []
     changes = relation_changes(relations("a", "b", "touch"), relations("b", "a", "disjoint"))
-    assert changes == [("a", "b", "touch", "disjoint")]
+    assert changes == [Change("a", "b", "touch", "disjoint", counts=True)]
+    unsure = relation_changes(relations("a", "b", "touch"), relations("b", "a", "disjoint", observed=False))
+    assert unsure == [Change("a", "b", "touch", "disjoint", counts=False)]
+    kind = relation_changes(relations("a", "b", "touch"), relations("a", "b", "within"))
+    assert kind == [Change("a", "b", "touch", "within", counts=False)]
     gone = relation_changes(relations("a", "b", "touch"), {"relations": []})
-    assert gone == [("a", "b", "touch", "not seen")]
+    assert gone == [Change("a", "b", "touch", "not seen", counts=True)]
+
+
+def test_the_page_and_the_loop_call_the_same_differences_contradictions(stack):
+    scene, relations, _ = stack
+    moved = scene.with_cloud("beside", scene.clouds["beside"] + (0, 0, 0.1))
+    observed = relate(moved).with_relation("crate", "tin", "partial within")
+    changes = relation_changes(relations.to_json(), observed.to_json())
+    counted = [change for change in changes if change.counts]
+    assert len(changes) > len(counted) == len(unexpected(relations, observed)) > 0
 
 
 def test_a_run_without_steps_pictures_or_scenes_has_a_page():

@@ -1,3 +1,4 @@
+import base64
 import io
 import json
 import re
@@ -6,9 +7,13 @@ from html.parser import HTMLParser
 import numpy as np
 import pytest
 from PIL import Image
+from scipy.spatial import KDTree
 
+from topple.planner.report.drawing import Drawing
 from topple.planner.report.figure import show_picture
+from topple.planner.report.limits import LIMITS
 from topple.planner.report.show import show_page
+from topple.topology.geometry.thin import voxel_means
 from topple.topology.rule.relate import relate
 from topple.topology.scene import Scene
 
@@ -61,14 +66,14 @@ def test_names_are_escaped_and_still_shown_whole(stack):
 
 
 def test_points_come_back_within_the_step_of_their_packing(stack):
-    import base64
-
     scene = stack[0]
     view = data_of(show_page(*stack))["views"][0]
     drawn = view["objects"][scene.names.index("tin")]
     steps = np.frombuffer(base64.b64decode(drawn["points"]), dtype="<u2").reshape(-1, 3)
     points = steps * drawn["step"] + drawn["lower"]
-    assert np.allclose(points, scene.clouds["tin"], atol=drawn["step"])
+    averaged = voxel_means(scene.clouds["tin"], LIMITS.finest)
+    assert np.allclose(points, averaged, atol=drawn["step"])
+    assert drawn["seen"] == len(points)
 
 
 def test_every_relation_that_is_not_disjoint_has_a_line(stack):
@@ -132,6 +137,24 @@ def test_degenerate_clouds_can_be_drawn(cloud):
     pair = {"a": "odd", "b": "other", "relation": "disjoint", "gap": 0.1, "observed": True}
     assert Page(show_page(scene, {"relations": [pair]}, None)).open == []
     assert show_picture(scene, {"relations": [pair]}, None)
+
+
+def test_the_photo_names_every_mask_and_its_place_in_the_order(photographed):
+    scene, _, found = photographed
+    page = show_page(*photographed)
+    assert page.count('class="chip"') == len(scene.movable) == 2
+    for place, name in zip(("1st", "2nd"), found.order, strict=True):
+        assert re.search(rf">{place}</b><span>{name}</span>", page)
+    picture = base64.b64decode(re.search(r'src="data:image/jpeg;base64,([^"]+)"', page).group(1))
+    assert Image.open(io.BytesIO(picture)).width < scene.images[0].rgb.shape[1]
+
+
+def test_a_guessed_side_is_drawn_as_such(half_seen):
+    drawn = Drawing.of(half_seen).objects[1]
+    away = KDTree(half_seen.clouds["box"]).query(drawn.points)[0]
+    assert away[: drawn.seen].max() < LIMITS.guessed
+    assert len(away) > drawn.seen + 100 and away[drawn.seen :].max() > 0.05
+    assert "Hatched" in show_page(half_seen, {"relations": []}, None)
 
 
 def test_the_picture_shows_each_object_in_its_colour(stack):

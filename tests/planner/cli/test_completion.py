@@ -1,0 +1,82 @@
+"""Completion in the shells themselves, and what `topple` says when it is called with nothing."""
+
+import shutil
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+from topple.planner.cli.completion import SHELLS
+from topple.planner.cli.main import COMMANDS, main
+from topple.robots.scenarios import SCENARIOS
+
+ASKED = {  # the words typed so far, the last one to be completed -> some of what has to be offered
+    "or": {"order"},
+    "order --t": {"--target"},
+    "plan --robot p": {"panda", "panda-suction"},
+    "demo ": {"dishes", "lemon", "tower"},
+    "export --to b": {"bt"},
+}
+
+
+@pytest.fixture(scope="module")
+def scripts(tmp_path_factory):
+    folder = tmp_path_factory.mktemp("completion")
+    for shell in SHELLS:
+        topple = Path(sys.executable).with_name("topple")
+        done = subprocess.run([topple, "--completion", shell], capture_output=True, text=True, check=True)
+        (folder / shell).write_text(done.stdout, encoding="utf-8")
+    return folder
+
+
+def offered(shell, script, typed):
+    """What a shell offers after `topple `."""
+    words = typed.split(" ")
+    asks = {
+        "bash": f"source {script}; COMP_WORDS=(topple {' '.join(words[:-1])} '{words[-1]}'); "
+        f"COMP_CWORD={len(words)}; _topple; printf '%s\\n' \"${{COMPREPLY[@]}}\"",
+        "zsh": "compdef() { }; _files() { }; compadd() { [[ $1 == -- ]] && shift; print -l -- $@ }; "
+        "_describe() { print -l -- ${${(P)2}%%:*} }; " + f"source {script}; words=(topple {typed}); "
+        f"(( $#words == {len(words)} )) && words+=('' ); CURRENT={len(words) + 1}; _topple",
+        "fish": f"source {script}; complete --do-complete 'topple {typed}'",
+    }
+    flags = {"fish": ["--no-config"], "zsh": ["-f"], "bash": ["--norc"]}[shell]
+    done = subprocess.run([shell, *flags, "-c", asks[shell]], capture_output=True, text=True, timeout=30)
+    assert done.stderr == ""
+    return {line.split("\t")[0] for line in done.stdout.splitlines()}
+
+
+@pytest.mark.parametrize("shell", SHELLS)
+def test_a_shell_offers_what_can_follow(shell, scripts):
+    if shutil.which(shell) is None:
+        pytest.skip(f"no {shell} here")
+    for typed, wanted in ASKED.items():
+        assert wanted <= offered(shell, scripts / shell, typed), typed
+
+
+def test_bash_offers_every_command(scripts):
+    assert set(COMMANDS) <= offered("bash", scripts / "bash", "")
+
+
+def test_topple_alone_says_what_most_people_want(capsys):
+    assert main([]) == 0
+    printed = capsys.readouterr().out
+    assert [line.split()[1] for line in printed.splitlines() if line.startswith("  topple")] == [
+        "demo",
+        "order",
+        "show",
+    ]
+
+
+def test_another_shell_is_refused_in_one_line(capsys):
+    assert main(["--completion", "tcsh"]) == 2
+    assert len(capsys.readouterr().err.strip().splitlines()) == 1
+
+
+def test_completion_needs_no_simulation_and_knows_every_demo():
+    code = "import sys; sys.modules.update(pybullet=None, pybullet_data=None)\n"
+    code += "from topple.planner.cli.main import main; sys.exit(main(['--completion', 'bash']))"
+    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True)
+    assert done.returncode == 0, done.stderr
+    assert f'words="{" ".join(SCENARIOS)}"' in done.stdout
