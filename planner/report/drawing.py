@@ -11,11 +11,11 @@ from scipy.spatial import KDTree
 from topple.planner.report.limits import LIMITS
 from topple.planner.report.palette import Colour, css, ink_on, object_colours
 from topple.topology.arrays import FloatArray, IntArray
+from topple.topology.bodies.surfaces import whole_surfaces
 from topple.topology.geometry.hull import Hull
 from topple.topology.geometry.normals import patch_planes
 from topple.topology.geometry.thin import voxel_means
 from topple.topology.scene import Scene
-from topple.topology.bodies.surfaces import whole_surfaces
 
 
 @dataclass(frozen=True, eq=False)

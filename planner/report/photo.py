@@ -51,7 +51,8 @@ def photo(
             continue
         mask, colour = label == number, np.array(colours[name], dtype=np.float64)
         pixels[mask] += (colour - pixels[mask]) * _TINT
-        pixels[mask & ~binary_erosion(mask, iterations=_LINE, border_value=1)] = colour
+        inside = np.asarray(binary_erosion(mask, iterations=_LINE, border_value=1), dtype=np.bool_)
+        pixels[mask & ~inside] = colour
         depth = np.asarray(distance_transform_edt(np.pad(mask, 1)))[1:-1, 1:-1]
         y, x = np.unravel_index(int(np.argmax(depth)), label.shape)
         at = _clear((100 * float(x) / width, 100 * float(y) / height), taken)

@@ -130,3 +130,15 @@ def test_the_first_order_found_is_taken_where_there_are_too_many() -> None:
     placed = [frozenset(str(unit) for unit in found.path[: k + 1]) for k in range(8)]
     held = [frozenset(n for n, (a, b) in found.held.items() if a <= k < b) for k in range(8)]
     assert not any(falling(there, still) for there, still in zip(placed, held, strict=True))
+
+
+def test_one_thing_is_held_that_steadies_two() -> None:
+    def falling(placed: Names, held: Names) -> Names:
+        if "last" in placed or "post" in held:
+            return frozenset()
+        return (placed & {"left", "right"}) - held
+
+    units = [("post",), ("left",), ("right",), ("last",)]
+    before = [frozenset[int](), frozenset({0}), frozenset({0}), frozenset({1, 2})]
+    found = fewest_holds(units, before, falling, nx.star_graph(["post", "left", "right", "last"]))
+    assert found.held == {"post": (1, 3)}
