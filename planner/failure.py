@@ -81,13 +81,13 @@ class TransferFailure:
     barring: Mapping[str, int] = field(default_factory=dict[str, int])
 
     def __str__(self) -> str:
-        """One sentence: what bars the try that got furthest, and what would help."""
+        """One sentence: what bars the try that got furthest, what most others fail of, what would help."""
         return "; ".join(filter(None, (f"cannot move {self.object}: {self._obstacle()}", self._help())))
 
     def _obstacle(self) -> str:
-        if self.furthest is None or self.furthest.check is Check.ROOM:  # one for the jaw, one for the cup
-            return " and ".join(list(self.reasons)[:TOLD]) or "nothing was tried"
-        return self.furthest.text
+        got = self.furthest
+        first = () if got is None or got.check is Check.ROOM else (got.text,)  # of no room the commonest
+        return ", and ".join(list(dict.fromkeys((*first, *self.reasons)))[:TOLD]) or "nothing was tried"
 
     def _help(self) -> str:
         if self.blocking:

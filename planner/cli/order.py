@@ -107,8 +107,8 @@ def execute(args: argparse.Namespace) -> int:
         relating = partial(relating or relate, most_objects=args.max_objects)
     arm = arm_of(args) if args.robot else None
     options = {"seed": args.seed, "verify": args.verify, "budget": args.budget, "robot": arm}
-    reading = Reading.of(args)
     scene_paths(args)  # which may be among the names of --fixed and --target
+    reading = Reading.of(args)
     ask: _Ask = partial(_ordered, args.target, args.next_view, options)
     if args.build:
         ask = _built

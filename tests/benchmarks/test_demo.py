@@ -55,7 +55,7 @@ def test_the_bench_counts_from_the_journal_of_runs_and_writes_what_the_demo_tell
     assert document["scenes"]["sort"] == {"played": [7], "reached": [7], "default": 7}
 
 
-@pytest.mark.parametrize("name", SCENARIOS)
+@pytest.mark.parametrize("name", list(SCENARIOS))
 def test_every_demo_has_a_count_and_plays_a_seed_that_succeeded(name: str) -> None:
     count = counted(name)
     assert count is not None
