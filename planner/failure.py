@@ -127,15 +127,21 @@ class FailureLog:
         for name in pair or ():
             if name in self.objects:
                 self.barring[name] += 1
-        if self.further(step, q is not None):
+        if self.further(step, q is not None, check):
             self.furthest = FailedCheck(step, check, text, None if q is None else np.array(q), pair)
 
-    def further(self, step: str, stands: bool) -> bool:
-        """Whether what a step failed of says more than the furthest so far; `stands`: with joint values."""
+    def further(self, step: str, stands: bool, check: Check | None = None) -> bool:
+        """Whether what a step failed of says more than the furthest so far.
+
+        Of one step, what fails with joint values got further than what fails without; and a place where the
+        object would not stay was found to have room for both.
+        """
         if self.furthest is None:
             return True
         ahead = STEPS.index(step) - STEPS.index(self.furthest.step)
-        return ahead > 0 or (ahead == 0 and stands and self.furthest.q is None)
+        least = self.furthest.check is Check.STAND or self.furthest.q is not None
+        falls = check is Check.STAND and self.furthest.check is not Check.STAND
+        return ahead > 0 or (ahead == 0 and (falls or (stands and not least)))
 
     def failure(self, name: str) -> TransferFailure:
         """The certificate that says that an object cannot be moved."""

@@ -157,6 +157,7 @@ def test_a_file_is_read_back_equal_one_item_a_line(tmp_path: Path) -> None:
     assert sum('"what"' in line for line in kept.text().splitlines()) == 2
 
 
+@pytest.mark.slow
 def test_a_changed_order_is_told_and_not_written_without_a_raised_version(
     one_pile: None, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:

@@ -78,7 +78,9 @@ def test_nothing_contradicts_the_relations(laid: Scene) -> None:
 
 
 @pytest.mark.skipif(not PILES.is_dir(), reason="recorded piles are not here")
-@pytest.mark.parametrize("view", ["full", "view1", "view3"])
+@pytest.mark.parametrize(
+    "view", ["full", *(pytest.param(one, marks=pytest.mark.slow) for one in ("view1", "view3"))]
+)
 def test_nothing_contradicts_the_relations_of_recorded_piles(view: str) -> None:
     from topple.benchmarks.recorded import recorded_piles
 
