@@ -9,7 +9,17 @@ from importlib.metadata import version
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
-    from topple.planner import NoSafePlan, Order, build_order, order, plan, rank_grasps, rearrange, run
+    from topple.planner import (
+        NoSafePlan,
+        Order,
+        build_order,
+        next_view,
+        order,
+        plan,
+        rank_grasps,
+        rearrange,
+        run,
+    )
     from topple.robots import robot, scene_from_world
     from topple.topology import InvalidInput, Scene, ToppleError, load_scene, relate
 
@@ -24,6 +34,7 @@ __all__ = [
     "__version__",
     "build_order",
     "load_scene",
+    "next_view",
     "order",
     "plan",
     "rank_grasps",
@@ -37,7 +48,17 @@ __all__ = [
 _PACKAGE_OF = {
     "topology": ("InvalidInput", "Scene", "ToppleError", "load_scene", "relate"),
     "robots": ("robot", "scene_from_world"),
-    "planner": ("NoSafePlan", "Order", "build_order", "order", "plan", "rank_grasps", "rearrange", "run"),
+    "planner": (
+        "NoSafePlan",
+        "Order",
+        "build_order",
+        "next_view",
+        "order",
+        "plan",
+        "rank_grasps",
+        "rearrange",
+        "run",
+    ),
 }
 
 
