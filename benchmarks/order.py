@@ -101,8 +101,9 @@ def rows(
         cases = list(recorded_piles(piles))[: extent.piles if quick else None]
     else:
         cases = [_case(seed, number, extent, progress) for number in range(extent.piles)]
-        progress("a second view")
-        found.append(_second_view(cases))
+        if 1 in extent.views:
+            progress("a second view")
+            found.append(_second_view(cases))
     for view in extent.views:
         progress(f"{VIEWS[view]}: default and baselines")
         found += _view(cases, view)
