@@ -12,9 +12,9 @@ from topple.planner.placement.resting import PLACEMENT_TOLERANCES
 from topple.planner.placement.tolerances import DISTANCES, FOOT, HOVER, STEP
 from topple.robots.arm.arm import Arm
 from topple.topology.arrays import FloatArray
-from topple.topology.bodies.solids import level_axes
 from topple.topology.bodies.tops import lowest_in_use, tops_of
 from topple.topology.errors import ToppleError
+from topple.topology.geometry.axes import level_axes
 from topple.topology.geometry.samples import voxel_means
 from topple.topology.scene import Scene
 from topple.topology.situation import Situation

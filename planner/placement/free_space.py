@@ -10,8 +10,8 @@ from scipy.spatial import ConvexHull, QhullError
 from topple.planner.placement.resting import PLACEMENT_TOLERANCES, PlacementTolerances
 from topple.planner.placement.tolerances import SKIN
 from topple.topology.arrays import BoolArray, FloatArray, IntArray
-from topple.topology.bodies.solids import level_axes
 from topple.topology.bodies.tops import Top, tops_of
+from topple.topology.geometry.axes import level_axes
 from topple.topology.situation import Situation
 
 

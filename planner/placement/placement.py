@@ -16,8 +16,8 @@ from topple.planner.placement.resting import (
 )
 from topple.planner.placement.tolerances import BARRING, PLACEMENT_SPARE
 from topple.topology.arrays import BoolArray, FloatArray, frozen
-from topple.topology.bodies.solids import level_axes
 from topple.topology.errors import UnknownObject
+from topple.topology.geometry.axes import level_axes
 from topple.topology.geometry.samples import voxel_means
 from topple.topology.scene import Scene
 from topple.topology.situation import Situation

@@ -17,7 +17,7 @@ from topple.planner.placement.stacking import inset
 from topple.planner.placement.tolerances import PROOF_SPARE, SHIFT, TURN
 from topple.robots.poses import angle_between
 from topple.topology.arrays import FloatArray
-from topple.topology.bodies.solids import level_axes
+from topple.topology.geometry.axes import level_axes
 from topple.topology.situation import Situation
 
 

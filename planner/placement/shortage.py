@@ -7,8 +7,8 @@ from topple.planner.placement.placement import Placement, placements
 from topple.planner.placement.resting import PLACEMENT_TOLERANCES
 from topple.robots.arm.arm import Arm
 from topple.topology.arrays import FloatArray
-from topple.topology.bodies.solids import level_axes
 from topple.topology.bodies.tops import tops_of
+from topple.topology.geometry.axes import level_axes
 from topple.topology.situation import Situation
 
 

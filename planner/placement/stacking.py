@@ -17,9 +17,10 @@ from topple.planner.placement.resting import (
 )
 from topple.planner.placement.tolerances import CELL, CONTACT, HEADINGS, INSET, SPOT
 from topple.topology.arrays import FloatArray, IntArray
-from topple.topology.bodies.solids import hull_vertices, level_axes
+from topple.topology.bodies.solids import hull_vertices
 from topple.topology.bodies.tops import tops_of
 from topple.topology.errors import UnknownObject
+from topple.topology.geometry.axes import level_axes
 from topple.topology.geometry.samples import centre_of_mass, sampled, voxel_means
 from topple.topology.scene import Scene
 from topple.topology.situation import Situation

@@ -21,6 +21,7 @@ from topple.topology.bodies.tolerances import (
 )
 from topple.topology.bodies.tops import Top, tops_of
 from topple.topology.errors import InvalidInput
+from topple.topology.geometry.axes import level_axes
 from topple.topology.geometry.samples import voxel_means
 from topple.topology.scene import Scene
 
@@ -242,21 +243,6 @@ def hull_vertices(points: FloatArray) -> FloatArray:
         return points[ConvexHull(along[:, :rank]).vertices]
     except QhullError:
         return points
-
-
-def level_axes(up: FloatArray) -> tuple[FloatArray, FloatArray]:
-    """Two unit vectors that span the level plane.
-
-    Args:
-        up: (3,) unit vector.
-
-    Returns:
-        x and y with x cross y = up; the world's x and y where up is its z.
-    """
-    y = np.array([0.0, 1.0, 0.0]) if abs(up[1]) < 0.9 else np.array([0.0, 0.0, 1.0])
-    x = np.cross(y, up)
-    x /= np.linalg.norm(x)
-    return x, np.cross(up, x)
 
 
 def moved(parts: Sequence[FloatArray], pose: FloatArray) -> tuple[FloatArray, ...]:

@@ -51,7 +51,7 @@ def cell_of(space: FreeSpace, x: float, y: float) -> tuple[int, int]:
 
 
 def level(space: FreeSpace) -> FloatArray:
-    from topple.topology.bodies.solids import level_axes
+    from topple.topology.geometry.axes import level_axes
 
     return np.stack(level_axes(space.normal))
 
