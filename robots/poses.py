@@ -32,3 +32,27 @@ def inverse(pose: FloatArray) -> FloatArray:
 def angle_between(a: FloatArray, b: FloatArray) -> float:
     """Angle in [rad] of the rotation from pose a to pose b, both (4, 4)."""
     return float(Rotation.from_matrix(a[:3, :3].T @ b[:3, :3]).magnitude())
+
+
+def looking_at(
+    eye: Sequence[float] | FloatArray,
+    target: Sequence[float] | FloatArray,
+    up: Sequence[float] | FloatArray = (0.0, 0.0, 1.0),
+) -> FloatArray:
+    """(4, 4) pose of a camera at a place that looks at another one: x right, y down, z forward.
+
+    Args:
+        eye: (3,) where it is [m].
+        target: (3,) what is in the middle of its picture [m], another place.
+        up: (3,) what points up in the picture; another direction is taken if it is the viewing direction.
+    """
+    forward = np.subtract(target, eye)
+    forward = forward / np.linalg.norm(forward)
+    right = np.cross(forward, up)
+    if np.linalg.norm(right) < 1e-3:
+        right = np.cross(forward, [0.0, 1.0, 0.0] if abs(forward[1]) < 0.9 else [1.0, 0.0, 0.0])
+    right /= np.linalg.norm(right)
+    pose = np.eye(4)
+    pose[:3, :3] = np.stack([right, np.cross(forward, right), forward], axis=1)
+    pose[:3, 3] = eye
+    return pose

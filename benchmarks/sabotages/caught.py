@@ -9,7 +9,7 @@ from functools import cache
 import numpy as np
 
 from topple.benchmarks.row import Progress
-from topple.benchmarks.sabotages import OTHER_SCENES, SPOILT, UNREADABLE
+from topple.benchmarks.sabotages.catalogue import OTHER_SCENES, SPOILT, UNREADABLE
 from topple.planner.formats.plan_format import Plan, plan_from_json, plan_to_json
 from topple.planner.planning.plan import plan
 from topple.planner.verify import verify

@@ -4,8 +4,6 @@ Nothing here asks for a relation or a support as `topple.topology` decides them:
 planned it.
 """
 
-from collections.abc import Iterable
-
 import networkx as nx
 import numpy as np
 
@@ -65,12 +63,9 @@ class _Now:
     def _weight(self, name: str) -> float:
         return self._world.body(name).mass * self._world.physics.gravity
 
-    def _names(self, names: Iterable[str]) -> list[str]:
-        return [name for name in names if name in self._corners]
-
     def attained(self, place: Place) -> bool:
         """Whether a thing is where it shall be."""
-        if len(self._names((place.object, place.where))) < 2:
+        if not {place.object, place.where} <= self._corners.keys():
             return False
         if self.within(place.object, place.where):
             return True  # what is in a plate's rim is on the plate, too

@@ -12,7 +12,8 @@ from topple.planner.execution.monitor import Verdict
 from topple.planner.tolerances import DISTURBED, TURNED
 from topple.planner.transfer.transfer import Transfer
 from topple.robots.poses import angle_between
-from topple.robots.world.simulated_arm import SimulatedArm, Touch
+from topple.robots.world.simulated_arm import SimulatedArm
+from topple.robots.world.touch import Touch
 from topple.topology.arrays import FloatArray
 
 

@@ -10,7 +10,7 @@ from topple.planner.execution.associate import associated, middle, seen_through
 from topple.planner.execution.frames import Eye, Frames
 from topple.planner.execution.masks import misnamed, renamed
 from topple.planner.execution.tolerances import COARSE, FINE, GONE, MOVED, THERE
-from topple.planner.pictures import picture
+from topple.planner.formats.pictures import picture
 from topple.robots.world.world import World
 from topple.topology.arrays import FloatArray
 from topple.topology.bodies.solids import up_of

@@ -20,9 +20,9 @@ from topple.planner.planning.tolerances import (
     STANDOFF,
     TELLING,
 )
+from topple.robots.poses import looking_at
 from topple.topology.arrays import BoolArray, FloatArray, IntArray, bounds
 from topple.topology.checks import as_points
-from topple.topology.geometry.axes import perpendiculars
 from topple.topology.situation import Situation
 from topple.topology.values import ByValue
 
@@ -164,7 +164,7 @@ def next_views(
             if share > 0.0
         ]
         shows.sort(key=lambda one: -one.doubt * one.hidden * one.shown)
-        pose = _looking(eye, middle)
+        pose = looking_at(eye, middle)
         world = np.eye(4)
         world[:3, :3], world[:3, 3] = rotation.T @ pose[:3, :3], rotation.T @ pose[:3, 3]
         views.append(View(eye @ rotation, middle @ rotation, world, worth, tuple(shows)))
@@ -233,20 +233,9 @@ def _around(middle: FloatArray, radius: float) -> FloatArray:
     return np.array([*eyes, middle + np.array([0.0, 0.0, far])])
 
 
-def _looking(eye: FloatArray, target: FloatArray) -> FloatArray:
-    """(4, 4) pose of a camera at a place that looks at another one, the picture's up being up."""
-    forward = (target - eye) / np.linalg.norm(target - eye)
-    right = np.cross(forward, [0.0, 0.0, 1.0])
-    right = perpendiculars(forward)[0] if np.linalg.norm(right) < 1e-6 else right / np.linalg.norm(right)
-    pose = np.eye(4)
-    pose[:3, :3] = np.stack([right, np.cross(forward, right), forward], axis=1)
-    pose[:3, 3] = eye
-    return pose
-
-
 def _visible(places: FloatArray, bodies: FloatArray, eye: FloatArray, target: FloatArray) -> BoolArray:
     """(N,) whether nothing of the bodies (M, 3) is before a place as seen from an eye."""
-    axes = _looking(eye, target)[:3, :3]
+    axes = looking_at(eye, target)[:3, :3]
 
     def pixels(points: FloatArray) -> tuple[IntArray, FloatArray]:
         local = (points - eye) @ axes

@@ -5,7 +5,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from topple.planner.pictures import png
+from topple.planner.formats.pictures import png
 from topple.planner.report.drawing import Drawing, DrawnObject
 from topple.planner.report.graph import DrawnGraph, arrow_head
 from topple.planner.report.layout import BADGE, NODE_HEIGHT, Point

@@ -4,7 +4,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.ndimage import maximum_filter, minimum_filter
 
-from topple.planner.pictures import Pixels
+from topple.planner.formats.pictures import Pixels
 from topple.planner.report.drawing import Drawing, DrawnObject
 from topple.planner.report.limits import LIMITS
 from topple.topology.arrays import FloatArray

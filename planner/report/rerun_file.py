@@ -10,8 +10,8 @@ from typing import Any
 
 import numpy as np
 
+from topple.planner.formats.pictures import picture, png
 from topple.planner.formats.run_record import RunRecord, StepRecord
-from topple.planner.pictures import picture, png
 from topple.planner.report.drawing import Drawing, DrawnObject
 from topple.planner.report.words import order_in_words
 from topple.robots.collision.convex import hull_of

@@ -6,8 +6,8 @@ from collections.abc import Mapping, Sequence
 from html import escape
 from typing import Any
 
+from topple.planner.formats.pictures import picture
 from topple.planner.formats.run_record import RunRecord, StepRecord
-from topple.planner.pictures import picture
 from topple.planner.report.drawing import Drawing
 from topple.planner.report.html import page, viewer
 from topple.planner.report.limits import LIMITS

@@ -11,7 +11,7 @@ import numpy as np
 from topple.robots.arm.gripper import ParallelJaw, SuctionCup, Tool, ToolName, ToolState
 from topple.robots.arm.gripper_file import Gripper
 from topple.robots.arm.inverse import distinct, solve
-from topple.robots.arm.kinematics import Chain
+from topple.robots.arm.kinematics import Chain, joint_value, pose_of_joint
 from topple.robots.arm.urdf import Joint, Model, read_urdf
 from topple.topology.arrays import BoolArray, FloatArray, frozen
 from topple.topology.errors import InvalidInput
@@ -381,22 +381,3 @@ def _refuse_undriven(model: Model, joints: tuple[Joint, ...], tools: Mapping[str
             f"{named}: nothing drives the joints {', '.join(left)}; name them in the gripper ([jaw] of a "
             "gripper file)"
         )
-
-
-def joint_value(joint: Joint, values: Mapping[str, float]) -> float:
-    """Value of a joint: the given one, that of the joint it mimics, or 0 [rad] or [m]."""
-    if joint.name in values:
-        return values[joint.name]
-    if joint.mimic is not None and joint.mimic.joint in values:
-        return joint.mimic.multiplier * values[joint.mimic.joint] + joint.mimic.offset
-    return 0.0
-
-
-def pose_of_joint(joint: Joint, value: float) -> FloatArray:
-    """Pose (4, 4) of a joint's child link in its parent at a value in [rad] or [m]."""
-    if joint.kind == "fixed":
-        return joint.pose_child_to_parent
-    chain = Chain.of(
-        (joint,), (joint.pose_child_to_parent,), np.array([joint.lower]), np.array([joint.upper])
-    )
-    return chain.frames(np.array([[value]]))[0, 1]

@@ -1,5 +1,6 @@
 """Forward kinematics and Jacobians of a serial chain, for many states at once."""
 
+from collections.abc import Mapping
 from dataclasses import dataclass
 from functools import cached_property
 
@@ -163,3 +164,22 @@ def rotation_vectors(rotations: FloatArray) -> FloatArray:
         axis = r[i, :, column] + np.eye(3)[column]
         vectors[i] = axis / np.linalg.norm(axis) * angle[i]
     return vectors
+
+
+def joint_value(joint: Joint, values: Mapping[str, float]) -> float:
+    """Value of a joint: the given one, that of the joint it mimics, or 0 [rad] or [m]."""
+    if joint.name in values:
+        return values[joint.name]
+    if joint.mimic is not None and joint.mimic.joint in values:
+        return joint.mimic.multiplier * values[joint.mimic.joint] + joint.mimic.offset
+    return 0.0
+
+
+def pose_of_joint(joint: Joint, value: float) -> FloatArray:
+    """Pose (4, 4) of a joint's child link in its parent at a value in [rad] or [m]."""
+    if joint.kind == "fixed":
+        return joint.pose_child_to_parent
+    chain = Chain.of(
+        (joint,), (joint.pose_child_to_parent,), np.array([joint.lower]), np.array([joint.upper])
+    )
+    return chain.frames(np.array([[value]]))[0, 1]

@@ -9,9 +9,9 @@ from typing import NoReturn
 
 import numpy as np
 
-from topple.robots.arm.arm import joint_value, pose_of_joint
 from topple.robots.arm.gripper import ParallelJaw, Tool, ToolName, ToolState
 from topple.robots.arm.gripper_file import Jaw, pose_of_offset
+from topple.robots.arm.kinematics import joint_value, pose_of_joint
 from topple.robots.arm.urdf import Model
 from topple.robots.hands.fingers import Fingers, moves, rigid_groups
 from topple.robots.hands.tolerances import (

@@ -8,7 +8,7 @@ from numpy.typing import NDArray
 from scipy import ndimage
 
 from topple.robots.engine import pybullet
-from topple.robots.poses import inverse
+from topple.robots.poses import inverse, looking_at
 from topple.robots.tolerances import TOLERANCES
 from topple.robots.world.world import World
 from topple.topology.arrays import BoolArray, FloatArray, IntArray
@@ -111,18 +111,9 @@ class Camera:
         Raises:
             InvalidInput: If eye and target are one place.
         """
-        forward = np.subtract(target, eye)
-        distance = float(np.linalg.norm(forward))
-        if distance < 1e-6:
+        if np.linalg.norm(np.subtract(target, eye)) < 1e-6:
             raise InvalidInput(f"a camera at {eye} cannot look at {target}: give two places")
-        forward = forward / distance
-        right = np.cross(forward, up)
-        if np.linalg.norm(right) < 1e-3:
-            right = np.cross(forward, [0.0, 1.0, 0.0] if abs(forward[1]) < 0.9 else [1.0, 0.0, 0.0])
-        right /= np.linalg.norm(right)
-        pose = np.eye(4)
-        pose[:3, :3] = np.stack([right, np.cross(forward, right), forward], axis=1)
-        pose[:3, 3] = eye
+        pose = looking_at(eye, target, up)
         focal = width / 2 / np.tan(view / 2)
         K = np.array([[focal, 0, (width - 1) / 2], [0, focal, (height - 1) / 2], [0, 0, 1.0]])
         return cls(width, height, K, pose, noise or Noise())

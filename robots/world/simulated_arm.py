@@ -2,7 +2,6 @@
 
 import math
 from collections.abc import Callable
-from dataclasses import dataclass, field
 from typing import Any
 
 import numpy as np
@@ -15,20 +14,12 @@ from topple.robots.poses import inverse, pose_from, position_and_quaternion
 from topple.robots.tolerances import TOLERANCES
 from topple.robots.world.compliance import Compliance
 from topple.robots.world.control import Control
+from topple.robots.world.touch import Touch, note_touches
 from topple.robots.world.vacuum import Vacuum
 from topple.robots.world.world import World
 from topple.robots.world.wrist import TorqueNoise, Wrist
 from topple.topology.arrays import FloatArray
 from topple.topology.errors import InvalidInput
-
-
-@dataclass
-class Touch:
-    """How hard the robot touched one thing: the largest force in [N] and the impulse in [N s]."""
-
-    force: float = 0.0
-    impulse: float = 0.0
-    links: set[str] = field(default_factory=set[str])
 
 
 class SimulatedArm:
@@ -401,14 +392,6 @@ class SimulatedArm:
         self.world.step()
         if self.vacuum is not None:
             self.vacuum.check()
-        points: Any = pybullet.getContactPoints(bodyA=self.id, physicsClientId=self.world.client)
-        for point in points:
-            name = self.world.name_of(point[2])
-            if name is None or point[9] <= 0.0:
-                continue
-            touch = self.touched.setdefault(name, Touch())
-            touch.force = max(touch.force, float(point[9]))
-            touch.impulse += float(point[9]) * self.world.time_step
-            touch.links.add(self._names[point[3]])
+        note_touches(self.touched, self.world, self.id, self._names)
         for watch in self.on_step:
             watch()

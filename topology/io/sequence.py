@@ -10,9 +10,9 @@ from numpy.typing import ArrayLike
 
 from topple.topology.arrays import FloatArray
 from topple.topology.errors import InvalidInput
-from topple.topology.io import bag
 from topple.topology.io.archive import Array, read_arrays
 from topple.topology.io.assemble import Parts, assemble
+from topple.topology.io.bag import frames, reads
 from topple.topology.io.clouds import amounts_in
 from topple.topology.io.load import load_scene
 from topple.topology.scene import Scene
@@ -52,9 +52,9 @@ def load_sequence(
         InvalidInput: If the path holds no sequence; one line that names the file.
     """
     place, fixed = Path(path), [fixed] if isinstance(fixed, str) else list(fixed)
-    if place.exists() and bag.reads(place):
+    if place.exists() and reads(place):
         try:
-            yield from (assemble(parts, fixed, up) for parts in bag.frames(place, **options))
+            yield from (assemble(parts, fixed, up) for parts in frames(place, **options))
         except InvalidInput as error:
             raise InvalidInput(f"{os.fspath(path)}: {error}") from error
         return

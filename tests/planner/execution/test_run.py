@@ -11,7 +11,8 @@ from topple.planner.execution.loop import ClosedLoop
 from topple.planner.formats.run_record import RunRecord
 from topple.robots import shapes
 from topple.robots.catalog import robot
-from topple.robots.world.simulated_arm import SimulatedArm, Touch
+from topple.robots.world.simulated_arm import SimulatedArm
+from topple.robots.world.touch import Touch
 from topple.robots.world.world import World
 from topple.topology.arrays import FloatArray
 from topple.topology.errors import InvalidInput, UnknownObject

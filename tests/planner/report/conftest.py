@@ -3,8 +3,8 @@
 import numpy as np
 import pytest
 
+from topple.planner.formats.pictures import picture
 from topple.planner.formats.run_record import RunRecord, StepRecord
-from topple.planner.pictures import picture
 from topple.planner.planning.order import order
 from topple.topology.image import DepthImage
 from topple.topology.rule.relate import relate

@@ -7,8 +7,8 @@ import pytest
 from PIL import Image
 
 from topple.planner.execution.look import unexpected
+from topple.planner.formats.pictures import picture
 from topple.planner.formats.run_record import RunRecord, StepRecord
-from topple.planner.pictures import picture
 from topple.planner.report.run_page import run_page
 from topple.planner.report.tables import Change, relation_changes
 from topple.topology.errors import InvalidInput

@@ -4,7 +4,7 @@ import json
 
 import pytest
 
-from topple.benchmarks.sabotages import SPOILT, UNREADABLE
+from topple.benchmarks.sabotages.catalogue import SPOILT, UNREADABLE
 from topple.benchmarks.sabotages.caught import CASES, ROUGH, catch, planned, scene_for
 from topple.planner.formats.plan_format import plan_from_json, plan_to_json
 from topple.planner.verify import Verification, verify

@@ -264,6 +264,7 @@ def test_recordings_of_ros_1_are_read(tmp_path: Path) -> None:
             connection = bag.add_connection(topic, message.__msgtype__, typestore=store)
             bag.write(connection, 10**9, store.serialize_ros1(message, message.__msgtype__))
     scene = load_scene(tmp_path / "run.bag", fixed=["1"], up=UP)
+    assert "1" in scene.fixed and len(scene.movable) > 1
     _same(scene, DepthImage(look.depth, look.K, look.label))
 
 

@@ -1,0 +1,36 @@
+"""Ways to spoil a plan: each changes its document, or the scene it is checked with, and is to be noticed."""
+
+from collections.abc import Callable
+from inspect import isfunction
+from types import ModuleType
+from typing import Any
+
+from topple.benchmarks.sabotages import (
+    actions,
+    carried,
+    grasps,
+    hand,
+    motions,
+    orders,
+    places,
+    premises,
+    scenes,
+    unreadable,
+)
+from topple.benchmarks.sabotages.document import Sabotage
+
+
+def _all_of(*modules: ModuleType) -> tuple[Callable[..., Any], ...]:
+    return tuple(
+        found
+        for module in modules
+        for found in vars(module).values()
+        if isfunction(found) and found.__module__ == module.__name__
+    )
+
+
+SPOILT: tuple[Sabotage, ...] = _all_of(actions, hand, grasps, places, carried, motions, orders, premises)
+"""What verification has to refute."""
+UNREADABLE: tuple[Sabotage, ...] = _all_of(unreadable)
+"""What reading has to refuse by path."""
+OTHER_SCENES = _all_of(scenes)
