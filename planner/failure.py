@@ -114,6 +114,9 @@ class FailureLog:
     barring: Counter[str] = field(default_factory=Counter[str])
     furthest: FailedCheck | None = None
 
+    def __post_init__(self) -> None:
+        self._reached = (-1, 0)
+
     def note(
         self,
         step: str,
@@ -127,24 +130,22 @@ class FailureLog:
         for name in pair or ():
             if name in self.objects:
                 self.barring[name] += 1
-        if self.further(step, q is not None, check):
+        got = _progress(step, q is not None, check)
+        if got > self._reached:
+            self._reached = got
             self.furthest = FailedCheck(step, check, text, None if q is None else np.array(q), pair)
 
-    def further(self, step: str, stands: bool, check: Check | None = None) -> bool:
-        """Whether what a step failed of says more than the furthest so far.
-
-        Of one step, what fails with joint values got further than what fails without; and a place where the
-        object would not stay was found to have room for both.
-        """
-        if self.furthest is None:
-            return True
-        ahead = STEPS.index(step) - STEPS.index(self.furthest.step)
-        least = self.furthest.check is Check.STAND or self.furthest.q is not None
-        falls = check is Check.STAND and self.furthest.check is not Check.STAND
-        return ahead > 0 or (ahead == 0 and (falls or (stands and not least)))
+    def further(self, step: str, stands: bool) -> bool:
+        """Whether what a step failed of says more than the furthest so far; `stands`: with joint values."""
+        return _progress(step, stands) > self._reached
 
     def failure(self, name: str) -> TransferFailure:
         """The certificate that says that an object cannot be moved."""
         barring = dict(self.barring.most_common())
         first = next(iter(barring), None)
         return TransferFailure(name, dict(self.reasons.most_common()), first, self.furthest, barring)
+
+
+def _progress(step: str, stands: bool, check: Check | None = None) -> tuple[int, int]:
+    """How far a try got: by its step, then with joint values, then to where the object would not stay."""
+    return STEPS.index(step), 2 if check is Check.STAND else int(stands)

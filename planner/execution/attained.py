@@ -30,21 +30,21 @@ def truly_unmet(goal: Goal, world: World, up: FloatArray) -> tuple[str, ...]:
     Returns:
         The clauses that do not hold, in words.
     """
-    now = _Now(world, up)
+    rest = _Rest(world, up)
     burdened = [
-        f"{name} is not free: it carries {other}" for name in goal.free for other in now.borne_by(name)
+        f"{name} is not free: it carries {other}" for name in goal.free for other in rest.carried_by(name)
     ]
-    missing = [f"{p.object} is not {p.how} {p.where}" for p in goal.places if not now.attained(p)]
+    missing = [f"{p.object} is not {p.how} {p.where}" for p in goal.places if not rest.attained(p)]
     left = [
         f"{name} is still in {container}"
         for container in goal.empty
         for name in world.movable
-        if name != container and now.within(name, container)
+        if name != container and rest.within(name, container)
     ]
     return (*burdened, *missing, *left)
 
 
-class _Now:
+class _Rest:
     """A world as it is at one instant."""
 
     def __init__(self, world: World, up: FloatArray) -> None:
@@ -94,7 +94,7 @@ class _Now:
         place = np.append(self._middle(name) @ self._level, 0.0)
         return bool(plan.facet_distance(place[None])[0] <= 0.0)
 
-    def borne_by(self, name: str) -> list[str]:
+    def carried_by(self, name: str) -> list[str]:
         """What a thing carries, holds up, or has in its hollow."""
         found: list[str] = []
         for other in self._world.movable:

@@ -56,20 +56,20 @@ class Judge:
     ) -> None:
         self._robot, self._world, self._fixed, self._up = robot, robot.world, tuple(fixed), up
         self._limits = limits
-        self._left: dict[str, FloatArray] = {}  # where each thing was when it was last handled, or at first
+        self._rested: dict[str, FloatArray] = {}  # where each thing was when it was last handled, or at first
 
     def begin(self, transfer: Transfer) -> None:
         """Look before an action."""
         self._name, self._started = transfer.object, self._world.time
         self._handled = (transfer.object, *transfer.riding, *self._fixed)
         self._before = self._world.poses()
-        self._left = {**self._before, **self._left}
+        self._rested = {**self._before, **self._rested}
         self._robot.touched.clear()
         self._taken: FloatArray | None = None
         self._slip: tuple[float, float] | None = None
         self._missed = False
         self._highest = self._height()
-        self._robot.on_step.append(self._rise)
+        self._robot.on_step.append(self._track_height)
 
     def moment(self, moment: str, tool: str) -> None:
         """Look at the hand at a moment of `topple.planner.execution.execute`."""
@@ -83,7 +83,7 @@ class Judge:
 
     def verdict(self) -> Verdict:
         """Say what the action did."""
-        self._robot.on_step.remove(self._rise)
+        self._robot.on_step.remove(self._track_height)
         before, now, handled = self._before, self._world.poses(), self._handled
         wrong = violations(before, now, self._robot.touched, handled, self._limits)
         fallen = self._highest - self._height() if self._missed else 0.0
@@ -110,22 +110,22 @@ class Judge:
         """One sentence for each thing that moved by as much as counts in several actions, in none at once."""
         found: list[str] = []
         limits = self._limits
-        for name, (way, angle) in displacements(self._left, now, self._handled).items():
+        for name, (way, angle) in displacements(self._rested, now, self._handled).items():
             if way <= limits.distance and angle <= limits.angle:
                 continue
-            self._left[name] = now[name]  # said once
+            self._rested[name] = now[name]  # said once
             once, turned = at_once[name]
             if once <= limits.distance and turned <= limits.angle:
                 by = f"{way * 1000:.0f} mm and {np.degrees(angle):.0f} degrees"
                 found.append(f"{name} has crept by {by} since it was last handled")
-        self._left.update({name: now[name] for name in self._handled if name in now})
+        self._rested.update({name: now[name] for name in self._handled if name in now})
         return found
 
     def _height(self) -> float:
         """Of the handled object [m]."""
         return float(self._world.pose(self._name)[:3, 3] @ self._up)
 
-    def _rise(self) -> None:
+    def _track_height(self) -> None:
         self._highest = max(self._highest, self._height())
 
     def unmet(self, goal: Goal) -> tuple[str, ...]:

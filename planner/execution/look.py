@@ -122,7 +122,7 @@ class Observer:
                 images = tuple(renamed(image, names) for image in images)
                 scene, faults = self._scene(images), (*faults, *said.values())
             scene, surprises = _joined(scene, expected)
-            kept = tuple(image for each in kept if (image := _still(each, self._last, expected, surprises)))
+            kept = tuple(image for each in kept if (image := _unmoved(each, self._last, expected, surprises)))
             if kept:
                 images = (*images, *kept)
                 scene, _ = _joined(self._scene(images), expected)
@@ -137,7 +137,7 @@ class Observer:
         return _thinned(Scene.from_images(images, fixed=fixed, up=self.up))
 
 
-def _still(
+def _unmoved(
     image: DepthImage, last: Scene | None, now: Scene, surprises: Collection[str]
 ) -> DepthImage | None:
     """A picture from before without what was moved since, or is not as expected; None if nothing is left."""

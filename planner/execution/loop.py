@@ -141,7 +141,7 @@ class ClosedLoop:
         perception = Observer(
             world, cameras, rng, fixed, up, masses or {}, friction or {}, shuffle_labels, relate
         )
-        wrist = WristCamera(cameras[0], rng) if wrist_camera else None
+        wrist = WristCamera(robot, cameras[0], rng) if wrist_camera else None
         return cls(robot, perception, goal, seed=seed, judge=Judge(robot, fixed, up), wrist=wrist, **more)
 
     def look(self) -> Look:
@@ -171,7 +171,7 @@ class ClosedLoop:
             self._check_place(look)
             chosen = self._first(look, goal)
             while chosen is not None and len(steps) < budget:
-                look, chosen, said = self._doubted(look, chosen, goal)
+                look, chosen, said = self._looked_closer(look, chosen, goal)
                 if chosen is None:
                     break
                 step, look, found = self._act(look, chosen)
@@ -231,7 +231,7 @@ class ClosedLoop:
             raise NoSafePlan(words, (words,))
         return chooser.choose()
 
-    def _doubted(
+    def _looked_closer(
         self, look: Look, chosen: NextStep, goal: Goal
     ) -> tuple[Look, NextStep | None, tuple[str, ...]]:
         """What is seen and chosen after a second look, where the step is doubtful and there is a camera."""

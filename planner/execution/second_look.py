@@ -27,11 +27,12 @@ class HandCamera(Protocol):
         """(4, 4) how it is mounted."""
         ...
 
-    def tool_of(self, robot: Driver) -> str:
+    @property
+    def tool(self) -> str:
         """The tool that it is mounted beside."""
         ...
 
-    def picture(self, robot: Driver) -> DepthImage:
+    def picture(self) -> DepthImage:
         """Take a picture from where the arm has it."""
         ...
 
@@ -76,7 +77,7 @@ def second_look(
             continue
         robot.follow(retime(arm, found.path, SPEED))
         robot.wait(STILL)
-        image = camera.picture(robot)
+        image = camera.picture()
         withdraw(robot, situation.solids, seed)
         return image, view
     return None
@@ -84,12 +85,11 @@ def second_look(
 
 def _states(camera: HandCamera, robot: Driver, view: View) -> list[FloatArray]:
     """Joint values (n,) that bring the camera to a view, however it is turned about its line of sight."""
-    tool = camera.tool_of(robot)
     to_base = inverse(robot.pose_base_to_world)
     targets: list[FloatArray] = []
     for turn in np.arange(TURNS) * 2.0 * np.pi / TURNS:
         rolled = np.eye(4)
         rolled[:2, :2] = [[np.cos(turn), -np.sin(turn)], [np.sin(turn), np.cos(turn)]]
         targets.append(to_base @ view.pose_camera_to_scene @ rolled @ inverse(camera.pose_camera_to_tool))
-    solved = robot.arm.inverse(np.stack(targets), tool, seeds=8, near=robot.q_target)
+    solved = robot.arm.inverse(np.stack(targets), camera.tool, seeds=8, near=robot.q_target)
     return [q for some in solved for q in some[:1]]

@@ -10,15 +10,15 @@ from scipy.spatial import KDTree
 from topple.planner.decide.arrange import Order
 from topple.planner.planning.order import order as order_of
 from topple.planner.planning.tolerances import (
-    AROUND,
+    AZIMUTHS,
+    CELL_ANGLE,
+    DEPTH_MARGIN,
     ELEVATIONS,
-    HIDDEN,
-    MEETS,
-    NARROW,
-    PITCH,
-    SHOWN,
+    FIELD_OF_VIEW,
+    LEAST_WORTH,
+    MEETING_GAP,
     STANDOFF,
-    TELLING,
+    UNSEEN,
 )
 from topple.robots.poses import looking_at
 from topple.topology.arrays import BoolArray, FloatArray, IntArray, bounds
@@ -156,7 +156,7 @@ def next_views(
             float(part.mean()) for part in np.split(seen, np.cumsum([len(o.places) for o in asked])[:-1])
         ]
         worth = sum(one.weight * share for one, share in zip(asked, shares, strict=True)) / total
-        if worth < TELLING:
+        if worth < LEAST_WORTH:
             continue
         shows = [
             Shown(one.a, one.b, one.doubt, one.hidden, share)
@@ -202,8 +202,8 @@ def _questions(situation: Situation, found: Order) -> list[_Question]:
         near = _meeting(a, b, surfaces, trees)
         if near is None:
             continue
-        known = np.min([views[name].query(near, distance_upper_bound=HIDDEN)[0] for name in (a, b)], axis=0)
-        unseen = near[~(known < HIDDEN)]
+        known = np.min([views[name].query(near, distance_upper_bound=UNSEEN)[0] for name in (a, b)], axis=0)
+        unseen = near[~(known < UNSEEN)]
         if len(unseen):
             asked.append(_Question(a, b, doubt, len(unseen) / len(near), unseen))
     return asked
@@ -215,16 +215,16 @@ def _meeting(
     """(N, 3) places of two surfaces where they may meet; None where they are nowhere close."""
     parts: list[FloatArray] = []
     for one, other in ((a, b), (b, a)):
-        gaps = np.asarray(trees[other].query(surfaces[one], distance_upper_bound=MEETS)[0])
-        parts.append(surfaces[one][gaps < MEETS])
+        gaps = np.asarray(trees[other].query(surfaces[one], distance_upper_bound=MEETING_GAP)[0])
+        parts.append(surfaces[one][gaps < MEETING_GAP])
     places = np.concatenate(parts)
     return places if len(places) else None
 
 
 def _around(middle: FloatArray, radius: float) -> FloatArray:
     """(k, 3) places around and above what lies about a middle, from where all of it is in the picture."""
-    far = max(STANDOFF, radius / np.sin(NARROW / 2.0))
-    turn = np.arange(AROUND) * 2.0 * np.pi / AROUND
+    far = max(STANDOFF, radius / np.sin(FIELD_OF_VIEW / 2.0))
+    turn = np.arange(AZIMUTHS) * 2.0 * np.pi / AZIMUTHS
     eyes = [
         middle + far * np.array([np.cos(up) * np.cos(one), np.cos(up) * np.sin(one), np.sin(up)])
         for up in ELEVATIONS
@@ -240,7 +240,7 @@ def _visible(places: FloatArray, bodies: FloatArray, eye: FloatArray, target: Fl
     def pixels(points: FloatArray) -> tuple[IntArray, FloatArray]:
         local = (points - eye) @ axes
         angle = np.arctan2(local[:, :2], np.maximum(local[:, 2:], 1e-6))
-        return np.floor(angle / PITCH).astype(np.int64), np.linalg.norm(local, axis=1)
+        return np.floor(angle / CELL_ANGLE).astype(np.int64), np.linalg.norm(local, axis=1)
 
     (cells, far), (asked, way) = pixels(bodies), pixels(places)
     lower = np.minimum(cells.min(axis=0), asked.min(axis=0))
@@ -248,4 +248,4 @@ def _visible(places: FloatArray, bodies: FloatArray, eye: FloatArray, target: Fl
     nearest = np.full(int(size[0] * size[1]), np.inf)
     np.minimum.at(nearest, (cells[:, 0] - lower[0]) * size[1] + cells[:, 1] - lower[1], far)
     before = nearest[(asked[:, 0] - lower[0]) * size[1] + asked[:, 1] - lower[1]]
-    return np.asarray(way <= before + SHOWN)
+    return np.asarray(way <= before + DEPTH_MARGIN)

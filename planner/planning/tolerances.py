@@ -23,31 +23,31 @@ MORE_CHOICE = 192
 
 # -- next_view
 
-MEETS = 0.01
+MEETING_GAP = 0.01
 """[m] within which two completed surfaces may meet: what is guessed of them is off by as much."""
 
-HIDDEN = 0.006
+UNSEEN = 0.006
 """[m] from every seen point at which a place was not seen: two cells of the upright clouds."""
 
 STANDOFF = 0.55
 """[m] at least from the eye to the middle of things: a depth camera on a wrist sees from 0.3 m on."""
 
-NARROW = 0.7
+FIELD_OF_VIEW = 0.7
 """[rad] the narrower field of view of common depth cameras, a little less than 45 degrees."""
 
 ELEVATIONS = (0.35, 0.7, 1.1)
 """[rad] above the horizon from where is looked: lower down clutter hides itself, then comes the top view."""
 
-AROUND = 12
+AZIMUTHS = 12
 """Directions around: 30 degrees apart, as the view of a contact changes little in half of that."""
 
-PITCH = 0.012
+CELL_ANGLE = 0.012
 """[rad] of a cell in which the nearest surface counts: two cells of the upright clouds at the standoff."""
 
-SHOWN = 0.012
+DEPTH_MARGIN = 0.012
 """[m] a place may lie behind the nearest surface of its cell and still be shown: a cell seen aslant."""
 
-TELLING = 0.02
+LEAST_WORTH = 0.02
 """Share of the doubt below which a view is not worth a motion: a fiftieth."""
 
 

@@ -4,7 +4,6 @@ from dataclasses import dataclass, field, replace
 
 import numpy as np
 
-from topple.robots.driver import Driver
 from topple.robots.world.camera import Camera
 from topple.robots.world.simulated_arm import SimulatedArm
 from topple.topology.arrays import FloatArray
@@ -20,30 +19,28 @@ def _beside_the_fingers() -> FloatArray:
 
 @dataclass
 class WristCamera:
-    """A camera fixed to a tool of a simulated arm; it has no body that could meet anything.
+    """A camera fixed beside the first tool of a simulated arm; it has no body that could meet anything.
 
     Attributes:
+        robot: The arm that carries it.
         camera: Its optics and faults; where it stands is the arm's affair.
         rng: Of its noise.
         pose_camera_to_tool: (4, 4) how it is mounted.
     """
 
+    robot: SimulatedArm
     camera: Camera
     rng: np.random.Generator
     pose_camera_to_tool: FloatArray = field(default_factory=_beside_the_fingers)
 
-    def tool_of(self, robot: Driver) -> str:
+    @property
+    def tool(self) -> str:
         """The tool that it is mounted beside."""
-        return next(iter(robot.arm.tools))
+        return next(iter(self.robot.arm.tools))
 
-    def picture(self, robot: Driver) -> DepthImage:
-        """Take a picture from where the arm has the camera; its pose is what the joints say.
-
-        Args:
-            robot: The simulated arm that carries it.
-        """
-        assert isinstance(robot, SimulatedArm), "it is a simulated camera"
-        tool = self.tool_of(robot)
+    def picture(self) -> DepthImage:
+        """Take a picture from where the arm has the camera; its pose is what the joints say."""
+        robot, tool = self.robot, self.tool
         true = robot.tool_pose(tool) @ self.pose_camera_to_tool
         said = robot.pose_base_to_world @ robot.arm.tool_pose(robot.q_target, tool)[0]
         image = replace(self.camera, pose_camera_to_world=true).look(robot.world, self.rng)
