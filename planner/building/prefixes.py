@@ -9,13 +9,20 @@ from dataclasses import dataclass
 from heapq import heapify, heappop, heappush
 
 import networkx as nx
+import numpy as np
 
 from topple.planner.building.tolerances import MOST_STATES
+from topple.topology.arrays import FloatArray
 
 Names = frozenset[str]
 
 Falling = Callable[[Names, Names], Collection[str]]
 """(placed, held) -> those of the placed that do not stand while the held are kept still."""
+
+
+def aside(distance: float) -> FloatArray:
+    """(5, 3) shifts [m] with which a part has to stand: none, and a distance to each of four level sides."""
+    return distance * np.array([[0, 0, 0], [1, 0, 0], [-1, 0, 0], [0, 1, 0], [0, -1, 0]])
 
 
 @dataclass(frozen=True)

@@ -3,9 +3,7 @@
 from dataclasses import replace
 from functools import cache
 
-import numpy as np
-
-from topple.planner.building.prefixes import Falling, Names
+from topple.planner.building.prefixes import Falling, Names, aside
 from topple.planner.building.tolerances import OFF_CENTRE
 from topple.robots.world.bodies import Body
 from topple.topology.arrays import FloatArray
@@ -13,8 +11,6 @@ from topple.topology.bodies.complete import is_hollow
 from topple.topology.statics.equilibrium import Weight, balance
 from topple.topology.statics.rest import Statics, within_reach
 from topple.topology.values import FrozenDict
-
-_SHIFTS = OFF_CENTRE * np.array([[0, 0, 0], [1, 0, 0], [-1, 0, 0], [0, 1, 0], [0, -1, 0]])
 
 
 def falling_in(statics: Statics) -> Falling:
@@ -31,7 +27,7 @@ def falling_in(statics: Statics) -> Falling:
     """
     every = frozenset(statics.upright.movable)
     centred = {n: replace(weight, centre=_centre(n, statics)) for n, weight in statics.weights.items()}
-    shaken = [_weighing(statics, centred, shift) for shift in _SHIFTS]
+    shaken = [_weighing(statics, centred, shift) for shift in aside(OFF_CENTRE)]
 
     @cache
     def falling(placed: Names, held: Names) -> Names:

@@ -2,9 +2,8 @@
 
 import numpy as np
 
-from topple.planner.simulate.lifts import Move, take_away
+from topple.planner.simulate.lifts import Move, move_between, take_away
 from topple.planner.tolerances import DISTURBED, TURNED
-from topple.robots.poses import angle_between
 from topple.robots.world.world import World
 from topple.topology.arrays import FloatArray
 
@@ -60,13 +59,9 @@ def put(world: World, name: str, where: str) -> tuple[str, ...]:
     world.place(name, pose)
     _come_to_rest(world)
     after = world.poses()
-    centres = {other: world.body(other).centre_of_mass for other in before}
     moves = {
-        other: Move(
-            float(np.linalg.norm((after[other] - before[other])[:3] @ np.append(centres[other], 1.0))),
-            angle_between(before[other], after[other]),
-        )
-        for other in before
+        other: move_between(world, other, pose, after[other])
+        for other, pose in before.items()
         if other != name and other in after
     }
     return (*_disturbed(moves), *(other for other in before if other not in after))

@@ -5,7 +5,7 @@ from itertools import permutations
 
 import numpy as np
 
-from topple.planner.building.prefixes import Falling, Names
+from topple.planner.building.prefixes import Falling, Names, aside
 from topple.planner.rearranging.problem import Act, Pair, Problem
 from topple.planner.rearranging.steady import steadied
 from topple.planner.rearranging.tolerances import HELD
@@ -50,15 +50,15 @@ def _below(places: Mapping[str, FloatArray], side: float) -> list[tuple[str, str
     ]
 
 
-def falling_cubes(places: Mapping[str, FloatArray], side: float, aside: float = 0.0) -> Falling:
+def falling_cubes(places: Mapping[str, FloatArray], side: float, off_centre: float = 0.0) -> Falling:
     """What does not stand of a part of an arrangement of cubes, by static equilibrium.
 
     Args:
         places: name -> (3,) centre; any unit of length.
         side: Of every cube.
-        aside: How far all masses may be aside of the middles along either axis, with everything standing.
+        off_centre: How far all masses may be off the middles along either axis, everything standing.
     """
-    shifts = aside * np.array([[0, 0, 0], [1, 0, 0], [-1, 0, 0], [0, 1, 0], [0, -1, 0]])[: 5 if aside else 1]
+    shifts = aside(off_centre)[: 5 if off_centre else 1]
     touching = [*_below(places, side), *((TABLE, name) for name in places)]
     contacts = [c for a, b in touching if (c := _contact(a, b, places, side)) is not None]
 

@@ -87,11 +87,19 @@ def take_away(
     after = world.poses()
     world.restore(kept)
     pybullet.removeState(kept.number, physicsClientId=client)
-    return {other: _move(world, other, pose, after[other]) for other, pose in before.items() if other != name}
+    others = {other: pose for other, pose in before.items() if other != name}
+    return {other: move_between(world, other, pose, after[other]) for other, pose in others.items()}
 
 
-def _move(world: World, name: str, before: FloatArray, after: FloatArray) -> Move:
-    """How far a body got from one pose to another."""
+def move_between(world: World, name: str, before: FloatArray, after: FloatArray) -> Move:
+    """How far a body got from one pose (4, 4) to another.
+
+    Args:
+        world: Its world.
+        name: The body.
+        before: pose_body_to_world.
+        after: The same later.
+    """
     shift = _centre(world, name, after) - _centre(world, name, before)
     return Move(float(np.linalg.norm(shift)), angle_between(before, after))
 
@@ -174,7 +182,9 @@ class Stage:
                 break
         self._rest = self.world.poses()
         self.world.restore(kept)
-        self.sagged = {name: _move(self.world, name, before[name], self._rest[name]) for name in before}
+        self.sagged = {
+            name: move_between(self.world, name, before[name], self._rest[name]) for name in before
+        }
 
     def without(self, name: str) -> dict[str, Move]:
         """Take something away: how far the others get from where they would be with it."""
