@@ -7,6 +7,7 @@ import gymnasium
 import numpy as np
 
 from topple.planner.decide.dependency import dependencies
+from topple.topology.arrays import bounds
 from topple.topology.situation import Situation
 from topple.topology.sixim.table import Relation
 
@@ -78,7 +79,7 @@ def seen(
     clouds = situation.scene.clouds
     slot = {name: row for row, name in enumerate(names) if name in clouds}
     for name, row in slot.items():
-        lower, upper = clouds[name].min(axis=0), clouds[name].max(axis=0)
+        lower, upper = bounds(clouds[name])
         shown["objects"][row] = np.clip([*(lower + upper) / 2, *(upper - lower)], -FARTHEST, FARTHEST)
         shown["action_mask"][row] = takeable[name]
         if points:

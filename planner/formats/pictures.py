@@ -1,4 +1,4 @@
-"""Pictures as PNG files."""
+"""Pictures as PNG and JPEG files."""
 
 import io
 from typing import TYPE_CHECKING
@@ -38,4 +38,13 @@ def png(image: "Image.Image") -> bytes:
     """The bytes of an image as a PNG file."""
     buffer = io.BytesIO()
     image.save(buffer, format="PNG")
+    return buffer.getvalue()
+
+
+def jpeg(rgb: Pixels) -> bytes:
+    """The bytes of a photo, (H, W, 3) uint8, as a JPEG file: a fifth of what PNG takes."""
+    from PIL import Image
+
+    buffer = io.BytesIO()
+    Image.fromarray(rgb).save(buffer, format="JPEG", quality=82)
     return buffer.getvalue()

@@ -1,16 +1,16 @@
 """What a camera saw, with the mask of every object outlined and named."""
 
 import base64
-import io
 from collections.abc import Mapping, Sequence
 from html import escape
 
 import numpy as np
 from scipy.ndimage import binary_erosion, distance_transform_edt
 
+from topple.planner.formats.pictures import jpeg
 from topple.planner.report.palette import Colour, css, ink_on
 from topple.planner.report.words import ordinal, shortened
-from topple.topology.arrays import BoolArray, FloatArray
+from topple.topology.arrays import BoolArray
 from topple.topology.image import DepthImage
 from topple.topology.scene import Scene
 
@@ -58,7 +58,7 @@ def photo(
         at = _clear((100 * float(x) / width, 100 * float(y) / height), taken)
         taken.append(at)
         marks += _chip(name, colours[name], index[name], places.get(name), at)
-    source = base64.b64encode(_jpeg(pixels)).decode("ascii")
+    source = base64.b64encode(jpeg(pixels.clip(0, 255).astype(np.uint8))).decode("ascii")
     return (
         f'<figure class="photo"><div class="stage"><img src="data:image/jpeg;base64,{source}" '
         f'alt="what the camera saw, masks outlined" width="{width}" height="{height}">{marks}</div>'
@@ -108,11 +108,3 @@ def _chip(name: str, colour: Colour, number: int, place: int | None, at: tuple[f
         f'<span class="chip" data-object="{number}" style="{edge}" title="{escape(name)}">{badge}'
         f"<span>{escape(shortened(name))}</span></span>"
     )
-
-
-def _jpeg(pixels: FloatArray) -> bytes:
-    from PIL import Image
-
-    buffer = io.BytesIO()
-    Image.fromarray(pixels.clip(0, 255).astype(np.uint8)).save(buffer, format="JPEG", quality=82)
-    return buffer.getvalue()
