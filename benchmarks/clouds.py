@@ -16,6 +16,12 @@ NOISE = 0.0005
 SPACING = 0.12
 """Distance of the places in a crowd [m]: about every second object meets a neighbour."""
 
+BRICK = (0.08, 0.04, 0.03)
+"""A brick of walls and stacks [m]."""
+
+GRID = 0.006
+"""Spacing of the points on it [m]."""
+
 
 def household(points: int, seed: int) -> Scene:
     """Ten objects: a table, a lemon in a bowl, four stacked, two that touch, one alone.
@@ -92,3 +98,55 @@ def frame(seed: int) -> DepthImage:
             world.add(makers[(row + column) % 5](f"object {number}"), pose)
         camera = Camera.looking_at((0.55, 0.1, 0.65), (0.0, 0.0, 0.03))
         return camera.look(world, np.random.default_rng(seed))
+
+
+def brick_wall(count: int, seed: int) -> Scene:
+    """A wall of bricks, six in a row, every other row shifted by half a brick: one island of contacts.
+
+    Args:
+        count: Bricks.
+        seed: Seed of the noise.
+
+    Returns:
+        The scene: whole surfaces, the table fixed, `up` known.
+    """
+    turn = np.array([[np.cos(0.35), -np.sin(0.35), 0.0], [np.sin(0.35), np.cos(0.35), 0.0], [0.0, 0.0, 1.0]])
+    places = [((k % 6 + 0.5 * (k // 6 % 2)) * BRICK[0], 0.0, (k // 6 + 0.5) * BRICK[2]) for k in range(count)]
+    return _laid([np.array(place) @ turn.T for place in places], turn, seed)
+
+
+def stacks_of_four(count: int, seed: int) -> Scene:
+    """Stacks of four bricks, twelve centimetres apart, sixteen stacks in a row.
+
+    Args:
+        count: Bricks.
+        seed: Seed of the noise.
+
+    Returns:
+        The scene: whole surfaces, the table fixed, `up` known.
+    """
+    stacks = [divmod(k // 4, 16) for k in range(count)]
+    places = [np.array([0.12 * i, 0.12 * j, (k % 4 + 0.5) * BRICK[2]]) for k, (i, j) in enumerate(stacks)]
+    return _laid(places, np.eye(3), seed)
+
+
+def _laid(places: list[FloatArray], turn: FloatArray, seed: int) -> Scene:
+    """Bricks at places, turned alike, on a table that reaches beyond them."""
+    rng = np.random.default_rng(seed)
+    brick = _box_grid(BRICK, GRID) @ turn.T
+    clouds = {
+        f"brick {k}": brick + place + rng.normal(0, NOISE, brick.shape) for k, place in enumerate(places)
+    }
+    middles = np.array(places)[:, :2]
+    (x0, y0), (x1, y1) = middles.min(axis=0) - 0.15, middles.max(axis=0) + 0.15
+    x, y = np.meshgrid(np.arange(x0, x1, 0.015), np.arange(y0, y1, 0.015))
+    clouds["table"] = np.column_stack([x.ravel(), y.ravel(), np.zeros(x.size)])
+    return Scene(clouds, fixed=["table"], up=(0, 0, 1))
+
+
+def _box_grid(size: tuple[float, float, float], spacing: float) -> FloatArray:
+    """Points (N, 3) on a grid on all sides of a box around the origin [m]."""
+    axes = [np.linspace(-s / 2, s / 2, max(2, round(s / spacing) + 1)) for s in size]
+    whole = np.stack(np.meshgrid(*axes, indexing="ij"), axis=-1).reshape(-1, 3)
+    outside = (np.abs(np.abs(whole) - np.array(size) / 2) < 1e-9).any(axis=1)
+    return whole[outside]

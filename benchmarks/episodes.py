@@ -9,6 +9,8 @@ from typing import Any
 
 import msgspec
 
+from topple.benchmarks.other_piles import NAME as OTHER_PILE
+from topple.benchmarks.other_piles import other_pile
 from topple.benchmarks.possible import freeing_order
 from topple.benchmarks.rules import order_by
 from topple.planner.decide.goal import parse_goal
@@ -18,6 +20,7 @@ from topple.planner.execution.judge import LIMITS
 from topple.planner.formats.run_record import RunRecord, StepRecord
 from topple.planner.planning.order import cautious
 from topple.robots.scenarios import Scenario, scenario_called
+from topple.robots.world.world import in_bullet
 from topple.topology.errors import InvalidInput, ToppleError
 
 FORMAT, FORMAT_VERSION = "topple.episode", 1
@@ -52,7 +55,7 @@ class Episode:
     """What is played.
 
     Attributes:
-        scenario: One of `topple.robots.scenarios.SCENARIOS`, or the name of a frame.
+        scenario: One of `topple.robots.scenarios.SCENARIOS`, `OTHER_PILE`, or the name of a frame.
         seed: Of the scene, the sensor noise and every search.
         cameras: How many of the scene's cameras look.
         rule: Who decides the order: `TOPPLE`, one of `topple.benchmarks.rules.RULES`, or `IDEAL`.
@@ -60,6 +63,7 @@ class Episode:
         mask_noise: Standard deviation in pixels by which edges of masks are wrong.
         shuffle_labels: Whether names of objects are not kept between looks.
         wrist_camera: Whether the arm carries one more camera for a second look.
+        meshes: Folder of the models that an other pile is made of; empty for shapes by formula alone.
     """
 
     scenario: str
@@ -70,6 +74,7 @@ class Episode:
     mask_noise: float = 0.0
     shuffle_labels: bool = False
     wrist_camera: bool = False
+    meshes: str = ""
 
 
 @dataclass(frozen=True)
@@ -201,7 +206,7 @@ def _played(episode: Episode, begun: float) -> Ending:
             Path(episode.folder), episode.scenario, episode.seed, episode.cameras
         )
         return _ended(episode, record, begun, movable, sagged=sagged)
-    with scenario_called(episode.scenario, episode.seed) as stage:
+    with _stage(episode) as stage:
         if episode.rule == IDEAL:
             return _possible(episode, stage, begun)
         base = stage.pose_base_to_world
@@ -220,9 +225,15 @@ def _played(episode: Episode, begun: float) -> Ending:
     return _ended(episode, record, begun, movable, placed=max(places - missing, 0), places=places)
 
 
+def _stage(episode: Episode) -> Scenario:
+    if episode.scenario == OTHER_PILE:
+        return other_pile(episode.seed, Path(episode.meshes) if episode.meshes else None)
+    return scenario_called(episode.scenario, episode.seed)
+
+
 def _possible(episode: Episode, stage: Scenario, begun: float) -> Ending:
     """Whether the true bodies could be lifted in any order that frees the target."""
-    found = freeing_order(stage.world, stage.targets[0])
+    found = freeing_order(in_bullet(stage.world), stage.targets[0])
     return Ending(
         episode,
         "no plan" if found is None else "success",

@@ -22,7 +22,7 @@ from topple.robots.scratch import LOCK
 TOPPLE = (sys.executable, "-m", "topple.planner.cli.main")
 GONE_WITHIN = 5.0  # [s] after its parent that a worker is gone
 ROOM = 30_000  # [bytes] of a file that a full disk takes
-LONGEST = 300.0  # [s] that a killed command is waited for to keep an episode
+LONGEST = 600.0  # [s] that a killed command is waited for to keep an episode
 NEXT_START = "from topple.robots.scratch import Scratch; Scratch().close()"
 
 

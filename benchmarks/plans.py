@@ -20,8 +20,9 @@ from topple.robots import shapes
 from topple.robots.catalog import robot as robot_named
 from topple.robots.scenarios.scenario import Scenario, Unlucky, drop, settle, settled
 from topple.robots.world.bodies import Body
+from topple.robots.world.physical_world import PhysicalWorld
 from topple.robots.world.simulated_arm import SimulatedArm
-from topple.robots.world.world import World
+from topple.robots.world.world import in_bullet
 from topple.topology.scene import Scene
 
 COUNT = 10
@@ -111,7 +112,7 @@ def seen(stage: Scenario) -> Scene:
     Returns:
         The clouds.
     """
-    SimulatedArm(stage.world, robot_named(stage.robot), stage.pose_base_to_world)
+    SimulatedArm(in_bullet(stage.world), robot_named(stage.robot), stage.pose_base_to_world)
     rng = np.random.default_rng(stage.seed)
     return Observer(stage.world, stage.cameras, rng, stage.fixed, stage.up).look().scene
 
@@ -128,7 +129,7 @@ def ten(seed: int) -> Scenario:
     return settled("ten", seed, _pile, robot="panda")
 
 
-def _pile(world: World, rng: np.random.Generator) -> tuple[str, tuple[str, ...]]:
+def _pile(world: PhysicalWorld, rng: np.random.Generator) -> tuple[str, tuple[str, ...]]:
     names: list[str] = []
     for index in range(COUNT):
         body = MAKERS[int(rng.integers(len(MAKERS)))](f"thing {index}", rng)

@@ -7,6 +7,7 @@ from pathlib import Path
 
 import numpy as np
 
+from topple.benchmarks.labels import read_truth
 from topple.benchmarks.scores import Labels
 from topple.topology.errors import InvalidInput
 from topple.topology.io.load import load_scene
@@ -16,7 +17,7 @@ UNIT = 1e-4
 """Length [m] of one step of the stored clouds."""
 
 KEYS = {0: "full", 1: "view1", 3: "view3"}
-"""Cameras -> the folder of the archive their clouds are in."""
+"""Cameras -> the view of the archive that they saw."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -55,24 +56,23 @@ def recorded_piles(folder: Path) -> tuple[Case, ...]:
     """Read a folder of piles.
 
     Args:
-        folder: Holds archives with clouds `full/NAME`, `view1/NAME`, `view3/NAME` in tenths of
-            millimetres, `labels`, `up`, `fixed`, `viewpoints1` and `viewpoints3`.
+        folder: Holds archives that `topple.topology.io.pile` reads, each with all three views.
 
     Returns:
         One case per archive, in the order of their names.
 
     Raises:
-        InvalidInput: There is no archive, or one lacks a key.
+        InvalidInput: There is no archive, or one lacks its labels or a view.
     """
     paths = sorted(folder.glob("*.npz"))
     if not paths:
         raise InvalidInput(f"{folder}: no piles (*.npz) in this folder")
     cases: list[Case] = []
     for seed, path in enumerate(paths):
+        labels = read_truth(path).labels
         with np.load(path) as archive:
             try:
-                labels = json.loads(str(archive["labels"]))
-                scenes = {view: _pile_scene(archive, view) for view in KEYS}
+                scenes = {cameras: _pile_scene(archive, cameras) for cameras in KEYS}
             except KeyError as error:
                 raise InvalidInput(f"{path}: {error.args[0]}; a pile has labels and clouds") from error
         cases.append(Case(seed, labels, scenes))
@@ -80,7 +80,7 @@ def recorded_piles(folder: Path) -> tuple[Case, ...]:
 
 
 def _pile_scene(archive: "np.lib.npyio.NpzFile", view: int) -> Scene:
-    """One view of a pile."""
+    """One view of a pile, multiplied as when behaviour was frozen: a division differs in the last bits."""
     prefix = f"{KEYS[view]}/"
     clouds = {key[len(prefix) :]: archive[key] * UNIT for key in archive.files if key.startswith(prefix)}
     viewpoints = archive[f"viewpoints{view}"] if view else None

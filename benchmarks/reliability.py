@@ -4,56 +4,86 @@ A run that a fault spoils counts as survived only where its report names the fau
 nothing else was disturbed.
 """
 
-from typing import Any
+import os
+from collections.abc import Callable, Iterator, Sequence
+from functools import partial
+from typing import Any, TypeVar
 
-from topple.benchmarks.faults.inject import FAULTS, inject
-from topple.benchmarks.fuzz import fuzz_readers
+from topple.benchmarks.faults.inject import FAULTS, FaultCount, Run, play
+from topple.benchmarks.fuzz import READERS, ReaderCount, fuzz
 from topple.benchmarks.kills import kill, refuse
 from topple.benchmarks.row import Progress, Row
 from topple.benchmarks.sabotages.caught import CASES, catch
 from topple.benchmarks.scores import share_interval
 from topple.benchmarks.soak import side_by_side, soaked
+from topple.planner.workers import worker_pool
+from topple.topology.errors import InvalidInput
 
 INPUTS = 100_000  # broken files, shared out among the readers
+QUICK_INPUTS = 2000
 SEEDS = 20  # runs with each fault
 KILLS = 40
 ROUNDS = 500  # of orders and worlds in one process, and a tenth as many plans: an hour of a robot's work
 SHOWN = 3  # runs that went wrong whose reports are printed
 
 
-def rows(quick: bool, seed: int, progress: Progress) -> list[dict[str, Any]]:
+def rows(quick: bool, seed: int, progress: Progress, part: str | None = None) -> list[dict[str, Any]]:
     """Break things, and count what holds.
 
     Args:
         quick: A few of each.
         seed: The first seed.
-        progress: Called before each part.
+        progress: Called as parts of the work end.
+        part: One of `PARTS` alone; the whole takes hours.
 
     Returns:
         The bench's rows.
+
+    Raises:
+        InvalidInput: There is no such part.
     """
-    found = [
-        *_readers(2000 if quick else INPUTS, seed, progress),
-        *_sabotages(quick, progress),
-        *_faults(quick, seed, progress),
-        *_kills(quick, seed, progress),
-        *_soak(quick, progress),
-    ]
-    return [row.to_json() for row in found]
+    if part is not None and part not in PARTS:
+        raise InvalidInput(f"reliability has no part {part!r}: expected one of {', '.join(PARTS)}")
+    parts = PARTS if part is None else (part,)
+    return [row.to_json() for each in parts for row in PARTS[each](quick, seed, progress)]
 
 
-def _readers(count: int, seed: int, progress: Progress) -> list[Row]:
+Task = TypeVar("Task")
+Result = TypeVar("Result")
+
+
+def _spread(
+    work: Callable[[Task], Result], tasks: Sequence[Task], told: Callable[[Result], str], progress: Progress
+) -> Iterator[Result]:
+    """Do tasks on all cores, and give what comes of them in their order."""
+    with worker_pool(os.cpu_count() or 1) as pool:
+        for number, found in enumerate(pool.map(work, tasks), start=1):
+            progress(f"{number} of {len(tasks)}: {told(found)}")
+            yield found
+
+
+def _readers(quick: bool, seed: int, progress: Progress) -> list[Row]:
+    each = max(1, (QUICK_INPUTS if quick else INPUTS) // len(READERS))
+    work = partial(_fuzzed, inputs=each, seed=seed)
+    counts = _spread(work, range(len(READERS)), lambda one: f"{one.reader}, {one.broken} broken", progress)
     return [
         Row(
             f"broken files read: {one.reader}", one.broken, "broken", bar="<= 0",
             tried=one.inputs, held=one.clean, wrong=one.examples,
         )
-        for one in fuzz_readers(count, seed, progress)
+        for one in counts
     ]  # fmt: skip
 
 
-def _sabotages(quick: bool, progress: Progress) -> list[Row]:
-    found = catch(CASES[:1], progress, every=4) if quick else catch(CASES, progress)
+def _fuzzed(reader: int, inputs: int, seed: int) -> ReaderCount:
+    return fuzz(READERS[reader], inputs, seed)
+
+
+def _sabotages(quick: bool, seed: int, progress: Progress) -> list[Row]:
+    work = partial(catch, every=4 if quick else 1)
+    found = list(
+        _spread(work, CASES[:1] if quick else CASES, lambda one: f"sabotages of {one.plan}", progress)
+    )
     tried = sum(one.tried for one in found)
     escaped = tuple(f"{name} ({one.plan})" for one in found for name in one.escaped)
     return [_share(f"sabotages caught, in {len(found)} plans", tried - len(escaped), tried, escaped)]
@@ -62,8 +92,11 @@ def _sabotages(quick: bool, progress: Progress) -> list[Row]:
 def _faults(quick: bool, seed: int, progress: Progress) -> list[Row]:
     faults = FAULTS[::4] if quick else FAULTS
     seeds = range(seed, seed + (1 if quick else SEEDS))
+    tasks = [(FAULTS.index(fault), each) for fault in faults for each in seeds]
+    runs = list(_spread(_played, tasks, _said, progress))
     found: list[Row] = []
-    for count in inject(faults, seeds, progress):
+    for fault in faults:
+        count = FaultCount(fault.name, tuple(run for run in runs if run.fault == fault.name))
         spoilt = [f"seed {run.seed}: {run.crashed or run.text}" for run in count.runs if not run.survived]
         what = f"fault survived: {count.fault}"
         found.append(_share(what, count.survived, len(count.runs), tuple(spoilt[:SHOWN])))
@@ -72,6 +105,15 @@ def _faults(quick: bool, seed: int, progress: Progress) -> list[Row]:
         names = "; ".join(fault.name for fault in left_out)
         found.append(Row(f"faults that --quick leaves out: {names}", len(left_out), "", tried=0))
     return found
+
+
+def _played(task: tuple[int, int]) -> Run:
+    fault, seed = task
+    return play(FAULTS[fault], seed)
+
+
+def _said(run: Run) -> str:
+    return f"{run.fault}, seed {run.seed}: {'survived' if run.survived else 'NOT survived'}"
 
 
 def _share(what: str, held: int, tried: int, wrong: tuple[str, ...]) -> Row:
@@ -95,7 +137,7 @@ def _kills(quick: bool, seed: int, progress: Progress) -> list[Row]:
     return [*found, Row(what, len(wrong), "wrong", bar="<= 0", tried=len(refused), held=held, wrong=wrong)]
 
 
-def _soak(quick: bool, progress: Progress) -> list[Row]:
+def _soak(quick: bool, seed: int, progress: Progress) -> list[Row]:
     held = soaked(9 if quick else ROUNDS, progress)
     tried, differ = side_by_side(1 if quick else 10, progress)
     what = f"memory after {held.rounds} rounds, last third against the second"
@@ -110,3 +152,13 @@ def _soak(quick: bool, progress: Progress) -> list[Row]:
             tried=tried, held=tried - differ,
         ),
     ]  # fmt: skip
+
+
+PARTS: dict[str, Callable[[bool, int, Progress], list[Row]]] = {
+    "readers": _readers,
+    "sabotages": _sabotages,
+    "faults": _faults,
+    "kills": _kills,
+    "soak": _soak,
+}
+"""What is broken, and the work that counts it."""

@@ -3,6 +3,7 @@
 - dishes, lemon and tower with three cameras; random piles of five to eight things of which one is freed, with
   three cameras and with one; a pile sorted into two bins.
 - The same piles with masks whose edges are a pixel off, and with names of objects not kept between looks.
+- Piles of another generator, which nothing was developed on; with `--meshes DIR` of a folder's models, too.
 - With `--data DIR`, annotated camera frames, each rebuilt as bodies in which an arm frees the object that
   most others have to go before.
 - Of the same piles, how many any order of ideal lifts could free at all, were all known perfectly.
@@ -30,6 +31,7 @@ from typing import Any
 from topple.benchmarks.episodes import ENDINGS, IDEAL, TOPPLE, Ending, Episode, play
 from topple.benchmarks.frames import frames_in
 from topple.benchmarks.journal import Journal
+from topple.benchmarks.other_piles import NAME as OTHER_PILE
 from topple.benchmarks.row import Progress, Row
 from topple.benchmarks.rules import RULES
 from topple.benchmarks.scores import share_interval
@@ -57,6 +59,7 @@ class Series:
         mask_noise: Standard deviation in pixels by which edges of masks are wrong.
         shuffle_labels: Whether names of objects are not kept between looks.
         wrist_camera: Whether the arm carries one more camera for a second look.
+        meshes: Folder of models that other piles are made of.
     """
 
     scenario: str
@@ -69,6 +72,7 @@ class Series:
     mask_noise: float = 0.0
     shuffle_labels: bool = False
     wrist_camera: bool = False
+    meshes: Path | None = None
 
     def episodes(self, seed: int) -> list[Episode]:
         """Its episodes, from a first seed on."""
@@ -80,6 +84,7 @@ class Series:
                 self.scenario, seed + number, self.cameras, self.rule,
                 mask_noise=self.mask_noise, shuffle_labels=self.shuffle_labels,
                 wrist_camera=self.wrist_camera,
+                meshes="" if self.meshes is None else str(self.meshes.resolve()),
             )
             for number in range(self.seeds)
         ]  # fmt: skip
@@ -90,7 +95,9 @@ class Series:
         eyes += " and one on the wrist" if self.wrist_camera else ""
         masks = f", masks {self.mask_noise:g} px off" if self.mask_noise else ""
         names = ", labels shuffled" if self.shuffle_labels else ""
-        return f"{self.scenario}, {eyes}{masks}{names}" + ("" if self.rule == TOPPLE else f", {self.rule}")
+        kinds = " of models too" if self.meshes is not None else ""
+        rule = "" if self.rule == TOPPLE else f", {self.rule}"
+        return f"{self.scenario}{kinds}, {eyes}{masks}{names}{rule}"
 
 
 FULL = (
@@ -116,6 +123,7 @@ def rows(
     journal: Path = JOURNAL,
     minutes: float | None = None,
     data: Path | None = None,
+    meshes: Path | None = None,
 ) -> list[dict[str, Any]]:
     """Play what is not in the journal yet, and count.
 
@@ -126,11 +134,20 @@ def rows(
         journal: Where endings are kept, line by line.
         minutes: After this time no further episode is begun; the figures are of what was played.
         data: A folder with annotated camera frames, to be acted out too.
+        meshes: A folder with models that the piles of another generator are made of, besides its own shapes.
 
     Returns:
         The bench's rows.
     """
-    series = QUICK if quick else FULL
+    others = (
+        ()
+        if quick
+        else (
+            Series(OTHER_PILE, 100, bar=80, meshes=meshes),
+            Series(OTHER_PILE, 100, cameras=1, meshes=meshes),
+        )
+    )
+    series = (*(QUICK if quick else FULL), *others)
     if data is not None:
         frames = frames_in(data)
         kept = frames[:1] if quick else frames

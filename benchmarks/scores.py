@@ -27,6 +27,8 @@ class Score:
         piles: Piles.
         lean: Targets for which nothing is removed beyond what simulation demands.
         targets: Targets.
+        unsafe: Objects taken while something was there that would move.
+        steps: Objects taken.
     """
 
     right: int = 0
@@ -36,6 +38,8 @@ class Score:
     piles: int = 0
     lean: int = 0
     targets: int = 0
+    unsafe: int = 0
+    steps: int = 0
 
     def __add__(self, other: "Score") -> "Score":
         """Counts of both."""
@@ -71,43 +75,92 @@ def score(guess: Guess, labels: Labels, seen: Collection[str]) -> Score:
     """
     names = [name for name in labels if name in seen]
     closure = _closure(names, guess.pairs)
-    verdicts = [
-        (labels[then].get(first), (first, then) in closure)
-        for then in names
-        for first in names
-        if first != then
-    ]
+    verdicts = judged(guess, labels, names)
     removed = {name: {first for first, then in closure if then == name} for name in names}
     excused = _closure(names, [(x, y) for y in names for x in names if x != y and labels[y].get(x) != 0])
     return Score(
-        right=verdicts.count((1, True)),
-        false=verdicts.count((0, True)),
-        missed=verdicts.count((1, False)),
+        right=len(verdicts.right),
+        false=len(verdicts.false),
+        missed=len(verdicts.missed),
         safe=int(is_safe(guess, labels, names)),
         piles=1,
         lean=sum(all((x, name) in excused for x in removed[name]) for name in names),
         targets=len(names),
+        unsafe=len(unsafe_steps(guess, labels, names)),
+        steps=sum(name in names for name in guess.order),
     )
 
 
+@dataclass(frozen=True)
+class Verdicts:
+    """The pairs (first, then) of an answer against what is true; those too close to call are in none.
+
+    Attributes:
+        right: Found, and had to be.
+        false: Found, and had not to be.
+        missed: Had to be, and were not found.
+    """
+
+    right: tuple[tuple[str, str], ...]
+    false: tuple[tuple[str, str], ...]
+    missed: tuple[tuple[str, str], ...]
+
+
+def judged(guess: Guess, labels: Labels, seen: Collection[str]) -> Verdicts:
+    """Hold what follows from an answer's pairs against the labels.
+
+    Args:
+        guess: The answer.
+        labels: What is true.
+        seen: Objects that are in the scene; others are left out.
+    """
+    names = [name for name in labels if name in seen]
+    closure = _closure(names, guess.pairs)
+    found: dict[tuple[object, bool], list[tuple[str, str]]] = {}
+    for then in names:
+        for first in names:
+            if first != then:
+                key = (labels[then].get(first), (first, then) in closure)
+                found.setdefault(key, []).append((first, then))
+    return Verdicts(*(tuple(found.get(key, ())) for key in ((1, True), (0, True), (1, False))))
+
+
 def is_safe(guess: Guess, labels: Labels, names: Collection[str]) -> bool:
-    """Whether an order takes nothing while something is there that would move.
+    """Whether an order takes everything, and nothing while something is there that would move.
 
     Args:
         guess: The order and its groups; a group excuses objects simulation has in one cycle.
         labels: What simulation says.
         names: Everything there is to take.
     """
+    return set(names) <= set(guess.order) and not unsafe_steps(guess, labels, names)
+
+
+def unsafe_steps(
+    guess: Guess, labels: Labels, names: Collection[str]
+) -> tuple[tuple[str, tuple[str, ...]], ...]:
+    """What an order takes while something is there that would move.
+
+    Args:
+        guess: The order and its groups; a group excuses objects simulation has in one cycle.
+        labels: What simulation says.
+        names: Everything there is to take; what else the order takes is passed over.
+
+    Returns:
+        Each such object with those that would move.
+    """
     truth: nx.DiGraph[str] = nx.DiGraph([(x, y) for y in names for x in names if labels[y].get(x) == 1])
     cycle = {name: c for c in nx.strongly_connected_components(truth) for name in c}
-    left = set(names)
+    left, unsafe = set(names), list[tuple[str, tuple[str, ...]]]()
     for name in guess.order:
+        if name not in left:
+            continue
         together = {other for group in guess.groups if name in group for other in group}
         staying = left - {name} - (together & cycle.get(name, set()))
-        if any(labels[name].get(other) == 1 for other in staying):
-            return False
+        if moved := tuple(sorted(other for other in staying if labels[name].get(other) == 1)):
+            unsafe.append((name, moved))
         left.discard(name)
-    return not left
+    return tuple(unsafe)
 
 
 def _closure(names: Collection[str], pairs: Collection[tuple[str, str]]) -> set[tuple[str, str]]:

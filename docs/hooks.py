@@ -42,3 +42,11 @@ def on_page_markdown(markdown: str, page: Page, config: MkDocsConfig, files: Fil
         return words if (ROOT / path).exists() else match[0]
 
     return LINK.sub(link, markdown)
+
+
+def on_post_page(output: str, **_: object) -> str:
+    """Name the search dialog, which the theme leaves without a name to those who do not see it."""
+    return output.replace(
+        'data-md-component="search" role="dialog"',
+        'data-md-component="search" role="dialog" aria-label="Search"',
+    )

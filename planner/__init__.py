@@ -14,18 +14,24 @@ if TYPE_CHECKING:
     from topple.planner.execution.run import run
     from topple.planner.formats.plan_format import Plan
     from topple.planner.grasp.foreign import ForeignGrasps, grasps_from_array, read_grasps
-    from topple.planner.grasp.rank import rank_grasps
+    from topple.planner.grasp.rank import rank_all, rank_grasps
     from topple.planner.planning.next_view import next_view
     from topple.planner.planning.order import order
     from topple.planner.planning.plan import plan
+    from topple.planner.rearranging.arrangement import Arrangement
     from topple.planner.rearranging.rearrange import Rearrangement, rearrange
+    from topple.planner.rearranging.task import Alike, Described, Rearranging
+    from topple.planner.report.plan_page import plan_page
     from topple.planner.report.run_page import run_page
 
 __all__ = [
+    "Alike",
+    "Arrangement",
     "BuildOrder",
     "ClosedLoop",
     "Dependency",
     "DependencyGraph",
+    "Described",
     "ForeignGrasps",
     "Hold",
     "NoSafePlan",
@@ -33,6 +39,7 @@ __all__ = [
     "Order",
     "Plan",
     "Rearrangement",
+    "Rearranging",
     "RunLimits",
     "arrange",
     "build_order",
@@ -42,6 +49,8 @@ __all__ = [
     "next_view",
     "order",
     "plan",
+    "plan_page",
+    "rank_all",
     "rank_grasps",
     "read_grasps",
     "rearrange",
@@ -50,6 +59,10 @@ __all__ = [
 ]
 
 _HOME = {
+    "Alike": "rearranging.task",
+    "Arrangement": "rearranging.arrangement",
+    "Described": "rearranging.task",
+    "Rearranging": "rearranging.task",
     "BuildOrder": "building.build",
     "Hold": "building.build",
     "build_order": "building.build",
@@ -70,6 +83,8 @@ _HOME = {
     "next_view": "planning.next_view",
     "order": "planning.order",
     "plan": "planning.plan",
+    "plan_page": "report.plan_page",
+    "rank_all": "grasp.rank",
     "rank_grasps": "grasp.rank",
     "read_grasps": "grasp.foreign",
     "rearrange": "rearranging.rearrange",

@@ -10,6 +10,9 @@ if TYPE_CHECKING:
     from topple.topology.image import DepthImage
     from topple.topology.io import load_scene, load_sequence
     from topple.topology.io.assemble import Parts
+    from topple.topology.io.coco import scene_from_coco
+    from topple.topology.io.objects import scene_from_objects, scene_from_points
+    from topple.topology.merging.merge import MergedViews, merge_views
     from topple.topology.pair import PairRelation
     from topple.topology.relations import Relations
     from topple.topology.rule.relate import relate, relate_all
@@ -20,6 +23,7 @@ __all__ = [
     "DepthImage",
     "Hull",
     "InvalidInput",
+    "MergedViews",
     "Mesh",
     "NotInstalled",
     "PairRelation",
@@ -32,8 +36,12 @@ __all__ = [
     "classify",
     "load_scene",
     "load_sequence",
+    "merge_views",
     "relate",
     "relate_all",
+    "scene_from_coco",
+    "scene_from_objects",
+    "scene_from_points",
     "thinned",
 ]
 
@@ -41,6 +49,7 @@ _HOME = {
     "DepthImage": "image",
     "Hull": "geometry.hull",
     "InvalidInput": "errors",
+    "MergedViews": "merging.merge",
     "Mesh": "scene",
     "NotInstalled": "errors",
     "PairRelation": "pair",
@@ -53,8 +62,12 @@ _HOME = {
     "classify": "sixim.table",
     "load_scene": "io",
     "load_sequence": "io",
+    "merge_views": "merging.merge",
     "relate": "rule.relate",
     "relate_all": "rule.relate",
+    "scene_from_coco": "io.coco",
+    "scene_from_objects": "io.objects",
+    "scene_from_points": "io.objects",
     "thinned": "geometry.thin",
 }
 

@@ -11,6 +11,7 @@ import numpy as np
 
 from topple.topology.arrays import FloatArray
 from topple.topology.errors import InvalidInput, UnknownObject
+from topple.topology.notebook import in_cell
 from topple.topology.pair import PairRelation
 from topple.topology.sixim.table import Relation
 from topple.topology.values import same
@@ -290,6 +291,10 @@ class Relations:
                 near[i, j] = rule.relate(prepared[i], prepared[j])
         related = replace(self, rule=rule, near=near, prepared=tuple(prepared), scene=scene)
         return rule.conclude(scene, related)
+
+    def _repr_html_(self) -> str | None:
+        """What a notebook shows."""
+        return in_cell(self)
 
     def __eq__(self, other: object) -> bool:
         """Compare the scenes and what is said of every pair."""

@@ -14,6 +14,7 @@ from topple.topology.checks import as_direction, as_name, as_points, as_pose, as
 from topple.topology.errors import InvalidInput, UnknownObject
 from topple.topology.geometry.plane import TABLE, table_by_name, up_from_fixed
 from topple.topology.image import DepthImage
+from topple.topology.notebook import in_cell
 from topple.topology.values import ByValue, FrozenDict
 
 _Value = TypeVar("_Value")
@@ -149,6 +150,10 @@ class Scene(ByValue):
         clouds, fixed = dict(self.clouds), self._fixed_in_order()
         parts = (clouds, fixed, self.up, self.viewpoints, self.images, dict(self.meshes), self.robot_base)
         return (Scene, (*parts, self.assumptions, dict(self.masses), dict(self.friction)))
+
+    def _repr_html_(self) -> str | None:
+        """What a notebook shows."""
+        return in_cell(self)
 
     def __repr__(self) -> str:
         """Say what is in the scene, not the points."""

@@ -5,14 +5,14 @@ from typing import Protocol
 
 import numpy as np
 
-from topple.robots.world.world import World
+from topple.robots.world.physical_world import PhysicalWorld
 from topple.topology.image import DepthImage
 
 
 class Eye(Protocol):
     """What takes a picture of a world: a camera, or one that goes wrong."""
 
-    def look(self, world: World, rng: np.random.Generator | None = None) -> DepthImage:
+    def look(self, world: PhysicalWorld, rng: np.random.Generator | None = None) -> DepthImage:
         """Take a picture."""
         ...
 
@@ -31,7 +31,7 @@ class Spoilt:
     since: int = 0
     looks: int = 0
 
-    def look(self, world: World, rng: np.random.Generator | None = None) -> DepthImage:
+    def look(self, world: PhysicalWorld, rng: np.random.Generator | None = None) -> DepthImage:
         """Take a picture, spoilt where it is time."""
         image = self.eye.look(world, rng)
         self.looks += 1
@@ -149,10 +149,10 @@ class TakenAway(Spoilt):
         name: The object.
     """
 
-    world: World | None = None
+    world: PhysicalWorld | None = None
     name: str = ""
 
-    def look(self, world: World, rng: np.random.Generator | None = None) -> DepthImage:
+    def look(self, world: PhysicalWorld, rng: np.random.Generator | None = None) -> DepthImage:
         """Take a picture of what is left."""
         if self.looks == self.since and self.name in world.names:
             world.remove(self.name)

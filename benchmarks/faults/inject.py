@@ -1,9 +1,8 @@
 """What becomes of runs in which something goes wrong."""
 
 import re
-import time
 import traceback
-from collections.abc import Callable, Sequence
+from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
@@ -20,7 +19,6 @@ from topple.benchmarks.faults.cameras import (
     Unseen,
 )
 from topple.benchmarks.faults.scene import ASIDE, LOWER, UPPER, small_scene
-from topple.benchmarks.row import Progress
 from topple.planner.decide.goal import parse_goal
 from topple.planner.execution.attained import truly_unmet
 from topple.planner.execution.judge import LIMITS, Judge
@@ -30,6 +28,7 @@ from topple.planner.formats.run_record import RunRecord, StepRecord
 from topple.robots.catalog import robot as robot_named
 from topple.robots.scenarios.scenario import Scenario
 from topple.robots.world.simulated_arm import SimulatedArm
+from topple.robots.world.world import in_bullet
 from topple.topology.errors import ToppleError
 
 Eyes = Callable[[Scenario, np.random.Generator], list[Eye]]
@@ -105,29 +104,6 @@ class FaultCount:
         return sum(run.survived for run in self.runs)
 
 
-def inject(faults: Sequence[Fault], seeds: Sequence[int], progress: Progress) -> list[FaultCount]:
-    """Play the small scene with faults.
-
-    Args:
-        faults: What goes wrong, each in runs of its own.
-        seeds: Of the scene, the noise, and when and where it goes wrong.
-        progress: Called as runs end.
-
-    Returns:
-        How they went, by fault.
-    """
-    counts: list[FaultCount] = []
-    for fault in faults:
-        runs: list[Run] = []
-        for seed in seeds:
-            begun = time.perf_counter()
-            runs.append(play(fault, seed))
-            how = "survived" if runs[-1].survived else "NOT survived"
-            progress(f"{fault.name}, seed {seed}: {how} after {time.perf_counter() - begun:.0f} s")
-        counts.append(FaultCount(fault.name, tuple(runs)))
-    return counts
-
-
 def play(fault: Fault, seed: int) -> Run:
     """One run with a fault.
 
@@ -149,7 +125,7 @@ def play(fault: Fault, seed: int) -> Run:
 
 
 def _played(fault: Fault, seed: int, stage: Scenario, rng: np.random.Generator) -> Run:
-    acting = SimulatedArm(stage.world, robot_named(fault.robot), stage.pose_base_to_world)
+    acting = SimulatedArm(in_bullet(stage.world), robot_named(fault.robot), stage.pose_base_to_world)
     eyes = list(stage.cameras) if fault.eyes is None else fault.eyes(stage, rng)
     perception = Observer(stage.world, eyes, np.random.default_rng(seed), stage.fixed, stage.up)
     loop = ClosedLoop(

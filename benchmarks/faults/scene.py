@@ -6,7 +6,7 @@ from scipy.spatial.transform import Rotation
 from topple.robots.scenarios.scenario import Scenario, pose_at, settle, settled
 from topple.robots.shapes import box
 from topple.robots.world.bodies import Body
-from topple.robots.world.world import World
+from topple.robots.world.physical_world import PhysicalWorld
 
 LOWER, UPPER, ASIDE = "lower", "upper", "aside"
 
@@ -23,7 +23,7 @@ def small_scene(seed: int, robot: str = "panda") -> Scenario:
     """
     wide = "suction" in robot
 
-    def layout(world: World, rng: np.random.Generator) -> tuple[str, tuple[str, ...]]:
+    def layout(world: PhysicalWorld, rng: np.random.Generator) -> tuple[str, tuple[str, ...]]:
         x, y = rng.uniform(-0.05, 0.05, 2)
         lower, upper, aside = _bodies(rng, wide)
         height = float(np.ptp(np.concatenate(lower.parts)[:, 2]))

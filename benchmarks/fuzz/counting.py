@@ -6,7 +6,7 @@ import tempfile
 import threading
 import time
 import warnings
-from collections.abc import Generator, Sequence
+from collections.abc import Generator
 from contextlib import contextmanager
 from dataclasses import dataclass
 from pathlib import Path
@@ -16,8 +16,6 @@ import numpy as np
 
 from topple.benchmarks.fuzz.mutate import mutated
 from topple.benchmarks.fuzz.reader import Parts, Reader
-from topple.benchmarks.fuzz.readers import READERS
-from topple.benchmarks.row import Progress
 from topple.topology.errors import ToppleError
 
 SECONDS = 5.0
@@ -44,27 +42,6 @@ class ReaderCount:
     clean: int
     broken: int
     examples: tuple[str, ...] = ()
-
-
-def fuzz_readers(
-    count: int, seed: int = 0, progress: Progress = lambda text: None, readers: Sequence[Reader] = READERS
-) -> list[ReaderCount]:
-    """Fuzz every reader.
-
-    Args:
-        count: Inputs in all, the same number for each reader and at least one.
-        seed: Seed of everything that is changed.
-        progress: Called before each reader.
-        readers: Which.
-
-    Returns:
-        A count a reader.
-    """
-    found: list[ReaderCount] = []
-    for reader in readers:
-        progress(f"{reader.name}: {max(1, count // len(readers))} broken files")
-        found.append(fuzz(reader, max(1, count // len(readers)), seed))
-    return found
 
 
 def fuzz(reader: Reader, inputs: int, seed: int = 0) -> ReaderCount:

@@ -149,6 +149,10 @@ def _ply(kind: str, faces: bool) -> Callable[[], Parts]:
     return parts
 
 
+def _xyz() -> Parts:
+    return {"mug.xyz": "\n".join(f"{x} {y}, {z} # seen" for x, y, z in cloud()).encode()}
+
+
 def _obj() -> Parts:
     lines = [f"v {x} {y} {z}" for x, y, z in _CORNERS] + [f"f {a + 1} {b + 1} {c + 1}" for a, b, c in _FACES]
     return {"mug.obj": ("\n".join(lines) + "\n").encode()}
@@ -194,6 +198,7 @@ SCENES = (
     Reader("ply ascii mesh", _ply("ascii", faces=True), load_scene, wrong_scene),
     Reader("ply binary", _ply("binary_little_endian", faces=False), load_scene, wrong_scene),
     Reader("ply binary mesh", _ply("binary_little_endian", faces=True), load_scene, wrong_scene),
+    Reader("xyz", _xyz, load_scene, wrong_scene),
     Reader("obj", _obj, load_scene, wrong_scene),
     Reader("stl ascii", _stl(binary=False), load_scene, wrong_scene),
     Reader("stl binary", _stl(binary=True), load_scene, wrong_scene),

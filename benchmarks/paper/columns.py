@@ -9,9 +9,9 @@ from itertools import combinations
 
 import numpy as np
 
-from topple.benchmarks.paper.support_features import support_features
 from topple.topology.arrays import FloatArray
 from topple.topology.cloud import clean, estimate_deviation
+from topple.topology.rule.features import support_features
 from topple.topology.rule.relate import relate
 from topple.topology.scene import Scene
 from topple.topology.sixim.table import Relation, classify
@@ -21,8 +21,9 @@ Answer = Mapping[tuple[str, str], Relation]
 """Relation of every ordered pair (a, b) the method knows: "a relation b"."""
 Column = Callable[[Scene], Answer]
 
-TOPPLE, PLAIN, ESTIMATED, BOXES, SUPPORT, CONTACT_POINTS = (
-    "topple", "plain 6IM, 2 mm", "plain 6IM, estimated", "AABB", "feature extraction", "learning",
+TOPPLE, PLAIN, ESTIMATED, NINE, BOXES, SUPPORT, CONTACT_POINTS = (
+    "topple", "plain 6IM, 2 mm", "plain 6IM, estimated", "9IM on solids", "AABB", "feature extraction",
+    "learning",
 )  # fmt: skip
 LENIENT = frozenset({SUPPORT})
 """Columns that only know containment: contain or partial contain, the paper counts either as right."""
@@ -38,6 +39,7 @@ def columns(learned: Column | None = None) -> dict[str, Column]:
         TOPPLE: topple,
         PLAIN: plain,
         ESTIMATED: estimated,
+        NINE: nine,
         BOXES: boxes,
         SUPPORT: support_features,
     }
@@ -63,6 +65,11 @@ def plain(scene: Scene) -> Answer:
 def estimated(scene: Scene) -> Answer:
     """The paper's rule to the letter, at the deviation of the point clouds."""
     return {(pair.a, pair.b): pair.relation for pair in relate(scene, estimate_deviation(scene), plain=True)}
+
+
+def nine(scene: Scene) -> Answer:
+    """The 9-intersection model on complete solids: where noise leaves several relations possible, touch."""
+    return {(pair.a, pair.b): pair.relation for pair in relate(scene, rule="9im")}
 
 
 def boxes(scene: Scene) -> Answer:

@@ -5,7 +5,7 @@ from collections.abc import Callable, Sequence
 import numpy as np
 
 from topple.benchmarks.paper.case import Judged, Outcome
-from topple.benchmarks.paper.columns import BOXES, CONTACT_POINTS, ESTIMATED, PLAIN, SUPPORT, TOPPLE
+from topple.benchmarks.paper.columns import BOXES, CONTACT_POINTS, ESTIMATED, NINE, PLAIN, SUPPORT, TOPPLE
 from topple.benchmarks.paper.looks import FEW, ONE, THREE, WHOLE
 from topple.benchmarks.paper.truth import (
     AABB,
@@ -23,7 +23,7 @@ from topple.topology.sixim.table import Relation
 
 PUBLISHED = {
     TOPPLE: PAPER_6IM, PLAIN: PAPER_6IM, ESTIMATED: PAPER_6IM,
-    BOXES: AABB, SUPPORT: FEATURES, CONTACT_POINTS: LEARNING,
+    NINE: PAPER_6IM, BOXES: AABB, SUPPORT: FEATURES, CONTACT_POINTS: LEARNING,
 }  # fmt: skip
 """The paper's column that stands beside each of ours."""
 GROUPS = ((RGBD, FEW, "scenes 1-7, 2 views"), (YCB, WHOLE, "scenes 8-14, whole surfaces"))

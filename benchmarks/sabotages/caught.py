@@ -2,13 +2,11 @@
 
 import json
 import math
-from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cache
 
 import numpy as np
 
-from topple.benchmarks.row import Progress
 from topple.benchmarks.sabotages.catalogue import OTHER_SCENES, SPOILT, UNREADABLE
 from topple.planner.formats.plan_format import Plan, plan_from_json, plan_to_json
 from topple.planner.planning.plan import plan
@@ -83,38 +81,34 @@ def planned(goal: str, arm: str) -> Plan:
     return plan(scene_for(goal), goal, arm, base=BASE, check=False)
 
 
-def catch(cases: Sequence[tuple[str, str]], progress: Progress, every: int = 1) -> list[Caught]:
-    """Spoil plans in every way, and see what is noticed.
+def catch(case: tuple[str, str], every: int = 1) -> Caught:
+    """Spoil a plan in every way, and see what is noticed.
 
     Args:
-        cases: Some of `CASES`.
-        progress: Called with a few words before each plan.
+        case: One of `CASES`.
         every: Which of the ways are tried: 3 for every third.
 
     Returns:
-        What was noticed, plan by plan.
+        What was noticed.
     """
-    found: list[Caught] = []
-    for goal, arm in cases:
-        progress(f"sabotages of {goal!r} by {arm}")
-        made = planned(goal, arm)
-        tried, escaped = _spoilt(made, Situation(scene_for(goal)), every)
-        for unreadable in UNREADABLE[::every]:
-            document = json.loads(plan_to_json(made))
-            if unreadable(document) is False:
-                continue
-            tried += 1
-            try:
-                plan_from_json(json.dumps(document))
-                escaped.append(unreadable.__name__)
-            except InvalidInput:
-                pass
-        for other in OTHER_SCENES[::every]:
-            tried += 1
-            if verify(made, other(scene_for(goal), made.steps[-1].object), step=ROUGH).ok:
-                escaped.append(other.__name__)
-        found.append(Caught(f"{goal}, {arm}", tried, tuple(escaped)))
-    return found
+    goal, arm = case
+    made = planned(goal, arm)
+    tried, escaped = _spoilt(made, Situation(scene_for(goal)), every)
+    for unreadable in UNREADABLE[::every]:
+        document = json.loads(plan_to_json(made))
+        if unreadable(document) is False:
+            continue
+        tried += 1
+        try:
+            plan_from_json(json.dumps(document))
+            escaped.append(unreadable.__name__)
+        except InvalidInput:
+            pass
+    for other in OTHER_SCENES[::every]:
+        tried += 1
+        if verify(made, other(scene_for(goal), made.steps[-1].object), step=ROUGH).ok:
+            escaped.append(other.__name__)
+    return Caught(f"{goal}, {arm}", tried, tuple(escaped))
 
 
 def _spoilt(made: Plan, situation: Situation, every: int) -> tuple[int, list[str]]:

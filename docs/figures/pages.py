@@ -1,4 +1,4 @@
-"""Pictures of the pages: a scene's and a run's, as Chromium draws them (extra `docs`, and Chromium itself).
+"""Pictures of the pages of a scene, a plan and a run, as Chromium draws them (extra `docs`, and Chromium).
 
 python docs/figures/pages.py
 """
@@ -12,8 +12,10 @@ from pathlib import Path
 
 from PIL import Image
 from playwright.sync_api import sync_playwright
-from studio import save
+from studio import HERE
 
+EXAMPLES = HERE.parents[1] / "examples"
+SCRUB = "() => { const { player } = window.panels[0]; if (player) player.seek(0.62 * player.motion.last); }"
 TOPPLE = Path(sys.executable).with_name("topple")
 FRAME = """
 import numpy as np
@@ -31,16 +33,39 @@ def main() -> None:
         for command in (
             [sys.executable, "-c", FRAME],
             [TOPPLE, "show", "frame.npz", "--target", "plate", "-o", "show.html"],
+            [TOPPLE, "show", "frame.npz", "--target", "plate", "-o", HERE / "order.gif"],
+            [sys.executable, EXAMPLES / "look.py", "scene.npz"],
+            [
+                TOPPLE,
+                "plan",
+                "scene.npz",
+                "--target",
+                "can",
+                "--robot",
+                "panda-suction",
+                "--report",
+                "plan.html",
+            ],
             [TOPPLE, "demo", "dishes", "--seed", "0"],
         ):
             subprocess.run(command, cwd=folder, check=True, stdout=subprocess.DEVNULL)
         browser = playwright.chromium.launch(executable_path=shutil.which("chromium"), args=["--no-sandbox"])
         page = browser.new_page(viewport={"width": 1300, "height": 1000}, device_scale_factor=1)
+        high = {"page_run": 1460}  # photos first, and the view below them
         report = next(Path(folder, "topple-demo").rglob("*.html"))
-        for name, file in (("page_show", Path(folder, "show.html")), ("page_run", report)):
+        pages = {
+            "page_show": Path(folder, "show.html"),
+            "page_plan": Path(folder, "plan.html"),
+            "page_run": report,
+        }
+        for name, file in pages.items():
+            page.set_viewport_size({"width": 1300, "height": high.get(name, 1000)})
             page.goto(file.as_uri())
+            page.evaluate(SCRUB)
             page.wait_for_timeout(800)
-            save(Image.open(io.BytesIO(page.screenshot())).convert("RGB"), name)
+            place = HERE / f"{name}.webp"
+            Image.open(io.BytesIO(page.screenshot())).convert("RGB").save(place, quality=82, method=6)
+            print(f"{place.name}: {place.stat().st_size // 1000} kB")
         browser.close()
 
 

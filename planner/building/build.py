@@ -38,12 +38,13 @@ class Footing(Dependency):
 
     def removal(self) -> Dependency:
         """The dependency as it is when the two are taken away."""
-        return Dependency(self.then, self.first, self.reason, self.confidence, self.evidence)
+        return Dependency(self.then, self.first, self.reason, self.confidence, self.evidence, self.lies)
 
     @staticmethod
     def of(removal: Dependency) -> "Footing":
         """What a dependency between two removals means for putting down."""
-        return Footing(removal.then, removal.first, removal.reason, removal.confidence, removal.evidence)
+        first, then = removal.then, removal.first
+        return Footing(first, then, removal.reason, removal.confidence, removal.evidence, removal.lies)
 
 
 @dataclass(frozen=True)

@@ -32,11 +32,13 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         nargs="?",
         metavar="NAME",
         help="relate, order, build, rearrange, motion, paper, run or demo (all of these, one by one), "
-        "or frozen or reliability",
+        "or frozen, reliability or speed",
     )
     parser.add_argument("--quick", action="store_true", help="smaller and fewer cases: below two minutes")
     parser.add_argument(
-        "--data", metavar="DIR", help="relate, order, run, frozen, rearrange: recorded data of a folder"
+        "--data",
+        metavar="DIR",
+        help="relate, order, run, frozen, rearrange, speed: recorded data of a folder",
     )
     parser.add_argument(
         "--piles",
@@ -44,6 +46,9 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         help="order: score the recorded piles of a folder instead; frozen: those too (piles beside --data)",
     )
     parser.add_argument("--verify", action="store_true", help="order: score --verify too, which is slow")
+    parser.add_argument(
+        "--meshes", metavar="DIR", help="run: models that piles of another generator are made of"
+    )
     parser.add_argument("--models", metavar="DIR", help="paper: YCB models, as 011_banana (procedural)")
     parser.add_argument("--scenes", metavar="DIR", help="paper: write its scenes there, for other commands")
     parser.add_argument(
@@ -57,6 +62,13 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--counts", metavar="FILE", help="demo: write what `topple demo` tells of its seeds")
     parser.add_argument("--file", metavar="FILE", help="frozen: compare with that file (the package's own)")
     parser.add_argument("--write", action="store_true", help="frozen: make the file anew")
+    parser.add_argument(
+        "--part", metavar="PART", help="reliability: readers, sabotages, faults, kills or soak alone"
+    )
+    parser.add_argument("--baseline", metavar="DIR", help="speed: compare with a checkout of an older tree")
+    parser.add_argument(
+        "--markdown", action="store_true", help="print the table as the pages of the docs have it"
+    )
     add_common(parser, scenes=None)
 
 
@@ -85,6 +97,8 @@ def execute(args: argparse.Namespace) -> int:
             document = bench(name, quick=args.quick, seed=args.seed, progress=progress, **options)
         if args.json:
             print_json(document)
+        elif args.markdown:
+            print_text(*markdown(document))
         else:
             _print(document)
         if any(row["ok"] is False for row in document["rows"]):
@@ -98,7 +112,7 @@ def _options(args: argparse.Namespace, name: str) -> dict[str, Any]:
 
     given = {key: getattr(args, key) for key in options_of(name)}
     found = {key: value for key, value in given.items() if value is not None}
-    for key in found.keys() & {"data", "piles", "models"}:
+    for key in found.keys() & {"data", "piles", "models", "meshes", "baseline"}:
         found[key] = _folder(found[key])
     if "scenes" in found:
         found["scenes"] = make_folder(found["scenes"])
@@ -113,6 +127,34 @@ def _folder(text: str) -> Path:
     return Path(text)
 
 
+def markdown(document: Mapping[str, Any]) -> list[str]:
+    """A bench's table as Markdown, with what it was measured on.
+
+    Args:
+        document: A `topple.bench` document.
+
+    Returns:
+        The lines; columns that no row fills are left out.
+    """
+    rows: Sequence[Mapping[str, Any]] = document["rows"]
+    headings, cells, right = _table(rows)
+    machine, size = document["machine"], "--quick, " if document["quick"] else ""
+    lines = ["| " + " | ".join(heading or "bar held" for heading in headings) + " |"]
+    lines.append("| " + " | ".join("---:" if k in right else "---" for k in range(len(headings))) + " |")
+    lines += ["| " + " | ".join(cell.replace("|", "\\|") for cell in row) + " |" for row in cells]
+    said = f"`topple bench {document['bench']}`: {size}seed {document['seed']}, {machine['processor']}"
+    return [*lines, "", f"{said}, {machine['cores']} cores."]
+
+
+def _table(rows: Sequence[Mapping[str, Any]]) -> tuple[list[str], list[tuple[str, ...]], list[int]]:
+    """Headings, cells and right-aligned columns of a bench, without columns that no row fills."""
+    columns = [list(column) for column in zip(*map(_cells, rows), strict=True)]
+    used = [k for k, column in enumerate(columns) if any(column)]
+    headings = [_HEADINGS[k] for k in used]
+    right = [k for k, heading in enumerate(headings) if heading in _NUMBERS]
+    return headings, list(zip(*(columns[k] for k in used), strict=True)), right
+
+
 def _print(document: Mapping[str, Any]) -> None:
     rows: Sequence[Mapping[str, Any]] = document["rows"]
     machine = document["machine"]
@@ -121,11 +163,8 @@ def _print(document: Mapping[str, Any]) -> None:
         f"topple bench {document['bench']}, {size}, seed {document['seed']}: "
         f"{machine['processor']}, {machine['cores']} cores"
     )
-    columns = [list(column) for column in zip(*map(_cells, rows), strict=True)]
-    used = [k for k, column in enumerate(columns) if any(column)]
-    headings = [_HEADINGS[k] for k in used]
-    right = [k for k, heading in enumerate(headings) if heading in _NUMBERS]
-    print_table(headings, list(zip(*(columns[k] for k in used), strict=True)), right=right)
+    headings, cells, right = _table(rows)
+    print_table(headings, cells, right=right)
     for row in rows:
         print_text(*(f"{row['what']}: {' '.join(said.split())}" for said in row.get("wrong", ())))
         for one in row.get("differences", ()):

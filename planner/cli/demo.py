@@ -9,7 +9,7 @@ from topple.planner.cli.console import complain, print_json, print_text
 from topple.planner.cli.main import DONE, INTERRUPTED, NO_SAFE_PLAN
 from topple.planner.cli.options import add_common
 from topple.planner.cli.progress import Progress
-from topple.planner.cli.robot_options import add_cameras, add_recordings, rerun_of, video_of
+from topple.planner.cli.robot_options import add_cameras, add_engine, add_recordings, rerun_of, video_of
 from topple.planner.cli.tables import print_order, print_relations, print_run
 
 _FOLDER = "topple-demo"
@@ -31,6 +31,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         help="panda, panda-suction, iiwa, xarm6 or FILE.urdf (the one the scene is made for)",
     )
     add_cameras(parser)
+    add_engine(parser)
     add_recordings(parser)
     parser.add_argument(
         "-o", "--output", default=_FOLDER, metavar="FOLDER", help=f"where everything is written ({_FOLDER})"
@@ -60,7 +61,8 @@ def execute(args: argparse.Namespace) -> int:
         video, rerun = video_of(args), rerun_of(args)
         record = demo(
             args.name, seed=args.seed, robot=args.robot, cameras=args.cameras, mask_noise=args.mask_noise,
-            wrist_camera=args.wrist_camera, folder=folder, video=video, rerun=rerun, progress=progress,
+            wrist_camera=args.wrist_camera, engine=args.engine, folder=folder, video=video, rerun=rerun,
+            progress=progress,
         )  # fmt: skip
     run = record.to_json()
     if args.json:
@@ -76,7 +78,8 @@ def _as_counted(args: argparse.Namespace) -> bool:
     from topple.planner.execution.demo_seeds import CAMERAS
 
     plain = not (args.mask_noise or args.wrist_camera)
-    return args.robot is None and args.cameras == CAMERAS and plain
+    same = args.robot is None and args.engine == "bullet"
+    return same and args.cameras == CAMERAS and plain
 
 
 def _print_demo(name: str, folder: Path, run: dict[str, Any], *, as_counted: bool) -> None:

@@ -23,10 +23,14 @@ COMMANDS = {
     "order": "say in which order to take things, and why",
     "plan": "plan grasps, placements and motions of the whole sequence",
     "run": "rebuild a scene in simulation and do it with an arm, looking again after every action",
+    "robot": "say what was understood of an arm, and try its reach, its kinematics and a grasp in simulation",
+    "scene": "make one scene of several views whose camera poses are only roughly known",
     "rank": "rank the grasps of another pipeline by what may be taken first, and say what bars the others",
+    "score": "hold orders against labels that somebody else wrote: which pairs are right, false, missed",
     "demo": "play a built-in scene: look, order, plan and clear it with an arm in simulation",
     "bench": "measure relations, orders and motions on this machine, each with a baseline beside it",
     "export": "hand a plan on: PDDL, behaviour tree, DOT, GraphML, MoveIt scene, ROS 2",
+    "view": "serve a scene as a live page with sliders for its deviation and its steps",
     "show": "draw a scene with its relations and its order",
 }
 

@@ -3,15 +3,11 @@
 import argparse
 import os
 from collections.abc import Callable, Mapping
-from contextlib import ExitStack
 from dataclasses import dataclass
 from functools import partial
-from typing import TYPE_CHECKING, Any, TypeVar, cast
+from typing import TYPE_CHECKING, Any, cast
 
-from topple.planner.cli.console import complain
-from topple.planner.cli.main import WRONG_USE, ShowVersion
-from topple.planner.cli.progress import Progress
-from topple.topology.errors import InvalidInput
+from topple.planner.cli.main import ShowVersion
 
 if TYPE_CHECKING:
     from topple.planner.decide.arrange import Order
@@ -19,13 +15,8 @@ if TYPE_CHECKING:
     from topple.topology.relations import Relations
     from topple.topology.scene import Scene
 
-Answer = TypeVar("Answer")
-
-SCENES_A_WORKER = 3
-"""Scenes from which another process pays: it takes half a second to start, a scene as long or longer."""
-
 _SCENE_SUFFIXES = (".npz", ".npy")
-_OF_FORMATS = ("image", "models", "depth", "info", "labels")  # options that one format of scenes has
+_OF_FORMATS = ("image", "models", "depth", "info", "labels", "view")  # options that one format of scenes has
 _LISTS = ("fixed", "target")  # options that take one name after the other
 
 
@@ -48,7 +39,7 @@ def add_common(parser: argparse.ArgumentParser, *, scenes: str | None) -> None:
         "--max-mb",
         type=_amount,
         metavar="MB",
-        help="what a file of a scene may unpack to (536): more is refused before it is read",
+        help="what a file of a scene may unpack to (268): more is refused before it is read",
     )
     parser.add_argument(
         "--allow-outside",
@@ -64,12 +55,14 @@ def add_common(parser: argparse.ArgumentParser, *, scenes: str | None) -> None:
     parser.add_argument("--version", action=ShowVersion, nargs=0, help="print the version and leave")
 
 
-def add_formats(parser: argparse.ArgumentParser) -> None:
+def add_formats(parser: argparse.ArgumentParser, *, topic_of_labels: bool = True) -> None:
     """Add what one format of scenes has and the others have not.
 
     Args:
         parser: The sub-command's parser.
+        topic_of_labels: False where `--labels` means something else.
     """
+    parser.add_argument("--view", metavar="NAME", help="of a recorded pile: full, view1 or view3 (full)")
     parser.add_argument(
         "--image",
         type=int,
@@ -83,7 +76,7 @@ def add_formats(parser: argparse.ArgumentParser) -> None:
         ("depth", "of a recording's depth images, or clouds with labels"),
         ("info", "of its camera's intrinsics"),
         ("labels", "of its masks"),
-    ):
+    )[: None if topic_of_labels else -1]:
         parser.add_argument(f"--{name}", metavar="TOPIC", help=f"topic {purpose} (the only one)")
 
 
@@ -93,7 +86,9 @@ def add_rule(parser: argparse.ArgumentParser) -> None:
     Args:
         parser: The sub-command's parser.
     """
-    parser.add_argument("--rule", metavar="NAME", help="what relates: robust, plain or a plugin's (robust)")
+    parser.add_argument(
+        "--rule", metavar="NAME", help="what relates: robust, plain, 9im, features or a plugin's (robust)"
+    )
 
 
 def add_orderer(parser: argparse.ArgumentParser, usual: str = "fewest") -> None:
@@ -104,7 +99,9 @@ def add_orderer(parser: argparse.ArgumentParser, usual: str = "fewest") -> None:
         usual: What does where it is not given.
     """
     parser.add_argument(
-        "--orderer", metavar="NAME", help=f"what orders: fewest, cautious or a plugin's ({usual})"
+        "--orderer",
+        metavar="NAME",
+        help=f"what orders: fewest, cautious, support-tree or a plugin's ({usual})",
     )
 
 
@@ -315,64 +312,6 @@ def read_scene(args: argparse.Namespace, path: str) -> "Scene":
         InvalidInput: If the path holds no scene or a broken one.
     """
     return Reading.of(args).scene(path)
-
-
-def for_each_scene(
-    args: argparse.Namespace,
-    work: Callable[[str], Answer],
-    show: Callable[[str, Answer], int],
-    progress: Progress,
-    processes: bool = True,
-) -> int:
-    """Do the same to every scene, on all cores where there are many.
-
-    One that fails keeps none of the others from its turn, and the answers come in the order given.
-
-    Args:
-        args: The parsed arguments.
-        work: Takes a path, returns the answer; it and its answer can go to another process.
-        show: Takes path and answer, prints it, returns the exit code.
-        progress: Where to say what is going on.
-        processes: False where the work takes all cores by itself.
-
-    Returns:
-        The greatest exit code of all.
-    """
-    paths = scene_paths(args)
-    workers = min(os.cpu_count() or 1, len(paths) // SCENES_A_WORKER) if processes else 1
-    codes = [0]
-    with ExitStack() as stack:
-        answers = map(partial(_attempt, work), paths)
-        if workers > 1:
-            from topple.planner.workers import worker_pool
-
-            pool = worker_pool(workers)
-            stack.callback(pool.shutdown, cancel_futures=True)
-            answers = pool.map(partial(_attempt, work), paths)
-        for number, path in enumerate(paths, 1):
-            progress(f"{path} ({number} of {len(paths)})")
-            answer = next(answers)
-            progress.clear()
-            if isinstance(answer, _Refused):
-                complain(answer.why if answer.why.startswith(path) else f"{path}: {answer.why}")
-                codes.append(WRONG_USE)
-            else:
-                codes.append(show(path, answer))
-    return max(codes)
-
-
-@dataclass(frozen=True)
-class _Refused:
-    """Why a scene has no answer."""
-
-    why: str
-
-
-def _attempt(work: Callable[[str], Answer], path: str) -> "Answer | _Refused":
-    try:
-        return work(path)
-    except InvalidInput as error:
-        return _Refused(str(error))
 
 
 def positive(text: str) -> float:

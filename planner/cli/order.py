@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Any
 
 from topple.planner.cli.console import complain, print_json
 from topple.planner.cli.main import DONE, NO_SAFE_PLAN
+from topple.planner.cli.many import add_jobs, for_each_scene
 from topple.planner.cli.options import (
     Reading,
     add_common,
@@ -15,7 +16,6 @@ from topple.planner.cli.options import (
     add_orderer,
     add_rule,
     add_target,
-    for_each_scene,
     order_by,
     orderer_of,
     positive,
@@ -23,7 +23,7 @@ from topple.planner.cli.options import (
     scene_paths,
 )
 from topple.planner.cli.progress import Progress
-from topple.planner.cli.robot_options import add_gripper, arm_of
+from topple.planner.cli.robot_options import add_gripper, add_match, arm_of
 from topple.planner.cli.tables import (
     print_assumptions,
     print_build,
@@ -45,6 +45,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     Args:
         parser: The sub-command's parser.
     """
+    add_jobs(parser)
     add_common(parser, scenes="many")
     add_target(parser)
     add_max_objects(parser)
@@ -76,8 +77,11 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         help="say in which order to put the things of this finished arrangement down, and what to hold",
     )
     parser.add_argument(
-        "--to", metavar="GOAL", help="say in which order to move things until they lie as in this other scene"
+        "--to",
+        metavar="GOAL",
+        help="say in which order to move things until they lie as in another scene, or as words say",
     )
+    add_match(parser)
 
 
 def execute(args: argparse.Namespace) -> int:
@@ -113,7 +117,7 @@ def execute(args: argparse.Namespace) -> int:
     if args.build:
         ask = _built
     elif args.to:
-        ask = partial(_moved, reading, args.to)
+        ask = partial(_moved, reading, args.to, args.match)
     elif orderer is not None:
         ask = partial(_ordered_by, orderer, args.target, args.seed)
     work = partial(_answer, reading, relating, ask)
@@ -173,11 +177,15 @@ def _built(situation: "Situation") -> _Answer:
     return _Answer(found.to_json(), len(situation.movable), tuple(found.unresolved))
 
 
-def _moved(reading: Reading, goal: str, situation: "Situation") -> _Answer:
+def _moved(reading: Reading, goal: str, match: str, situation: "Situation") -> _Answer:
     """The order in which things are moved until they lie as in another scene."""
     from topple.planner.rearranging.rearrange import rearrange
+    from topple.planner.rearranging.words import described, is_words
 
-    moves = rearrange(situation, reading.scene(goal))
+    if is_words(goal):
+        moves = rearrange(situation, described(goal, situation).situation)
+    else:
+        moves = rearrange(situation, reading.scene(goal), match=match)
     return _Answer(moves.to_json(), len(situation.movable), ())
 
 

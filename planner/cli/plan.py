@@ -55,6 +55,11 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         help="check the plan again by other means (python-fcl at 0.002 rad, PyBullet, limits, physics, goal)",
     )
     parser.add_argument("-o", "--output", metavar="FILE", help="where to write the plan, e.g. plan.json")
+    parser.add_argument(
+        "--report",
+        metavar="FILE",
+        help="where to write its page, e.g. plan.html: the arm's motion on a time line",
+    )
 
 
 def execute(args: argparse.Namespace) -> int:
@@ -74,6 +79,7 @@ def execute(args: argparse.Namespace) -> int:
     (path,) = scene_paths(args, many=False)
     goal = goal_of(args)
     place = None if args.output is None else check_writable(args.output)
+    report = None if args.report is None else check_writable(args.report)
     orderer, relating = orderer_of(args), rule_of(args)
     with Progress("plan") as progress:
         progress(f"reading {path}")
@@ -94,6 +100,12 @@ def execute(args: argparse.Namespace) -> int:
         if args.verify:
             progress(f"{path}: verifying {len(found.steps)} steps")
             checked = found.verify(scene, arm)
+        if report is not None:
+            from topple.planner.report.plan_page import plan_page
+
+            progress(f"{path}: drawing")
+            relations = None if relating is None else relating(scene)
+            write_whole(report, plan_page(found, scene, relations, arm=arm, verification=checked))
     document = plan_to_json(found).decode("utf-8")
     holds = checked is None or checked.ok
     if place is not None and holds:
@@ -107,6 +119,8 @@ def execute(args: argparse.Namespace) -> int:
         if checked is not None:
             _print_verification(checked)
         unwritten = "give -o plan.json to keep it" if holds else "its own check refutes it"
+        if report is not None:
+            print_text(f"Written: {report}")
         print_text(f"Written: {place}" if place is not None and holds else f"Not written: {unwritten}.")
     return DONE if holds else NO_SAFE_PLAN
 
@@ -126,19 +140,9 @@ def _print_verification(checked: "Verification") -> None:
 
 def _print_proofs(checked: "Verification") -> None:
     """What is shown by which means, a row for all steps of which the same is."""
-    steps: dict[tuple[str, str], list[str]] = {}
-    for number, proofs in (
-        *((str(one.step + 1), one.proofs) for one in checked.steps),
-        ("plan", checked.whole),
-    ):
-        for proof in proofs:
-            told = {True: proof.what, False: f"NOT SO: {proof.what}", None: f"not shown: {proof.what}"}
-            means = f"{proof.means}: {proof.detail}" if proof.shown is None else proof.means
-            steps.setdefault((told[proof.shown], means), []).append(number)
-    rows = [
-        (told, means, "all" if len(which) == len(checked.steps) > 1 else ", ".join(which))
-        for (told, means), which in steps.items()
-    ]
+    from topple.planner.report.tables import proof_rows
+
+    rows = proof_rows(checked)
     print_table(("what", "by", "steps"), rows)
     print_text(f"Asked of no plan: {', '.join(checked.unasked)}.")
 
@@ -147,8 +151,9 @@ def _print_plan(path: str, plan: "Plan") -> None:
     where = "searched" if plan.base_searched else "given"
     x, y, z = (row[3] for row in plan.pose_base_to_world[:3])
     proven = "every motion certified" if plan.certified else "NOT every motion certified"
+    count = f"{len(plan.steps)} step{'' if len(plan.steps) == 1 else 's'}"
     print_text(
-        f"{path}: {plan.goal}, {len(plan.steps)} steps, {plan.seconds:.1f} s of motion, {proven}",
+        f"{path}: {plan.goal}, {count}, {plan.seconds:.1f} s of motion, {proven}",
         f"{plan.robot} stands at {x:.3f} {y:.3f} {z:.3f} m ({where})",
     )
     rows = [_row(number, step, plan.steps) for number, step in enumerate(plan.steps, start=1)]

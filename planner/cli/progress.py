@@ -1,5 +1,6 @@
-"""One line on stderr about what is going on, once it takes over a second."""
+"""One line on stderr about what is going on, how far it is and what is left, once it takes over a second."""
 
+import re
 import sys
 import threading
 import time
@@ -8,11 +9,20 @@ from types import TracebackType
 _PATIENCE = 1.0  # [s] what takes less is not worth a line
 _TICK = 0.25  # [s] between two looks at the clock
 _PAUSE = 2.0  # [s] between two lines of a log
+_COUNT = re.compile(r"\b(\d+) of (\d+)\b")  # how far it is, where a message says so
+_BAR = 18  # characters of the bar
+_TIMED = 2  # of those that are counted, before what is left is told
+
+
+def _left(seconds: float) -> str:
+    """A time that is left, in words that do not pretend to more than they know."""
+    return f"about {seconds:.0f} s left" if seconds < 90 else f"about {seconds / 60:.0f} min left"
 
 
 class Progress:
     """Says on stderr what is going on and for how long; a callback for the library's progress.
 
+    Where a message counts ("pile 3 of 20") there is a bar, and what is left once a share of it was timed.
     On a terminal one line is drawn over and over and wiped at the end; elsewhere each new message is
     a line of its own, so that a log stays readable.
 
@@ -25,6 +35,8 @@ class Progress:
         self._command = command
         self._message = ""
         self._shown: str | None = None
+        self._count: tuple[int, int] | None = None
+        self._counted = (0.0, 0)  # since when, from which count on
         self._started = 0.0
         self._written = float("-inf")
         self._over = threading.Event()
@@ -53,6 +65,26 @@ class Progress:
             message: A few words.
         """
         self._message = message
+        found = _COUNT.search(message)
+        if found is None:
+            return  # a word between two that count
+        number, total = int(found[1]), int(found[2])
+        if self._count is None or total != self._count[1] or number < self._count[0]:
+            self._counted = time.monotonic(), number
+        self._count = (number, total) if 0 < number <= total else None
+
+    def _far(self, seconds: float) -> str:
+        """A bar, and what is left by what those counted took; one that wanders where nothing is counted."""
+        if self._count is None:
+            at = round(seconds / _TICK) % (2 * _BAR - 2)
+            return f" [{'#'.rjust(1 + min(at, 2 * _BAR - 2 - at), '.').ljust(_BAR, '.')}]"
+        done, total = self._count[0] - 1, self._count[1]  # the one that is told of is not done yet
+        filled = round(_BAR * done / total)
+        since, first = self._counted
+        timed = done + 1 - first
+        known = timed >= _TIMED
+        rest = (time.monotonic() - since) / timed * (total - done) if known else 0.0
+        return f" [{'#' * filled}{'.' * (_BAR - filled)}]" + (f" {_left(rest)}," if known else "")
 
     def clear(self) -> None:
         """Wipe the line, so that something else can be printed in its place."""
@@ -70,7 +102,8 @@ class Progress:
                 continue
             with self._drawing:
                 if self._terminal:
-                    sys.stderr.write(f"\r\x1b[Ktopple {self._command}: {message} ({seconds:.0f} s)"[:118])
+                    line = f"topple {self._command}:{self._far(seconds)} {message} ({seconds:.0f} s)"
+                    sys.stderr.write(f"\r\x1b[K{line[:118]}")
                 elif message == self._shown or seconds - self._written < _PAUSE:
                     continue
                 else:

@@ -1,20 +1,29 @@
 """`topple rank`: which grasps of another pipeline may be done now, which later, and what bars the others."""
 
 import argparse
+import sys
+import tempfile
 from collections import Counter
 from collections.abc import Sequence
+from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from topple.planner.cli.console import print_json, print_table, print_text
-from topple.planner.cli.main import DONE
+from topple.planner.cli.console import complain, print_json, print_table, print_text
+from topple.planner.cli.main import DONE, WRONG_USE
 from topple.planner.cli.options import add_common, add_formats, read_scene, scene_paths
 from topple.planner.cli.progress import Progress
 from topple.planner.cli.robot_options import add_robot, arm_of, base_of
 from topple.planner.cli.tables import print_assumptions
-from topple.topology.errors import UnknownObject
+from topple.topology.errors import InvalidInput, UnknownObject
 
 if TYPE_CHECKING:
+    from topple.planner.grasp.foreign import ForeignGrasps
     from topple.planner.grasp.rank import RankedGrasp
+    from topple.robots.arm.arm import Arm
+
+PIPE = "-"
+"""Names standard input."""
+_KINDS = {b"\x93NUMPY": ".npy", b"PK": ".npz"}  # what files begin with, and what their names end in
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
@@ -27,7 +36,8 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         "scenes",
         nargs="*",
         metavar="SCENE GRASPS",
-        help="a scene, and grasps in its frame: GraspNet .npy, Contact-GraspNet .npz, isaac .yaml, 4x4 poses",
+        help="a scene, and grasps in its frame: GraspNet .npy, Contact-GraspNet .npz, isaac .yaml, 4x4 "
+        "poses, or - for what is piped in; more such pairs",
     )
     parser.add_argument("--object", metavar="NAME", help="only the grasps that hold this object (all)")
     add_robot(parser)
@@ -36,44 +46,74 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 
 def execute(args: argparse.Namespace) -> int:
-    """Rank the grasps of a file and print them, best first.
+    """Rank the grasps of each scene and print them, best first.
 
     Args:
         args: The parsed arguments.
 
     Returns:
-        Exit code 0.
+        Exit code 0, or 2 where one of several scenes or its grasps cannot be read.
 
     Raises:
-        InvalidInput: The scene or the grasps cannot be read, they are nowhere near each other, the robot is
-            none, or there is no such object.
+        InvalidInput: The only scene or its grasps cannot be read, they are nowhere near each other, the robot
+            is none, or there is no such object.
     """
     paths = scene_paths(args)
-    if len(paths) != 2:
+    if len(paths) % 2:
         args.parser.error(f"a scene and a file of grasps expected, given {' '.join(paths)}")
+    pairs = list(zip(paths[::2], paths[1::2], strict=True))
+    if [grasps for _, grasps in pairs].count(PIPE) > 1:
+        args.parser.error("grasps of standard input can be read once: give one -")
+    arm, code = arm_of(args), DONE
     with Progress("rank") as progress:
-        progress(f"reading {paths[0]}")
-        scene = read_scene(args, paths[0])
-        if args.object is not None and args.object not in scene.movable:
-            raise UnknownObject(args.object, scene.movable, role="object to grasp")
-        from topple.planner.grasp.foreign import read_grasps
-        from topple.planner.grasp.rank import rank_grasps
+        for scene, grasps in pairs:
+            try:
+                _rank(args, scene, grasps, arm, progress)
+            except InvalidInput as error:  # of many, one that fails keeps none of the others from its turn
+                if len(pairs) == 1:
+                    raise
+                complain(f"{scene}, {grasps}: {error}")
+                code = WRONG_USE
+    return code
 
-        grasps, arm = read_grasps(paths[1]), arm_of(args)
-        progress(f"ranking {len(grasps)} grasps")
-        base = base_of(args, scene)
-        ranked = rank_grasps(scene, grasps, arm, pose_base_to_world=base)
+
+def _rank(args: argparse.Namespace, path: str, file: str, arm: "Arm", progress: Progress) -> None:
+    """Rank the grasps of one scene and print them."""
+    from topple.planner.grasp.rank import rank_grasps
+
+    progress(f"reading {path}")
+    scene = read_scene(args, path)
+    if args.object is not None and args.object not in scene.movable:
+        raise UnknownObject(args.object, scene.movable, role="object to grasp")
+    grasps = _read(file)
+    progress(f"{path}: ranking {len(grasps)} grasps")
+    base = base_of(args, scene)
+    ranked = rank_grasps(scene, grasps, arm, pose_base_to_world=base)
+    progress.clear()
     if args.object is not None:
         ranked = [entry for entry in ranked if entry.grasp.object == args.object]
     reach = base is not None or scene.robot_base is not None
     if args.json:
-        print_json(_document(paths, arm.name, reach, ranked))
-        return DONE
-    _print(paths, grasps.source, ranked)
+        print_json(_document((path, file), arm.name, reach, ranked))
+        return
+    _print((path, file), grasps.source, ranked)
     if not reach:
         print_text("Reach was not asked: give --base, or a scene with robot_base.")
     print_assumptions(list(scene.assumptions))
-    return DONE
+
+
+def _read(file: str) -> "ForeignGrasps":
+    """The grasps of a file, or of what is piped in."""
+    from topple.planner.grasp.foreign import read_grasps
+
+    if file != PIPE:
+        return read_grasps(file)
+    content = sys.stdin.buffer.read()
+    kind = next((end for start, end in _KINDS.items() if content.startswith(start)), ".yaml")
+    with tempfile.TemporaryDirectory(prefix="topple-") as folder:
+        place = Path(folder) / f"stdin{kind}"
+        place.write_bytes(content)
+        return read_grasps(place)
 
 
 def _document(

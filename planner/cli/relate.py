@@ -6,12 +6,12 @@ from typing import Any
 
 from topple.planner.cli.console import print_json
 from topple.planner.cli.main import DONE
+from topple.planner.cli.many import add_jobs, for_each_scene
 from topple.planner.cli.options import (
     Reading,
     add_common,
     add_max_objects,
     add_rule,
-    for_each_scene,
     rule_of,
     scene_paths,
 )
@@ -25,6 +25,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     Args:
         parser: The sub-command's parser.
     """
+    add_jobs(parser)
     add_common(parser, scenes="many")
     parser.add_argument(
         "--deviation",

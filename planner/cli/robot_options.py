@@ -4,20 +4,21 @@ import argparse
 import math
 from typing import TYPE_CHECKING
 
-from topple.planner.cli.options import add_target
+from topple.planner.cli.options import add_target, read_scene
 from topple.planner.files import check_writable
 from topple.topology.errors import InvalidInput
 
 if TYPE_CHECKING:
     from pathlib import Path
 
+    from topple.planner.planning.step import Task
     from topple.robots.arm.arm import Arm
     from topple.topology.arrays import FloatArray
     from topple.topology.scene import Scene
 
 
 def add_goal(parser: argparse.ArgumentParser) -> None:
-    """Add the goal: names to free or words, one of the two.
+    """Add the goal: names to free, words, or how things shall lie, one of them.
 
     Args:
         parser: The sub-command's parser.
@@ -28,19 +29,51 @@ def add_goal(parser: argparse.ArgumentParser) -> None:
         metavar="TEXT",
         help='what shall hold: "lemon within bowl", "red on green on blue", "empty bowl", "sort"',
     )
+    parser.add_argument(
+        "--to",
+        metavar="GOAL",
+        help="how things shall lie: another scene of them, or words (cup left of plate)",
+    )
+    add_match(parser)
 
 
-def goal_of(args: argparse.Namespace) -> str | list[str]:
+def add_match(parser: argparse.ArgumentParser) -> None:
+    """Add by what the things of `--to` are found at the start.
+
+    Args:
+        parser: The sub-command's parser.
+    """
+    parser.add_argument(
+        "--match",
+        choices=("name", "shape"),
+        default="name",
+        help="by what things of --to are found: by name, or by shape, whatever they are called (name)",
+    )
+
+
+def goal_of(args: argparse.Namespace) -> "str | list[str] | Task":
     """Say what is wanted.
 
     Args:
         args: The parsed arguments, scenes told apart from targets already.
 
     Returns:
-        The goal's words, or the names to free.
+        The goal's words, the names to free, or the task to make things lie as in another scene.
+
+    Raises:
+        InvalidInput: That scene cannot be read.
     """
-    if bool(args.target) == (args.goal is not None):
-        args.parser.error("give either --target NAME or --goal TEXT")
+    if sum((bool(args.target), args.goal is not None, args.to is not None)) != 1:
+        args.parser.error("give one of --target NAME, --goal TEXT and --to GOAL")
+    if args.to is not None:
+        from topple.planner.rearranging.arrangement import Arrangement
+        from topple.planner.rearranging.task import Alike, Described, Rearranging
+        from topple.planner.rearranging.words import is_words
+
+        if is_words(args.to):
+            return Described(args.to)
+        scene = read_scene(args, args.to)
+        return Alike(scene) if args.match == "shape" else Rearranging(Arrangement(scene))
     return args.goal if args.goal is not None else args.target
 
 
@@ -75,7 +108,16 @@ def add_gripper(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         "--gripper",
         metavar="FILE",
-        help="with --robot FILE.urdf: its [jaw] or [cup], in TOML (a parallel jaw of the URDF is recognised)",
+        help="with FILE.urdf: its [jaw], [cup], [hand] or [arm], in TOML; the URDF of a hand to mount; or "
+        "wsg50 (a parallel jaw of the URDF is recognised)",
+    )
+    parser.add_argument(
+        "--srdf",
+        metavar="FILE",
+        help="with FILE.urdf: groups and links that do not collide (the SRDF of the same name beside it)",
+    )
+    parser.add_argument(
+        "--group", metavar="NAME", help="the SRDF's group that is the arm, where it has several"
     )
 
 
@@ -91,12 +133,28 @@ def arm_of(args: argparse.Namespace) -> "Arm":
     Raises:
         InvalidInput: The name is unknown, the URDF or the gripper file cannot be used, or there is no tool.
     """
-    from topple.robots.catalog import robot
     from topple.robots.catalog.own_arm import check_tool
 
-    arm = robot(args.robot, gripper=args.gripper)
+    arm = robot_of(args)
     check_tool(arm)
     return arm
+
+
+def robot_of(args: argparse.Namespace) -> "Arm":
+    """Find the arm, with or without a tool.
+
+    Args:
+        args: The parsed arguments, with `robot`, `gripper`, `srdf` and `group`.
+
+    Returns:
+        The arm.
+
+    Raises:
+        InvalidInput: The name is unknown, or a file cannot be used.
+    """
+    from topple.robots.catalog import robot
+
+    return robot(args.robot, args.gripper, srdf=args.srdf, group=args.group)
 
 
 def add_cameras(parser: argparse.ArgumentParser) -> None:
@@ -119,6 +177,20 @@ def add_cameras(parser: argparse.ArgumentParser) -> None:
         "--wrist-camera",
         action="store_true",
         help="the arm carries one more, for a second look before a doubtful step",
+    )
+
+
+def add_engine(parser: argparse.ArgumentParser) -> None:
+    """Add what plays the world.
+
+    Args:
+        parser: The sub-command's parser.
+    """
+    parser.add_argument(
+        "--engine",
+        default="bullet",
+        choices=("bullet", "mujoco"),
+        help="what plays the world: PyBullet, or MuJoCo (extra 'mujoco'; arms with a jaw) (bullet)",
     )
 
 

@@ -16,6 +16,7 @@ from topple.planner.cli.options import (
 from topple.planner.cli.progress import Progress
 from topple.planner.cli.robot_options import (
     add_cameras,
+    add_engine,
     add_goal,
     add_recordings,
     add_robot,
@@ -46,6 +47,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         action="store_true",
         help="keep no names between looks: match what is seen with what is remembered",
     )
+    add_engine(parser)
     add_recordings(parser)
     parser.add_argument("--report", metavar="FILE", help="where to write the report, e.g. out.html")
 
@@ -78,8 +80,9 @@ def execute(args: argparse.Namespace) -> int:
         record = run(
             scene, goal, arm_of(args), base=base_of(args, scene), cameras=args.cameras,
             mask_noise=args.mask_noise, shuffle_labels=args.shuffle_labels, wrist_camera=args.wrist_camera,
-            video=video, rerun=rerun, orderer=orderer or cautious, relate=relating, seed=args.seed,
-            progress=progress,
+            engine=args.engine, video=video, rerun=rerun, photos=place is not None,
+            orderer=orderer or cautious, relate=relating,
+            seed=args.seed, progress=progress,
         )  # fmt: skip
         if place is not None:
             from topple.planner.report.run_page import run_page

@@ -26,7 +26,7 @@ if TYPE_CHECKING:
     from topple.topology.relations import Relations
     from topple.topology.scene import Scene
 
-_KINDS = (".html", ".png")
+_KINDS = (".html", ".png", ".gif", ".svg")
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
@@ -40,8 +40,13 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     add_rule(parser)
     add_orderer(parser)
     parser.add_argument(
-        "-o", "--output", metavar="FILE", help="what to write, .html or .png (the scene's name with .html)"
+        "-o",
+        "--output",
+        metavar="FILE",
+        help="what to write: .html, .png, the order animated as .gif, the graph alone as .svg "
+        "(the scene's name with .html)",
     )
+    parser.add_argument("--gif", action="store_true", help="animate the order (the scene's name with .gif)")
 
 
 def execute(args: argparse.Namespace) -> int:
@@ -59,16 +64,22 @@ def execute(args: argparse.Namespace) -> int:
     from topple.topology.rule.relate import relate
 
     (path,) = scene_paths(args, many=False)
-    place = _output(args.output, path)
+    place = _output(args.output, path, ".gif" if args.gif else ".html")
+    if args.gif and place.suffix.lower() != ".gif":
+        raise InvalidInput(f"{place}: --gif writes an animation, expected a name ending in .gif")
     relating = rule_of(args) or relate
     with Progress("show") as progress:
-        progress(f"reading {path}")
+        progress(f"1 of 3: reading {path}")
         scene = read_scene(args, path)
-        progress(f"{path}: relating {len(scene.names)} objects")
+        progress(f"2 of 3: {path}: relating {len(scene.names)} objects")
         relations = relating(scene)
         order = _order(args, scene, relations)
-        progress(f"{path}: drawing")
-        write_whole(place, _drawn(place, Path(path).name, scene, relations, order))
+        progress(f"3 of 3: {path}: drawing")
+        if order is None and place.suffix.lower() in (".gif", ".svg"):
+            raise InvalidInput(
+                f"{path}: {place.suffix} shows an order, and which way is up is not known: --up 0 0 1"
+            )
+        write_whole(place, _drawn(place, Path(path).name, scene, relations, order, progress))
     if args.json:
         document = {"format": "topple.show", "format_version": 1, "scene": path, "file": str(place)}
         print_json({**document, "ordered": order is not None})
@@ -81,10 +92,12 @@ def execute(args: argparse.Namespace) -> int:
     return DONE
 
 
-def _output(given: str | None, scene: str) -> Path:
-    place = Path(given) if given is not None else Path(f"{Path(scene).resolve().stem}.html")
+def _output(given: str | None, scene: str, ending: str) -> Path:
+    place = Path(given) if given is not None else Path(f"{Path(scene).resolve().stem}{ending}")
     if place.suffix.lower() not in _KINDS:
-        raise InvalidInput(f"{place}: cannot tell what to write, expected a name ending in .html or .png")
+        raise InvalidInput(
+            f"{place}: cannot tell what to write, expected a name ending in {', '.join(_KINDS)}"
+        )
     return check_writable(place)
 
 
@@ -101,9 +114,18 @@ def _order(args: argparse.Namespace, scene: "Scene", relations: "Relations") -> 
 
 
 def _drawn(
-    place: Path, title: str, scene: "Scene", relations: "Relations", order: "Order | None"
+    place: Path, title: str, scene: "Scene", relations: "Relations", order: "Order | None", progress: Progress
 ) -> str | bytes:
-    if place.suffix.lower() == ".png":
+    kind = place.suffix.lower()
+    if kind == ".gif" and order is not None:
+        from topple.planner.report.animation import order_gif
+
+        return order_gif(scene, order, progress)
+    if kind == ".svg" and order is not None:
+        from topple.planner.report.svg_file import graph_file
+
+        return graph_file(scene, order.to_json())
+    if kind == ".png":
         from topple.planner.report.figure import show_picture
 
         return show_picture(scene, relations, order)

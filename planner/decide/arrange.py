@@ -3,7 +3,6 @@
 import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
-from itertools import permutations
 from typing import Any
 
 import networkx as nx
@@ -12,6 +11,7 @@ import numpy as np
 from topple.planner.decide.dependency import DependencyGraph
 from topple.planner.decide.sequence import safest
 from topple.topology.arrays import FloatArray
+from topple.topology.notebook import in_cell
 from topple.topology.statics.support import Support
 from topple.topology.values import ByValue, FrozenDict
 
@@ -49,6 +49,10 @@ class Order(ByValue):
     verified: bool = False
     chances: Mapping[tuple[str, str], float] = field(default_factory=lambda: FrozenDict({}))
     notes: Mapping[str, Any] = field(default_factory=lambda: FrozenDict({}))
+
+    def _repr_html_(self) -> str | None:
+        """What a notebook shows."""
+        return in_cell(self)
 
     def to_json(self) -> dict[str, Any]:
         """The object that `topple order --json` prints."""
@@ -109,7 +113,9 @@ def arrange(
     chances = {} if chances is None else chances
     # How far down the arm reaches is the same in any order: the way between the takes is level.
     level = {name: top[:2] for name, top in tops.items() if name in part}
-    ways = {(a, b): float(np.linalg.norm(level[a] - level[b])) for a, b in permutations(level, 2)}
+    apart = np.array(list(level.values())).reshape(-1, 2)
+    far = [np.hypot(*(apart - one).T).tolist() for one in apart]
+    ways = {(a, b): way for a, row in zip(level, far, strict=True) for b, way in zip(level, row, strict=True)}
     chosen = safest(
         [members[c] for c in ranked],
         [frozenset(place[p] for p in condensed.predecessors(c)) for c in ranked],
@@ -156,10 +162,14 @@ def _risks(
     """Chance that a step moves something that is still there, what is held with it apart from the others."""
     risk: dict[str, float] = {}
     left = set(graph.names)
+    moved: dict[str, dict[str, float]] = {}
+    for (first, then), chance in sorted(chances.items()):
+        moved.setdefault(then, {})[first] = chance
     for unit in units:
         left -= set(unit)
         for number, name in enumerate(unit, start=1):
-            safe = math.prod(1.0 - chances.get((other, name), 0.0) for other in sorted(left))
+            some = moved.get(name, {})
+            safe = math.prod(1.0 - chance for other, chance in some.items() if other in left)
             held = unit[number:]
             against = [e.confidence for e in graph.dependencies if e.then == name and e.first in held]
             risk[name] = max(1.0 - safe, *against, 0.0)

@@ -1,17 +1,17 @@
 """What an order takes for granted: said in sentences, since a scene rarely shows everything."""
 
 from functools import cache
-from itertools import permutations
 from typing import TYPE_CHECKING
 
 import numpy as np
-from scipy.spatial import ConvexHull, QhullError
 
 from topple.planner.decide.tolerances import BELOW, DEEP, SHARE, SUNK
 from topple.topology.arrays import FloatArray, bounds
 from topple.topology.bodies.complete import is_hollow
+from topple.topology.geometry.broadphase import near_both_ways
+from topple.topology.geometry.sides import beyond, sides_of
 from topple.topology.statics.grounds import planes_and_rest
-from topple.topology.statics.rest import Statics, hull_volume
+from topple.topology.statics.rest import Statics, volume_around
 from topple.topology.statics.tolerances import DENSEST, DENSITY, FRICTION
 
 if TYPE_CHECKING:
@@ -46,7 +46,7 @@ def _heavy(scene: "Scene", statics: Statics) -> tuple[str, ...]:
     """Masses beyond what any matter of that size has: grams or pounds are likely."""
     said: list[str] = []
     for name in (name for name in scene.movable if name in scene.masses):
-        volume = hull_volume(statics.surfaces[name])
+        volume = volume_around(statics.surfaces[name])
         if scene.masses[name] > DENSEST * max(volume, LEAST):
             said.append(
                 f"{name} was given {scene.masses[name]:g} kg in {1e3 * volume:.2g} litres, denser than any "
@@ -105,29 +105,21 @@ def _overlaps(statics: Statics) -> tuple[str, ...]:
     boxes = {name: bounds(clouds[name]) for name in statics.upright.movable}
     said: list[str] = []
     hollow = cache(lambda name: is_hollow(clouds[name], statics.sight))  # one may have many within it
-    faces = cache(lambda name: _faces(clouds[name]))
-    for inner, outer in permutations(statics.upright.movable, 2):
+    sides = cache(lambda name: sides_of(clouds[name]))
+    names = statics.upright.movable
+    for i, j in near_both_ways([boxes[name] for name in names], DEEP):
+        inner, outer = names[i], names[j]
         lower, upper = boxes[outer][0] + DEEP, boxes[outer][1] - DEEP
         if (boxes[inner][0] >= upper).any() or (boxes[inner][1] <= lower).any():
             continue
         boxed = clouds[inner][((clouds[inner] > lower) & (clouds[inner] < upper)).all(axis=1)]
         if len(boxed) <= SHARE * len(clouds[inner]):
             continue
-        if _deep(boxed, faces(outer)) > SHARE * len(clouds[inner]) and not hollow(outer):
+        if _deep(boxed, sides(outer)) > SHARE * len(clouds[inner]) and not hollow(outer):
             said.append(f"the clouds of {inner} and {outer} overlap: both are taken to be where they seem")
     return tuple(said)
 
 
-def _faces(points: FloatArray) -> FloatArray | None:
-    """(F, 4) outward normals and offsets of the hull of points (N, 3), or None where they have no volume."""
-    try:
-        return np.asarray(ConvexHull(points).equations)
-    except (QhullError, ValueError):
-        return None
-
-
-def _deep(points: FloatArray, faces: FloatArray | None) -> int:
-    """How many points lie deep inside a hull."""
-    if faces is None:
-        return 0
-    return int(np.count_nonzero((points @ faces[:, :3].T + faces[:, 3]).max(axis=1) < -DEEP))
+def _deep(points: FloatArray, sides: FloatArray | None) -> int:
+    """Count the points that lie deep inside a hull; none lies in one without volume."""
+    return 0 if sides is None else int(np.count_nonzero(beyond(sides, points) < -DEEP))

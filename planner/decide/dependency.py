@@ -1,8 +1,8 @@
 """What must go first: a directed graph whose every edge has a reason and the relations it rests on."""
 
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
-from itertools import combinations, permutations
+from itertools import combinations
 from typing import TYPE_CHECKING, Any
 
 import networkx as nx
@@ -11,12 +11,15 @@ import numpy as np
 from topple.planner.decide.rates import rates_for, way_found
 from topple.planner.decide.tolerances import BOARD, CLEARLY, PRESSED
 from topple.planner.tolerances import DISTURBED
+from topple.topology.arrays import FloatArray, bounds
 from topple.topology.errors import InvalidInput, UnknownObject
 from topple.topology.evidence import Evidence
+from topple.topology.geometry.broadphase import near_both_ways
 from topple.topology.situation import Situation
 from topple.topology.sixim.table import Relation
 from topple.topology.statics.rest import Statics
 from topple.topology.statics.sweep import Overlap, overlap
+from topple.topology.statics.tolerances import SWEEP_CELL
 from topple.topology.values import ByValue, Word
 
 if TYPE_CHECKING:
@@ -56,6 +59,7 @@ class Dependency:
         confidence: 0..1.
         evidence: The relations it rests on: of the two as they lie, of those through which they hang
             together, or of `then` with all that it passes on its way up.
+        lies: "on" or "in" where a person would say of what leans that it lies there; it changes words alone.
     """
 
     first: str
@@ -63,6 +67,7 @@ class Dependency:
     reason: Reason
     confidence: float
     evidence: tuple[Evidence, ...] = ()
+    lies: str = ""
 
     def __post_init__(self) -> None:
         """Take a reason by its name.
@@ -76,19 +81,20 @@ class Dependency:
 
     def to_json(self) -> dict[str, Any]:
         """The dependency as the JSON of `topple order` has it."""
-        return {
+        document = {
             "first": self.first,
             "then": self.then,
             "reason": str(self.reason),
             "confidence": round(self.confidence, 3),
             "evidence": [each.to_json() for each in self.evidence],
         }
+        return document | ({"lies": self.lies} if self.lies else {})
 
     def sentence(self) -> str:
         """The reason in words."""
         say = {
             Reason.SUPPORTED: f"{self.first} rests on {self.then}",
-            Reason.LEANING: f"{self.first} leans on {self.then}",
+            Reason.LEANING: f"{self.first} {f'lies {self.lies}' if self.lies else 'leans on'} {self.then}",
             Reason.CONTAINED: f"{self.first} lies in {self.then}",
             Reason.COUNTERWEIGHT: f"{self.then} holds {self.first} in place by its weight",
             Reason.BLOCKING: f"{self.first} is over {self.then}, in the way of lifting it",
@@ -206,6 +212,7 @@ def dependencies(
             edge,
             confidence=rates[ways[edge.first, edge.then]],
             evidence=_evidence(edge, (edge.first, edge.then) in hanging, situation),
+            lies=_lies(edge, situation),
         )
         for edge in edges
     ]
@@ -250,6 +257,19 @@ def _evidence(edge: Dependency, swept: bool, situation: Situation) -> tuple[Evid
     return (*chain, situation.swept(edge.then, edge.first)) if swept else chain
 
 
+def _lies(edge: Dependency, situation: Situation) -> str:
+    """Whether what leans on something would be said to lie on it or in it: its middle is then over it."""
+    if edge.reason is not Reason.LEANING:
+        return ""
+    if situation.relations.between(edge.first, edge.then).relation in INSIDE:
+        return "in"
+    surfaces = situation.statics.surfaces
+    around = surfaces[edge.then][:, :2] - surfaces[edge.first][:, :2].mean(axis=0)
+    angles = np.sort(np.arctan2(around[:, 1], around[:, 0]))
+    # inside an outline there is some of it in every half plane
+    return "on" if np.diff(angles, append=angles[0] + 2 * np.pi).max() < np.pi else ""
+
+
 def _fallen(then: str, touching: Mapping[tuple[str, str], float], statics: Statics) -> dict[str, float]:
     """What falls without an object, and by how much more than what just counts (or the share of its weight).
 
@@ -273,7 +293,7 @@ def _hanging(statics: Statics) -> dict[tuple[str, str], Overlap]:
     surfaces, seen = statics.surfaces, statics.upright.clouds
     stands_at = {name: statics.upright.floor_under(surfaces[name]) for name in statics.upright.movable}
     hanging: dict[tuple[str, str], Overlap] = {}
-    for first, then in permutations(statics.upright.movable, 2):
+    for first, then in _over_each_other(surfaces, statics.upright.movable):
         if float(surfaces[then][:, 2].max()) < stands_at[first] - BOARD:
             continue  # a board that never moves is between them
         over = overlap(surfaces[first], surfaces[then])
@@ -288,6 +308,12 @@ def _hanging(statics: Statics) -> dict[tuple[str, str], Overlap]:
             elif forth < CLEARLY * back:
                 del hanging[first, then]
     return hanging
+
+
+def _over_each_other(surfaces: Mapping[str, FloatArray], names: Sequence[str]) -> list[tuple[str, str]]:
+    """Ordered pairs of the names whose boxes meet in plan, or nearly: no others hang over each other."""
+    plans = [(lower[:2], upper[:2]) for lower, upper in (bounds(surfaces[name]) for name in names)]
+    return [(names[i], names[j]) for i, j in near_both_ways(plans, 3 * SWEEP_CELL)]
 
 
 def _touching(statics: Statics) -> Mapping[tuple[str, str], float]:

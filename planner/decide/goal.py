@@ -2,12 +2,13 @@
 
 import re
 from collections.abc import Iterable, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import TYPE_CHECKING
 
 import networkx as nx
 
 from topple.planner.errors import NoSafePlan
+from topple.topology.arrays import FloatArray
 from topple.topology.errors import InvalidInput, UnknownObject
 from topple.topology.sixim.table import Relation
 from topple.topology.values import Word
@@ -56,12 +57,17 @@ class Goal:
         free: Objects to be lifted clear and put down elsewhere.
         empty: Containers that shall hold nothing in the end.
         places: Placements, in an order in which they can be made: what is below comes first.
+        poses: Where things shall lie exactly: (4, 4) rigid transforms in the world from where each is at the
+            start. Words leave that open.
+        assumptions: What was assumed to read it, in sentences.
     """
 
     text: str
     free: tuple[str, ...] = ()
     empty: tuple[str, ...] = ()
     places: tuple[Place, ...] = ()
+    poses: Mapping[str, FloatArray] = field(default_factory=dict[str, FloatArray], compare=False)
+    assumptions: tuple[str, ...] = ()
 
     @property
     def names(self) -> tuple[str, ...]:

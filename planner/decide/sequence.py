@@ -6,6 +6,7 @@ from math import log
 import numpy as np
 
 from topple.planner.decide.tolerances import SURE
+from topple.topology.arrays import IntArray
 
 EFFORT = 2400
 """Continuations looked at per step: with 300 partial orders all there are of eight objects."""
@@ -48,14 +49,9 @@ def safest(
     count = range(len(units))
     needed = frozenset(count) if wanted is None else wanted
     effort, goal = _percents(removal_risk), sum(1 << i for i in needed)
-    risk = np.array(
-        [
-            [sum(_percents(chances.get((x, y), 0.0)) for x in one for y in two) for two in units]
-            for one in units
-        ]
-    ).reshape(len(units), len(units))
-    np.fill_diagonal(risk, 0)  # what is taken together is held
+    risk = _risk_of(units, chances)
     way = [[round(1e3 * ways.get((one[-1], two[0]), 0.0)) for two in units] for one in units]
+    first = [sum(1 << i for i in earlier) for earlier in before]
     kept: dict[tuple[int, int], _Partial] = {(0, -1): (0, 0, ())}
     done: list[_Partial] = []
     while True:
@@ -65,20 +61,33 @@ def safest(
             kept = {key: partial for key, partial in kept.items() if partial < min(done)}
         if not kept:
             return list(min(done)[2])
-        longer: dict[tuple[int, int], _Partial] = {}
-        there = np.array([[not taken >> i & 1 for i in count] for taken, _ in kept])
-        moves = (there.astype(np.int64) @ risk).tolist()
+        longer: dict[tuple[int, int], tuple[int, int, tuple[int, ...], int]] = {}
+        size = -(-len(units) // 8)
+        packed = np.array([list(taken.to_bytes(size, "little")) for taken, _ in kept], dtype=np.uint8)
+        there = 1 - np.unpackbits(packed, axis=1, count=len(units), bitorder="little").astype(np.int64)
+        moves = (there @ risk).tolist()
         for ((taken, last), (risked, gone, path)), moved in zip(kept.items(), moves, strict=True):
             for j in count:
-                if taken >> j & 1 or not before[j].issubset(path):
+                if taken >> j & 1 or first[j] & ~taken:
                     continue
                 step = way[last][j] if path else 0
-                found = (risked + moved[j] + effort, gone + step, (*path, j))
+                found = (risked + moved[j] + effort, gone + step, path, j)
                 key = (taken | 1 << j, j)
                 if key not in longer or found < longer[key]:
                     longer[key] = found
-        best = sorted(longer.items(), key=lambda each: each[1])
-        kept = dict(best[: max(LEAST, EFFORT // len(units))])
+        best = sorted(longer.items(), key=lambda each: each[1])[: max(LEAST, EFFORT // len(units))]
+        kept = {key: (risked, gone, (*path, j)) for key, (risked, gone, path, j) in best}
+
+
+def _risk_of(units: Sequence[Sequence[str]], chances: Mapping[tuple[str, str], float]) -> IntArray:
+    """(U, U) risk [percent, added up] that the one unit moves as the other is taken while both are there."""
+    unit_of = {name: number for number, unit in enumerate(units) for name in unit}
+    risk = np.zeros((len(units), len(units)), dtype=np.int64)
+    for (first, then), chance in chances.items():
+        if first in unit_of and then in unit_of:
+            risk[unit_of[first], unit_of[then]] += _percents(chance)
+    np.fill_diagonal(risk, 0)  # what is taken together is held
+    return risk
 
 
 _Partial = tuple[int, int, tuple[int, ...]]

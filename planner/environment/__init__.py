@@ -1,4 +1,7 @@
-"""Gymnasium environments: `topple/Pile-v0`, `topple/Dishes-v0`, `topple/Lemon-v0`, once this is imported."""
+"""Gymnasium environments: `topple/Pile-v0`, `topple/Dishes-v0`, `topple/Lemon-v0`, once this is imported.
+
+`gymnasium.make("topple.planner.environment:topple/Pile-v0")` imports it.
+"""
 
 from topple.topology.errors import NotInstalled
 

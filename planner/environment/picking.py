@@ -1,6 +1,7 @@
 """Picking: which object to take next, as a Gymnasium environment."""
 
 from copy import deepcopy
+from dataclasses import replace
 from typing import Any
 
 import gymnasium
@@ -10,9 +11,12 @@ from numpy.typing import NDArray
 from topple.planner.decide.goal import Goal, parse_goal
 from topple.planner.environment.hands import put, take
 from topple.planner.environment.view import Observation, seen, space_of
+from topple.planner.execution.attained import truly_unmet
 from topple.planner.execution.look import Observer
 from topple.robots.scenarios import Scenario, scenario_called
+from topple.robots.world.world import in_bullet
 from topple.topology.errors import InvalidInput
+from topple.topology.geometry.rigid import transformed
 from topple.topology.scene import Scene
 from topple.topology.situation import Situation
 
@@ -27,7 +31,8 @@ class Picking(gymnasium.Env[Observation, np.int64]):
     """Takes things out of a settled scene one after the other, until its goal is reached.
 
     An action is the slot of the object to take next; `action_mask` says which there are, and one that may not
-    be taken does nothing. What the goal puts somewhere (the lemon) is put there, all else is taken away.
+    be taken does nothing. Whether the goal is reached is told from the world's own poses and forces, not from
+    relations. What the goal puts somewhere (the lemon) is put there, all else is taken away.
     Hands are ideal: lifts are straight and rigid, nothing else is touched. The reward of a step is 1 where
     the goal is reached by it, less 0.05 for the effort, less 1 for each other object that moved by more than
     1 cm or 10 degrees. An episode ends with the goal, or where a thing that it needs is lost.
@@ -124,9 +129,9 @@ class Picking(gymnasium.Env[Observation, np.int64]):
         if allowed:
             place = next((place for place in self._goal.places if place.object == name), None)
             if place is not None:
-                disturbed = put(stage.world, name, place.where)
+                disturbed = put(in_bullet(stage.world), name, place.where)
             else:
-                disturbed = take(stage.world, name)
+                disturbed = take(in_bullet(stage.world), name)
                 self._taken.add(name)
             self._situation = self._looked()
             self._shown = self._observation()
@@ -164,10 +169,8 @@ class Picking(gymnasium.Env[Observation, np.int64]):
     def _reached(self, stage: Scenario) -> bool:
         if any(name not in self._taken for name in self._goal.free):
             return False
-        if not self._goal.places and not self._goal.empty:
-            return True
-        situation = Situation(self._whole(stage))
-        return not self._goal.unmet(situation.relations, stage.fixed, situation.supports)
+        rest = replace(self._goal, free=())  # what is free is out of the world
+        return not truly_unmet(rest, stage.world, stage.up)
 
     def _looked(self) -> Situation | None:
         """What is seen now; None where nothing that moves is."""
@@ -183,7 +186,7 @@ class Picking(gymnasium.Env[Observation, np.int64]):
         for name in stage.world.names:
             pose, count = stage.world.pose(name), TABLE_SAMPLES if name in stage.fixed else SAMPLES
             points = stage.world.body(name).surface(count, np.random.default_rng(0))
-            clouds[name] = points @ pose[:3, :3].T + pose[:3, 3]
+            clouds[name] = transformed(points, pose)
         return Scene(clouds, stage.fixed, stage.up)
 
     def _observation(self) -> Observation:

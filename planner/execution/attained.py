@@ -9,13 +9,13 @@ import numpy as np
 
 from topple.planner.decide.goal import Goal, Place, PlaceRelation
 from topple.planner.execution.tolerances import BEARS, BURDENS, PRESSED
-from topple.robots.world.world import World
+from topple.robots.world.physical_world import PhysicalWorld
 from topple.topology.arrays import FloatArray
 from topple.topology.geometry.axes import level_axes
 from topple.topology.geometry.hull import Hull
 
 
-def truly_unmet(goal: Goal, world: World, up: FloatArray) -> tuple[str, ...]:
+def truly_unmet(goal: Goal, world: PhysicalWorld, up: FloatArray) -> tuple[str, ...]:
     """What of a goal does not hold in the world as it is, whatever the cameras make of it.
 
     A thing is on another one that bears half its weight, or in whose hollow it is. It is in a hollow where
@@ -47,7 +47,7 @@ def truly_unmet(goal: Goal, world: World, up: FloatArray) -> tuple[str, ...]:
 class _Rest:
     """A world as it is at one instant."""
 
-    def __init__(self, world: World, up: FloatArray) -> None:
+    def __init__(self, world: PhysicalWorld, up: FloatArray) -> None:
         self._world, self._up, self._level = world, up, np.stack(level_axes(up), axis=1)
         self._force: dict[tuple[str, str], FloatArray] = {}
         for contact in world.contacts():

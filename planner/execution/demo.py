@@ -1,31 +1,37 @@
-"""The built-in scenes, played by an arm in PyBullet, and everything written down."""
+"""The built-in scenes, played by an arm in simulation, and everything written down."""
 
 import json
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import replace
 from multiprocessing import get_context
 from pathlib import Path
 
-from topple.planner.decide.goal import parse_goal
+import numpy as np
+
 from topple.planner.errors import NoSafePlan
 from topple.planner.execution.demo_seeds import CAMERAS, default_seed
-from topple.planner.execution.look import Look
+from topple.planner.execution.look import Look, Observer
 from topple.planner.execution.loop import ClosedLoop
 from topple.planner.files import check_writable, make_folder, write_all, write_whole
 from topple.planner.formats.plan_format import plan_to_json
 from topple.planner.formats.run_record import INTERRUPTED, Document, RunRecord
+from topple.planner.planning.next_step import Said
 from topple.planner.planning.order import cautious
 from topple.planner.planning.plan import plan, plan_as_done
-from topple.planner.planning.step import Orderer, Station
+from topple.planner.planning.step import Orderer, Station, Task
+from topple.planner.rearranging.arrangement import Arrangement
+from topple.planner.rearranging.task import Rearranging
 from topple.planner.report.rerun_file import RATE as RERUN_RATE
 from topple.planner.report.rerun_file import rerun_file
 from topple.planner.report.run_page import run_page
 from topple.planner.workers import serve
 from topple.robots.catalog import robot as robot_named
+from topple.robots.engines import BULLET, arm_in
 from topple.robots.scenarios import Scenario, scenario_called
+from topple.robots.world.acting_arm import ActingArm
+from topple.robots.world.camera import Camera
 from topple.robots.world.film import filmed
-from topple.robots.world.recording import Recording
-from topple.robots.world.simulated_arm import SimulatedArm
+from topple.robots.world.recorded import recorded
 
 Progress = Callable[[str], None]
 
@@ -41,6 +47,7 @@ def demo(
     cameras: int = CAMERAS,
     mask_noise: float = 0.0,
     wrist_camera: bool = False,
+    engine: str = BULLET,
     folder: str | Path = "topple-demo",
     video: Path | None = None,
     rerun: Path | None = None,
@@ -56,6 +63,7 @@ def demo(
         cameras: How many depth cameras look on, 1 to 3.
         mask_noise: By how many pixels the edges of their masks are wrong (standard deviation).
         wrist_camera: Whether the arm carries one more for a second look before a doubtful step.
+        engine: What it is played on, one of `topple.robots.engines.ENGINES`.
         folder: Where relations.json, order.json, plan.json, run.json and report.html are written.
         video: Where a film of it is written, an MP4 file.
         rerun: Where a recording for the Rerun viewer is written, an .rrd file.
@@ -68,23 +76,23 @@ def demo(
         InvalidInput: There is no such scene or robot, or the folder cannot be written.
     """
     seed = default_seed(name) if seed is None else seed
-    with scenario_called(name, seed) as stage:
+    with scenario_called(name, seed, engine) as stage:
         place = make_folder(folder)
         for file in FILES:
             check_writable(place / file)
         robot = robot or stage.robot
         loop = loop_in(
             stage, robot=robot, cameras=cameras, mask_noise=mask_noise, wrist_camera=wrist_camera,
-            seed=seed, progress=progress,
+            photos=True, seed=seed, progress=progress,
         )  # fmt: skip
         acting, first = loop.robot, loop.look()
-        assert isinstance(acting, SimulatedArm)
+        assert isinstance(acting, ActingArm)
         # the plan of the whole sequence is made on the other core while the arm already works
         with get_context("spawn").Pool(1, serve) as other:  # leaving it ends what still plans
             base = stage.pose_base_to_world
-            task = (first.scene, stage.goal, robot)
+            task = (first.scene, loop.task, robot)
             planned = other.apply_async(plan, task, {"base": base, "orderer": cautious, "seed": seed})
-            recording = Recording(acting, RERUN_RATE) if rerun is not None else None
+            recording = recorded(acting, RERUN_RATE) if rerun is not None else None
             with filmed(video, acting, stage.cameras[0]):
                 record = loop.run(first)
             try:
@@ -95,7 +103,7 @@ def demo(
             except KeyboardInterrupt:
                 record, whole = replace(record, stopped=INTERRUPTED), None
         if whole is None:
-            arm, goal = robot_named(robot), parse_goal(stage.goal, first.scene)
+            arm, goal = robot_named(robot), loop.task.goal(first.scene)
             whole = plan_as_done(first.scene, goal, Station(arm, base, arm.home), loop.followed, seed)
         decided = _decided_by(record, first, stage, seed)
         if rerun is not None and recording is not None:
@@ -127,6 +135,7 @@ def loop_in(
     mask_noise: float = 0.0,
     shuffle_labels: bool = False,
     wrist_camera: bool = False,
+    photos: bool = False,
     orderer: Orderer = cautious,
     seed: int = 0,
     progress: Progress | None = None,
@@ -140,6 +149,7 @@ def loop_in(
         mask_noise: By how many pixels the edges of their masks are wrong (standard deviation).
         shuffle_labels: Whether names of objects are not kept between looks.
         wrist_camera: Whether the arm carries a camera for a second look before a doubtful step.
+        photos: Whether photos for people are taken at every look, for a report.
         orderer: What decides the order.
         seed: Of the sensor noise and every search.
         progress: Called with a line before and after each action.
@@ -147,11 +157,12 @@ def loop_in(
     Returns:
         The loop, to be run.
     """
+    eyes = [camera.with_mask_noise(mask_noise) for camera in stage.cameras[:cameras]]
     return ClosedLoop.simulated(
         stage.world,
-        SimulatedArm(stage.world, robot_named(robot or stage.robot), stage.pose_base_to_world),
-        [camera.with_mask_noise(mask_noise) for camera in stage.cameras[:cameras]],
-        stage.goal,
+        arm_in(stage.world, robot_named(robot or stage.robot), stage.pose_base_to_world),
+        eyes,
+        task_in(stage, eyes, seed),
         fixed=stage.fixed,
         up=stage.up,
         orderer=orderer,
@@ -159,7 +170,23 @@ def loop_in(
         progress=progress,
         shuffle_labels=shuffle_labels,
         wrist_camera=wrist_camera,
+        photos=photos,
+        wanted=None if stage.finished is None else stage.finished.poses(),
     )
+
+
+def task_in(stage: Scenario, cameras: Sequence[Camera], seed: int = 0) -> Task:
+    """The task of a built-in scene: its words, or the finished arrangement as the cameras see it.
+
+    Args:
+        stage: The scene.
+        cameras: Those that look on.
+        seed: Of their noise.
+    """
+    if stage.finished is None:
+        return Said(stage.goal)
+    eyes = Observer(stage.finished, cameras, np.random.default_rng(seed), stage.fixed, stage.up)
+    return Rearranging(Arrangement(eyes.look().scene))
 
 
 def _text(document: object) -> str:

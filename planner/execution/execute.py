@@ -18,6 +18,7 @@ from topple.planner.execution.tolerances import (
     STILL,
     TOUCHDOWN,
 )
+from topple.planner.formats.arm_motion import ArmMotion, Carry, Drive
 from topple.planner.grasp.tolerances import PRESS
 from topple.planner.motion.collision import Checker
 from topple.planner.motion.planner import MotionFailure, plan_motion
@@ -30,6 +31,7 @@ from topple.robots.driver import Driver, Motion
 from topple.topology.arrays import FloatArray
 from topple.topology.bodies.solids import Solids
 from topple.topology.errors import ToppleError
+from topple.topology.geometry.rigid import transformed
 
 WATCHED = (
     SegmentKind.LIFT,
@@ -58,12 +60,14 @@ class Outcome:
         text: What happened, in one sentence.
         tool_path: (k, 3) planned positions of the tool in the world [m], of the segments that were driven.
         stuck: The hand does not let go of the object: the arm must stay where it is.
+        motion: The planned motion of the segments that were driven, for pictures.
     """
 
     success: bool
     text: str
     tool_path: FloatArray
     stuck: bool = False
+    motion: ArmMotion | None = None
 
 
 class HandStuck(ToppleError):
@@ -83,6 +87,7 @@ def execute(transfer: Transfer, robot: Driver, watch: Watch | None = None) -> Ou
         watch: What looks on, if anything.
     """
     done: list[Segment] = []
+    ended: list[Segment] = []
     watch = watch or _nobody
     pushed: list[str] = []
     problem = None
@@ -97,17 +102,19 @@ def execute(transfer: Transfer, robot: Driver, watch: Watch | None = None) -> Ou
                 watch(MISSED, segment.tool)
                 retreat(done, robot)
                 break
+            ended.append(segment)
             if segment.kind is SegmentKind.GRASP:
                 watch(TAKEN, segment.tool)
     except HandStuck as error:
         text = (
             f"the hand does not open and holds {transfer.object} still, the arm stays where it is: {error}."
         )
-        return Outcome(False, " ".join(filter(None, (problem, text))), _tool_path(done, robot), stuck=True)
+        words = " ".join(filter(None, (problem, text)))
+        return Outcome(False, words, _tool_path(done, robot), True, _motion(transfer, ended, robot))
     put = f"{transfer.object} was put down, {transfer.placement.rest}."
     off = f"The arm was off its path during the {' and the '.join(pushed)}." if pushed else None
     text = " ".join(filter(None, (problem or put, off)))
-    return Outcome(problem is None, text, _tool_path(done, robot))
+    return Outcome(problem is None, text, _tool_path(done, robot), motion=_motion(transfer, ended, robot))
 
 
 def _nobody(_moment: str, _tool: str) -> None:
@@ -261,5 +268,16 @@ def _tool_path(done: list[Segment], robot: Driver) -> FloatArray:
             q = segment.trajectory.positions
             chosen = q[np.unique(np.linspace(0, len(q) - 1, SAMPLES).astype(int))]
             base = robot.arm.tool_pose(chosen, segment.tool)[:, :3, 3]
-            pieces.append(base @ robot.pose_base_to_world[:3, :3].T + robot.pose_base_to_world[:3, 3])
+            pieces.append(transformed(base, robot.pose_base_to_world))
     return np.vstack(pieces)
+
+
+def _motion(transfer: Transfer, ended: list[Segment], robot: Driver) -> ArmMotion | None:
+    """How the arm went through the segments that it came to the end of."""
+    drives: list[Drive] = []
+    for segment in ended:
+        way = segment.trajectory
+        times, q = (np.empty(0), np.empty((0, 0))) if way is None else (way.times, way.positions)
+        drives.append(Drive(segment.kind, segment.tool, segment.hand, times, q))
+    carry = Carry(drives, (transfer.object, *transfer.riding))
+    return ArmMotion.of(robot.arm, robot.pose_base_to_world, [carry])

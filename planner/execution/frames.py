@@ -5,7 +5,7 @@ from typing import Protocol
 
 import numpy as np
 
-from topple.robots.world.world import World
+from topple.robots.world.physical_world import PhysicalWorld
 from topple.topology.arrays import FloatArray
 from topple.topology.errors import InvalidInput
 from topple.topology.image import DepthImage
@@ -14,7 +14,7 @@ from topple.topology.image import DepthImage
 class Eye(Protocol):
     """What takes a picture of a world: a simulated camera, or what stands in for one."""
 
-    def look(self, world: World, rng: np.random.Generator | None = None) -> DepthImage:
+    def look(self, world: PhysicalWorld, rng: np.random.Generator | None = None) -> DepthImage:
         """Take a picture; the generator is of the noise."""
         ...
 
@@ -35,7 +35,7 @@ class Frames:
         self._last: dict[int, FloatArray] = {}
 
     def take(
-        self, world: World, rng: np.random.Generator, changed: bool = True
+        self, world: PhysicalWorld, rng: np.random.Generator, changed: bool = True
     ) -> tuple[tuple[DepthImage, ...], tuple[str, ...]]:
         """Take the pictures.
 

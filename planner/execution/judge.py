@@ -9,10 +9,11 @@ from topple.planner.decide.goal import Goal
 from topple.planner.execution.attained import truly_unmet
 from topple.planner.execution.execute import MISSED, TAKEN
 from topple.planner.execution.monitor import Verdict
+from topple.planner.execution.places import misplaced
 from topple.planner.tolerances import DISTURBED, TURNED
 from topple.planner.transfer.transfer import Transfer
 from topple.robots.poses import angle_between
-from topple.robots.world.simulated_arm import SimulatedArm
+from topple.robots.world.acting_arm import ActingArm
 from topple.robots.world.touch import Touch
 from topple.topology.arrays import FloatArray
 
@@ -49,13 +50,19 @@ class Judge:
         fixed: Names that never move.
         up: (3,) unit vector against gravity.
         limits: From where on it counts.
+        wanted: Where things shall lie in the end, as (4, 4) true poses by name; where None, by the goal.
     """
 
     def __init__(
-        self, robot: SimulatedArm, fixed: Collection[str], up: FloatArray, limits: Limits = LIMITS
+        self,
+        robot: ActingArm,
+        fixed: Collection[str],
+        up: FloatArray,
+        limits: Limits = LIMITS,
+        wanted: Mapping[str, FloatArray] | None = None,
     ) -> None:
         self._robot, self._world, self._fixed, self._up = robot, robot.world, tuple(fixed), up
-        self._limits = limits
+        self._limits, self._wanted, self._first = limits, wanted, robot.world.poses()
         self._rested: dict[str, FloatArray] = {}  # where each thing was when it was last handled, or at first
 
     def begin(self, transfer: Transfer) -> None:
@@ -130,7 +137,13 @@ class Judge:
 
     def unmet(self, goal: Goal) -> tuple[str, ...]:
         """Say what of a goal does not hold in the world as it is."""
-        return truly_unmet(goal, self._world, self._up)
+        wanted = self._wanted
+        if wanted is None:
+            wanted = {name: pose @ self._first[name] for name, pose in goal.poses.items()}
+        return (
+            *truly_unmet(goal, self._world, self._up),
+            *misplaced(self._world, wanted, self._up, self._limits.distance, self._limits.angle),
+        )
 
 
 def displacements(

@@ -9,15 +9,19 @@ import numpy as np
 from topple.planner.execution.associate import associated, middle, seen_through
 from topple.planner.execution.frames import Eye, Frames
 from topple.planner.execution.masks import misnamed, renamed
-from topple.planner.execution.tolerances import COARSE, FINE, GONE, MOVED, THERE
+from topple.planner.execution.tolerances import COARSE, FINE, GONE, MOVED, POST, THERE
 from topple.planner.formats.pictures import picture
-from topple.robots.world.world import World
-from topple.topology.arrays import FloatArray
+from topple.robots.poses import inverse
+from topple.robots.world.body_clouds import Piece
+from topple.robots.world.physical_world import PhysicalWorld
+from topple.topology.arrays import BoolArray, FloatArray
 from topple.topology.bodies.solids import up_of
 from topple.topology.bodies.tops import tops_of
 from topple.topology.cloud import clean
+from topple.topology.geometry.rigid import transformed
 from topple.topology.geometry.thin import thinned
 from topple.topology.image import DepthImage
+from topple.topology.photo import Photo
 from topple.topology.relations import Relations
 from topple.topology.scene import Scene
 from topple.topology.situation import Situation
@@ -34,6 +38,8 @@ class Look:
         images: What the cameras took.
         situation: What is seen, and what was seen before and may be hidden now, and what was read of it.
         picture: PNG bytes of the first camera's view, or None.
+        photo: The same taken for people, where that was asked for.
+        assumed: Name -> (N,) which points of its cloud are of posts that hold up a rebuilt body, likewise.
         surprises: What was not as expected, by name, in sentences: newly seen, moved, hidden or gone.
         faults: What was wrong with cameras and masks and was put right or left out, in sentences.
     """
@@ -43,6 +49,8 @@ class Look:
     picture: bytes | None
     surprises: Mapping[str, str] = field(default_factory=dict[str, str])
     faults: tuple[str, ...] = ()
+    photo: Photo | None = None
+    assumed: Mapping[str, BoolArray] = field(default_factory=dict[str, BoolArray])
 
     @property
     def scene(self) -> Scene:
@@ -78,9 +86,10 @@ class Observer:
         shuffle_labels: Whether names of objects are not kept between looks: what is seen is matched with what
             is expected, by place and shape.
         relate: What relates what is seen; topple's own rule where None.
+        photographer: What takes photos for people of the world, for a report; None takes none.
     """
 
-    world: World
+    world: PhysicalWorld
     cameras: Sequence[Eye]
     rng: np.random.Generator
     fixed: tuple[str, ...]
@@ -89,6 +98,7 @@ class Observer:
     friction: Mapping[str, float] = field(default_factory=dict[str, float])
     shuffle_labels: bool = False
     relate: Relate | None = None
+    photographer: Callable[[], Photo] | None = None
 
     def __post_init__(self) -> None:
         self._frames = Frames(self.cameras)
@@ -130,7 +140,10 @@ class Observer:
         scene = scene.weighed(_among(self.masses, scene), _among(self.friction, scene))
         self._last = scene
         relations = None if self.relate is None else self.relate(scene)
-        return Look(images, Situation(scene, relations), _seen(images[0]), surprises, faults)
+        photo = None if self.photographer is None else self.photographer()
+        shown = _seen(images[0]) if photo is None else picture(photo.rgb)
+        assumed = {} if photo is None else posts_in(self.world, scene)
+        return Look(images, Situation(scene, relations), shown, surprises, faults, photo, assumed)
 
     def _scene(self, images: Sequence[DepthImage]) -> Scene:
         fixed = [name for name in self.fixed if any(name in image.names.values() for image in images)]
@@ -231,6 +244,21 @@ def unexpected(predicted: Relations, observed: Relations) -> list[str]:
         if apart != (now.relation is Relation.DISJOINT) and pair.observed and now.observed:
             found.append(f"{pair.a} and {pair.b}: {pair.relation} expected, {now.relation} seen")
     return found
+
+
+def posts_in(world: PhysicalWorld, scene: Scene) -> dict[str, BoolArray]:
+    """Which points of clouds are of posts under rebuilt bodies: name -> (N,), of those that have any."""
+    found: dict[str, BoolArray] = {}
+    for name in set(scene.movable) & set(world.names):
+        body = world.body(name)
+        if body.posts:
+            to_body = inverse(world.pose(name))
+            points = transformed(scene.clouds[name], to_body)
+            planes = [Piece(part, np.empty((0, 3))).planes for part in body.parts]
+            away = np.stack([(points @ each[:, :3].T + each[:, 3]).max(axis=1) for each in planes])
+            posts = np.isin(np.arange(len(body.parts)), body.posts)
+            found[name] = np.asarray(away[posts].min(axis=0) < away[~posts].min(axis=0) - POST)
+    return {name: points for name, points in found.items() if points.any()}
 
 
 def _seen(image: DepthImage) -> bytes | None:

@@ -5,12 +5,13 @@ import time
 from collections import Counter
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
+from functools import partial
 from typing import Any
 
 import numpy as np
 
 from topple.planner.decide.beliefs import Beliefs
-from topple.planner.decide.goal import Goal, parse_goal
+from topple.planner.decide.goal import Goal
 from topple.planner.decide.turn import Ahead
 from topple.planner.errors import ArmFault, NoSafePlan
 from topple.planner.execution.execute import Outcome, execute, withdraw
@@ -24,14 +25,15 @@ from topple.planner.formats.run_record import INTERRUPTED, RunRecord, StepRecord
 from topple.planner.grasp.given import GraspsByObject
 from topple.planner.grasp.grasp import Grasp
 from topple.planner.motion.collision import Checker
-from topple.planner.planning.next_step import StepChooser
+from topple.planner.planning.next_step import Said
 from topple.planner.planning.order import cautious
-from topple.planner.planning.step import Action, NextStep, Orderer, Station
+from topple.planner.planning.step import Action, Chooser, Context, NextStep, Orderer, Station, Task
 from topple.planner.transfer.transfer import after
 from topple.robots.driver import Driver
+from topple.robots.world.acting_arm import ActingArm
 from topple.robots.world.camera import Camera
-from topple.robots.world.simulated_arm import SimulatedArm
-from topple.robots.world.world import World
+from topple.robots.world.photo import photograph
+from topple.robots.world.physical_world import PhysicalWorld
 from topple.robots.world.wrist_camera import WristCamera
 from topple.topology.arrays import FloatArray
 from topple.topology.errors import ToppleError
@@ -68,7 +70,7 @@ class ClosedLoop:
     Attributes:
         robot: The arm: simulated, or any other `topple.robots.driver.Driver`.
         perception: What looks at the scene.
-        goal: What shall hold in the end, in words ("free plate"), or names to free.
+        goal: What shall hold in the end, in words ("free plate"), names to free, or any other task.
         seed: Seed of every search.
         limits: When to give up.
         orderer: What decides the order.
@@ -77,12 +79,12 @@ class ClosedLoop:
         judge: What watches from outside and says what was disturbed; by default nothing does.
         wrist: A camera that the arm carries, for a second look before a doubtful step.
 
-    After `run`, `followed` holds the steps that were done, with their transfers.
+    `task` is the goal as a task. After `run`, `followed` holds the steps done, with their transfers.
     """
 
     robot: Driver
     perception: Perception
-    goal: str | Sequence[str]
+    goal: str | Sequence[str] | Task
     seed: int = 0
     limits: RunLimits = field(default_factory=RunLimits)
     orderer: Orderer = cautious
@@ -92,6 +94,7 @@ class ClosedLoop:
     wrist: HandCamera | None = None
 
     def __post_init__(self) -> None:
+        self.task = Said.of(self.goal)
         self._done: list[tuple[str, str]] = []
         self.followed: list[NextStep] = []
         self._attempts: Counter[str] = Counter()
@@ -104,10 +107,10 @@ class ClosedLoop:
     @classmethod
     def simulated(
         cls,
-        world: World,
-        robot: SimulatedArm,
+        world: PhysicalWorld,
+        robot: ActingArm,
         cameras: Sequence[Camera],
-        goal: str | Sequence[str],
+        goal: str | Sequence[str] | Task,
         *,
         fixed: tuple[str, ...] = ("table",),
         up: FloatArray | None = None,
@@ -117,9 +120,11 @@ class ClosedLoop:
         shuffle_labels: bool = False,
         wrist_camera: bool = False,
         relate: Relate | None = None,
+        photos: bool = False,
+        wanted: Mapping[str, FloatArray] | None = None,
         **more: Any,
     ) -> "ClosedLoop":
-        """Close the loop in a PyBullet world, judged by its true poses.
+        """Close the loop in a simulated world, judged by its true poses.
 
         Args:
             world: The world with the objects and the arm in it.
@@ -134,15 +139,27 @@ class ClosedLoop:
             shuffle_labels: Whether names of objects are not kept between looks.
             wrist_camera: Whether the arm carries a camera like the first one for a second look.
             relate: What relates what is seen; topple's own rule where None.
+            photos: Whether photos for people are taken at every look, for a report: a second each.
+            wanted: Where things shall truly lie in the end, (4, 4) poses by name, for the judge; where None,
+                by the goal.
             **more: As the attributes of this class.
         """
         up = np.array([0.0, 0.0, 1.0]) if up is None else up
         rng = np.random.default_rng(seed)
         perception = Observer(
-            world, cameras, rng, fixed, up, masses or {}, friction or {}, shuffle_labels, relate
-        )
+            world, cameras, rng, fixed, up, masses or {}, friction or {}, shuffle_labels, relate,
+            partial(photograph, world, cameras[0], robot) if photos else None,
+        )  # fmt: skip
         wrist = WristCamera(robot, cameras[0], rng) if wrist_camera else None
-        return cls(robot, perception, goal, seed=seed, judge=Judge(robot, fixed, up), wrist=wrist, **more)
+        return cls(
+            robot,
+            perception,
+            goal,
+            seed=seed,
+            judge=Judge(robot, fixed, up, wanted=wanted),
+            wrist=wrist,
+            **more,
+        )
 
     def look(self) -> Look:
         """Takes a picture with every camera and relates what is seen."""
@@ -162,7 +179,7 @@ class ClosedLoop:
         """
         started = time.perf_counter()
         look = first = self.look() if look is None else look
-        goal = parse_goal(self.goal, look.scene)
+        goal = self.task.goal(look.scene)
         budget = self.limits.actions * max(1, len(look.scene.movable))
         steps: list[StepRecord] = []
         wrong: list[str] = []
@@ -207,8 +224,10 @@ class ClosedLoop:
             seconds=time.perf_counter() - started,
             scene=look.scene,
             relations=look.relations.to_json(),
-            notes=tuple(f"at the first look, {text}" for text in first.faults),
+            notes=(*goal.assumptions, *(f"at the first look, {text}" for text in first.faults)),
             stopped=stopped,
+            arm_parts=self.robot.arm.parts,
+            assumed=look.assumed,
         )
 
     def _first(self, look: Look, goal: Goal) -> NextStep | None:
@@ -264,22 +283,23 @@ class ClosedLoop:
         if (words := misplaced(self.robot, look.images, look.scene)) is not None:
             raise ArmFault(words)
 
-    def _chooser(self, look: Look, goal: Goal) -> StepChooser:
+    def _chooser(self, look: Look, goal: Goal) -> Chooser:
         station = Station(self.robot.arm, self.robot.pose_base_to_world, self.robot.q_target)
         most = self.limits.attempts
         given_up = {name: f"{n} attempts failed" for name, n in self._attempts.items() if n >= most}
         own = {name: some for name, some in self.grasps.items() if name not in self._tried}
-        return StepChooser(
-            look.situation, goal, station, done=self._done, observed=True,
-            given_up=given_up, avoid=self._failed, beliefs=self._beliefs, orderer=self.orderer, grasps=own,
-            seed=self.seed + self._attempts.total(),
+        context = Context(
+            station, self._done, observed=True, given_up=given_up, avoid=self._failed, beliefs=self._beliefs,
+            orderer=self.orderer, grasps=own, seed=self.seed + self._attempts.total(),
         )  # fmt: skip
+        return self.task.chooser(look.situation, goal, context)
 
     def _act(self, look: Look, chosen: NextStep) -> tuple[StepRecord, Look, list[str]]:
         """Does one step, looks again and judges it."""
         started = time.perf_counter()
         transfer, name = chosen.transfer, chosen.transfer.object
-        self._say(f"{chosen.action} {name}: {chosen.reason}")
+        done = len(self.followed)
+        self._say(f"{done + 1} of {done + len(chosen.order.order)}: {chosen.action} {name}: {chosen.reason}")
         events = self._decided(chosen)
         self.judge.begin(transfer)
         outcome = execute(transfer, self.robot, self.judge.moment)
@@ -294,7 +314,8 @@ class ClosedLoop:
         self._attempts[name] += 1
         attempts = self._attempts[name]
         events += self._learn(chosen, outcome)
-        self._ahead = Ahead.of(chosen.order, name if outcome.success else None)
+        there = outcome.success and not chosen.buffer
+        self._ahead = Ahead.of(chosen.order, name if there else None)
         seen = self.perception.look(expected)
         predicted = look.relations.updated(name, expected.clouds[name])
         different = unexpected(predicted, seen.relations)
@@ -318,12 +339,15 @@ class ClosedLoop:
             robot_seconds=verdict.robot_seconds,
             picture_before=look.picture,
             picture_after=seen.picture,
+            photo=look.photo,
+            assumed=look.assumed,
             scene=look.scene,
             relations=look.relations.to_json(),
             order=chosen.order.to_json(),
             predicted=predicted.to_json(),
             observed=seen.relations.to_json(),
             tool_path=outcome.tool_path,
+            motion=outcome.motion,
             tilts=verdict.tilts,
             slip=verdict.slip,
             dropped=verdict.dropped,

@@ -10,18 +10,22 @@ from topple.planner.placement.base import choose_base
 from topple.planner.report.palette import object_colours
 from topple.planner.simulate.rebuild import Rebuilt, rebuild
 from topple.robots.arm.arm import Arm
+from topple.robots.engines import new_world
 from topple.robots.poses import inverse
 from topple.robots.scenarios.scenario import around
 from topple.robots.world.camera import Camera
+from topple.robots.world.physical_world import PhysicalWorld
 from topple.robots.world.tolerances import TABLE_FRICTION
-from topple.robots.world.world import World
 from topple.topology.arrays import FloatArray
 from topple.topology.bodies.solids import fixed_parts, up_of
 from topple.topology.bodies.tops import lowest_in_use, tops_of
-from topple.topology.cloud import clean
 from topple.topology.errors import InvalidInput
+from topple.topology.frame import in_frame
 from topple.topology.scene import Scene
 from topple.topology.statics.rest import Statics
+
+Z = np.array([0.0, 0.0, 1.0])
+"""Up in a world."""
 
 RELAX = 40  # rounds of relaxing: what overlaps by millimetres is apart after a quarter of a second
 STEPS = 2  # simulation steps a round, after which everything is brought to a halt: nothing flies
@@ -40,7 +44,7 @@ class Rehearsal:
         sagged: How far each body moved until it was at rest, name to [m]: what the clouds left open.
     """
 
-    world: World
+    world: PhysicalWorld
     cameras: tuple[Camera, ...]
     pose_base_to_world: FloatArray
     pose_scene_to_world: FloatArray
@@ -80,12 +84,14 @@ class Rehearsal:
             NoBase: The arm reaches nothing from anywhere.
         """
         table, to_world = _levelled(scene)
-        level = _in_world(scene, to_world)
+        statics = Statics.of(in_frame(scene, to_world, Z))
+        to_world[:3] = statics.upright.rotation @ to_world[:3]  # bodies are rebuilt along the table's sides
+        level = in_frame(scene, to_world, Z)
         given = base if base is not None else scene.robot_base
         pose_base = choose_base(level, arm) if given is None else to_world @ given
-        world = World()
+        world = new_world()
         try:
-            rebuilt = _coloured(rebuild(Statics.of(level)), level)
+            rebuilt = _coloured(rebuild(statics), level)
             rebuilt = replace(rebuilt, grounds=tuple(b for b in rebuilt.grounds if b.name != table))
             ground, more = _taken_apart(level, table)
             low, high = ground[:, :2].min(axis=0) - EDGE, ground[:, :2].max(axis=0) + EDGE
@@ -122,7 +128,7 @@ def _coloured(rebuilt: Rebuilt, scene: Scene) -> Rebuilt:
     return replace(rebuilt, bodies=bodies)
 
 
-def relax(world: World) -> None:
+def relax(world: PhysicalWorld) -> None:
     """Lets overlapping bodies part slowly, without the speed that parting gives them, then settle."""
     for _ in range(RELAX):
         world.step(STEPS)
@@ -167,18 +173,3 @@ def _no_table(scene: Scene) -> str:
         return "nothing in the scene is fixed: name the table with --fixed NAME"
     names = ", ".join(repr(name) for name in sorted(scene.fixed))
     return f"fixed {names}: no level surface is seen: expected a table or the boards of a shelf"
-
-
-def _in_world(scene: Scene, to_world: FloatArray) -> Scene:
-    def turned(points: FloatArray) -> FloatArray:
-        return points @ to_world[:3, :3].T + to_world[:3, 3]
-
-    return Scene(
-        {name: clean(turned(cloud)) for name, cloud in scene.clouds.items()},
-        sorted(scene.fixed),
-        np.array([0.0, 0.0, 1.0]),
-        turned(scene.viewpoints) if len(scene.viewpoints) else None,
-        assumptions=scene.assumptions,
-        masses=scene.masses,
-        friction=scene.friction,
-    )

@@ -1,27 +1,27 @@
-"""A scene rebuilt in PyBullet, and a goal reached in it by an arm in closed loop."""
+"""A scene rebuilt in simulation, and a goal reached in it by an arm in closed loop."""
 
 from collections.abc import Sequence
 from dataclasses import replace
 from pathlib import Path
 
-from topple.planner.decide.goal import parse_goal
 from topple.planner.execution.look import Relate
 from topple.planner.execution.loop import ClosedLoop, Progress
-from topple.planner.execution.rehearsal import Rehearsal
+from topple.planner.execution.rehearsal import Rehearsal, Z
 from topple.planner.files import write_whole
 from topple.planner.formats.run_record import RunRecord
 from topple.planner.grasp.given import OwnGrasps, own_grasps
 from topple.planner.grasp.grasp import Grasp
+from topple.planner.planning.next_step import Said
 from topple.planner.planning.order import cautious
-from topple.planner.planning.step import Orderer
+from topple.planner.planning.step import Orderer, Task
 from topple.planner.report.rerun_file import RATE as RERUN_RATE
 from topple.planner.report.rerun_file import rerun_file
 from topple.robots.arm.arm import Arm
 from topple.robots.catalog import robot as robot_named
 from topple.robots.catalog.own_arm import check_tool
+from topple.robots.engines import BULLET, arm_in, playing_on
 from topple.robots.world.film import filmed
-from topple.robots.world.recording import Recording
-from topple.robots.world.simulated_arm import SimulatedArm
+from topple.robots.world.recorded import recorded
 from topple.topology.arrays import FloatArray
 from topple.topology.scene import Scene
 from topple.topology.statics.gravity import check_up
@@ -29,7 +29,7 @@ from topple.topology.statics.gravity import check_up
 
 def run(
     scene: Scene,
-    goal: str | Sequence[str],
+    goal: str | Sequence[str] | Task,
     robot: Arm | str = "panda",
     *,
     base: FloatArray | None = None,
@@ -37,27 +37,31 @@ def run(
     mask_noise: float = 0.0,
     shuffle_labels: bool = False,
     wrist_camera: bool = False,
+    engine: str = BULLET,
     video: Path | None = None,
     rerun: Path | None = None,
+    photos: bool = False,
     grasps: OwnGrasps | None = None,
     orderer: Orderer = cautious,
     relate: Relate | None = None,
     seed: int = 0,
     progress: Progress | None = None,
 ) -> RunRecord:
-    """Rebuild a scene in PyBullet and act out a goal in it, looking again after every action.
+    """Rebuild a scene in simulation and act out a goal in it, looking again after every action.
 
     Args:
         scene: What was seen, with `up` and a flat fixed object to stand on.
-        goal: In words, or names of objects to free.
+        goal: In words, names of objects to free, or any other task, in the frame of the scene.
         robot: The arm, or its name.
         base: (4, 4) pose_base_to_scene; the scene's `robot_base`, or else searched for.
         cameras: How many depth cameras look on, 1 to 3.
         mask_noise: By how many pixels the edges of their masks are wrong (standard deviation).
         shuffle_labels: Whether names of objects are not kept between looks.
         wrist_camera: Whether the arm carries one more for a second look before a doubtful step.
+        engine: What plays it, one of `topple.robots.engines.ENGINES`.
         video: Where a film of it is written, an MP4 file.
         rerun: Where a recording for the Rerun viewer is written, an .rrd file.
+        photos: Whether photos for people are taken at every look, for `run_page`: a second each.
         grasps: Grasps of your own, in the scene's frame, as for `topple.planner.plan`. They count for an
             object until the arm has tried to take it: where it is then has to be seen, and grasps for it
             there are searched for.
@@ -76,16 +80,17 @@ def run(
     """
     arm = robot_named(robot) if isinstance(robot, str) else robot
     check_tool(arm)
-    parse_goal(goal, scene)
+    task = Said.of(goal)
+    task.goal(scene)
     check_up(scene)
     own = {} if grasps is None else own_grasps(grasps, scene, arm)
-    with Rehearsal.of(scene, arm, base) as stage:
-        acting = SimulatedArm(stage.world, arm, stage.pose_base_to_world)
+    with playing_on(engine), Rehearsal.of(scene, arm, base) as stage:
+        acting = arm_in(stage.world, arm, stage.pose_base_to_world)
         loop = ClosedLoop.simulated(
             stage.world,
             acting,
             [camera.with_mask_noise(mask_noise) for camera in stage.cameras[:cameras]],
-            goal,
+            task.in_frame(stage.pose_scene_to_world, Z),
             fixed=tuple(sorted(stage.world.fixed)),
             seed=seed,
             orderer=orderer,
@@ -99,8 +104,9 @@ def run(
             friction=scene.friction,
             shuffle_labels=shuffle_labels,
             wrist_camera=wrist_camera,
+            photos=photos,
         )
-        recording = Recording(acting, RERUN_RATE) if rerun is not None else None
+        recording = recorded(acting, RERUN_RATE) if rerun is not None else None
         with filmed(video, acting, stage.cameras[0]):
             record = loop.run()
         record = replace(record, notes=(*scene.assumptions, *arm.assumptions, *stage.notes(), *record.notes))

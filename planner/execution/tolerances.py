@@ -149,3 +149,51 @@ ARM_FITS = 0.006
 
 ARM_SHIFTED = 0.015
 """[m] aside from where it should be that an arm is seen and not believed: twice what the fit is off by."""
+
+
+# -- examine
+
+SOLVED = 0.995
+"""Share of the poses that are reached in some state for which inverse kinematics has to find one."""
+
+
+# -- trial
+
+TRIAL_BLOCK = 0.05
+"""[m] side of the block: a toy block."""
+
+TRIAL_SHARE = 0.6
+"""Of the pads' distance, what the block takes at most: room for what the cameras see wrong."""
+
+TRIAL_MASS = 0.1
+"""[kg] of the block, as of wood."""
+
+TRIAL_SHARES = (0.5, 0.6, 0.4, 0.7)
+"""Of the reach, how far before the first joint the block stands, the most comfortable first."""
+
+TRIAL_HEIGHTS = (0.0, 0.1, -0.1, 0.2)
+"""Of the reach, how high it stands above what the arm usually works on."""
+
+TRIAL_TABLE = 0.5
+"""[m] side of the table it stands on."""
+
+TRIAL_BESIDE = 0.1
+"""[m] to either side that the hand gets to as well: the block has to go somewhere."""
+
+TRIAL_OVER = 0.12
+"""[m] above the block that the hand gets to as well: it comes from there, and lifts the block there."""
+
+POST = 0.002
+"""A point this much nearer to a post [m] than to the body that the post holds up is the post's."""
+
+
+# -- places
+
+STEPS_ROUND = 72
+"""Turns about an axis that are looked at: 5 degrees apart, half of what counts as turned."""
+
+ITSELF = 1.5
+"""A body turned onto itself has its points that far from others, in units of how far those are apart."""
+
+ROUGH = 0.004
+"""[m] more where the body was rebuilt from a cloud: a can of which one side was guessed is as uneven."""

@@ -41,6 +41,13 @@ def png(image: "Image.Image") -> bytes:
     return buffer.getvalue()
 
 
+def as_jpeg(data: bytes) -> bytes:
+    """The same picture, PNG or JPEG, as a JPEG file."""
+    from PIL import Image
+
+    return jpeg(np.asarray(Image.open(io.BytesIO(data)).convert("RGB")))
+
+
 def jpeg(rgb: Pixels) -> bytes:
     """The bytes of a photo, (H, W, 3) uint8, as a JPEG file: a fifth of what PNG takes."""
     from PIL import Image

@@ -35,6 +35,7 @@ def step_data(
     planning_seconds: float = 0.0,
     against: Sequence[DependencyData] = (),
     fallbacks: Sequence[str] = (),
+    buffer: bool = False,
 ) -> Step:
     """A transfer as a step of a plan.
 
@@ -47,6 +48,7 @@ def step_data(
         planning_seconds: What it took to find it.
         against: Doubtful dependencies that it goes against.
         fallbacks: What was tried to find it where the plain way failed.
+        buffer: Whether it only makes room for a while.
 
     Returns:
         The step, its numbers rounded to a millionth.
@@ -85,6 +87,7 @@ def step_data(
         planning_seconds=round(planning_seconds, 3),
         against=list(against),
         fallbacks=[str(name) for name in fallbacks],
+        buffer=buffer,
     )
 
 

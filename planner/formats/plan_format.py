@@ -10,6 +10,7 @@ from topple.planner.formats.plan_robot import ArmData
 from topple.planner.transfer.segments import KINDS
 from topple.topology.arrays import FloatArray
 from topple.topology.errors import InvalidInput
+from topple.topology.notebook import in_cell
 
 if TYPE_CHECKING:
     from topple.planner.formats.verification import Verification
@@ -147,6 +148,7 @@ class Step(msgspec.Struct, frozen=True):
         against: Dependencies, each more likely wrong than right, that it goes against.
         fallbacks: What was tried to find the step where the plain way failed: see
             `topple.planner.fallbacks`.
+        buffer: Whether the object only makes room, and is taken again to where it shall be.
     """
 
     object: str
@@ -161,6 +163,7 @@ class Step(msgspec.Struct, frozen=True):
     planning_seconds: float = 0.0
     against: list[DependencyData] = []
     fallbacks: list[str] = []
+    buffer: bool = False
 
 
 class ObjectData(msgspec.Struct, frozen=True):
@@ -205,6 +208,8 @@ class Plan(msgspec.Struct, frozen=True, kw_only=True):
         planning_seconds: What it took to find the plan.
         tried: What was dropped on the way, with counts.
         arm: The arm with its tools, and where its URDF is; null in plans of older versions.
+        poses: Where things shall lie in the end, where that was given: by name, the rigid transform in the
+            world from where each is at the start.
     """
 
     format: str = FORMAT
@@ -228,6 +233,7 @@ class Plan(msgspec.Struct, frozen=True, kw_only=True):
     planning_seconds: float = 0.0
     tried: dict[str, int] = {}
     arm: ArmData | None = None
+    poses: dict[str, Matrix] = {}
 
     def trajectory(self, step: int, segment: int | str) -> "JointTrajectory":
         """Give one motion as arrays.
@@ -259,6 +265,10 @@ class Plan(msgspec.Struct, frozen=True, kw_only=True):
             np.array(motion.positions).reshape(len(motion.times), -1),
             np.array(motion.velocities).reshape(len(motion.times), -1),
         )
+
+    def _repr_html_(self) -> str | None:
+        """What a notebook shows."""
+        return in_cell(self)
 
     def verify(self, scene: "Scene | None" = None, robot: "Arm | str | None" = None) -> "Verification":
         """Check everything again by other means than it was planned with.
@@ -332,6 +342,11 @@ def _check(plan: Plan, name: str) -> None:
             f"{name} is no plan: `$.q_start` has {len(plan.q_start)} values for {count} joints"
         )
     names = {thing.name for thing in plan.objects}
+    for thing, pose in plan.poses.items():
+        _matrix(pose, 4, 4, f"$.poses.{thing}", name)
+        if thing not in names:
+            known = ", ".join(sorted(names)) or "nothing"
+            raise InvalidInput(f"{name} is no plan: `$.poses` has {thing!r}, its objects are {known}")
     for i, tool in enumerate(plan.arm.tools if plan.arm is not None else []):
         _matrix(tool.pose_tool_to_link, 4, 4, f"$.arm.tools[{i}].pose_tool_to_link", name)
     for i, step in enumerate(plan.steps):

@@ -4,7 +4,10 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field
 from typing import Any
 
-from topple.topology.arrays import FloatArray
+from topple.planner.formats.arm_motion import ArmMotion
+from topple.topology.arrays import BoolArray, FloatArray
+from topple.topology.notebook import in_cell
+from topple.topology.photo import Photo
 from topple.topology.scene import Scene
 from topple.topology.values import ByValue
 
@@ -31,12 +34,16 @@ class StepRecord(ByValue):
         robot_seconds: Simulated time the arm moved, None where not measured.
         picture_before: PNG bytes of the camera's view before the action, or None.
         picture_after: PNG bytes of the camera's view after it, or None.
+        photo: The view before the action as it was taken for people, with its masks, or None.
         scene: What was seen before the action (clouds may be thinned already), or None.
         relations: `topple.relations` document of that scene, or None.
         order: `topple.order` document the step was chosen from, or None.
         predicted: `topple.relations` document the plan predicts after the action, or None.
         observed: `topple.relations` document of what was seen after the action, or None.
         tool_path: (k, 3) path of the tool centre point during the action [m, the scene's frame], or None.
+        motion: How the arm moved, as planned, or None.
+        assumed: Name -> (N,) which points of its cloud are of posts that hold up a rebuilt body: they are
+            assumed, and not drawn.
         forces: Largest contact force of the robot on an object not handled: name -> [N].
         impulses: What that contact amounted to over time: name -> [N s].
         tilts: How far the others were tipped, turns about the vertical left out: name -> [rad].
@@ -59,12 +66,15 @@ class StepRecord(ByValue):
     robot_seconds: float | None = None
     picture_before: bytes | None = None
     picture_after: bytes | None = None
+    photo: Photo | None = None
     scene: Scene | None = None
     relations: Document | None = None
     order: Document | None = None
     predicted: Document | None = None
     observed: Document | None = None
     tool_path: FloatArray | None = None
+    motion: ArmMotion | None = None
+    assumed: Mapping[str, BoolArray] = field(default_factory=dict[str, BoolArray])
     forces: Mapping[str, float] = field(default_factory=dict[str, float])
     impulses: Mapping[str, float] = field(default_factory=dict[str, float])
     tilts: Mapping[str, float] = field(default_factory=dict[str, float])
@@ -113,6 +123,9 @@ class RunRecord(ByValue):
         relations: `topple.relations` document of that, or None.
         order: `topple.order` document of what would be left to take, or None.
         notes: What a reader should know besides: where the base stands, what was assumed.
+        arm_parts: Per link of the arm, in the order of the motions' poses, the (V, 3) vertices of its convex
+            parts in the link frame [m]; empty where nobody knows.
+        assumed: Of the scene at the end, as in a step.
         stopped: Why no more was done though the goal was not reached: "no plan", "budget", "blind" (nothing
             could be seen any more), "arm" (its hand does not let go, or it is not where it should be) or
             "interrupted" (by somebody); else empty.
@@ -130,11 +143,17 @@ class RunRecord(ByValue):
     order: Document | None = None
     notes: tuple[str, ...] = ()
     stopped: str = ""
+    arm_parts: tuple[tuple[FloatArray, ...], ...] = ()
+    assumed: Mapping[str, BoolArray] = field(default_factory=dict[str, BoolArray])
 
     @property
     def interrupted(self) -> bool:
         """Somebody ended the run before it came to its end."""
         return self.stopped == INTERRUPTED
+
+    def _repr_html_(self) -> str | None:
+        """What a notebook shows."""
+        return in_cell(self)
 
     def to_json(self) -> dict[str, Any]:
         """The `topple.run` document, ready for `json.dumps`."""

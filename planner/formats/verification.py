@@ -7,6 +7,9 @@ from typing import Any
 BROKEN = "dependencies of the scene broken"
 """The check that holds a plan's order against the dependencies found in the scene."""
 
+OFF_PLACE = "bodies off the place they shall have"
+"""The check that holds where a plan leaves things against where they shall lie."""
+
 
 @dataclass(frozen=True)
 class Residual:

@@ -235,17 +235,18 @@ def varied(grasps: Sequence[Grasp], limit: int) -> list[Grasp]:
     Returns:
         Best first, without near copies (within 6 mm and 10 degrees of a better one of the same tool).
     """
-    kept: list[Grasp] = []
-    for grasp in sorted(grasps, key=lambda grasp: -grasp.score):
-        pose = grasp.pose_tool_to_world
-        near = any(
-            other.tool == grasp.tool
-            and np.linalg.norm(other.pose_tool_to_world[:3, 3] - pose[:3, 3]) < 0.006
-            and np.trace(other.pose_tool_to_world[:3, :3].T @ pose[:3, :3]) > 1.0 + 2.0 * np.cos(0.17)
-            for other in kept
-        )
-        if not near:
-            kept.append(grasp)
+    ordered = sorted(grasps, key=lambda grasp: -grasp.score)
+    if not ordered:
+        return []
+    poses = np.array([grasp.pose_tool_to_world for grasp in ordered])
+    tools = np.array([grasp.tool for grasp in ordered])
+    kept: list[int] = []
+    for number in range(len(ordered)):
+        offsets = poses[kept, :3, 3] - poses[number, :3, 3]
+        near = (tools[kept] == tools[number]) & ((offsets * offsets).sum(axis=1) < 0.006**2)
+        alike = np.einsum("kij,ij->k", poses[kept, :3, :3][near], poses[number, :3, :3])
+        if not (alike > 1.0 + 2.0 * np.cos(0.17)).any():
+            kept.append(number)
         if len(kept) >= limit:
             break
-    return kept
+    return [ordered[number] for number in kept]

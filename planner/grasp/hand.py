@@ -118,8 +118,9 @@ def hand_bodies(arm: "Arm", tool: str, state: ToolState) -> list[tuple[str, Floa
     poses = arm.forward(q, state)[0]
     to_tool = np.linalg.inv(arm.tool_pose(q, tool)[0])
     found: list[tuple[str, FloatArray]] = []
-    for link, pose, parts in zip(arm.links, poses, arm.parts, strict=True):
-        for part in parts:
+    last = len(arm.joints)  # links before the last joint are near the tool in some states only
+    for link, frame, pose, parts in zip(arm.links, arm.frame_of_link, poses, arm.parts, strict=True):
+        for part in parts if frame == last else ():
             vertices = part @ (to_tool @ pose)[:3, :3].T + (to_tool @ pose)[:3, 3]
             if vertices[:, 2].max() > -HAND_REACH and np.linalg.norm(vertices, axis=1).min() < HAND_REACH:
                 found.append((link, vertices))

@@ -1,7 +1,11 @@
 """Grasps of any pipeline ranked for clutter: safe order first, then what can be done, then their score."""
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
+from concurrent.futures import Executor
 from dataclasses import dataclass, replace
+from functools import partial
+from itertools import zip_longest
+from typing import Any
 
 import numpy as np
 from scipy.spatial import KDTree
@@ -27,6 +31,9 @@ GivenGrasps = ForeignGrasps | Sequence[Grasp] | FloatArray
 """Grasps of `read_grasps`, of this project, or an (N, 4, 4) or (N, 17) array."""
 
 SOME = 256  # grasps asked at a time whether they are near anything
+Reach = Callable[[Sequence[Grasp]], Sequence[bool | str]]
+"""Whether an arm gets to each of some grasps in the world: True, False, or why not in words."""
+
 _WHERE: dict[str, str] = {ToolName.FINGERS: "between its pads", ToolName.SUCTION: "under its cup"}
 
 
@@ -55,6 +62,7 @@ def rank_grasps(
     names: Mapping[int, str] | Mapping[str, str] | None = None,
     pose_source_to_world: FloatArray | None = None,
     pose_base_to_world: FloatArray | None = None,
+    reach: Reach | None = None,
 ) -> list[RankedGrasp]:
     """Rank grasps by what may be taken first.
 
@@ -74,13 +82,15 @@ def rank_grasps(
         pose_source_to_world: (4, 4) for grasps given in a camera's or object's frame.
         pose_base_to_world: (4, 4) where the arm stands; the scene's `robot_base`; without both, reach is not
             asked.
+        reach: Asked instead of the arm's kinematics: takes the grasps that nothing else speaks against, gives
+            for each True, False, or why not: "joint 4 at its limit". Poses are of the tool, in the world.
 
     Returns:
         All grasps, best first; those that cannot be used now say all that speaks against them.
 
     Raises:
         InvalidInput: The grasps, a pose or the scene are not what they should be, no grasp is near anything
-            in the scene, or the arm has no tool for them.
+            in the scene, the arm has no tool for them, or `reach` gives something else.
         UnknownObject: A grasp names an object that is not in the scene.
     """
     source = grasps_from_array(grasps) if isinstance(grasps, np.ndarray) else grasps
@@ -104,9 +114,49 @@ def rank_grasps(
             waits = [f"{', '.join(first)} would move: has to go before {name}"] if first else []
             found[row] = replace(entry, before=first, dropped="; ".join(against[row] + waits) or None)
     base = scene.robot_base if pose_base_to_world is None else pose_base_to_world
-    if arm is not None and base is not None:
-        found = _reachable(found, arm, as_pose(base, "pose_base_to_world"))
+    if reach is None and arm is not None and base is not None:
+        reach = partial(reachable, arm=arm, pose_base_to_world=as_pose(base, "pose_base_to_world"))
+    if reach is not None:
+        found = _reachable(found, reach)
     return sorted(found, key=_key)
+
+
+def rank_all(
+    scenes: Iterable[Scene],
+    grasps: Iterable[GivenGrasps],
+    robot: Arm | str | None = None,
+    *,
+    executor: Executor | None = None,
+    reach: Reach | None = None,
+) -> list[list[RankedGrasp]]:
+    """Rank the grasps of many scenes, on the workers of an executor where one is given.
+
+    Args:
+        scenes: The scenes.
+        grasps: The grasps of each, in its frame.
+        robot: As for `rank_grasps`; each arm stands where its scene has `robot_base`.
+        executor: Any executor of `concurrent.futures`, or one with the same `map`; `reach` then has to be a
+            function that can go to another process.
+        reach: As for `rank_grasps`.
+
+    Returns:
+        The ranking of each scene, in order.
+
+    Raises:
+        InvalidInput: As `rank_grasps`, or there are more scenes than grasps or the other way round.
+    """
+    pairs = list(zip_longest(scenes, grasps))
+    short = [number for number, pair in enumerate(pairs) if any(part is None for part in pair)]
+    if short:
+        raise InvalidInput(f"scenes and grasps differ in number from {short[0]} on: expected one for each")
+    each = partial(_rank_pair, robot=robot, reach=reach)
+    return list(map(each, pairs) if executor is None else executor.map(each, pairs))
+
+
+def _rank_pair(
+    pair: tuple[Scene, GivenGrasps], robot: Arm | str | None, reach: Reach | None
+) -> list[RankedGrasp]:
+    return rank_grasps(*pair, robot, reach=reach)
 
 
 def _key(ranked: RankedGrasp) -> tuple[float, bool, float, int]:
@@ -235,11 +285,17 @@ def _poses(grasps: Sequence[Grasp], rows: Sequence[int]) -> FloatArray:
     return np.array([grasps[row].pose_tool_to_world for row in rows]).reshape(-1, 4, 4)
 
 
-def _reachable(found: list[RankedGrasp], arm: Arm, base: FloatArray) -> list[RankedGrasp]:
-    """Ask inverse kinematics about what is left."""
+def _reachable(found: list[RankedGrasp], reach: Reach) -> list[RankedGrasp]:
+    """Ask about what is left whether the arm gets there."""
     left = [ranked for ranked in found if ranked.dropped is None]
-    solved = reachable([ranked.grasp for ranked in left], arm, base)
-    unreachable = {ranked.index for ranked, yes in zip(left, solved, strict=True) if not yes}
-    return [
-        replace(ranked, dropped="out of reach") if ranked.index in unreachable else ranked for ranked in found
-    ]
+    said = list(reach([ranked.grasp for ranked in left])) if left else []
+    if len(said) != len(left):
+        raise InvalidInput(f"reach gave {len(said)} answers for {len(left)} grasps: expected one for each")
+    why: dict[int, str] = {}
+    for ranked, answer in zip(left, said, strict=True):
+        told: Any = answer  # whatever a stranger's function gave
+        if not isinstance(told, (bool, np.bool_, str)):
+            raise InvalidInput(f"reach gave {told!r} for a grasp: expected True, False, or why not in words")
+        if isinstance(told, str) or not told:
+            why[ranked.index] = (told if isinstance(told, str) else "") or "out of reach"
+    return [replace(ranked, dropped=why.get(ranked.index, ranked.dropped)) for ranked in found]

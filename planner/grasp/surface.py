@@ -8,7 +8,8 @@ from scipy.spatial import KDTree
 
 from topple.planner.grasp.tolerances import GRASP_TOLERANCES, GraspTolerances
 from topple.topology.arrays import BoolArray, FloatArray
-from topple.topology.geometry.samples import sampled_with_normals, volume_and_centre, voxel_means
+from topple.topology.geometry.samples import sampled_with_normals, volume_and_centre
+from topple.topology.geometry.thin import voxel_means
 from topple.topology.image import DepthImage
 
 
@@ -92,7 +93,7 @@ def surface_of(
     Returns:
         The surface. Deterministic.
     """
-    thin = voxel_means(points, tolerances.spacing)
+    thin = voxel_means(points, tolerances.spacing, ahead=0.0)
     middle = thin.mean(axis=0) - 0.02 * up  # a little below what is seen: undersides are not
     toward = thin - middle
     if viewpoints is not None and len(viewpoints) > 0:

@@ -9,7 +9,7 @@ import numpy as np
 from topple.planner.grasp.tolerances import GRASP_TOLERANCES, GraspTolerances
 from topple.topology.arrays import BoolArray, FloatArray, IntArray, bounds, frozen
 from topple.topology.bodies.tops import tops_of
-from topple.topology.geometry.samples import voxel_means
+from topple.topology.geometry.thin import voxel_means
 from topple.topology.scene import Scene
 
 ITSELF = "its own sides"
@@ -86,7 +86,7 @@ def surroundings(
     near: dict[str, FloatArray] = {}
     floor = -np.inf
     for other, within in _within_reach(name, scene, scene.clouds, tolerances):
-        near[other] = voxel_means(within, tolerances.spacing)
+        near[other] = voxel_means(within, tolerances.spacing, ahead=0.0)
         if other in scene.fixed:
             floor = max(floor, _level(name, other, within, scene, up))
     owners = np.repeat(np.arange(len(near)), [len(points) for points in near.values()])

@@ -14,6 +14,7 @@ from topple.robots.collision.separation import ConvexSets
 from topple.robots.poses import inverse
 from topple.topology.arrays import BoolArray, FloatArray, IntArray, frozen
 from topple.topology.errors import InvalidInput
+from topple.topology.geometry.rigid import transformed
 
 
 @dataclass(frozen=True, eq=False)
@@ -113,12 +114,12 @@ class _Parts:
         offsets = arm.offsets(tool_state)
         for i, (link, parts) in enumerate(zip(arm.links, arm.parts, strict=True)):
             for part in parts:
-                self._add(link, _moved(offsets[i], part), arm.frame_of_link[i], i)
+                self._add(link, transformed(part, offsets[i]), arm.frame_of_link[i], i)
 
     def add_attached(self, arm: Arm, attached: Attachment) -> None:
         pose = arm.tool_to_flange(attached.tool)
         for part in attached.parts:
-            self._add(attached.name, _moved(pose, _checked(part, attached.name)), len(arm.joints), -1)
+            self._add(attached.name, transformed(_checked(part, attached.name), pose), len(arm.joints), -1)
 
     def add_obstacles(
         self, pose_base_to_world: FloatArray, obstacles: Mapping[str, Obstacle], taken: set[str]
@@ -130,7 +131,7 @@ class _Parts:
                     f"the obstacle {name!r} has the name of a link or of what is held; rename it"
                 )
             for part in parts_of(name, obstacle):
-                self._add(name, _moved(world_to_base, _checked(part, name)), 0, -2)
+                self._add(name, transformed(_checked(part, name), world_to_base), 0, -2)
 
     def _add(self, name: str, vertices: FloatArray, frame: int, link: int) -> None:
         self.names.append(name)
@@ -154,10 +155,6 @@ class _Parts:
                 if wanted:
                     pairs.append((i, j))
         return pairs
-
-
-def _moved(pose: FloatArray, points: FloatArray) -> FloatArray:
-    return points @ pose[:3, :3].T + pose[:3, 3]
 
 
 def _checked(part: FloatArray, name: str) -> FloatArray:

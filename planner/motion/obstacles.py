@@ -9,6 +9,7 @@ import numpy as np
 from topple.topology.arrays import FloatArray
 from topple.topology.bodies.parts import convex_parts
 from topple.topology.errors import InvalidInput
+from topple.topology.geometry.rigid import transformed
 from topple.topology.scene import Mesh
 
 SIDES = 24  # a prism of 24 sides around a cylinder is 0.9 % wider than it
@@ -66,10 +67,10 @@ def parts_of(name: str, obstacle: Obstacle) -> Sequence[FloatArray]:
         corners = np.array([[x, y, z] for x in (-1, 1) for y in (-1, 1) for z in (-1, 1)])
         half = np.asarray(obstacle.size, dtype=float) / 2
         _refuse_without_extent(name, half)
-        return (_moved(obstacle.pose_to_world, corners * half),)
+        return (transformed(corners * half, obstacle.pose_to_world),)
     if isinstance(obstacle, Cylinder):
         _refuse_without_extent(name, np.array([obstacle.radius, obstacle.length]))
-        return (_moved(obstacle.pose_to_world, _prism(obstacle.radius, obstacle.length)),)
+        return (transformed(_prism(obstacle.radius, obstacle.length), obstacle.pose_to_world),)
     if isinstance(obstacle, Ball):
         import trimesh
 
@@ -100,10 +101,6 @@ def _prism(radius: float, length: float) -> FloatArray:
     outer = radius / np.cos(np.pi / SIDES)
     ring = np.stack([outer * np.cos(angles), outer * np.sin(angles)], axis=1)
     return np.concatenate([np.column_stack([ring, np.full(SIDES, z)]) for z in (-length / 2, length / 2)])
-
-
-def _moved(pose: FloatArray, points: FloatArray) -> FloatArray:
-    return points @ pose[:3, :3].T + pose[:3, 3]
 
 
 def _refuse_without_extent(name: str, sizes: FloatArray) -> None:

@@ -15,7 +15,7 @@ from topple.topology.arrays import FloatArray
 from topple.topology.bodies.tops import lowest_in_use, tops_of
 from topple.topology.errors import ToppleError
 from topple.topology.geometry.axes import level_axes
-from topple.topology.geometry.samples import voxel_means
+from topple.topology.geometry.thin import voxel_means
 from topple.topology.scene import Scene
 from topple.topology.situation import Situation
 
@@ -104,7 +104,7 @@ def _standing(
             found = tops_of(cloud, up)
             higher = [top.points for top in found.tops if top.height > level + STEP]
             cloud = np.vstack([*higher, found.rest[found.rest @ up > level + STEP]])
-        things.append(voxel_means(cloud, 0.01) @ axes.T)
+        things.append(voxel_means(cloud, 0.01, ahead=0.0) @ axes.T)
     tree = KDTree(np.vstack(things))
     return [pose for pose in poses if tree.query(axes @ pose[:3, 3])[0] > FOOT]
 

@@ -5,13 +5,13 @@ from dataclasses import dataclass
 
 import numpy as np
 from scipy.ndimage import distance_transform_edt
-from scipy.spatial import ConvexHull, QhullError
 
 from topple.planner.placement.resting import PLACEMENT_TOLERANCES, PlacementTolerances
 from topple.planner.placement.tolerances import SKIN
 from topple.topology.arrays import BoolArray, FloatArray, IntArray
 from topple.topology.bodies.tops import Top, tops_of
 from topple.topology.geometry.axes import level_axes
+from topple.topology.geometry.sides import beyond, sides_of
 from topple.topology.situation import Situation
 
 
@@ -149,11 +149,9 @@ def _within(places: FloatArray, points: FloatArray) -> BoolArray:
     """Which places lie in the convex outline of level points."""
     low, high = points.min(axis=0), points.max(axis=0)
     result = np.all((places >= low) & (places <= high), axis=-1)
-    try:
-        sides = ConvexHull(points).equations
-        result[result] = (places[result] @ sides[:, :2].T + sides[:, 2] <= 0.0).all(axis=1)
-    except (QhullError, ValueError):
-        pass  # a line or a point: its box is it
+    sides = sides_of(points)
+    if sides is not None:  # the box of a line or a point is it
+        result[result] = beyond(sides, places[result]) <= 0.0
     return result
 
 

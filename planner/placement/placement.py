@@ -18,7 +18,7 @@ from topple.planner.placement.tolerances import BARRING, PLACEMENT_SPARE
 from topple.topology.arrays import BoolArray, FloatArray, frozen
 from topple.topology.errors import UnknownObject
 from topple.topology.geometry.axes import level_axes
-from topple.topology.geometry.samples import voxel_means
+from topple.topology.geometry.thin import voxel_means
 from topple.topology.scene import Scene
 from topple.topology.situation import Situation
 
@@ -140,7 +140,7 @@ def _at_rest(
     axes = np.stack(level_axes(up))
     base = None if pose_base_to_world is None else axes @ pose_base_to_world[:3, 3]
     middle = cloud.mean(axis=0)
-    body = np.vstack([voxel_means(cloud, 0.008), *parts])
+    body = np.vstack([voxel_means(cloud, 0.008, ahead=0.0), *parts])
     cells = 2 * np.argwhere(space.distance[::2, ::2] > tolerances.gap)
     places = space.middles(cells)
     if pose_base_to_world is not None:

@@ -13,11 +13,11 @@ import numpy as np
 from topple.planner.decide.goal import PlaceRelation
 from topple.planner.placement.drops import Drops, simulated
 from topple.planner.placement.placement import Placement
-from topple.planner.placement.stacking import inset
 from topple.planner.placement.tolerances import PROOF_SPARE, SHIFT, TURN
 from topple.robots.poses import angle_between
 from topple.topology.arrays import FloatArray
 from topple.topology.geometry.axes import level_axes
+from topple.topology.geometry.sides import inset
 from topple.topology.situation import Situation
 
 

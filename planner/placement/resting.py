@@ -10,7 +10,9 @@ from topple.planner.placement.tolerances import ALIKE, FLAT_SHARE, FLATNESS, MOS
 from topple.topology.arrays import FloatArray
 from topple.topology.bodies.solids import hull_vertices
 from topple.topology.geometry.axes import level_axes
-from topple.topology.geometry.samples import centre_of_mass, voxel_means
+from topple.topology.geometry.samples import centre_of_mass
+from topple.topology.geometry.sides import inset
+from topple.topology.geometry.thin import voxel_means
 
 
 @dataclass(frozen=True)
@@ -89,7 +91,7 @@ def resting_poses(
         Resting poses, those that cannot roll before those that can; one near the attitude it has is among
         them, and is all there is where no face holds it.
     """
-    few = voxel_means(cloud, 0.004)
+    few = voxel_means(cloud, 0.004, ahead=0.0)
     corners = hull_vertices(np.vstack([few, *parts]))
     centre = centre_of_mass(cloud, parts)
     found: list[Rest] = []
@@ -99,7 +101,7 @@ def resting_poses(
         heights = corners @ down
         stray = FLAT_SHARE * float(np.ptp(heights)) if number < len(flats) else 0.0
         face = corners[heights > heights.max() - max(tolerances.stray, stray)]
-        steadiness = _inset(face, centre, down)
+        steadiness = float(inset((face - centre) @ np.stack(level_axes(down), axis=1), np.zeros((1, 2)))[0])
         if turn <= tolerances.most_turn and steadiness > tolerances.least_steady:
             barrier = _barrier(corners - centre, down)
             rolls = barrier < tolerances.least_barrier
@@ -160,17 +162,6 @@ def _face_normals(corners: FloatArray, up: FloatArray, same: float = 0.14) -> li
         if len(kept) >= 40:
             break
     return kept
-
-
-def _inset(face: FloatArray, centre: FloatArray, down: FloatArray) -> float:
-    """How far inside a face's outline the centre of mass stands over it [m], negative outside."""
-    x, y = level_axes(down)
-    outline = np.stack([(face - centre) @ x, (face - centre) @ y], axis=1)
-    try:
-        hull = ConvexHull(outline)
-    except (QhullError, ValueError):
-        return -1.0
-    return float(-hull.equations[:, 2].max())
 
 
 def _rotation_between(a: FloatArray, b: FloatArray) -> FloatArray:

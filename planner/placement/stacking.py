@@ -4,7 +4,6 @@ from dataclasses import dataclass
 
 import numpy as np
 from scipy.ndimage import binary_closing, distance_transform_edt
-from scipy.spatial import ConvexHull, QhullError
 
 from topple.planner.decide.goal import PlaceRelation
 from topple.planner.placement.placement import Placement
@@ -21,7 +20,9 @@ from topple.topology.bodies.solids import hull_vertices
 from topple.topology.bodies.tops import tops_of
 from topple.topology.errors import UnknownObject
 from topple.topology.geometry.axes import level_axes
-from topple.topology.geometry.samples import centre_of_mass, sampled, voxel_means
+from topple.topology.geometry.samples import centre_of_mass, sampled
+from topple.topology.geometry.sides import inset
+from topple.topology.geometry.thin import voxel_means
 from topple.topology.scene import Scene
 from topple.topology.situation import Situation
 
@@ -96,14 +97,14 @@ def placements_on(
     middle, steps = (low + high) / 2.0, np.linspace(-0.3, 0.3, 7)
     offsets = np.stack(np.meshgrid(steps, steps), axis=-1).reshape(-1, 2) * (high - low)
     target = list(scene.names).index(where)
-    body = np.vstack([voxel_means(scene.clouds[name], CELL), sampled(solids[name], CELL)])
+    body = np.vstack([voxel_means(scene.clouds[name], CELL, ahead=0.0), sampled(solids[name], CELL)])
     centre = centre_of_mass(scene.clouds[name], solids[name])
     found: list[Placement] = []
     for rest in resting_poses(scene.clouds[name], solids[name], up, tolerances):
         for k in range(YAWS):
             rotation = about(up, 2.0 * np.pi * k / YAWS) @ rest.rotation
             turned = (body - centre) @ rotation.T
-            level, height = _underside(turned @ axes.T, turned @ up)
+            level, height = underside(turned @ axes.T, turned @ up)
             landings = _landings(level, height, middle + offsets, heights, target)
             for offset, landing in zip(offsets, landings, strict=True):
                 if landing is None:
@@ -192,8 +193,16 @@ class _Landing:
     depth: float  # of its lowest point below the target's highest
 
 
-def _underside(level: FloatArray, height: FloatArray) -> tuple[FloatArray, FloatArray]:
-    """The lowest of an object's points in each cell of the grid: (M, 2) level offsets and (M,) heights."""
+def underside(level: FloatArray, height: FloatArray) -> tuple[FloatArray, FloatArray]:
+    """The lowest of an object's points in each cell of the grid.
+
+    Args:
+        level: (N, 2) level offsets of points from its centre [m].
+        height: (N,) their heights over it [m].
+
+    Returns:
+        (M, 2) level offsets and (M,) heights.
+    """
     cells, index = np.unique(np.round(level / CELL), axis=0, return_inverse=True)
     lowest = np.full(len(cells), np.inf)
     np.minimum.at(lowest, index.reshape(-1), height)
@@ -250,23 +259,6 @@ def _score(
     if steady < INSET or landing.on_target < 0.5:
         return None
     return 0.4 * min(1.0, steady) + 0.4 * central + 0.2 * (1.0 - rest.turn / np.pi)
-
-
-def inset(outline: FloatArray, points: FloatArray) -> FloatArray:
-    """How far points are inside the convex outline of others.
-
-    Args:
-        outline: (K, 2) level points [m].
-        points: (N, 2) [m].
-
-    Returns:
-        (N,) distances to the outline [m], negative outside.
-    """
-    try:
-        hull = ConvexHull(outline)
-    except (QhullError, ValueError):
-        return np.full(len(points), -1.0)
-    return -(points @ hull.equations[:, :2].T + hull.equations[:, 2]).max(axis=1)
 
 
 def over(situation: Situation, upper: str, lower: str) -> bool:

@@ -4,32 +4,55 @@ Planning a whole sequence and running one in closed loop ask the same question a
 should be by then, and of the scene as it is seen.
 """
 
-from collections.abc import Callable, Collection, Iterable, Mapping, Sequence
-from dataclasses import replace
+from collections.abc import Callable, Collection, Iterable, Sequence
+from dataclasses import dataclass, replace
 
 import numpy as np
 
 from topple.planner.decide.arrange import Order
-from topple.planner.decide.beliefs import Beliefs
 from topple.planner.decide.dependency import dependencies
-from topple.planner.decide.goal import Goal, Place, PlaceRelation, holds
+from topple.planner.decide.goal import Goal, Place, PlaceRelation, holds, parse_goal
 from topple.planner.decide.turn import may_go, out_of_turn, says, why_first
 from topple.planner.errors import NoSafePlan
 from topple.planner.failure import Check, FailedCheck, TransferFailure
 from topple.planner.fallbacks import Fallback
-from topple.planner.grasp.given import GraspsByObject
-from topple.planner.grasp.grasp import Grasp
 from topple.planner.placement.drops import staying
 from topple.planner.placement.placement import Placement
 from topple.planner.placement.stacking import over, placements_on
 from topple.planner.placement.tolerances import GENTLE
-from topple.planner.planning.order import ordered
-from topple.planner.planning.step import Action, NextStep, Orderer, Station, ask
+from topple.planner.planning.step import Action, Chooser, Context, NextStep, Task
 from topple.planner.planning.tolerances import CHOICE, MORE_CHOICE
 from topple.planner.planning.transfers import MORE_HANDS, Transfers
 from topple.planner.transfer.segments import SegmentKind
 from topple.planner.transfer.transfer import TRANSFER_LIMITS, Transfer, TransferLimits
+from topple.topology.arrays import FloatArray
+from topple.topology.scene import Scene
 from topple.topology.situation import Situation
+
+
+@dataclass(frozen=True)
+class Said:
+    """A task in words, or as names of what is to be freed: see `topple.planner.decide.goal.parse_goal`."""
+
+    words: str | Sequence[str]
+
+    @staticmethod
+    def of(goal: str | Sequence[str] | Task) -> Task:
+        """What somebody wants, as a task."""
+        return goal if isinstance(goal, Task) else Said(goal)
+
+    def in_frame(self, _pose: FloatArray, _up: FloatArray, /) -> Task:
+        """The same: words hold in any frame."""
+        return self
+
+    def goal(self, scene: Scene) -> Goal:
+        """The goal, read for a scene."""
+        return parse_goal(self.words, scene)
+
+    def chooser(self, situation: Situation, goal: Goal, context: Context) -> Chooser:
+        """Who chooses the steps."""
+        return StepChooser(situation, goal, context)
+
 
 Option = tuple[Fallback | None, Callable[[], NextStep | None]]
 """A way on, with its name; None for the plain one."""
@@ -41,48 +64,13 @@ class StepChooser:
     Args:
         situation: What is seen, or what should be there by now.
         goal: What shall hold in the end.
-        station: The arm as it stands.
-        done: Steps that were done, as (object, action): a freed target stays free, and nothing is taken out
-            of the way twice.
-        observed: Whether the scene was looked at after what was done: a placement that is not seen to hold
-            is then made again.
-        given_up: Objects that are not to be tried again, with the reason.
-        avoid: Grasps that failed, by object.
-        beliefs: What earlier looks made of the same things.
-        upright: Objects that are kept upright, with what is in them.
-        allow_drop: Whether what stays nowhere the arm can put it may be let go to fall. Where the scene is
-            observed it always may: the next look shows where it lies.
-        orderer: What decides the order.
-        grasps: Grasps of the caller's own, in the world: an object that has an entry is taken by those alone.
-        seed: Of every search.
+        context: What it is chosen in: a freed target stays free, and nothing is taken out of the way twice.
     """
 
-    def __init__(
-        self,
-        situation: Situation,
-        goal: Goal,
-        station: Station,
-        *,
-        done: Collection[tuple[str, str]] = (),
-        observed: bool = False,
-        given_up: Mapping[str, str] | None = None,
-        avoid: Mapping[str, Sequence[Grasp]] | None = None,
-        beliefs: Beliefs | None = None,
-        upright: Collection[str] = (),
-        allow_drop: bool = False,
-        orderer: Orderer = ordered,
-        grasps: GraspsByObject | None = None,
-        seed: int = 0,
-    ) -> None:
-        self.situation, self.scene = situation, situation.scene
-        self.goal, self.done, self.observed, self.seed = goal, done, observed, seed
-        self._orderer, self._beliefs, self._upright = orderer, beliefs, upright
-        self.given_up = given_up or {}
+    def __init__(self, situation: Situation, goal: Goal, context: Context) -> None:
+        self.situation, self.scene, self.goal, self.context = situation, situation.scene, goal, context
         self._needed: set[str] = set()  # what orders said has to be taken
-        self.transfers = Transfers(
-            situation, station, given_up=self.given_up, avoid=avoid or {}, grasps=grasps or {},
-            upright=upright, simulate=not observed, allow_drop=allow_drop, seed=seed,
-        )  # fmt: skip
+        self.transfers = Transfers(situation, context)
 
     def unmet(self) -> tuple[str, ...]:
         """What is still missing for the goal, in words."""
@@ -103,13 +91,13 @@ class StepChooser:
         if held := [name for names in self._contents().values() for name in names]:
             return self.take_off(held, Action.FREE)
         for place in self.goal.places:
-            planned = not self.observed and (place.object, Action.PLACE) in self.done
+            planned = not self.context.observed and (place.object, Action.PLACE) in self.context.done
             if not planned and not holds(place, self.situation.relations, self.situation.supports):
                 return self._place(place)
         return None
 
     def _not_free(self) -> list[str]:
-        return [name for name in self.goal.free if (name, Action.FREE) not in self.done]
+        return [name for name in self.goal.free if (name, Action.FREE) not in self.context.done]
 
     def _contents(self) -> dict[str, tuple[str, ...]]:
         return self.goal.contents(self.situation.relations, self.scene.fixed)
@@ -189,7 +177,7 @@ class StepChooser:
         except NoSafePlan:
             return None
         for first in may_go(chosen):
-            if first in barred or (first, Action.REMOVE) in self.done:
+            if first in barred or (first, Action.REMOVE) in self.context.done:
                 continue
             found = self.aside(first)
             if isinstance(found, Transfer):
@@ -222,7 +210,7 @@ class StepChooser:
     def _stands_on_later(self, place: Place) -> str | None:
         """An object that a later placement moves and that comes out only once the base is off: base first."""
         for later in self.goal.places[self.goal.places.index(place) + 1 :]:
-            if later.object != place.where and (later.object, Action.PLACE) not in self.done:
+            if later.object != place.where and (later.object, Action.PLACE) not in self.context.done:
                 if place.where in self._ordered([later.object]).order:
                     return later.object
         return None
@@ -247,7 +235,7 @@ class StepChooser:
 
     def _ordered(self, targets: Sequence[str]) -> Order:
         situation = self._loaded(targets)
-        chosen = ask(self._orderer, situation, targets, seed=self.seed, beliefs=self._beliefs)
+        chosen = self.context.ask(situation, targets)
         if chosen.unresolved:
             cycles = tuple("cycle: " + " before ".join([*cycle, cycle[0]]) for cycle in chosen.unresolved)
             raise NoSafePlan(f"no safe order frees {', '.join(targets)}: {cycles[0]}", cycles)
@@ -257,7 +245,7 @@ class StepChooser:
     def _loaded(self, targets: Sequence[str]) -> Situation:
         """The situation to order: what rides in a container that is kept upright is one thing with it."""
         scene = self.scene
-        for name in self._upright:
+        for name in self.context.upright:
             riders = [rider for rider in self.transfers.riding(name) if rider not in targets]
             for rider in riders:
                 cloud = np.vstack([scene.clouds[name], scene.clouds[rider]])
@@ -274,7 +262,7 @@ class StepChooser:
 
     def _remaining(self, name: str) -> frozenset[str]:
         """What is still to be taken once an object is gone, or to have something put on or into it."""
-        left = (place for place in self.goal.places if (place.object, Action.PLACE) not in self.done)
+        left = (place for place in self.goal.places if (place.object, Action.PLACE) not in self.context.done)
         named = {other for place in left for other in (place.object, place.where)}
         return frozenset(named.union(self._needed, self._not_free()) - {name})
 
@@ -328,7 +316,7 @@ class _Placing:
         """To one of the spots that a fall is not too high to."""
         place = self._place
         room = [spot for spot in spots if spot.drop <= GENTLE]
-        if (place.object, Action.PLACE) in self._chooser.done and self._contents:
+        if (place.object, Action.PLACE) in self._chooser.context.done and self._contents:
             room = []  # it was tried, and it is not there: more room is needed
         self._room = bool(room)
         found = self._chooser.transfers.to(place.object, room, limits) if room else _no_room(place)
@@ -359,7 +347,11 @@ class _Placing:
     def _aside(self) -> NextStep | None:
         """Put down on the table, once, to be taken otherwise."""
         name, where = self._place.object, self._place.where
-        if not self._room or (name, Action.REMOVE) in self._chooser.done or name in self._chooser.given_up:
+        if (
+            not self._room
+            or (name, Action.REMOVE) in self._chooser.context.done
+            or name in self._chooser.context.given_up
+        ):
             return None
         found = self._chooser.aside(name)
         if not isinstance(found, Transfer):

@@ -7,10 +7,10 @@ from dataclasses import dataclass, field, replace
 
 import numpy as np
 
-from topple.planner.decide.goal import Goal, parse_goal
+from topple.planner.decide.goal import Goal
 from topple.planner.decide.tolerances import LIKELY
 from topple.planner.errors import NoSafePlan
-from topple.planner.formats.plan_data import dependency_data, objects_data, step_data
+from topple.planner.formats.plan_data import DIGITS, dependency_data, objects_data, step_data
 from topple.planner.formats.plan_format import DependencyData, Plan, Step
 from topple.planner.formats.plan_robot import arm_data
 from topple.planner.formats.verification import BROKEN
@@ -18,10 +18,10 @@ from topple.planner.grasp.given import GraspsByObject, OwnGrasps, own_grasps
 from topple.planner.grasp.grasp import Grasp
 from topple.planner.placement.base import choose_base
 from topple.planner.placement.drops import simulated
-from topple.planner.planning.next_step import StepChooser
+from topple.planner.planning.next_step import Said
 from topple.planner.planning.order import ordered
 from topple.planner.planning.start import check_start, check_upright
-from topple.planner.planning.step import NextStep, Orderer, Station
+from topple.planner.planning.step import Context, NextStep, Orderer, Station, Task
 from topple.planner.planning.tolerances import MOST_STEPS
 from topple.planner.transfer.transfer import after
 from topple.robots.arm.arm import Arm
@@ -40,7 +40,7 @@ UNPROVEN = "placements were not let go in simulation: PyBullet is not installed"
 
 def plan(
     scene: Scene,
-    goal: str | Sequence[str],
+    goal: str | Sequence[str] | Task,
     robot: Arm | str,
     *,
     base: FloatArray | None = None,
@@ -62,8 +62,8 @@ def plan(
 
     Args:
         scene: What is seen, with `up`.
-        goal: In words ("free plate", "lemon within bowl", "red on green on blue", "empty bowl", "sort"), or
-            names of objects to free.
+        goal: In words ("free plate", "lemon within bowl", "red on green on blue", "empty bowl", "sort"),
+            names of objects to free, or any other task.
         robot: The arm, or its name.
         base: (4, 4) pose_base_to_world; the scene's `robot_base`, or else searched for.
         q_start: (n,) joint values to start from [rad]; the arm's home where not given.
@@ -94,7 +94,8 @@ def plan(
     """
     arm = robot_named(robot) if isinstance(robot, str) else robot
     check_tool(arm)
-    wanted = parse_goal(goal, scene)
+    task = Said.of(goal)
+    wanted = task.goal(scene)
     check_up(scene)
     situation = Situation(scene)
     given = base if base is not None else scene.robot_base
@@ -117,9 +118,11 @@ def plan(
     )
     planning.grasps = {} if grasps is None else own_grasps(grasps, scene, arm)
     planning.orderer = orderer
-    planning.run(asked)
+    planning.run(task, asked)
     said = () if simulated() else (UNPROVEN,)
-    found = planning.plan(start, given is None, (*scene.assumptions, *arm.assumptions, *said))
+    found = planning.plan(
+        start, given is None, (*scene.assumptions, *arm.assumptions, *wanted.assumptions, *said)
+    )
     if check and simulated():
         if progress is not None:
             progress(f"checking {len(found.steps)} steps by other means")
@@ -197,15 +200,16 @@ class _Planning:
         self.objects = objects_data(self.situation)
         self.moved: dict[str, FloatArray] = {}
 
-    def run(self, asked: Callable[[Scene], Relations] | None) -> None:
+    def run(self, task: Task, asked: Callable[[Scene], Relations] | None) -> None:
         """Choose one step after the other; `asked` gives the relations before each where there is one."""
         done: list[tuple[str, str]] = []
         for _ in range(MOST_STEPS * len(self.situation.movable)):
             station = Station(self.arm, self.pose_base_to_world, self.q)
-            chosen = StepChooser(
-                self.situation, self.goal, station, done=done, upright=self.upright,
-                allow_drop=self.allow_drop, orderer=self.orderer, grasps=self.own(), seed=self.seed,
-            ).choose()  # fmt: skip
+            context = Context(
+                station, done, upright=self.upright, allow_drop=self.allow_drop, orderer=self.orderer,
+                grasps=self.own(), seed=self.seed,
+            )  # fmt: skip
+            chosen = task.chooser(self.situation, self.goal, context).choose()
             if chosen is None:
                 return
             self.take(chosen)
@@ -233,6 +237,7 @@ class _Planning:
         """What was planned, as data."""
         return Plan(
             goal=self.goal.text,
+            poses={name: np.round(pose, DIGITS).tolist() for name, pose in self.goal.poses.items()},
             robot=self.arm.name,
             arm=arm_data(self.arm),
             joints=list(self.arm.joints),
@@ -295,7 +300,15 @@ class _Planning:
         reason = f"{chosen.reason}; it is let go to fall as it will" if falls else chosen.reason
         self.steps.append(
             step_data(
-                transfer, str(chosen.action), reason, since, self.moved, spent, against, chosen.all_fallbacks
+                transfer,
+                str(chosen.action),
+                reason,
+                since,
+                self.moved,
+                spent,
+                against,
+                chosen.all_fallbacks,
+                chosen.buffer,
             )
         )
         self.tried.update(transfer.tried)
@@ -305,4 +318,6 @@ class _Planning:
         for name in (transfer.object, *transfer.riding):
             self.moved[name] = pose @ self.moved.get(name, np.eye(4))
         if self.progress is not None:
-            self.progress(f"{len(self.steps)}. {chosen.action} {transfer.object}: {reason}")
+            least = len(self.steps) + len(chosen.order.order) - 1
+            count = f"{len(self.steps)} of {least}" if least >= len(self.steps) else str(len(self.steps))
+            self.progress(f"{count}: {chosen.action} {transfer.object}: {reason}")

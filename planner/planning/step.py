@@ -1,18 +1,23 @@
 """A step towards a goal, where the arm stands before it, and what says in which order to take things."""
 
-from collections.abc import Sequence
-from dataclasses import dataclass
-from typing import Protocol, cast
+from collections.abc import Collection, Mapping, Sequence
+from dataclasses import dataclass, field
+from typing import Protocol, cast, runtime_checkable
 
 from topple.planner.decide.arrange import Order
 from topple.planner.decide.beliefs import Beliefs
 from topple.planner.decide.dependency import Dependency
+from topple.planner.decide.goal import Goal
 from topple.planner.fallbacks import Fallback
+from topple.planner.grasp.given import GraspsByObject
+from topple.planner.grasp.grasp import Grasp
+from topple.planner.planning.order import ordered
 from topple.planner.transfer.transfer import Transfer
 from topple.robots.arm.arm import Arm
 from topple.topology.arrays import FloatArray
 from topple.topology.errors import InvalidInput, UnknownObject
 from topple.topology.plugins import Table
+from topple.topology.scene import Scene
 from topple.topology.situation import Situation
 from topple.topology.values import Word
 
@@ -40,6 +45,7 @@ class NextStep:
         against: Doubtful dependencies that the step goes against.
         fallbacks: What was tried to find it where the plain way failed; with those of the transfer,
             `all_fallbacks`.
+        buffer: Whether the object only makes room and is taken again later, to where it shall be.
     """
 
     transfer: Transfer
@@ -48,6 +54,7 @@ class NextStep:
     order: Order
     against: tuple[Dependency, ...] = ()
     fallbacks: tuple[Fallback, ...] = ()
+    buffer: bool = False
 
     @property
     def all_fallbacks(self) -> tuple[Fallback, ...]:
@@ -68,6 +75,94 @@ class Station:
     arm: Arm
     pose_base_to_world: FloatArray
     q: FloatArray
+
+
+@dataclass(frozen=True, eq=False)
+class Context:
+    """What a step is chosen in: the arm as it stands, what went before, and what the caller asks for.
+
+    Attributes:
+        station: The arm as it stands.
+        done: Steps that were done, as (object, action).
+        observed: Whether the scene was looked at after what was done: what is not seen to be where it was put
+            is then moved again. In a plan, what was put somewhere is there.
+        given_up: Objects that are not to be tried again, with the reason.
+        avoid: Grasps that failed, by object.
+        beliefs: What earlier looks made of the same things.
+        upright: Objects that are kept upright, with what is in them.
+        allow_drop: Whether what stays nowhere the arm can put it may be let go to fall. Where the scene is
+            observed it always may: the next look shows where it lies.
+        orderer: What decides in which order things are taken.
+        grasps: Grasps of the caller's own, in the world: an object that has an entry is taken by those alone.
+        seed: Of every search.
+    """
+
+    station: Station
+    done: Sequence[tuple[str, str]] = ()
+    observed: bool = False
+    given_up: Mapping[str, str] = field(default_factory=dict[str, str])
+    avoid: Mapping[str, Sequence[Grasp]] = field(default_factory=dict[str, Sequence[Grasp]])
+    beliefs: Beliefs | None = None
+    upright: Collection[str] = ()
+    allow_drop: bool = False
+    orderer: "Orderer" = ordered
+    grasps: GraspsByObject = field(default_factory=dict[str, Sequence[Grasp]])
+    seed: int = 0
+
+    def ask(self, situation: Situation, targets: Sequence[str]) -> Order:
+        """Ask the orderer; see `ask`."""
+        return ask(self.orderer, situation, targets, seed=self.seed, beliefs=self.beliefs)
+
+
+class Chooser(Protocol):
+    """Says in one situation what to do next for a goal."""
+
+    def unmet(self) -> tuple[str, ...]:
+        """What is still missing for the goal, in words."""
+        ...
+
+    def choose(self) -> NextStep | None:
+        """The next step; None where nothing is left to do.
+
+        Raises:
+            NoSafePlan: Something is left to do, and nothing that may be done now can be.
+        """
+        ...
+
+
+@runtime_checkable
+class Task(Protocol):
+    """What shall be reached, and who chooses the steps to it."""
+
+    def in_frame(self, pose: FloatArray, up: FloatArray, /) -> "Task":
+        """The same in another frame.
+
+        Args:
+            pose: (4, 4) rigid transform that leads there.
+            up: (3,) against gravity there.
+        """
+        ...
+
+    def goal(self, scene: Scene) -> Goal:
+        """What shall hold in the end.
+
+        Args:
+            scene: What is seen at the start.
+
+        Raises:
+            InvalidInput: It is no goal for this scene.
+        """
+        ...
+
+    def chooser(self, situation: Situation, goal: Goal, context: Context) -> Chooser:
+        """Who chooses the next step in a situation.
+
+        Args:
+            situation: What is seen, or what should be there by now.
+            goal: What shall hold in the end.
+            context: What it is chosen in.
+        """
+        ...
 
 
 class Orderer(Protocol):
@@ -114,10 +209,12 @@ ORDERERS: Table[Orderer] = Table(
     {
         "fewest": "topple.planner.planning.order:ordered",
         "cautious": "topple.planner.planning.order:cautious",
+        "support-tree": "topple.planner.planning.support_tree:support_tree",
     },
     Order,
 )
-"""By name: the fewest removals, as in plans, the least risk, as in runs, and what other packages add."""
+"""By name: the fewest removals, as in plans, the least risk, as in runs, a support tree's
+reverse levels, and what other packages add."""
 
 
 def ask(

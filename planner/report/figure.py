@@ -67,6 +67,21 @@ def _composed(view: "Image.Image", graph: "Image.Image", drawing: Drawing, order
     return whole.resize((whole.width // FINE, height // FINE))
 
 
+def caption(picture: "Image.Image", words: str) -> "Image.Image":
+    """A picture with up to two lines of words under it."""
+    from PIL import Image
+
+    lines = _wrapped(words, picture.width - 32.0)[:2]
+    below = Image.new("RGB", (picture.width * FINE, 52 * FINE), PAPER)
+    pen = _Pen(below)
+    for row, line in enumerate(lines):
+        pen.text(16, 16 + 19 * row, line, size=13)
+    whole = Image.new("RGB", (picture.width, picture.height + 52), PAPER)
+    whole.paste(picture, (0, 0))
+    whole.paste(below.resize((picture.width, 52), Image.Resampling.LANCZOS), (0, picture.height))
+    return whole
+
+
 class _Pen:
     """Draws in the coordinates of the final picture."""
 

@@ -10,7 +10,7 @@ import networkx as nx
 from topple.planner.report.layout import BADGE, NODE_HEIGHT, GraphLayout, Point, layered
 from topple.planner.report.limits import LIMITS
 from topple.planner.report.palette import FIXED_COLOUR, REASON_COLOURS, Colour, css, ink_on, reason_colour
-from topple.planner.report.words import because, ordinal, shortened
+from topple.planner.report.words import because, ordinal, said, shortened
 
 Document = Mapping[str, Any]
 
@@ -55,7 +55,7 @@ class DrawnGraph:
             edge = (str(dependency["first"]), str(dependency["then"]))
             if edge[0] == edge[1]:
                 continue
-            reasons[edge] = (*reasons.get(edge, ()), str(dependency["reason"]))
+            reasons[edge] = (*reasons.get(edge, ()), said(dependency))
             confidence[edge] = max(confidence.get(edge, 0.0), float(dependency.get("confidence", 1.0)))
         kept = _kept(list(reasons))
         place = {str(name): index for index, name in enumerate(order.get("order", ()), start=1)}

@@ -14,6 +14,7 @@ class Limits:
     Attributes:
         page_points: Points drawn on one page. At 6 bytes each, 8 in base64, this is about 0.6 MB, and
             a laptop redraws it in some 10 ms without a graphics card.
+        cell_points: Points drawn in a notebook's cell: 0.2 MB, so that a notebook of fifty stays small.
         run_points: Points drawn in a whole run report, shared by its steps.
         least_points: Points an object keeps however many objects share the budget: fewer no longer
             look like a surface.
@@ -21,6 +22,8 @@ class Limits:
         finest: Edge in [m] of the cells in which a cloud is averaged before it is drawn: a depth camera's
             noise is smoothed away, and a spoon still has a rim.
         normal: Neighbours that a point's surface normal is fitted to: a patch of a centimetre.
+        stray: A point is left out if the third nearest is this many times as far as usual.
+        most_strays: Unless that would be more than this share of the points: the cloud is then uneven.
         guessed: Surface farther in [m] than this from every point that was seen counts as guessed: more
             than twice the spacing of the completed surface.
         largest: A disc of a picture is at most this share of its height: larger ones take seconds.
@@ -30,17 +33,22 @@ class Limits:
         label: Characters of a name shown in a graph node; the whole name is in its tooltip.
         graph_edges: Above this many arrows a graph shows the transitive reduction, and says so.
         path_points: Points of a drawn tool path.
+        arm: How far in [m] the drawn shape of a link may be from its convex parts: a pixel, at the size pages
+            draw an arm.
         risk: Risks below this chance are not mentioned: they are the same for every object, and distract.
         moved: Metres from which a disturbed object is shown in red: what counts as a violation.
         turned: Degrees from which it is.
     """
 
     page_points: int = 72_000
+    cell_points: int = 20_000
     run_points: int = 160_000
     least_points: int = 150
     fixed_share: float = 0.3
     finest: float = 0.0025
     normal: int = 26
+    stray: float = 3.0
+    most_strays: float = 0.1
     guessed: float = 0.008
     largest: int = 130
     hull_vertices: int = 36
@@ -48,6 +56,7 @@ class Limits:
     label: int = 18
     graph_edges: int = 60
     path_points: int = 200
+    arm: float = 0.003
     risk: float = 0.05
     moved: float = DISTURBED
     turned: float = float(np.degrees(TURNED))

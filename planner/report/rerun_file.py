@@ -6,7 +6,7 @@ Everything lies on a timeline of simulated seconds, `time`; what was seen also o
 import io
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -15,12 +15,14 @@ from topple.planner.formats.run_record import RunRecord, StepRecord
 from topple.planner.report.drawing import Drawing, DrawnObject
 from topple.planner.report.words import order_in_words
 from topple.robots.collision.convex import hull_of
-from topple.robots.world.recording import Recording
 from topple.topology.arrays import FloatArray
 from topple.topology.errors import NotInstalled
 from topple.topology.image import DepthImage
 from topple.topology.scene import Scene
 from topple.topology.sixim.table import Relation
+
+if TYPE_CHECKING:
+    from topple.robots.world.recording import Recording
 
 RATE = 20.0  # samples of every pose a second of simulated time: motion is smooth, and a run stays small
 POINTS = 30_000  # of a look: a page's worth is not needed where one may zoom into twenty looks
@@ -41,7 +43,7 @@ class _Moment:
     step: StepRecord | None
 
 
-def rerun_file(record: RunRecord, recording: Recording) -> bytes:
+def rerun_file(record: RunRecord, recording: "Recording") -> bytes:
     """Writes a run as an `.rrd` file.
 
     Args:
@@ -96,7 +98,7 @@ def _moments(record: RunRecord, begun: float) -> list[_Moment]:
     return [*moments, _Moment(time, record.scene, record.relations, record.order, None)]
 
 
-def _log_motion(rr: Any, stream: Any, recording: Recording) -> None:
+def _log_motion(rr: Any, stream: Any, recording: "Recording") -> None:
     """Links of the arm and true bodies: shapes once, poses (4, 4) in the world over time."""
     import trimesh
 

@@ -6,16 +6,16 @@ from collections.abc import Mapping, Sequence
 from html import escape
 from typing import Any
 
-from topple.planner.formats.pictures import picture
+from topple.planner.formats.pictures import as_jpeg, picture
 from topple.planner.formats.run_record import RunRecord, StepRecord
 from topple.planner.report.drawing import Drawing
 from topple.planner.report.html import page, viewer
 from topple.planner.report.limits import LIMITS
+from topple.planner.report.played import arm_shape, motion_json, spans
 from topple.planner.report.show import dependency_section, photo_section
 from topple.planner.report.tables import Change, order_list, relation_changes, relation_table
 from topple.planner.report.view import object_index, view_data
-from topple.planner.report.words import millimetres
-from topple.topology.arrays import FloatArray
+from topple.planner.report.words import listed, millimetres, sentence
 from topple.topology.scene import Scene
 
 __all__ = ["picture", "run_page"]
@@ -24,49 +24,56 @@ Document = Mapping[str, Any]
 _NO_RELATIONS: Document = {"relations": ()}
 
 
-def run_page(record: RunRecord) -> str:
+def run_page(
+    record: RunRecord, *, points: int = LIMITS.run_points, photos: bool = True, compact: bool = False
+) -> str:
     """Draw a run as one self-contained HTML page.
 
     Args:
         record: The run. Whatever a step lacks (pictures, scene, order) is left out of the page.
+        points: Points that may be drawn in all.
+        photos: Whether what the cameras saw is shown.
+        compact: Without margins, for a notebook's cell.
 
     Returns:
         The page; steps are turned by the timeline, the buttons or the arrow keys.
     """
-    return _RunPage(record).build()
+    return _RunPage(record, points, photos).build(compact)
 
 
 class _RunPage:
     """Collects pictures and views while the steps are written; each picture is embedded once."""
 
-    def __init__(self, record: RunRecord) -> None:
-        self.record = record
+    def __init__(self, record: RunRecord, points: int, photos: bool) -> None:
+        self.record, self.photos = record, photos
         self.pictures: dict[bytes, int] = {}
         self.views: list[dict[str, Any]] = []
         scenes = sum(step.scene is not None for step in record.steps) + (record.scene is not None)
-        self.points = min(LIMITS.page_points, LIMITS.run_points // max(scenes, 1))
+        self.arm = arm_shape(record.arm_parts)
+        self.points = min(LIMITS.page_points, points // max(scenes, 1))
 
-    def build(self) -> str:
+    def build(self, compact: bool) -> str:
         record = self.record
         sections = [self.step(number, step) for number, step in enumerate(record.steps, start=1)]
         sections.append(self.end())
         body = _head(record) + _timeline(record) + f"<main>{''.join(sections)}</main>"
-        pictures = [base64.b64encode(data).decode("ascii") for data in self.pictures]
+        pictures = [base64.b64encode(as_jpeg(data)).decode("ascii") for data in self.pictures]
         return page(
             f"topple: {record.goal}",
             body,
-            {"views": self.views, "pictures": pictures},
-            ["viewer.js", "page.js", "run.js"],
+            {"views": self.views, "pictures": pictures, "arm": self.arm},
+            ["viewer.js", "motion.js", "page.js", "run.js"],
+            compact=compact,
         )
 
     def step(self, number: int, step: StepRecord) -> str:
         title = f"Step {number} of {len(self.record.steps)}: {_deed(step)}"
         html = f'<section class="step">{_turns(title)}'
-        html += f"<p>{escape(step.reason)}</p>" if step.reason else ""
+        html += f"<p>{escape(sentence(step.reason))}</p>" if step.reason else ""
         if step.events:
-            html += f"<ul>{''.join(f'<li>{escape(text)}</li>' for text in step.events)}</ul>"
+            html += f"<ul>{''.join(f'<li>{escape(sentence(text))}</li>' for text in step.events)}</ul>"
         html += _facts(step)
-        drawing = None if step.scene is None else Drawing.of(step.scene, self.points)
+        drawing = None if step.scene is None else Drawing.of(step.scene, self.points, step.assumed)
         html += self.picture_pair(step, drawing)
         html += (
             '<div class="columns even"><div>'
@@ -76,7 +83,12 @@ class _RunPage:
             + "</div></div>"
         )
         html += self.seen(
-            drawing, step.scene, step.relations, step.order, step.tool_path, "Seen before this step"
+            drawing,
+            step.scene,
+            step.relations,
+            step.order,
+            step,
+            "Seen before this step, and what the arm did",
         )
         return html + "</section>"
 
@@ -93,14 +105,18 @@ class _RunPage:
             html += (
                 "<h2>Notes</h2><ul>" + "".join(f"<li>{escape(note)}</li>" for note in record.notes) + "</ul>"
             )
-        drawing = None if record.scene is None else Drawing.of(record.scene, self.points)
+        drawing = None if record.scene is None else Drawing.of(record.scene, self.points, record.assumed)
         html += self.seen(drawing, record.scene, record.relations, record.order, None, "Seen at the end")
         return html + "</section>"
 
     def picture_pair(self, step: StepRecord, drawing: Drawing | None) -> str:
         """What a camera saw before, its masks outlined, and after."""
+        if not self.photos:
+            return ""
         before = (
-            "" if drawing is None or step.scene is None else photo_section(step.scene, drawing, step.order)
+            ""
+            if drawing is None or step.scene is None
+            else photo_section(step.scene, drawing, step.order, step.photo)
         )
         shown = (before or self.plain(step.picture_before, "before")) + self.plain(
             step.picture_after, "after"
@@ -125,17 +141,32 @@ class _RunPage:
         scene: Scene | None,
         relations: Document | None,
         order: Document | None,
-        tool_path: FloatArray | None,
+        step: StepRecord | None,
         title: str,
     ) -> str:
         """View, relations, graph and order of one moment."""
         if scene is None or drawing is None:
             return ""
         index = object_index(drawing)
-        self.views.append(view_data(drawing, relations or _NO_RELATIONS, order, tool_path))
-        moved = tool_path is not None and len(tool_path) > 0
+        path, motion = (None, None) if step is None else (step.tool_path, step.motion)
+        shown = motion if self.arm else None
+        told = None if shown is None else motion_json(shown, self.arm, index, drawing.centre)
+        self.views.append(view_data(drawing, relations or _NO_RELATIONS, order, path, told))
+        moved = path is not None and len(path) > 0
         html = f'<h2>{escape(title)}</h2><div class="columns"><div>'
-        html += viewer(len(self.views) - 1, ordered=order is not None, path=moved)
+        html += viewer(
+            len(self.views) - 1,
+            ordered=order is not None,
+            path=moved,
+            motion=None if shown is None else spans(shown),
+        )
+        left_out = sorted((self.record if step is None else step).assumed)
+        if left_out:
+            names = escape(listed(left_out))
+            html += (
+                f'<p class="note">Not drawn: posts under {names}. No camera saw what holds up what stands on '
+                "them, and the rebuilding assumed it.</p>"
+            )
         html += dependency_section(scene, drawing, order) if order is not None else ""
         html += "</div><div>"
         html += "<h2>Order from here</h2>" + order_list(order, index) if order is not None else ""
@@ -146,6 +177,11 @@ class _RunPage:
 def _is_much(disturbed: tuple[float, float]) -> bool:
     """Whether (distance [m], turn [rad]) is more than an object that is not handled may move."""
     return disturbed[0] > LIMITS.moved or math.degrees(disturbed[1]) > LIMITS.turned
+
+
+def _is_still(moved: float, turned: float) -> bool:
+    """Whether something moved by less than is worth a row: what simulation at rest shows too."""
+    return moved < 1e-4 and math.degrees(turned) < 0.1
 
 
 def _deed(step: StepRecord) -> str:
@@ -213,11 +249,19 @@ def _facts(step: StepRecord) -> str:
 
 def _disturbed(step: StepRecord) -> str:
     """What moved and was not meant to, farthest first."""
+    still = [
+        name
+        for name, (moved, turned) in step.disturbed.items()
+        if name not in step.forces and _is_still(moved, turned)
+    ]
     names = sorted({*step.disturbed, *step.forces}, key=lambda name: -step.disturbed.get(name, (0.0, 0.0))[0])
-    if not names:
-        return "<h2>Disturbed</h2><p>Nothing else moved.</p>"
+    if len(still) == len(names):
+        told = f" ({escape(listed(sorted(still)))}: less than 0.1 mm and 0.1°)" if still else ""
+        return f"<h2>Disturbed</h2><p>Nothing else moved{told}.</p>"
     rows = ""
     for name in names:
+        if name in still:
+            continue
         moved, turned = step.disturbed.get(name, (0.0, 0.0))
         force = f"{step.forces[name]:.1f} N" if name in step.forces else ""
         kind = ' class="bad"' if _is_much((moved, turned)) else ""

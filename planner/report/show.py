@@ -10,6 +10,7 @@ from topple.planner.report.photo import photo
 from topple.planner.report.tables import order_list, relation_table, sentence_list
 from topple.planner.report.view import Document, Documented, document, object_index, view_data
 from topple.planner.report.words import listed, sentences
+from topple.topology.photo import Photo
 from topple.topology.scene import Scene
 
 
@@ -50,7 +51,7 @@ def show_page(
         title or "topple: what is where",
         body,
         {"views": [view_data(drawing, found, planned)]},
-        ["viewer.js", "page.js", "show.js"],
+        ["viewer.js", "motion.js", "page.js", "show.js"],
     )
 
 
@@ -62,13 +63,13 @@ def dependency_section(scene: Scene, drawing: Drawing, order: Document) -> str:
     return f'<h2>Dependency graph</h2><div class="graph-box">{svg}</div>'
 
 
-def photo_section(scene: Scene, drawing: Drawing, order: Document | None) -> str:
+def photo_section(scene: Scene, drawing: Drawing, order: Document | None, taken: Photo | None = None) -> str:
     """The photo with its masks in the colours of the drawing; nothing where the scene has none."""
     colours = {drawn.name: drawn.colour for drawn in drawing.objects}
     places = (
         {} if order is None else {str(name): place for place, name in enumerate(order.get("order", ()), 1)}
     )
-    return photo(scene, colours, object_index(drawing), places)
+    return photo(scene, colours, object_index(drawing), places, taken)
 
 
 def _head(scene: Scene, order: Document | None, title: str) -> str:

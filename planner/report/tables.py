@@ -5,10 +5,11 @@ from dataclasses import dataclass
 from html import escape
 from typing import Any
 
+from topple.planner.formats.verification import Verification
 from topple.planner.report.limits import LIMITS
 from topple.planner.report.palette import css, relation_colour
 from topple.planner.report.view import is_inferred
-from topple.planner.report.words import listed, millimetres, order_in_words, sentences
+from topple.planner.report.words import listed, millimetres, order_in_words, said, sentences
 from topple.topology.sixim.table import Relation
 
 Document = Mapping[str, Any]
@@ -122,7 +123,10 @@ def _certificates(order: Document, index: Mapping[str, int]) -> str:
         html += f'<p class="certificate bad">No safe order among {listed(names)}: each holds another.</p>'
     supports = list(order.get("supports") or ())
     if supports:
-        rows = "".join(f"<li>{_support(support, index)}</li>" for support in supports)
+        lying = {
+            (str(edge["then"]), str(edge["first"])): said(edge) for edge in order.get("dependencies", ())
+        }
+        rows = "".join(f"<li>{_support(support, index, lying)}</li>" for support in supports)
         html += f"<details><summary>What carries what ({len(supports)})</summary><ul>{rows}</ul></details>"
     access = list(order.get("access") or ())
     if access:
@@ -131,12 +135,14 @@ def _certificates(order: Document, index: Mapping[str, int]) -> str:
     return html
 
 
-def _support(support: Mapping[str, Any], index: Mapping[str, int]) -> str:
-    lower, upper = (
-        object_name(str(support["supporter"]), index),
-        object_name(str(support["supported"]), index),
-    )
+def _support(
+    support: Mapping[str, Any], index: Mapping[str, int], lying: Mapping[tuple[str, str], str]
+) -> str:
+    names = str(support["supporter"]), str(support["supported"])
+    lower, upper = (object_name(name, index) for name in names)
     kind = {"leans": "leans on", "contained": "lies in"}.get(str(support.get("kind")), "rests on")
+    if kind == "leans on":
+        kind = {"lying": "lies on", "contained": "lies in"}.get(lying.get(names, ""), kind)
     evidence = "inferred" if support.get("inferred", False) else "observed"
     sure = f"{float(support.get('confidence', 1.0)):.2f}"
     return f'{upper} {kind} {lower} <span class="kind">{evidence}, confidence {sure}</span>'
@@ -154,6 +160,21 @@ def sentence_list(lines: Sequence[str], title: str) -> str:
     if not told:
         return ""
     return f"<h2>{escape(title)}</h2><ul>{''.join(f'<li>{escape(line)}</li>' for line in told)}</ul>"
+
+
+def proof_rows(checked: Verification) -> list[tuple[str, str, str]]:
+    """What a verification shows: what, by which means, and of which steps that is so."""
+    steps: dict[tuple[str, str], list[str]] = {}
+    numbered = [(str(one.step + 1), one.proofs) for one in checked.steps]
+    for number, proofs in (*numbered, ("plan", checked.whole)):
+        for proof in proofs:
+            told = {True: proof.what, False: f"NOT SO: {proof.what}", None: f"not shown: {proof.what}"}
+            means = f"{proof.means}: {proof.detail}" if proof.shown is None else proof.means
+            steps.setdefault((told[proof.shown], means), []).append(number)
+    return [
+        (told, means, "all" if len(which) == len(checked.steps) > 1 else ", ".join(which))
+        for (told, means), which in steps.items()
+    ]
 
 
 @dataclass(frozen=True)

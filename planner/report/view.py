@@ -5,7 +5,7 @@ from typing import Any, Protocol
 
 from topple.planner.report.drawing import Drawing, thin_path
 from topple.planner.report.palette import css, relation_colour
-from topple.planner.report.words import because
+from topple.planner.report.words import because, said
 from topple.topology.arrays import FloatArray
 from topple.topology.sixim.table import ONE_SIDED_CONTACT, Relation
 
@@ -26,7 +26,11 @@ def document(result: Documented | Document) -> Document:
 
 
 def view_data(
-    drawing: Drawing, relations: Document, order: Document | None, tool_path: FloatArray | None = None
+    drawing: Drawing,
+    relations: Document,
+    order: Document | None,
+    tool_path: FloatArray | None = None,
+    motion: Document | None = None,
 ) -> dict[str, Any]:
     """What the viewer script reads of one scene.
 
@@ -35,6 +39,7 @@ def view_data(
         relations: Its `topple.relations` document.
         order: Its `topple.order` document, or None.
         tool_path: (k, 3) path of the tool [m], or None.
+        motion: What `played.motion_json` gave, or None.
 
     Returns:
         Plain data, ready for JSON.
@@ -48,6 +53,7 @@ def view_data(
     data["places"] = None if order is None else _places(order, index, len(drawing.objects))
     data["dependencies"] = [] if order is None else _dependencies(order, index)
     data["path"] = None if tool_path is None or len(tool_path) == 0 else thin_path(tool_path)
+    data["motion"] = motion
     return data
 
 
@@ -88,7 +94,7 @@ def _places(order: Document, index: Mapping[str, int], count: int) -> list[int]:
 
 def _dependencies(order: Document, index: Mapping[str, int]) -> list[dict[str, Any]]:
     return [
-        {"first": index[first], "then": index[then], "text": because([first], str(dependency["reason"]))}
+        {"first": index[first], "then": index[then], "text": because([first], said(dependency))}
         for dependency in order.get("dependencies", ())
         if (first := str(dependency["first"])) in index and (then := str(dependency["then"])) in index
     ]

@@ -8,9 +8,29 @@ from topple.topology.rounded import rounded
 
 Document = Mapping[str, Any]
 
+_BEGINNINGS = (
+    "it ",
+    "the ",
+    "nothing ",
+    "a ",
+    "an ",
+    "no ",
+    "what ",
+    "bodies ",
+    "at ",
+    "after ",
+    "before ",
+    "from ",
+)
+"""Words that sentences begin with; anything else may be the name of an object."""
+
+UNTIED = "nothing depends on it, and it depends on nothing"
+"""Said of what has no place of its own in an order."""
+
 _BECAUSE = {
     "supported": ("rests on {it}", "rest on {it}"),
     "leaning": ("leans on {it}", "lean on {it}"),
+    "lying": ("lies on {it}", "lie on {it}"),
     "contained": ("lies in {it}", "lie in {it}"),
     "blocking": ("would be lifted or dragged along with {it}", "would be lifted or dragged along with {it}"),
     "counterweight": ("tips without {it}", "tip without {it}"),
@@ -31,6 +51,12 @@ def because(first: Sequence[str], reason: str, then: str = "it") -> str:
     """
     one, several = _BECAUSE.get(reason, ("goes before {it}, " + reason, "go before {it}, " + reason))
     return f"{listed(first)} {one if len(first) == 1 else several}".replace("{it}", then)
+
+
+def said(dependency: Mapping[str, Any]) -> str:
+    """The reason of a dependency as a person would say it: what leans on a plate may be said to lie on it."""
+    lies = {"on": "lying", "in": "contained"}
+    return lies.get(str(dependency.get("lies")), str(dependency["reason"]))
 
 
 def order_in_words(order: Document) -> list[tuple[str, str]]:
@@ -60,7 +86,7 @@ def order_in_words(order: Document) -> list[tuple[str, str]]:
         why = _sentence(
             name, before.get(name, ()), holds.get(name, ()), together.get(name, ()), targets, done
         )
-        why = why or otherwise.get(name) or "nothing depends on it, and it depends on nothing"
+        why = why or otherwise.get(name) or UNTIED
         told.append((name, f"{why}."))
         done.add(name)
     return told
@@ -95,7 +121,7 @@ def _by_reason(
     """Names at one end of dependencies, by reason, each once; only those in `among` where it is given."""
     names: dict[str, list[str]] = {}
     for dependency in dependencies:
-        name, same = str(dependency[end]), names.setdefault(str(dependency["reason"]), [])
+        name, same = str(dependency[end]), names.setdefault(said(dependency), [])
         if name not in same and (among is None or name in among):
             same.append(name)
     return {reason: same for reason, same in names.items() if same}
@@ -105,6 +131,13 @@ def ordinal(place: int) -> str:
     """A place as English counts it: "1st", "2nd", "11th". Objects may be named by bare numbers."""
     ending = "th" if place % 100 in (11, 12, 13) else {1: "st", 2: "nd", 3: "rd"}.get(place % 10, "th")
     return f"{place}{ending}"
+
+
+def sentence(text: str) -> str:
+    """A text with its full stop, and a capital letter first unless that may belong to a name."""
+    text = text.strip()
+    begun = text[:1].upper() + text[1:] if text.startswith(_BEGINNINGS) else text
+    return begun if begun.endswith((".", "!", "?", ":")) else f"{begun}."
 
 
 def shortened(name: str) -> str:

@@ -2,6 +2,7 @@
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
+from typing import TYPE_CHECKING
 
 import numpy as np
 from scipy.spatial import ConvexHull
@@ -10,14 +11,17 @@ from topple.planner.simulate.seating import Seat, Shape, balanced, floor_cut, pa
 from topple.planner.simulate.tolerances import EDGE, FEWEST, FILLED, INTRUDERS, SLAB
 from topple.robots.world.bodies import Body
 from topple.robots.world.body_clouds import Piece, shell, solid
+from topple.robots.world.physical_world import PhysicalWorld
 from topple.robots.world.tolerances import FRICTION, TABLE_FRICTION
-from topple.robots.world.world import World
 from topple.topology.arrays import FloatArray
 from topple.topology.bodies.complete import is_hollow
 from topple.topology.statics.grounds import planes_and_rest
 from topple.topology.statics.rest import Statics
 from topple.topology.upright import Upright
 from topple.topology.values import FrozenDict
+
+if TYPE_CHECKING:
+    from topple.robots.world.world import World
 
 FLOOR = "the floor"
 """What everything stands on in a rebuilt world."""
@@ -41,8 +45,10 @@ class Rebuilt:
     floor: float
     friction: Mapping[str, float] = field(default_factory=lambda: FrozenDict({}))
 
-    def world(self) -> World:
+    def world(self) -> "World":
         """All bodies on a floor in a world of their own, which the caller closes."""
+        from topple.robots.world.world import World
+
         world = World()
         middle = np.mean([pose[:2, 3] for pose in self.poses.values()], axis=0)
         world.add_table(
@@ -55,7 +61,7 @@ class Rebuilt:
         self.add_to(world)
         return world
 
-    def add_to(self, world: World) -> None:
+    def add_to(self, world: PhysicalWorld) -> None:
         """Put all bodies, but no floor, into a world whose z axis is up."""
         for ground in self.grounds:
             world.add(ground, self.poses[ground.name], fixed=True)
@@ -99,6 +105,7 @@ def rebuild(statics: Statics, jitter: float = 0.0, seed: int = 0) -> Rebuilt:
         parts = [piece.corners - origin for piece in shape]
         rough = upright.friction.get(name, FRICTION)
         body = Body.of(name, parts, mass=masses.get(name), friction=rough, kind="cloud")
+        body = replace(body, posts=tuple(k for k, piece in enumerate(shape) if piece.post))
         bodies[name] = body if fixed else replace(body, centre_of_mass=centres[name] - origin)
         poses[name] = np.eye(4)
         poses[name][:3, 3] = origin

@@ -25,6 +25,7 @@ from topple.planner.simulate.tolerances import (
 from topple.robots.collision.convex import hull_of
 from topple.robots.world.body_clouds import Piece
 from topple.topology.arrays import BoolArray, FloatArray, IntArray
+from topple.topology.geometry.sides import inset
 from topple.topology.views.free_space import FreeSpace
 
 Shape = list[Piece]
@@ -72,7 +73,7 @@ def _cut(a: Piece, b: Piece) -> tuple[Piece, Piece] | None:
     kept = clipped(a.corners, directions[best], limit), clipped(b.corners, -directions[best], -limit)
     if kept[0] is None or kept[1] is None:
         return None
-    return Piece(kept[0], a.seen), Piece(kept[1], b.seen)
+    return Piece(kept[0], a.seen, a.post), Piece(kept[1], b.seen, b.post)
 
 
 def clipped(corners: FloatArray, normal: FloatArray, limit: float) -> FloatArray | None:
@@ -209,7 +210,7 @@ def seat(
 def _leg(cell: FloatArray, foot: float, top: float) -> Piece:
     """A post (one cell across) under a hidden underside [m]."""
     square = (cell + _CORNERS * (CELL / 2 / np.abs(_CORNERS).max())).repeat(2, axis=0)
-    return Piece(np.column_stack([square, np.tile([foot, top + CELL], 4)]), np.empty((0, 3)))
+    return Piece(np.column_stack([square, np.tile([foot, top + CELL], 4)]), np.empty((0, 3)), post=True)
 
 
 def _supports(
@@ -276,8 +277,7 @@ def _carried(place: FloatArray, cells: FloatArray) -> FloatArray:
 def _outside(point: FloatArray, cells: FloatArray) -> float:
     """How far a point lies outside the outline of the middles of plan cells [m], negative inside."""
     corners = (cells[:, None] + _CORNERS).reshape(-1, 2)
-    planes = ConvexHull(corners).equations
-    return float((planes[:, :2] @ point + planes[:, 2]).max())
+    return float(-inset(corners, point[None])[0])
 
 
 _AROUND = np.stack([np.cos(np.arange(8) * np.pi / 4), np.sin(np.arange(8) * np.pi / 4)], axis=1)

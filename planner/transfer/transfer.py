@@ -20,6 +20,7 @@ from topple.planner.transfer.stages import Stage, Upright, segments_of
 from topple.planner.transfer.tolerances import LEVEL, MARGIN, NARROW, TIRED
 from topple.robots.arm.arm import Arm
 from topple.robots.arm.gripper import ToolName
+from topple.robots.arm.home import workplace_of
 from topple.topology.arrays import FloatArray, frozen
 from topple.topology.bodies.tolerances import GRAIN
 from topple.topology.errors import UnknownObject
@@ -154,7 +155,8 @@ def plan_transfer(
     else:
         grasps = _others(list(grasps), avoid)
     if places is None:
-        places = placements(name, situation, pose_base_to_world=pose_base_to_world)
+        workplace = pose_base_to_world @ workplace_of(arm)
+        places = placements(name, situation, pose_base_to_world=workplace)
     level = bool(riding) if upright is None else upright
     if level:
         places = [place for place in places if place.tilt(situation.up) < LEVEL]

@@ -7,9 +7,8 @@ from topple.planner.formats.verification import Residual, Worst
 from topple.planner.grasp.grasp import KINDS, GraspKind
 from topple.planner.grasp.score import score_of
 from topple.planner.verify.bodies import parts_of
-from topple.planner.verify.clouds import outside
 from topple.planner.verify.tolerances import ROUNDED_SCORE, SAME, UPWARD
-from topple.topology.bodies.solids import hull_faces
+from topple.topology.geometry.sides import beyond, joggled_sides
 from topple.topology.situation import Situation
 
 
@@ -59,9 +58,9 @@ def check_scene(plan: Plan, situation: Situation) -> tuple[Residual, ...]:
     tilt.note(float(np.arccos(cosine)), f"the plan has {list(plan.up)}, the scene {situation.up.tolist()}")
     for name, parts in parts_of(plan).items():
         if name not in scene.fixed:
-            faces = [hull_faces(part) for part in situation.solids[name]]
+            faces = [joggled_sides(part) for part in situation.solids[name]]
             corners = np.vstack(parts)
-            bodies.note(float(np.min([outside(corners, each) for each in faces], axis=0).max()), name)
+            bodies.note(float(np.min([beyond(each, corners) for each in faces], axis=0).max()), name)
     fixed = Worst("objects fixed in the plan or the scene alone", "1")
     odd = {thing.name for thing in plan.objects if thing.fixed} ^ set(scene.fixed)
     fixed.note(float(len(odd)), ", ".join(sorted(odd)))

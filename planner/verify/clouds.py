@@ -11,7 +11,8 @@ from topple.planner.verify.replay import SegmentReplay
 from topple.planner.verify.tolerances import FILLED, NOISE, SHARE, STRAYS
 from topple.robots.arm.arm import Arm
 from topple.topology.arrays import FloatArray
-from topple.topology.bodies.solids import hull_faces
+from topple.topology.geometry.rigid import transformed
+from topple.topology.geometry.sides import beyond, joggled_sides
 from topple.topology.scene import Scene
 
 EVERY = 10  # states: a hand among neighbours moves less than a millimetre from one to the next
@@ -34,10 +35,10 @@ class CloudCheck:
 
     def __post_init__(self) -> None:
         self._parts = {
-            name: [hull_faces(part) for part in parts] for name, parts in parts_of(self.plan).items()
+            name: [joggled_sides(part) for part in parts] for name, parts in parts_of(self.plan).items()
         }
         self._links = {
-            name: [hull_faces(part) for part in parts]
+            name: [joggled_sides(part) for part in parts]
             for name, parts in zip(self.arm.links, self.arm.parts, strict=True)
             if parts
         }
@@ -51,7 +52,7 @@ class CloudCheck:
             seen = [name for name in pair if name in piece.poses and name != piece.step.object]
             if len(seen) != 1 or seen[0] in self.scene.fixed:
                 continue
-            cloud = _moved(self.scene.clouds[seen[0]], piece.poses[seen[0]])
+            cloud = transformed(self.scene.clouds[seen[0]], piece.poses[seen[0]])
             (other,) = pair - {seen[0]}
             if other in self._links:
                 poses = links[:, self.arm.links.index(other)]
@@ -61,7 +62,7 @@ class CloudCheck:
             else:
                 continue
             for k, pose in enumerate(poses):
-                depth = _depth(_moved(cloud, np.linalg.inv(pose)), solids)
+                depth = _depth(transformed(cloud, np.linalg.inv(pose)), solids)
                 where = f"{piece.where}: {seen[0]} in {other} at state {k * EVERY}"
                 self.entered.note(depth, where, piece.index)
 
@@ -72,21 +73,12 @@ class CloudCheck:
     def _same(self) -> Residual:
         worst = Worst("points outside of the plan's bodies", "m", FILLED)
         for name, cloud in self.scene.clouds.items():
-            beyond = np.min([outside(cloud, faces) for faces in self._parts[name]], axis=0)
-            worst.note(float(np.quantile(beyond, SHARE)), name)
+            out = np.min([beyond(sides, cloud) for sides in self._parts[name]], axis=0)
+            worst.note(float(np.quantile(out, SHARE)), name)
         return worst.residual()
-
-
-def _moved(points: FloatArray, pose: FloatArray) -> FloatArray:
-    return points @ pose[:3, :3].T + pose[:3, 3]
-
-
-def outside(points: FloatArray, faces: FloatArray) -> FloatArray:
-    """Distances to the farthest facet plane beyond which points are [m], negative inside."""
-    return (points @ faces[:, :3].T + faces[:, 3]).max(axis=1)
 
 
 def _depth(points: FloatArray, solids: list[FloatArray]) -> float:
     """How deep points are in solids [m], a few strays left out."""
-    deep = np.max([-outside(points, faces) for faces in solids], axis=0)
+    deep = np.max([-beyond(sides, points) for sides in solids], axis=0)
     return max(0.0, float(np.sort(deep)[max(len(deep) - 1 - STRAYS, 0)]))

@@ -3,7 +3,6 @@
 from collections.abc import Mapping
 
 import numpy as np
-from scipy.spatial import ConvexHull
 
 from topple.planner.formats.plan_format import Plan, Step
 from topple.planner.grasp.grasp import KINDS, GraspKind
@@ -15,7 +14,9 @@ from topple.robots.collision.fcl_bodies import fcl_body
 from topple.robots.poses import inverse
 from topple.topology.arrays import FloatArray
 from topple.topology.geometry.axes import level_axes
+from topple.topology.geometry.rigid import transformed
 from topple.topology.geometry.samples import sampled
+from topple.topology.geometry.sides import inset
 
 
 class Grip:
@@ -59,7 +60,7 @@ class Grip:
         if (step.grasp.kind == GraspKind.SUCTION) != (tool == ToolName.SUCTION):
             return f"a grasp by {step.grasp.kind} is no matter of the {tool}"
         to_tool = inverse(pose_tool_to_world) @ poses[step.object]
-        parts = [part @ to_tool[:3, :3].T + to_tool[:3, 3] for part in self._parts[step.object]]
+        parts = [transformed(part, to_tool) for part in self._parts[step.object]]
         if tool == ToolName.SUCTION:
             return self._cup_fails(step, closed, parts)
         return self._pads_fail(step, before, closed, parts)
@@ -68,14 +69,12 @@ class Grip:
         """Whether an object lies in or on another: its middle is over that, its bottom not below."""
         axes = np.stack(level_axes(self._up))
         own, other = (self._corners(each, poses) for each in (name, carrier))
-        outline = ConvexHull(other @ axes.T).equations
-        middle = own.mean(axis=0)
-        over = (outline[:, :2] @ (axes @ middle) + outline[:, 2]).max() <= 0.0
+        over = inset(other @ axes.T, (axes @ own.mean(axis=0))[None])[0] >= 0.0
         return bool(over and (own @ self._up).min() > (other @ self._up).min() - REACHED)
 
     def _corners(self, name: str, poses: Mapping[str, FloatArray]) -> FloatArray:
         pose = poses[name]
-        return np.vstack(self._parts[name]) @ pose[:3, :3].T + pose[:3, 3]
+        return transformed(np.vstack(self._parts[name]), pose)
 
     def _cup_fails(self, step: Step, closed: ToolState, parts: list[FloatArray]) -> str | None:
         ready = self.arm.tools[ToolName.SUCTION].ready.cup_extension

@@ -14,6 +14,7 @@ from topple.robots.arm.arm import Arm
 from topple.robots.arm.gripper import ToolName
 from topple.robots.collision.fcl_bodies import fcl_body
 from topple.topology.arrays import FloatArray
+from topple.topology.geometry.rigid import transformed
 
 
 @dataclass(eq=False)
@@ -81,7 +82,7 @@ class HandCheck:
         half = np.zeros(3)
         if jaw is not None:
             half = np.array([jaw.pad_size[0], piece.segment.hand.opening, jaw.pad_size[1]]) / 2.0
-        parts = [part @ to_tool[:3, :3].T + to_tool[:3, 3] for part in self._parts[piece.step.object]]
+        parts = [transformed(part, to_tool) for part in self._parts[piece.step.object]]
         return distance(half, parts)
 
     def _excuses(self, piece: SegmentReplay) -> None:
@@ -119,4 +120,4 @@ class HandCheck:
 
 
 def _placed(part: FloatArray, pose: FloatArray) -> object:
-    return fcl_body(part @ pose[:3, :3].T + pose[:3, 3])
+    return fcl_body(transformed(part, pose))

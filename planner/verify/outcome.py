@@ -3,12 +3,20 @@
 from collections.abc import Mapping, Sequence
 
 import networkx as nx
+import numpy as np
+from scipy.spatial import KDTree
 
 from topple.planner.decide.goal import parse_goal
 from topple.planner.decide.tolerances import LIKELY
 from topple.planner.formats.plan_format import Plan
-from topple.planner.formats.verification import BROKEN, Residual, Worst
+from topple.planner.formats.verification import BROKEN, OFF_PLACE, Residual, Worst
+from topple.planner.tolerances import DISTURBED
+from topple.planner.verify.bodies import parts_of
+from topple.planner.verify.tolerances import SURFACE
 from topple.topology.arrays import FloatArray
+from topple.topology.bodies.solids import moved
+from topple.topology.geometry.rigid import transformed
+from topple.topology.geometry.samples import sampled
 from topple.topology.scene import Scene
 from topple.topology.situation import Situation
 
@@ -83,7 +91,7 @@ def check_goal(
     after = scene
     for name in {name for _, name in taken}:
         cloud, pose = after.clouds[name], poses[name]
-        after = after.with_cloud(name, cloud @ pose[:3, :3].T + pose[:3, 3])
+        after = after.with_cloud(name, transformed(cloud, pose))
     goal = parse_goal(plan.goal, scene)
     situation = Situation(after)
     missing = list(goal.unmet(situation.relations, scene.fixed, situation.supports))
@@ -91,4 +99,24 @@ def check_goal(
     missing += [f"{name} is not taken" for name in goal.free if name not in freed]
     worst = Worst("goal clauses unmet", "1")
     worst.note(float(len(missing)), "; ".join(missing))
+    return worst.residual()
+
+
+def check_poses(plan: Plan, poses: Mapping[str, FloatArray]) -> Residual:
+    """Check that what shall lie in a certain way does, where the actions leave it.
+
+    Args:
+        plan: The plan, which says how things shall lie, where that was given.
+        poses: Transforms (4, 4) of the objects since the plan began.
+
+    Returns:
+        How far the surface of a body is from where it shall be, beyond what counts as a move.
+    """
+    worst = Worst(OFF_PLACE, "m", DISTURBED)
+    parts = parts_of(plan)
+    for name, wanted in plan.poses.items():
+        surface = sampled(parts[name], SURFACE)
+        here, there = (moved((surface,), pose)[0] for pose in (poses[name], np.array(wanted)))
+        ways = (KDTree(one).query(other)[0].max() for one, other in ((here, there), (there, here)))
+        worst.note(float(max(ways)), name)
     return worst.residual()

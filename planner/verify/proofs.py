@@ -5,7 +5,7 @@ from dataclasses import replace
 from typing import NamedTuple
 
 from topple.planner.formats.plan_format import Plan, Step
-from topple.planner.formats.verification import BROKEN, Proof, Residual, StepProofs
+from topple.planner.formats.verification import BROKEN, OFF_PLACE, Proof, Residual, StepProofs
 from topple.planner.grasp.grasp import GraspKind
 from topple.planner.verify.between import BetweenCheck
 from topple.planner.verify.force import ForceCheck
@@ -91,7 +91,11 @@ TURN = Claim(
 )
 TURN_AGAIN = Claim("so it is by what was seen", "dependencies derived again", (BROKEN,))
 SEEN = Claim("no seen point is entered", "clouds against links and load", ("seen points entered",))
-GOAL = Claim("the goal is reached", "relations afterwards", ("goal clauses unmet", "order against the steps"))
+GOAL = Claim(
+    "the goal is reached",
+    "relations and places afterwards",
+    ("goal clauses unmet", OFF_PLACE, "order against the steps"),
+)
 SAME = Claim(
     "the plan is of this scene",
     "bodies held against clouds",

@@ -13,7 +13,8 @@ from topple.planner.placement.tolerances import SHIFT, TURN
 from topple.planner.verify.bodies import completed_of, parts_of
 from topple.planner.verify.replay import SegmentReplay
 from topple.planner.verify.tolerances import ROUNDED
-from topple.topology.bodies.solids import hull_faces, moved
+from topple.topology.bodies.solids import moved
+from topple.topology.geometry.sides import beyond, joggled_sides
 
 
 @dataclass(eq=False)
@@ -77,9 +78,9 @@ def _around(plan: Plan) -> Residual:
     """How far what was seen of the objects sticks out of the bodies that are taken for whole."""
     worst = Worst("bodies outside of their wholes", "m", ROUNDED)
     for thing in plan.objects:
-        hulls = [hull_faces(np.array(part)) for part in thing.whole]
+        hulls = [joggled_sides(np.array(part)) for part in thing.whole]
         if hulls:
             seen = np.vstack(thing.parts)
-            beyond = [(seen @ faces[:, :3].T + faces[:, 3]).max(axis=1) for faces in hulls]
-            worst.note(float(np.min(beyond, axis=0).max()), thing.name)
+            out = np.min([beyond(sides, seen) for sides in hulls], axis=0)
+            worst.note(float(out.max()), thing.name)
     return worst.residual()

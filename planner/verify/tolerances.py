@@ -102,3 +102,9 @@ SPACING = 0.002
 
 STEP = 0.002
 """[rad] between the states that python-fcl looks at."""
+
+
+# -- outcome
+
+SURFACE = 0.003
+"""[m] spacing of points on a body that is held against its place: finer than what counts as a move."""

@@ -14,7 +14,7 @@ from topple.planner.verify.clouds import CloudCheck
 from topple.planner.verify.force import ForceCheck
 from topple.planner.verify.handled import HandCheck
 from topple.planner.verify.motions import check_motions
-from topple.planner.verify.outcome import check_goal, check_precedence
+from topple.planner.verify.outcome import check_goal, check_poses, check_precedence
 from topple.planner.verify.proofs import UNASKED, Proofs
 from topple.planner.verify.replay import Replay, SegmentReplay
 from topple.planner.verify.rest import RestCheck
@@ -95,6 +95,7 @@ def verify(
         *check_claims(plan),
         *check_precedence(plan, played.taken, situation),
         *rest.residuals(),
+        check_poses(plan, played.poses),
     ]
     if scene is None or situation is None or clouds is None:
         residuals += _left_out()

@@ -41,6 +41,7 @@ class Arm:
         gripper: What was said of its hand beside that file, if anything.
         assumptions: What neither says and was assumed, a sentence each.
         catalog: Whether `topple.robots.robot` knows it by its name.
+        apart: Pairs of names of links that are not checked against each other.
     """
 
     name: str
@@ -59,6 +60,7 @@ class Arm:
     gripper: Gripper | None = None
     assumptions: tuple[str, ...] = ()
     catalog: bool = False
+    apart: frozenset[frozenset[str]] = frozenset()
     _offsets: dict[ToolState, FloatArray] = field(default_factory=dict[ToolState, FloatArray], repr=False)
 
     @classmethod
@@ -183,6 +185,7 @@ class Arm:
                     for pair in colliding_pairs(
                         self.chain, self.parts, self.frame_of_link, self.offsets(hand), self.home
                     )
+                    if frozenset((self.links[pair[0]], self.links[pair[1]])) not in self.apart
                 }
             )
         )

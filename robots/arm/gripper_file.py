@@ -1,4 +1,4 @@
-"""The small file that says what an arm of one's own holds with: a parallel jaw, a suction cup, or both."""
+"""The small file that says what an arm of one's own holds with, and which part of a robot is the arm."""
 
 import importlib
 import math
@@ -73,23 +73,60 @@ class Cup(msgspec.Struct, frozen=True, forbid_unknown_fields=True, kw_only=True)
     friction: float = CUP_FRICTION
 
 
+class Hand(msgspec.Struct, frozen=True, forbid_unknown_fields=True, kw_only=True):
+    """A hand that is described apart from the arm, mounted on a link of it.
+
+    Attributes:
+        urdf: Its file, relative to the gripper file; or `wsg50`, which comes with topple.
+        link: The arm's link it is mounted on; `tool0`, or the last link of the arm, where left out.
+        offset: Pose of its root link there, x y z [m] or x y z roll pitch yaw [m, rad].
+        sha256: Digest of the file, where it is to be that very one.
+    """
+
+    urdf: str
+    link: str | None = None
+    offset: list[float] | None = None
+    sha256: str | None = None
+
+
+class ArmPart(msgspec.Struct, frozen=True, forbid_unknown_fields=True, kw_only=True):
+    """Which joints of a robot are the arm; all others hold still. Found in the URDF or SRDF where left out.
+
+    Attributes:
+        tip: Its last link: every moving joint before it is the arm's, but those in `rest`.
+        joints: Names of its joints, in place of the tip.
+        rest: Where joints that hold still do so [rad] or [m]; zero, or the limit next to it, where left out.
+        apart: Pairs of links that are not checked against each other.
+    """
+
+    tip: str | None = None
+    joints: list[str] | None = None
+    rest: dict[str, float] = {}
+    apart: list[tuple[str, str]] = []
+
+
 class Gripper(msgspec.Struct, frozen=True, forbid_unknown_fields=True, kw_only=True):
     """What a gripper file holds.
 
     Attributes:
         jaw: The parallel jaw; recognised from the URDF where left out.
         cup: The suction cup.
+        hand: A hand from a file of its own.
+        arm: Which part of the robot is the arm.
     """
 
     jaw: Jaw | None = None
     cup: Cup | None = None
+    hand: Hand | None = None
+    arm: ArmPart | None = None
 
 
 def read_gripper(path: str | Path) -> Gripper:
     """Read a gripper file.
 
     Args:
-        path: A TOML file with a table `[jaw]`, a table `[cup]`, or both; see `Jaw` and `Cup` for their keys.
+        path: A TOML file with tables `[jaw]`, `[cup]`, `[hand]`, `[arm]`, at least one of them; see `Jaw`,
+            `Cup`, `Hand` and `ArmPart` for their keys.
 
     Returns:
         What it says, lengths and signs checked.
@@ -120,6 +157,10 @@ def read_gripper(path: str | Path) -> Gripper:
     except msgspec.ValidationError as error:
         raise InvalidInput(f"{path}: {error}") from error
     checked(gripper, str(path))
+    hand = gripper.hand
+    if hand is not None and hand.urdf.endswith(".urdf"):
+        found = path.parent / Path(hand.urdf).expanduser()
+        gripper = msgspec.structs.replace(gripper, hand=msgspec.structs.replace(hand, urdf=str(found)))
     return gripper
 
 
@@ -133,8 +174,8 @@ def checked(gripper: Gripper, where: str) -> None:
     Raises:
         InvalidInput: A list has the wrong length, or a number is not finite or not positive.
     """
-    jaw, cup = gripper.jaw, gripper.cup
-    if jaw is None and cup is None:
+    jaw, cup, arm = gripper.jaw, gripper.cup, gripper.arm
+    if gripper == Gripper():
         raise InvalidInput(f"{where}: no tool in it: write {EXAMPLE}")
     if jaw is not None:
         if len(jaw.joints) not in (1, 2):
@@ -156,6 +197,16 @@ def checked(gripper: Gripper, where: str) -> None:
         _offset(cup.offset, f"{where}: `$.cup.offset`")
         for key in ("radius", "force", "stroke", "friction"):
             _positive(getattr(cup, key), f"{where}: `$.cup.{key}`")
+    if gripper.hand is not None:
+        _offset(gripper.hand.offset, f"{where}: `$.hand.offset`")
+    if arm is not None:
+        if arm.tip is not None and arm.joints is not None:
+            raise InvalidInput(f"{where}: `$.arm` has a tip and joints, expected one of them")
+        if arm.joints is not None and not arm.joints:
+            raise InvalidInput(f"{where}: `$.arm.joints` is empty, expected the arm's joints, base first")
+        for joint, value in arm.rest.items():
+            if not math.isfinite(value):
+                raise InvalidInput(f"{where}: `$.arm.rest.{joint}` is {value}, expected a finite number")
 
 
 def check_names(gripper: Gripper, model: Model, where: str) -> None:

@@ -1,14 +1,15 @@
 """A state for an arm of one's own to rest in: the hand in front, pointing down, free of itself."""
 
+from functools import lru_cache
 from itertools import combinations
 
 import numpy as np
 
 from topple.robots.arm.arm import Arm
 from topple.robots.arm.self_collision import colliding_pairs, parts_in_frames
-from topple.robots.arm.tolerances import ABOVE, CLEAR, HEIGHTS, SHARES
+from topple.robots.arm.tolerances import ABOVE, ASIDE, BELOW, CLEAR, HEIGHTS, SHARES, TALL
 from topple.robots.collision.separation import Candidates, Frames, gaps
-from topple.topology.arrays import FloatArray
+from topple.topology.arrays import FloatArray, frozen
 
 TURNS = 4  # of the hand about the vertical
 SEEDS = 48
@@ -46,6 +47,41 @@ def reach_of(arm: Arm, tool: str | None) -> float:
     return float(np.linalg.norm(_pose(arm, tool, states)[:, :3, 3] - frames[:, 1, :3, 3], axis=1).max())
 
 
+def level_of(arm: Arm, reach: float) -> float:
+    """Height [m] above the foot of what an arm works on: zero for an arm on a table.
+
+    Args:
+        arm: The arm; its home is not used.
+        reach: How far its tool gets from the first joint [m].
+    """
+    height = float(shoulder_of(arm)[2])
+    return height - BELOW * reach if height > TALL * reach else 0.0
+
+
+@lru_cache(maxsize=16)
+def workplace_of(arm: Arm) -> FloatArray:
+    """Find where an arm works from.
+
+    Args:
+        arm: The arm.
+
+    Returns:
+        (4, 4) pose_workplace_to_base: its own foot, or, of an arm on a torso or beside its base, the foot it
+        would have if its first joint stood on what it works on.
+    """
+    shoulder, reach = shoulder_of(arm), reach_of(arm, next(iter(arm.tools), None))
+    pose = np.eye(4)
+    if np.linalg.norm(shoulder[:2]) > ASIDE * reach:
+        pose[:2, 3] = shoulder[:2]
+    pose[2, 3] = level_of(arm, reach)
+    return frozen(pose)
+
+
+def shoulder_of(arm: Arm) -> FloatArray:
+    """Where the first joint is in the base (3,) [m]; half drawn out where it slides."""
+    return arm.chain.frames((arm.lower + arm.upper)[None] / 2.0)[0, 1, :3, 3]
+
+
 def _pose(arm: Arm, tool: str | None, states: FloatArray) -> FloatArray:
     return arm.chain.frames(states)[:, -1] if tool is None else arm.tool_pose(states, tool)
 
@@ -55,6 +91,7 @@ def _in_front(arm: Arm, tool: str | None, rng: np.random.Generator) -> FloatArra
     if tool is None:
         return np.empty((0, len(arm.joints)))
     reach = reach_of(arm, tool)
+    shoulder, level = shoulder_of(arm), level_of(arm, reach)
     targets: list[FloatArray] = []
     for share in SHARES:
         for height in HEIGHTS:
@@ -62,7 +99,7 @@ def _in_front(arm: Arm, tool: str | None, rng: np.random.Generator) -> FloatArra
                 angle = 2.0 * np.pi * turn / TURNS
                 pose = np.diag([1.0, -1.0, -1.0, 1.0])
                 pose[:2, :2] = [[np.cos(angle), np.sin(angle)], [np.sin(angle), -np.cos(angle)]]
-                pose[:3, 3] = reach * share, 0.0, reach * height
+                pose[:3, 3] = shoulder[0] + reach * share, shoulder[1], level + reach * height
                 targets.append(pose)
     found = arm.inverse(np.array(targets), tool, seeds=SEEDS, rng=rng, near=(arm.lower + arm.upper) / 2.0)
     return np.concatenate(found)
@@ -84,7 +121,11 @@ def _room(arm: Arm, states: FloatArray) -> FloatArray:
             poses = np.matmul(frames[:, arm.frame_of_link[link]], offsets[link])
             heights = poses[:, 2, :3] @ part.T + poses[:, 2, 3:]
             room[heights.min(axis=1) < ABOVE] = -np.inf
-    pairs = colliding_pairs(arm.chain, arm.parts, arm.frame_of_link, offsets, None)
+    pairs = {
+        pair
+        for pair in colliding_pairs(arm.chain, arm.parts, arm.frame_of_link, offsets, None)
+        if frozenset((arm.links[pair[0]], arm.links[pair[1]])) not in arm.apart
+    }
     if not pairs or not len(states):
         return room
     sets, owner = parts_in_frames(arm.parts, arm.frame_of_link, offsets)

@@ -19,6 +19,7 @@ from topple.robots.arm.tolerances import DENSITY, TORQUE, TURNING
 from topple.robots.arm.urdf import Model, model_of
 from topple.robots.collision.convex import hull_of
 from topple.topology.arrays import FloatArray, IntArray
+from topple.topology.geometry.rigid import transformed
 
 SHOWN = (".obj", ".stl", ".dae")  # visual meshes that PyBullet draws
 LIGHTEST, HEAVIEST = 0.01, 20.0  # [kg] of such a link
@@ -91,7 +92,7 @@ def _link(
     own = [] if name in carried else list(model.links[name].parts)
     for link, (carrier, pose) in carried.items():
         if carrier == name:
-            own += [part @ pose[:3, :3].T + pose[:3, 3] for part in model.links[link].parts]
+            own += [transformed(part, pose) for part in model.links[link].parts]
     hulls = [hull_of(part) for part in own if len(part)]
     inertial = element.find("inertial")
     if inertial is not None and _has_mass(inertial):

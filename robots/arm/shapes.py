@@ -3,6 +3,7 @@
 import xml.etree.ElementTree as ElementTree
 from collections.abc import Sequence
 from functools import lru_cache
+from importlib.util import find_spec
 from pathlib import Path
 from typing import Any
 
@@ -11,7 +12,7 @@ import numpy as np
 from topple.robots.arm.elements import number, numbers
 from topple.robots.collision.pieces import convex_pieces
 from topple.topology.arrays import FloatArray
-from topple.topology.errors import InvalidInput
+from topple.topology.errors import InvalidInput, NotInstalled
 
 CYLINDER_SIDES = 24  # a prism of 24 sides around the cylinder is 0.9 % wider, which is on the safe side
 
@@ -59,6 +60,8 @@ def geometry_parts(
     if file is None:
         missing.append(name)
         return []
+    if file.suffix.lower() == ".dae" and find_spec("collada") is None:
+        raise NotInstalled(f"{file.name} of {where} is Collada, which needs pycollada", "collada")
     try:
         return [part * scale for part in _mesh_parts(file, file.stat().st_mtime_ns, cut)]
     except Exception as error:  # trimesh raises whatever its format readers raise
@@ -72,6 +75,8 @@ def _mesh_parts(file: Path, _changed: int, cut: bool) -> tuple[FloatArray, ...]:
     import trimesh
 
     mesh: Any = trimesh.load(file, force="mesh", process=False, skip_materials=True)
+    if mesh.units is not None:  # Collada states them; other formats do not
+        mesh.apply_scale(trimesh.units.unit_conversion(mesh.units, "meters"))
     vertices = np.asarray(mesh.vertices, dtype=float).reshape(-1, 3)
     if not len(vertices) or not np.isfinite(vertices).all():
         raise ValueError("no finite vertices")

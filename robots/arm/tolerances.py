@@ -12,7 +12,18 @@ SHARES = (0.4, 0.5, 0.6)
 """Of the arm's reach, how far in front the tool is."""
 
 HEIGHTS = (0.25, 0.35, 0.45)
-"""Of the reach, how high above the base's foot."""
+"""Of the reach, how high above what it works on."""
+
+TALL = 0.5
+"""Of the reach, how high the first joint is above the foot of an arm that does not work at its foot's height:
+one on a torso."""
+
+ASIDE = 0.1
+"""Of the reach, how far its first joint is from the axis of the base of an arm that stands beside it: one of
+two."""
+
+BELOW = 0.35
+"""Of the reach, how far below its first joint such an arm works: a table before a person's shoulders."""
 
 CLEAR = (0.01, -0.004)
 """[m] between links, wanted and at least: distances are known to the hulls' 4 mm."""

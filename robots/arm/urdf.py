@@ -20,8 +20,10 @@ from topple.robots.arm.shapes import geometry_parts
 from topple.robots.collision.convex import hull_of
 from topple.topology.arrays import FloatArray, frozen
 from topple.topology.errors import InvalidInput
+from topple.topology.geometry.rigid import transformed
 
 DRIVABLE = ("revolute", "continuous", "prismatic")
+MOST_BODIES = 2000  # links and their shapes: a humanoid with both hands has three hundred
 UNBOUND_PREFIX = expat.errors.codes[expat.errors.XML_ERROR_UNBOUND_PREFIX]
 LONGEST = 1e3  # [m] no arm is a kilometre long; hulls of far larger numbers are none
 FULL_TURN = 2 * math.pi  # a continuous joint may turn so far either way: cables and hoses allow no more
@@ -160,18 +162,40 @@ def urdf_root(path: Path) -> ElementTree.Element:
     Raises:
         InvalidInput: If the file cannot be read, or is not a URDF.
     """
+    return xml_root(path, "a URDF")
+
+
+def xml_root(path: Path, kind: str) -> ElementTree.Element:
+    """Parse an XML file that describes a robot.
+
+    Args:
+        path: The file.
+        kind: What it should be, in messages: "a URDF".
+
+    Returns:
+        Its `<robot>` element.
+
+    Raises:
+        InvalidInput: If the file cannot be read, or is something else.
+    """
     try:
         robot = _parsed(path.read_bytes())
     except OSError as error:
         raise InvalidInput(
-            f"{path}: cannot be read ({error.strerror}); give the path of a URDF file"
+            f"{path}: cannot be read ({error.strerror}); give the path of {kind} file"
         ) from error
     except ElementTree.ParseError as error:
-        raise InvalidInput(f"{path}: not XML ({error}); give the path of a URDF file") from error
+        raise InvalidInput(f"{path}: not XML ({error}); give the path of {kind} file") from error
     if robot.tag != "robot":
-        raise InvalidInput(f"{path}: the root element is <{robot.tag}>, a URDF has <robot>")
+        raise InvalidInput(f"{path}: the root element is <{robot.tag}>, {kind} has <robot>")
+    bodies = sum(element.tag in ("link", "collision", "visual") for element in robot.iter())
+    if bodies > MOST_BODIES:
+        raise InvalidInput(
+            f"{path}: {bodies} links and shapes; expected those of a robot, {MOST_BODIES} at most"
+        )
     if any("}" in element.tag and "xacro" in element.tag for element in robot.iter()):
-        raise InvalidInput(f"{path}: this is xacro: make a URDF of it (xacro {path.name} > robot.urdf)")
+        made = f"robot.{kind.split()[-1].lower()}"
+        raise InvalidInput(f"{path}: this is xacro: make {kind} of it (xacro {path.name} > {made})")
     return robot
 
 
@@ -300,7 +324,7 @@ def _read_link(element: ElementTree.Element, path: Path, missing: list[str], cut
             if not max(np.abs(vertices).max(initial=0.0), np.abs(pose[:3, 3]).max()) < LONGEST:  # nan is not
                 raise InvalidInput(f"{where} has a collision shape beyond {LONGEST:g} m: expected metres")
             try:
-                parts.append(frozen(hull_of(vertices @ pose[:3, :3].T + pose[:3, 3])[0]))
+                parts.append(frozen(hull_of(transformed(vertices, pose))[0]))
             except QhullError as error:
                 raise InvalidInput(f"{where} has a collision shape that has no hull") from error
     return Link(name, tuple(parts))

@@ -11,11 +11,12 @@ from topple.robots.arm.arm import Arm
 from topple.robots.arm.compose import composed
 from topple.robots.arm.gripper import ParallelJaw, SuctionCup, Tool, ToolName, ToolState
 from topple.robots.arm.gripper_file import Cup, Gripper, Jaw
+from topple.robots.catalog.data import data_path
 from topple.robots.catalog.own_arm import arm_from_file
 from topple.robots.hands.suction_hand import CUP_JOINT, CUP_LINK, PANDA_CUP, panda_with_cup
 from topple.robots.hands.wsg50 import wsg50_fingers, wsg50_xml
 from topple.topology.arrays import FloatArray
-from topple.topology.errors import InvalidInput, NotInstalled
+from topple.topology.errors import InvalidInput
 from topple.topology.plugins import Table
 
 ROBOTS: Table[Callable[[], Arm]] = Table(
@@ -60,14 +61,22 @@ XARM_JOINTS = (
 )
 
 
-def robot(name: str | Path, gripper: str | Path | Gripper | Jaw | Cup | None = None) -> Arm:
+def robot(
+    name: str | Path,
+    gripper: str | Path | Gripper | Jaw | Cup | None = None,
+    *,
+    srdf: str | Path | None = None,
+    group: str | None = None,
+) -> Arm:
     """An arm by name or from a URDF file.
 
     Args:
         name: One of `names()`, or the path of a URDF.
         gripper: With a URDF: a gripper file (TOML), or what it would hold, see
-            `topple.robots.arm.gripper_file`. A parallel jaw of the URDF is recognised where it is
-            not named here.
+            `topple.robots.arm.gripper_file`; or the URDF of a hand to mount, or `wsg50`. A parallel jaw of
+            the URDF is recognised where it is not named here.
+        srdf: With a URDF: the SRDF that says which joints are the arm; found beside it where not given.
+        group: The SRDF's group that is the arm, where there are several.
 
     Returns:
         The arm; the same object for the same name.
@@ -79,9 +88,11 @@ def robot(name: str | Path, gripper: str | Path | Gripper | Jaw | Cup | None = N
     if str(name) in ROBOTS:
         if gripper is not None:
             raise InvalidInput(f"{name} has a hand of its own: a gripper goes with the path of a .urdf file")
+        if srdf is not None or group is not None:
+            raise InvalidInput(f"{name} is known whole: an SRDF goes with the path of a .urdf file")
         return _by_name(str(name))
     if str(name).endswith((".urdf", ".xml")):
-        return arm_from_file(name, gripper)
+        return arm_from_file(name, gripper, srdf=srdf, group=group)
     raise InvalidInput(
         f"unknown robot {str(name)!r}: expected {', '.join(ROBOTS)} or the path of a .urdf file"
     )
@@ -95,19 +106,6 @@ def names() -> tuple[str, ...]:
 @cache
 def _by_name(name: str) -> Arm:
     return replace(ROBOTS[name](), name=name, catalog=True)
-
-
-def data_path() -> Path:
-    """The folder of pybullet_data, which carries the arms' models.
-
-    Raises:
-        NotInstalled: PyBullet is not installed; `robot` then takes URDF files alone.
-    """
-    try:
-        import pybullet_data
-    except ModuleNotFoundError as error:
-        raise NotInstalled("this arm's model comes with PyBullet, others as FILE.urdf", "sim") from error
-    return Path(pybullet_data.getDataPath())
 
 
 def _translation(z: float) -> FloatArray:

@@ -4,13 +4,16 @@ from dataclasses import replace
 from pathlib import Path
 from xml.etree import ElementTree
 
+import msgspec
 import numpy as np
 
 from topple.robots.arm.arm import Arm
 from topple.robots.arm.gripper import SuctionCup, Tool, ToolName, ToolState
 from topple.robots.arm.gripper_file import (
+    ArmPart,
     Cup,
     Gripper,
+    Hand,
     Jaw,
     check_names,
     checked,
@@ -18,10 +21,15 @@ from topple.robots.arm.gripper_file import (
     read_gripper,
 )
 from topple.robots.arm.home import home_of
+from topple.robots.arm.moving_part import chosen, hold_still
 from topple.robots.arm.prepared import prepared
+from topple.robots.arm.srdf import Semantics, read_srdf, srdf_beside
+from topple.robots.arm.tree import Tree
 from topple.robots.arm.urdf import Model, model_of, urdf_root
+from topple.robots.catalog.data import data_path
 from topple.robots.hands.fingers import Fingers, find_fingers, palm_of, rigid_groups
 from topple.robots.hands.jaws import measured_jaw
+from topple.robots.hands.mounted import WSG50, flange_of, mount
 from topple.robots.hands.suction_hand import CUP_JOINT, CUP_LINK, CupDesign, cup_xml
 from topple.robots.hands.tolerances import FORCE
 from topple.topology.errors import InvalidInput
@@ -31,26 +39,41 @@ TURNING = 10.0  # [rad/s2] likewise, moderate for arms that lift 3 to 10 kg
 SHORTEST_ROD = 0.005  # [m] of a cup whose lip stands on the link itself
 
 
-def arm_from_file(path: str | Path, gripper: str | Path | Gripper | Jaw | Cup | None = None) -> Arm:
+def arm_from_file(
+    path: str | Path,
+    gripper: str | Path | Gripper | Jaw | Cup | None = None,
+    *,
+    srdf: str | Path | None = None,
+    group: str | None = None,
+) -> Arm:
     """Make an arm from a URDF file.
 
     Args:
         path: The URDF.
-        gripper: A gripper file or what it would hold. Where None, or where only a cup is given, a jaw is
-            recognised: two fingers at the end of the arm that close on each other, driven by one joint which
-            others mimic, or by two sliding joints.
+        gripper: A gripper file or what it would hold, the URDF of a hand, or `wsg50`. Where it says nothing
+            of a jaw one is recognised: two fingers at the end of the arm that close on each other, driven by
+            one joint which others mimic, or by two sliding joints.
+        srdf: Says which joints are the arm and which links are not checked against each other; the file of
+            the same name beside the URDF, or in the folder `srdf` or `config` there, where not given.
+        group: Name of the SRDF's group that is the arm, where it has several.
 
     Returns:
         The arm; without a tool where nothing was given and no jaw was recognised. Its home has the hand in
-        front of the base, pointing down.
+        front of the base, pointing down. Joints that are not the arm's or its hand's hold still.
 
     Raises:
-        InvalidInput: The URDF or the gripper cannot be used; the message says where and what was expected.
+        InvalidInput: The URDF, the SRDF or the gripper cannot be used; the message says where and what was
+            expected.
     """
     path = Path(path).expanduser().resolve()
     robot = urdf_root(path)
-    model = model_of(robot, path)
     wanted, where = _gripper(gripper)
+    # what is put down to the last joint, as in a plan, is not looked for again
+    settled = wanted.arm is not None and wanted.arm.joints is not None
+    beside = None if settled else srdf_beside(path)
+    semantics = read_srdf(srdf) if srdf is not None else None if beside is None else read_srdf(beside)
+    wanted, assumed = _whole(robot, path, wanted, semantics, group)
+    model = model_of(robot, path)
     check_names(wanted, model, where)
     fingers = _fingers(model, wanted.jaw)
     jaw = None if fingers is None else measured_jaw(model, fingers, wanted.jaw)
@@ -62,15 +85,52 @@ def arm_from_file(path: str | Path, gripper: str | Path | Gripper | Jaw | Cup | 
         design, origin = _cup_design(wanted.cup)
         robot.extend(ElementTree.fromstring(f"<robot>{cup_xml(design, wanted.cup.link, origin)}</robot>"))
         tools[ToolName.SUCTION] = _suction(wanted.cup, design, jaw)
-    made, assumed = prepared(robot, path, {} if fingers is None else rigid_groups(model, fingers))
+    made, estimated = prepared(robot, path, {} if fingers is None else rigid_groups(model, fingers))
     frame = _tool_frame(model, fingers, wanted)
     kinds = [joint.kind for joint in model.path_to(frame) if joint.kind != "fixed"]
     acceleration = [ACCELERATION.get(kind, TURNING) for kind in kinds]
-    assumed = (*assumed, _accelerations(path.name), *_guessed_force(model, fingers, wanted))
+    assumed += (*estimated, _accelerations(path.name), *_guessed_force(model, fingers, wanted))
     arm = Arm.from_urdf(made, frame, tools, name=model.name, acceleration=acceleration, source=path)
+    if wanted.arm is not None:
+        arm = replace(arm, apart=frozenset(frozenset(pair) for pair in wanted.arm.apart))
     arm = replace(arm, home=home_of(arm, next(iter(tools), None)))
     given = wanted if wanted != Gripper() else None
     return replace(arm, gripper=given, assumptions=assumed)
+
+
+def _whole(
+    robot: ElementTree.Element, path: Path, wanted: Gripper, semantics: Semantics | None, group: str | None
+) -> tuple[Gripper, tuple[str, ...]]:
+    """Hold still what is not the arm, mount the hand, and say what was settled and what was assumed."""
+    tree = Tree(robot, path.name)
+    part, assumed = wanted.arm, ()
+    choice = chosen(tree, part, semantics, group)
+    if choice is not None:
+        rest = {} if part is None else part.rest
+        stand = hold_still(robot, choice.still, rest, path.name)
+        guessed = [joint for joint in choice.still if joint not in rest]
+        if guessed:
+            where = ", ".join(f"{joint} at {stand[joint]:g}" for joint in guessed)
+            assumed = (f"joints of {path.name} that are not the arm's hold still: {where}",)
+    if semantics is not None or part is not None or group is not None:
+        apart = [] if part is None else list(part.apart)
+        if semantics is not None:
+            pairs = {
+                tuple(sorted(pair)) for pair in semantics.apart if pair <= set(tree.links) and len(pair) == 2
+            }
+            apart += [(a, b) for a, b in sorted(pairs) if (a, b) not in apart]
+        joints = None if choice is None else list(choice.joints)
+        rest = {} if part is None else dict(part.rest)
+        settled = ArmPart(joints=joints, rest=rest, apart=apart)
+        wanted = msgspec.structs.replace(wanted, arm=settled if settled != ArmPart() else None)
+    if wanted.hand is not None:
+        ends = () if semantics is None else semantics.end_effectors
+        links = [end.parent_link for end in ends if end.parent_link in tree.links]
+        tip = None if choice is None else choice.tip
+        link = wanted.hand.link or (links[0] if len(links) == 1 and choice is None else flange_of(tree, tip))
+        data = data_path() if wanted.hand.urdf == WSG50 else None
+        wanted = msgspec.structs.replace(wanted, hand=mount(robot, path.name, wanted.hand, link, data))
+    return wanted, assumed
 
 
 def check_tool(arm: Arm) -> None:
@@ -83,12 +143,17 @@ def check_tool(arm: Arm) -> None:
         InvalidInput: It has no tool; the message says what to write in a gripper file.
     """
     if not arm.tools:
-        line = f'cup = {{link = "{_last(arm)}", offset = [0.0, 0.0, 0.1], radius = 0.015}}'
-        raise InvalidInput(
-            f"{arm.source.name}: no fingers that close on each other, so nothing to take hold with: write "
-            f"{line} (the lip in the link's frame [m]), or [jaw] with its joints, in a file and give it with "
-            "--gripper FILE.toml (Python: robot(path, gripper=...))"
-        )
+        raise InvalidInput(tool_advice(arm))
+
+
+def tool_advice(arm: Arm) -> str:
+    """What to write in a gripper file for an arm that has no tool."""
+    line = f'cup = {{link = "{_last(arm)}", offset = [0.0, 0.0, 0.1], radius = 0.015}}'
+    return (
+        f"{arm.source.name}: no fingers that close on each other, so nothing to take hold with: write "
+        f"{line} (the lip in the link's frame [m]), or [jaw] with its joints, in a file and give it with "
+        "--gripper FILE.toml (Python: robot(path, gripper=...)); --gripper HAND.urdf or wsg50 mounts a hand"
+    )
 
 
 def _last(arm: Arm) -> str:
@@ -101,6 +166,8 @@ def _gripper(gripper: str | Path | Gripper | Jaw | Cup | None) -> tuple[Gripper,
     """What was given, and what to call it in messages."""
     if gripper is None:
         return Gripper(), "gripper"
+    if str(gripper) == WSG50 or (isinstance(gripper, str | Path) and str(gripper).endswith(".urdf")):
+        return Gripper(hand=Hand(urdf=str(gripper))), str(gripper)
     if isinstance(gripper, str | Path):
         return read_gripper(gripper), str(gripper)
     if isinstance(gripper, Jaw):

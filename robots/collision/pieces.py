@@ -10,11 +10,11 @@ from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
-from scipy.spatial import ConvexHull, QhullError
 
 from topple.robots.collision.convex import hull_of
 from topple.robots.collision.tolerances import GAIN, IN_PLANE, MOST
 from topple.topology.arrays import FloatArray
+from topple.topology.geometry.sides import hull_volume
 
 PLACES = 5  # where an axis is cut, at the vertices nearest to them: steps have vertices
 SAMPLE = 300  # triangles that a cut is judged by, which takes a millisecond; all of them are cut
@@ -73,12 +73,7 @@ def convex_pieces(triangles: FloatArray) -> list[FloatArray]:
 def _volume(triangles: FloatArray) -> float:
     """Of the hull in [m3]; 0 of what is flat."""
     points = triangles.reshape(-1, 3)
-    if len(points) < 4:
-        return 0.0
-    try:
-        return float(ConvexHull(points).volume)
-    except QhullError:
-        return 0.0
+    return hull_volume(points)
 
 
 def _beyond(triangles: FloatArray, axis: int, at: float, side: float) -> FloatArray:

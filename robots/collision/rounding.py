@@ -8,13 +8,17 @@ between two parts of one body do not move: nothing touches them, and a wall of m
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from functools import lru_cache
 
 import numpy as np
 from scipy.optimize import linprog
 from scipy.spatial import ConvexHull, HalfspaceIntersection, QhullError
 
 from topple.robots.tolerances import TOLERANCES
-from topple.topology.arrays import BoolArray, FloatArray
+from topple.topology.arrays import BoolArray, FloatArray, frozen
+from topple.topology.geometry.sides import beyond, sides_of
+
+REMEMBERED = 256  # bodies: some kilobytes each
 
 
 @dataclass(frozen=True, eq=False)
@@ -33,12 +37,21 @@ class Core:
 def cores(parts: Sequence[FloatArray]) -> Core:
     """Shrink the outer faces of a body's parts by a margin.
 
+    The last `REMEMBERED` bodies are kept: planning puts the same ones into one world after the other.
+
     Args:
         parts: Vertices (V, 3) in [m] of convex parts with a volume.
 
     Returns:
         The cores, and the margin: `TOLERANCES.margin`, or less where a part is thin.
     """
+    return _cores(tuple(np.asarray(part, dtype=np.float64).tobytes() for part in parts))
+
+
+@lru_cache(maxsize=REMEMBERED)
+def _cores(known: tuple[bytes, ...]) -> Core:
+    """The cores of parts given by the bytes of their vertices."""
+    parts = [np.frombuffer(part).reshape(-1, 3) for part in known]
     planes = [_planes(part) for part in parts]
     thinnest = min(float(_widths(part, plane).min()) for part, plane in zip(parts, planes, strict=True))
     margin = min(TOLERANCES.margin, TOLERANCES.margin_share * thinnest)
@@ -49,7 +62,7 @@ def cores(parts: Sequence[FloatArray]) -> Core:
                 _shrunk(part, plane, np.where(faces, margin, 0.0))
                 for part, plane, faces in zip(parts, planes, outer, strict=True)
             ]
-            return Core(tuple(shrunk), margin)
+            return Core(tuple(frozen(part) for part in shrunk), margin)
         except QhullError:  # a part too thin in a direction that none of its faces shows
             margin /= 2
     return Core(tuple(parts), 0.0)
@@ -57,9 +70,10 @@ def cores(parts: Sequence[FloatArray]) -> Core:
 
 def _planes(part: FloatArray) -> FloatArray:
     """(F, 4) distinct facet planes n.x + d <= 0 of a convex part."""
-    equations: FloatArray = ConvexHull(part).equations
-    _, first = np.unique(np.round(equations, 6), axis=0, return_index=True)
-    return equations[np.sort(first)]
+    sides = sides_of(part)
+    assert sides is not None, "parts have a volume"
+    _, first = np.unique(np.round(sides, 6), axis=0, return_index=True)
+    return sides[np.sort(first)]
 
 
 def _widths(part: FloatArray, planes: FloatArray) -> FloatArray:
@@ -80,7 +94,7 @@ def _outer(parts: Sequence[FloatArray], planes: Sequence[FloatArray]) -> list[Bo
         covered = np.zeros(len(plane), dtype=bool)
         for other, walls in enumerate(planes):
             if other != own:
-                covered |= (middle @ walls[:, :3].T + walls[:, 3]).max(axis=1) < TOLERANCES.seam / 2
+                covered |= beyond(walls, middle) < TOLERANCES.seam / 2
         flags.append(~covered)
     return flags
 

@@ -28,6 +28,7 @@ from topple.robots.hands.tolerances import (
 from topple.robots.poses import inverse
 from topple.topology.arrays import FloatArray
 from topple.topology.errors import InvalidInput
+from topple.topology.geometry.rigid import transformed
 
 SAMPLES = 17  # joint values at which the distance of the pads is measured: linkages are not linear
 SNAP = np.cos(np.radians(20.0))  # a hand points along an axis of its mounting link, if one is this near
@@ -90,7 +91,7 @@ class _Hand:
         for link in self._groups[carrier][1:]:
             joint = self._model.joints[link]
             poses[link] = poses[joint.parent] @ joint.pose_child_to_parent
-            found += [_moved(poses[link], part) for part in self._model.links[link].parts]
+            found += [transformed(part, poses[link]) for part in self._model.links[link].parts]
         return found
 
     def _parts(self, carrier: str, values: Mapping[str, float]) -> list[FloatArray]:
@@ -99,7 +100,7 @@ class _Hand:
         while link != self._fingers.palm:
             joint = self._model.joints[link]
             pose, link = pose_of_joint(joint, joint_value(joint, values)) @ pose, joint.parent
-        return [_moved(pose, part) for part in self._shape(carrier)]
+        return [transformed(part, pose) for part in self._shape(carrier)]
 
     def _middle(self, carrier: str, values: Mapping[str, float]) -> FloatArray:
         """Middle of a group's extent (3,) in the palm's frame."""
@@ -310,7 +311,3 @@ def _snapped(direction: FloatArray) -> FloatArray:
     unit = direction / np.linalg.norm(direction)
     axis = int(np.argmax(np.abs(unit)))
     return np.sign(unit[axis]) * np.eye(3)[axis] if abs(unit[axis]) > SNAP else unit
-
-
-def _moved(pose: FloatArray, points: FloatArray) -> FloatArray:
-    return points @ pose[:3, :3].T + pose[:3, 3]

@@ -2,11 +2,16 @@
 
 from collections.abc import Callable
 
+from topple.robots.engines import BULLET, playing_on
 from topple.robots.scenarios.dishes import dishes
 from topple.robots.scenarios.lemon import lemon_in_bowl
+from topple.robots.scenarios.pack import pack
 from topple.robots.scenarios.pile import pile
+from topple.robots.scenarios.restack import restack
 from topple.robots.scenarios.scenario import Scenario
+from topple.robots.scenarios.set_table import set_table
 from topple.robots.scenarios.sort import sort
+from topple.robots.scenarios.swap import swap
 from topple.robots.scenarios.tower import tower
 from topple.topology.plugins import Table
 
@@ -19,25 +24,35 @@ SCENARIOS: Table[Callable[[int], Scenario]] = Table(
         "tower": "topple.robots.scenarios.tower:tower",
         "pile": "topple.robots.scenarios.pile:pile",
         "sort": "topple.robots.scenarios.sort:sort",
+        "set-table": "topple.robots.scenarios.set_table:set_table",
+        "restack": "topple.robots.scenarios.restack:restack",
+        "pack": "topple.robots.scenarios.pack:pack",
+        "swap": "topple.robots.scenarios.swap:swap",
     },
     Scenario,
 )
 """Every scenario by its name, to be called with a seed; other packages add theirs."""
 
-__all__ = ["SCENARIOS", "Scenario", "dishes", "lemon_in_bowl", "pile", "scenario_called", "sort", "tower"]
+__all__ = [
+    "SCENARIOS", "Scenario", "dishes", "lemon_in_bowl", "pack", "pile", "restack", "scenario_called",
+    "set_table", "sort", "swap", "tower",
+]  # fmt: skip
 
 
-def scenario_called(name: str, seed: int = 0) -> Scenario:
+def scenario_called(name: str, seed: int = 0, engine: str = BULLET) -> Scenario:
     """Make a scene by its name.
 
     Args:
-        name: dishes, lemon, tower, pile, sort, or what another package adds.
-        seed: Any number; the same one gives the same scene.
+        name: dishes, lemon, tower, pile, sort, set-table, restack, pack, swap, or what another package adds.
+        seed: Any number; the same one gives the same scene on the same engine.
+        engine: What it is played on, one of `topple.robots.engines.ENGINES`.
 
     Returns:
         The settled scene with its task.
 
     Raises:
-        InvalidInput: If there is no such scene.
+        InvalidInput: If there is no such scene or engine.
+        NotInstalled: If the engine is not installed.
     """
-    return SCENARIOS[name](seed)
+    with playing_on(engine):
+        return SCENARIOS[name](seed)

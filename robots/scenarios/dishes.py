@@ -6,7 +6,7 @@ from scipy.spatial.transform import Rotation
 from topple.robots.scenarios.scenario import Scenario, Unlucky, overlap, pose_at, settle, settled, touching
 from topple.robots.shapes import can, fork, plate, spoon
 from topple.robots.world.camera import Noise
-from topple.robots.world.world import World
+from topple.robots.world.physical_world import PhysicalWorld
 from topple.topology.arrays import FloatArray
 
 CUTLERY = ("spoon_1", "spoon_2", "fork")
@@ -29,7 +29,7 @@ def dishes(seed: int = 0, *, noise: Noise | None = None) -> Scenario:
     return settled("dishes", seed, _layout, noise=noise)
 
 
-def _layout(world: World, rng: np.random.Generator) -> tuple[str, tuple[str, ...]]:
+def _layout(world: PhysicalWorld, rng: np.random.Generator) -> tuple[str, tuple[str, ...]]:
     diameter = rng.uniform(0.24, 0.26)
     middle = np.array([rng.uniform(-0.03, 0.03), rng.uniform(-0.04, 0.04), 0.0])
     world.add(plate(diameter=diameter, height=RIM), pose_at(*middle))
@@ -67,7 +67,7 @@ def _leaning(middle: FloatArray, radius: float, angle: float, rng: np.random.Gen
     return pose_at(place[0], place[1], axis_from_edge[1] + 0.001, turn)
 
 
-def _check(world: World) -> None:
+def _check(world: PhysicalWorld) -> None:
     """Everything lies as it should."""
     touches = touching(world)
     for name in CUTLERY:

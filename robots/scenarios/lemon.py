@@ -9,7 +9,7 @@ from topple.robots.scenarios.scenario import Scenario, Unlucky, drop, pose_at, s
 from topple.robots.shapes import apple, bowl, can, lemon, orange, pear, plum, strawberry
 from topple.robots.world.bodies import Body
 from topple.robots.world.camera import Noise
-from topple.robots.world.world import World
+from topple.robots.world.physical_world import PhysicalWorld
 
 CONTENTS: dict[str, Callable[[str], Body]] = {
     "apple": lambda name: apple(name, diameter=0.068),
@@ -35,7 +35,7 @@ def lemon_in_bowl(seed: int = 0, *, noise: Noise | None = None) -> Scenario:
     return settled("lemon", seed, _layout, robot="panda", noise=noise)
 
 
-def _layout(world: World, rng: np.random.Generator) -> tuple[str, tuple[str, ...]]:
+def _layout(world: PhysicalWorld, rng: np.random.Generator) -> tuple[str, tuple[str, ...]]:
     middle = np.array([rng.uniform(-0.04, 0.06), rng.uniform(-0.08, 0.08)])
     diameter = 0.19
     world.add(bowl(diameter=diameter, height=0.07, sides=24), pose_at(middle[0], middle[1], 0.0))

@@ -9,7 +9,7 @@ from topple.robots.scenarios.scenario import Scenario, Unlucky, drop, settle, se
 from topple.robots.shapes import ball, bar, bowl, box, can, mug, plate, spoon, tray
 from topple.robots.world.bodies import Body, Color
 from topple.robots.world.camera import Noise
-from topple.robots.world.world import World
+from topple.robots.world.physical_world import PhysicalWorld
 
 Maker = Callable[[str, np.random.Generator], Body]
 
@@ -55,7 +55,7 @@ def pile(seed: int = 0, *, noise: Noise | None = None) -> Scenario:
     return settled("pile", seed, _layout, noise=noise)
 
 
-def heap(world: World, rng: np.random.Generator, count: int, spread: float = 0.07) -> tuple[str, ...]:
+def heap(world: PhysicalWorld, rng: np.random.Generator, count: int, spread: float = 0.07) -> tuple[str, ...]:
     """Drop random things on a pile.
 
     Args:
@@ -84,14 +84,14 @@ def heap(world: World, rng: np.random.Generator, count: int, spread: float = 0.0
     return tuple(names)
 
 
-def _layout(world: World, rng: np.random.Generator) -> tuple[str, tuple[str, ...]]:
+def _layout(world: PhysicalWorld, rng: np.random.Generator) -> tuple[str, tuple[str, ...]]:
     names = heap(world, rng, int(rng.integers(5, 9)))
     settle(world)
     target = _most_buried(world, names)
     return f"free {target}", (target,)
 
 
-def _most_buried(world: World, names: tuple[str, ...]) -> str:
+def _most_buried(world: PhysicalWorld, names: tuple[str, ...]) -> str:
     """The object that touches most others whose centre of mass is higher."""
     height = {
         name: float((world.pose(name) @ np.append(world.body(name).centre_of_mass, 1.0))[2]) for name in names

@@ -1,16 +1,18 @@
 """Scenario: a settled scene with cameras, a robot's place and a task; what all built-in ones share."""
 
-from collections.abc import Callable
+from collections.abc import Callable, Mapping, Sequence
+from contextlib import ExitStack
 from dataclasses import dataclass
 from types import TracebackType
 
 import numpy as np
 from scipy.spatial.transform import Rotation
 
+from topple.robots.engines import new_world
 from topple.robots.poses import angle_between
 from topple.robots.world.bodies import Body
 from topple.robots.world.camera import Camera, Noise
-from topple.robots.world.world import World
+from topple.robots.world.physical_world import PhysicalWorld
 from topple.topology.arrays import FloatArray
 from topple.topology.errors import ToppleError
 
@@ -28,6 +30,8 @@ REACHED = (
 WATCHED = 8.0  # [s] for which a settled scene is watched: what stands on an edge takes some to begin to fall
 CREEP = 0.001  # [m] that nothing may move in that time
 TURN = 0.02  # [rad] nor turn
+OVERLAP = 5e-4  # [m] that what is laid out by hand may be in each other: facets of round things
+SLID = 0.02  # [m] that a thing may slide as it settles
 ATTEMPTS = 60  # layouts tried for one seed: one in three works out where most does go wrong
 
 
@@ -46,11 +50,12 @@ class Scenario:
         robot: Name of the robot that can do it.
         pose_base_to_world: (4, 4) where that robot stands.
         up: (3,) against gravity.
+        finished: Where the task is to copy an arrangement, a world in which the same bodies lie so.
     """
 
     name: str
     seed: int
-    world: World
+    world: PhysicalWorld
     goal: str
     targets: tuple[str, ...]
     cameras: tuple[Camera, ...]
@@ -58,6 +63,7 @@ class Scenario:
     robot: str
     pose_base_to_world: FloatArray
     up: FloatArray
+    finished: PhysicalWorld | None = None
 
     def __enter__(self) -> "Scenario":
         return self
@@ -66,6 +72,8 @@ class Scenario:
         self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
     ) -> None:
         self.world.close()
+        if self.finished is not None:
+            self.finished.close()
 
 
 class Unlucky(ToppleError):
@@ -75,7 +83,7 @@ class Unlucky(ToppleError):
 def settled(
     name: str,
     seed: int,
-    layout: Callable[[World, np.random.Generator], tuple[str, tuple[str, ...]]],
+    layout: Callable[[PhysicalWorld, np.random.Generator], tuple[str, tuple[str, ...]]],
     *,
     robot: str = "panda-suction",
     noise: Noise | None = None,
@@ -96,28 +104,67 @@ def settled(
     Raises:
         ToppleError: If no layout works out.
     """
+    return _made(name, seed, 1, lambda worlds, rng: layout(worlds[0], rng), robot, noise)
+
+
+def to_copy(
+    name: str,
+    seed: int,
+    layout: Callable[[PhysicalWorld, PhysicalWorld, np.random.Generator], tuple[str, tuple[str, ...]]],
+    *,
+    robot: str = "panda",
+    noise: Noise | None = None,
+) -> Scenario:
+    """Make layouts of a start and of the arrangement it shall become, until both settle as they should.
+
+    Args:
+        name: Name of the scenario.
+        seed: Any number; the same one gives the same scene.
+        layout: Fills two worlds that have a table with the same bodies, the start first, lets both settle and
+            returns goal and targets; raises Unlucky where something fell or lies elsewhere than it should.
+        robot: Name of the robot that can do it.
+        noise: Faults of the cameras; None: those of a Kinect.
+
+    Returns:
+        The scenario, whose `finished` is the arrangement.
+
+    Raises:
+        ToppleError: If no layout works out.
+    """
+    return _made(name, seed, 2, lambda worlds, rng: layout(worlds[0], worlds[1], rng), robot, noise)
+
+
+def _made(
+    name: str,
+    seed: int,
+    count: int,
+    layout: Callable[[Sequence[PhysicalWorld], np.random.Generator], tuple[str, tuple[str, ...]]],
+    robot: str,
+    noise: Noise | None,
+) -> Scenario:
+    """Lay out some worlds, the start and what it shall become, until all of them settle as they should."""
     rng = np.random.default_rng([seed, *name.encode()])
     reason = ""
     for _ in range(ATTEMPTS):
-        world = World()
-        try:
-            world.add_table(size=TABLE, centre=TABLE_CENTRE)
-            goal, targets = layout(world, rng)
-            _watch(world)
-        except Unlucky as error:
-            reason = str(error)
-            world.close()
-            continue
-        except BaseException:
-            world.close()
-            raise
+        with ExitStack() as stack:
+            worlds = [stack.enter_context(new_world()) for _ in range(count)]
+            try:
+                for world in worlds:
+                    world.add_table(size=TABLE, centre=TABLE_CENTRE)
+                goal, targets = layout(worlds, rng)
+                for world in worlds:
+                    _watch(world)
+            except Unlucky as error:
+                reason = str(error)
+                continue
+            stack.pop_all()
+        world, finished = worlds[0], worlds[1] if count > 1 else None
         fixed = tuple(name for name in world.names if name in world.fixed)
         base = np.eye(4)
         base[:3, 3] = BASE
         cameras = around((0.0, 0.0, 0.03), noise=noise)
-        return Scenario(
-            name, seed, world, goal, targets, cameras, fixed, robot, base, np.array([0.0, 0.0, 1.0])
-        )
+        up = np.array([0.0, 0.0, 1.0])
+        return Scenario(name, seed, world, goal, targets, cameras, fixed, robot, base, up, finished)
     raise ToppleError(f"scenario {name!r} found no layout for seed {seed} in {ATTEMPTS} attempts: {reason}")
 
 
@@ -159,7 +206,7 @@ def pose_at(x: float, y: float, z: float, turn: Rotation | None = None) -> Float
     return pose
 
 
-def settle(world: World, seconds: float = 4.0) -> None:
+def settle(world: PhysicalWorld, seconds: float = 4.0) -> None:
     """Let everything come to rest on the table.
 
     Raises:
@@ -172,7 +219,7 @@ def settle(world: World, seconds: float = 4.0) -> None:
             raise Unlucky(f"{name} fell or rolled away")
 
 
-def _watch(world: World) -> None:
+def _watch(world: PhysicalWorld) -> None:
     """See that nothing creeps, or falls by itself: it would be blamed on the robot.
 
     Raises:
@@ -186,18 +233,40 @@ def _watch(world: World) -> None:
             raise Unlucky(f"{name} creeps")
 
 
-def overlap(world: World) -> float:
+def overlap(world: PhysicalWorld) -> float:
     """How deep two bodies are in each other right now in [m]; 0 if none are."""
     world.step()
     return max((-contact.distance for contact in world.contacts()), default=0.0)
 
 
-def touching(world: World) -> set[frozenset[str]]:
+def touching(world: PhysicalWorld) -> set[frozenset[str]]:
     """Pairs of names that touch."""
     return {frozenset((contact.a, contact.b)) for contact in world.contacts()}
 
 
-def drop(world: World, body: Body, x: float, y: float, turn: Rotation, clearance: float = 0.004) -> None:
+def lay(world: PhysicalWorld, places: Mapping[Body, FloatArray]) -> None:
+    """Put bodies where they shall lie, and let them settle there.
+
+    Args:
+        world: Where to.
+        places: (4, 4) pose of each.
+
+    Raises:
+        Unlucky: If two are in the same place, or one does not stay where it was put.
+    """
+    for body, pose in places.items():
+        world.add(body, pose)
+    if overlap(world) > OVERLAP:
+        raise Unlucky("two things would be in the same place")
+    settle(world)
+    for body, pose in places.items():
+        if np.linalg.norm((world.pose(body.name) - pose)[:2, 3]) > SLID:
+            raise Unlucky(f"{body.name} does not stay where it was put")
+
+
+def drop(
+    world: PhysicalWorld, body: Body, x: float, y: float, turn: Rotation, clearance: float = 0.004
+) -> None:
     """Let a body go just above what lies under it.
 
     Args:

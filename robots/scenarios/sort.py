@@ -9,7 +9,7 @@ from topple.robots.scenarios.scenario import Scenario, Unlucky, drop, pose_at, s
 from topple.robots.shapes import apple, can, lemon, orange, plum, tray
 from topple.robots.world.bodies import Body
 from topple.robots.world.camera import Noise
-from topple.robots.world.world import World
+from topple.robots.world.physical_world import PhysicalWorld
 
 BIN = (0.26, 0.18, 0.05)  # [m]
 ASIDE = 0.30  # [m] of the bins from the middle
@@ -39,7 +39,7 @@ def sort(seed: int = 0, *, noise: Noise | None = None) -> Scenario:
     return settled("sort", seed, _layout, robot="panda", noise=noise)
 
 
-def _layout(world: World, rng: np.random.Generator) -> tuple[str, tuple[str, ...]]:
+def _layout(world: PhysicalWorld, rng: np.random.Generator) -> tuple[str, tuple[str, ...]]:
     left, right = rng.permutation(["bin_can", "bin_fruit"])
     for name, y in ((str(left), ASIDE), (str(right), -ASIDE)):
         color = (0.55, 0.35, 0.35, 1.0) if name == "bin_can" else (0.45, 0.6, 0.35, 1.0)

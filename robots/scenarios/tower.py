@@ -7,7 +7,7 @@ from topple.robots.scenarios.scenario import Scenario, Unlucky, pose_at, settle,
 from topple.robots.shapes import block
 from topple.robots.world.bodies import Color
 from topple.robots.world.camera import Noise
-from topple.robots.world.world import World
+from topple.robots.world.physical_world import PhysicalWorld
 
 SIDE = 0.05  # [m] a toy block; a Panda's hand opens 8 cm
 APART = 0.12  # [m] between stacks: a hand goes between them
@@ -33,7 +33,7 @@ def tower(seed: int = 0, *, noise: Noise | None = None) -> Scenario:
     return settled("tower", seed, _layout, robot="panda", noise=noise)
 
 
-def _layout(world: World, rng: np.random.Generator) -> tuple[str, tuple[str, ...]]:
+def _layout(world: PhysicalWorld, rng: np.random.Generator) -> tuple[str, tuple[str, ...]]:
     order = [str(name) for name in rng.permutation(list(COLORS))]
     stacks = [order[:2], order[2:]] if rng.random() < 0.5 else [order[:2], [order[2]], [order[3]]]
     if any(stack[k : k + 2] == ["green", "red"] or stack[k : k + 2] == ["blue", "green"]

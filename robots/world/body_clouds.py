@@ -19,6 +19,7 @@ from topple.robots.world.tolerances import (
     WALL,
 )
 from topple.topology.arrays import FloatArray, IntArray
+from topple.topology.geometry.sides import beyond, sides_of
 
 
 @dataclass(frozen=True, eq=False)
@@ -28,19 +29,23 @@ class Piece:
     Attributes:
         corners: (V, 3) corners of its hull [m].
         seen: (N, 3) points of it that a camera saw [m]; the rest of it was invented.
+        post: It only holds up what nobody saw the underside of: no part of the thing.
     """
 
     corners: FloatArray
     seen: FloatArray
+    post: bool = False
 
     @cached_property
     def planes(self) -> FloatArray:
         """(F, 4) facet planes, n · p + d <= 0 inside [m]."""
-        return np.asarray(ConvexHull(self.corners).equations)
+        sides = sides_of(self.corners)
+        assert sides is not None, "a piece has a volume"
+        return sides
 
     def having(self, points: FloatArray) -> "Piece":
         """The hull of the piece and of further (N, 3) points [m], which nobody saw."""
-        return Piece(hull_of(np.concatenate([self.corners, points]))[0], self.seen)
+        return Piece(hull_of(np.concatenate([self.corners, points]))[0], self.seen, self.post)
 
 
 def solid(points: FloatArray, seen: FloatArray) -> list[Piece]:
@@ -98,12 +103,8 @@ def _split(points: FloatArray) -> list[IntArray]:
 
 def _depth(points: FloatArray) -> float:
     """How deep the deeper ones of some points lie in their hull [m]."""
-    try:
-        planes: FloatArray = ConvexHull(points).equations
-    except (QhullError, ValueError):
-        return 0.0
-    depth = -(points @ planes[:, :3].T + planes[:, 3]).max(axis=1)
-    return float(np.quantile(depth, DEEP))
+    sides = sides_of(points)
+    return 0.0 if sides is None else float(np.quantile(-beyond(sides, points), DEEP))
 
 
 def smoothed(points: FloatArray) -> FloatArray:

@@ -1,16 +1,15 @@
-"""A depth camera in the PyBullet world: depth with a real camera's faults, exact masks, colours."""
+"""A depth camera in a world: depth with a real camera's faults, exact masks, colours."""
 
 from dataclasses import dataclass, field, replace
-from typing import Any, cast
+from typing import cast
 
 import numpy as np
 from numpy.typing import NDArray
 from scipy import ndimage
 
-from topple.robots.engine import pybullet
-from topple.robots.poses import inverse, looking_at
+from topple.robots.poses import looking_at
 from topple.robots.tolerances import TOLERANCES
-from topple.robots.world.world import World
+from topple.robots.world.physical_world import PhysicalWorld
 from topple.topology.arrays import BoolArray, FloatArray, IntArray
 from topple.topology.checks import as_intrinsics, as_pose
 from topple.topology.errors import InvalidInput
@@ -128,7 +127,7 @@ class Camera:
             raise InvalidInput(f"mask noise is {pixels}: expected pixels, 0 or more")
         return replace(self, noise=replace(self.noise, shift=float(pixels)))
 
-    def look(self, world: World, rng: np.random.Generator | None = None) -> DepthImage:
+    def look(self, world: PhysicalWorld, rng: np.random.Generator | None = None) -> DepthImage:
         """Take a picture.
 
         Args:
@@ -136,10 +135,10 @@ class Camera:
             rng: Where the faults come from; None: a generator seeded with 0.
 
         Returns:
-            Depth, masks and colours; the label of an object is PyBullet's number + 1, robots are background.
+            Depth, masks and colours; the label of an object is the engine's number + 1, that of robots 0.
         """
         rng = rng or np.random.default_rng(0)
-        depth, body, rgb = self._rendered(world)
+        depth, body, rgb = world.rendered(self)
         names = {number + 1: name for name, number in world.ids.items()}
         label = np.where(np.isin(body + 1, list(names)), body + 1, 0)
         if self.noise.shift > 0:
@@ -153,43 +152,9 @@ class Camera:
             rgb=rgb,
         )
 
-    def picture(self, world: World) -> NDArray[np.uint8]:
-        """The colours alone, (H, W, 3), with shadows: for reports."""
-        return self._rendered(world, shadow=True)[2]
-
-    def _rendered(self, world: World, shadow: bool = False) -> tuple[FloatArray, IntArray, NDArray[np.uint8]]:
-        """Exact depth (H, W) in [m], 0 where nothing is; PyBullet's numbers (H, W); colours (H, W, 3)."""
-        found: Any = pybullet.getCameraImage(
-            self.width, self.height, self._view(), self._projection(), shadow=int(shadow),
-            lightDirection=[0.4, -0.5, 1.5], renderer=pybullet.ER_TINY_RENDERER, physicsClientId=world.client,
-        )  # fmt: skip
-        shape = (self.height, self.width)
-        buffer = np.asarray(found[3], dtype=np.float64).reshape(shape)
-        body = np.asarray(found[4], dtype=np.int64).reshape(shape)
-        near, far = self.nearest, self.farthest
-        depth = near * far / (far - (far - near) * buffer)
-        depth[(body < 0) | (buffer >= 1.0)] = 0.0
-        rgb = np.asarray(found[2], dtype=np.uint8).reshape(*shape, 4)[..., :3]
-        return depth, body & 0xFFFFFF, np.ascontiguousarray(rgb)
-
-    def _view(self) -> list[float]:
-        """OpenGL's view matrix, column by column."""
-        pose = self.pose_camera_to_world @ np.diag([1.0, -1.0, -1.0, 1.0])
-        return inverse(pose).T.ravel().tolist()
-
-    def _projection(self) -> list[float]:
-        """OpenGL's projection matrix, column by column.
-
-        TinyRenderer casts the ray of a pixel through its left lower corner, not its centre.
-        """
-        K, near, far = self.K, self.nearest, self.farthest
-        matrix = np.zeros((4, 4))
-        matrix[0, 0], matrix[1, 1] = 2 * K[0, 0] / self.width, 2 * K[1, 1] / self.height
-        matrix[0, 2] = 1 - 2 * K[0, 2] / self.width
-        matrix[1, 2] = 2 * (K[1, 2] + 1) / self.height - 1
-        matrix[2, 2], matrix[2, 3] = -(far + near) / (far - near), -2 * far * near / (far - near)
-        matrix[3, 2] = -1
-        return matrix.T.ravel().tolist()
+    def picture(self, world: PhysicalWorld) -> NDArray[np.uint8]:
+        """The colours alone, (H, W, 3): for films."""
+        return world.rendered(self)[2]
 
     def _with_faults(self, depth: FloatArray, label: IntArray, rng: np.random.Generator) -> FloatArray:
         """Noise, quantisation, grazing views, edges and lost pixels."""

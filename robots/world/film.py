@@ -7,8 +7,8 @@ from pathlib import Path
 from types import TracebackType
 from typing import Any
 
+from topple.robots.world.acting_arm import ActingArm
 from topple.robots.world.camera import Camera
-from topple.robots.world.simulated_arm import SimulatedArm
 from topple.robots.world.tolerances import BACK
 from topple.topology.errors import InvalidInput, NotInstalled
 
@@ -29,7 +29,7 @@ class Film:
         InvalidInput: The encoder is not installed, or the path's folder is not there.
     """
 
-    def __init__(self, path: Path, robot: SimulatedArm, camera: Camera, rate: int = RATE) -> None:
+    def __init__(self, path: Path, robot: ActingArm, camera: Camera, rate: int = RATE) -> None:
         encoder()
         if not path.resolve().parent.is_dir():
             raise InvalidInput(f"{path}: cannot be written, its folder does not exist; make it first")
@@ -78,7 +78,7 @@ class Film:
             self._file.mux(packet)
 
 
-def filmed(path: Path | None, robot: SimulatedArm, camera: Camera) -> AbstractContextManager[object]:
+def filmed(path: Path | None, robot: ActingArm, camera: Camera) -> AbstractContextManager[object]:
     """A film, or nothing where no path is given."""
     return nullcontext() if path is None else Film(path, robot, camera)
 

@@ -11,6 +11,7 @@ from topple.robots.poses import inverse, pose_from, position_and_quaternion
 from topple.robots.world.tolerances import AT_LIMIT, CLEAR, CONSTRAINT_ERP, PEEL_STEPS, REACH, TILT
 from topple.robots.world.world import World
 from topple.topology.arrays import FloatArray
+from topple.topology.geometry.rigid import transformed
 
 RAYS = 16  # around the lip: 6 mm apart on a 30 mm cup, narrower than what a bellows bridges
 
@@ -106,7 +107,7 @@ def _under(world: World, pose_lip_to_world: FloatArray, cup: SuctionCup) -> str 
     angle = np.linspace(0.0, 2 * np.pi, RAYS, endpoint=False)
     ring = (cup.radius + CLEAR) * np.column_stack([np.cos(angle), np.sin(angle)])
     ends = [np.column_stack([ring, np.full(RAYS, z)]) for z in (-REACH, REACH)]
-    start, end = (points @ pose_lip_to_world[:3, :3].T + pose_lip_to_world[:3, 3] for points in ends)
+    start, end = (transformed(points, pose_lip_to_world) for points in ends)
     hits: Any = pybullet.rayTestBatch(start.tolist(), end.tolist(), physicsClientId=world.client)
     if len({hit[0] for hit in hits}) > 1:
         return None

@@ -1,8 +1,7 @@
 """The PyBullet world: a table, bodies made of convex parts, and what touches what."""
 
-from collections.abc import Sequence
+import ctypes
 from dataclasses import dataclass
-from types import TracebackType
 from typing import Any
 
 import numpy as np
@@ -13,47 +12,18 @@ from topple.robots.poses import inverse, pose_from, position_and_quaternion
 from topple.robots.scratch import Scratch
 from topple.robots.tolerances import TOLERANCES
 from topple.robots.world.bodies import Body
-from topple.robots.world.tolerances import TABLE_FRICTION, THICKNESS
+from topple.robots.world.physical_world import (
+    Contact,
+    Optics,
+    PhysicalWorld,
+    Physics,
+    Rendered,
+    principal_axes,
+)
+from topple.robots.world.rendering import rendered
 from topple.topology.arrays import FloatArray
-from topple.topology.errors import InvalidInput, UnknownObject
-
-
-@dataclass(frozen=True)
-class Physics:
-    """How the world behaves.
-
-    Attributes:
-        gravity: In [m/s^2], down along z.
-        time_step: In [s].
-        iterations: Of the contact solver.
-        damping: Share of linear and angular speed lost per second: air, and contacts that are soft.
-    """
-
-    gravity: float = 9.81
-    time_step: float = TOLERANCES.time_step
-    iterations: int = TOLERANCES.solver_iterations
-    damping: float = 0.04
-
-
-@dataclass(frozen=True, eq=False)
-class Contact:
-    """Two bodies touching at a point.
-
-    Attributes:
-        a: Name of one.
-        b: Name of the other.
-        point: (3,) on b in the world in [m].
-        normal: (3,) unit, from b towards a.
-        force: Normal force in [N].
-        distance: Gap in [m], negative where they overlap.
-    """
-
-    a: str
-    b: str
-    point: FloatArray
-    normal: FloatArray
-    force: float
-    distance: float
+from topple.topology.errors import InvalidInput
+from topple.topology.geometry.rigid import transformed
 
 
 @dataclass(frozen=True)
@@ -71,26 +41,22 @@ class Snapshot:
     names: frozenset[str]
 
 
-class World:
+class World(PhysicalWorld):
     """A PyBullet simulation of its own, to be used with `with`; z is up.
 
     Attributes:
-        physics: Time step, gravity, solver.
         client: PyBullet's number of the simulation; to be given to every call of PyBullet.
-        ids: PyBullet's number of every named body.
         robots: PyBullet's numbers of the robots.
-        time: Simulated time in [s].
     """
 
+    engine = "bullet"
+
     def __init__(self, physics: Physics | None = None) -> None:
-        self.physics = physics or Physics()
+        super().__init__(physics)
         self.client: int = pybullet.connect(pybullet.DIRECT)
-        self.ids: dict[str, int] = {}
         self.robots: set[int] = set()
-        self.time = 0.0
-        self._bodies: dict[str, Body] = {}
         self._inertial: dict[str, FloatArray] = {}  # pose_inertial_to_body
-        self._fixed: set[str] = set()
+        self._body_to_inertial: dict[str, FloatArray] = {}
         self._names: dict[int, str] = {}
         self._files = Scratch()
         self._written = 0
@@ -100,16 +66,9 @@ class World:
             deterministicOverlappingPairs=1,
             numSolverIterations=self.physics.iterations,
             solverResidualThreshold=TOLERANCES.solver_residual,
+            enableFileCaching=0,  # it would keep the file of every body there ever was
             physicsClientId=self.client,
         )
-
-    def __enter__(self) -> "World":
-        return self
-
-    def __exit__(
-        self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
-    ) -> None:
-        self.close()
 
     def close(self) -> None:
         """End the simulation and remove its files; more than once does no harm."""
@@ -117,26 +76,7 @@ class World:
             pybullet.disconnect(physicsClientId=self.client)
             self.client = -1
             self._files.close()
-
-    @property
-    def time_step(self) -> float:
-        """Of the simulation in [s]."""
-        return self.physics.time_step
-
-    @property
-    def names(self) -> tuple[str, ...]:
-        """Of everything but robots, in the order it was added."""
-        return tuple(self.ids)
-
-    @property
-    def fixed(self) -> frozenset[str]:
-        """Names of what never moves."""
-        return frozenset(self._fixed)
-
-    @property
-    def movable(self) -> tuple[str, ...]:
-        """Names of what can move, in the order it was added."""
-        return tuple(name for name in self.ids if name not in self._fixed)
+            _give_back()
 
     def add(self, body: Body, pose_body_to_world: FloatArray | None = None, *, fixed: bool = False) -> None:
         """Put a body into the world.
@@ -161,6 +101,7 @@ class World:
         )  # fmt: skip
         self.ids[body.name], self._names[number] = number, body.name
         self._bodies[body.name], self._inertial[body.name] = body, pose_inertial_to_body
+        self._body_to_inertial[body.name] = inverse(pose_inertial_to_body)
         if fixed:
             self._fixed.add(body.name)
         else:
@@ -174,38 +115,13 @@ class World:
             physicsClientId=self.client,
         )  # fmt: skip
 
-    def add_table(
-        self,
-        name: str = "table",
-        *,
-        height: float = 0.0,
-        size: tuple[float, float] = (1.2, 1.2),
-        centre: tuple[float, float] = (0.0, 0.0),
-        friction: float = TABLE_FRICTION,
-        more: Sequence[FloatArray] = (),
-    ) -> None:
-        """Put a fixed table top into the world, and a floor far below that stops what falls off it.
+    def __enter__(self) -> "World":
+        return self
 
-        Args:
-            name: Its name; the floor has none.
-            height: Of its surface in [m].
-            size: Along x and y in [m].
-            centre: (x, y) in [m].
-            friction: Coulomb coefficient.
-            more: (V, 3) corners of further convex parts of it in the world [m]: a shelf's boards and walls.
-        """
-        corner = np.array([[x, y, z] for x in (-0.5, 0.5) for y in (-0.5, 0.5) for z in (-1.0, 0.0)])
-        top = Body.of(
-            name, [corner * [size[0], size[1], THICKNESS], *(part - [*centre, height] for part in more)],
-            friction=friction, rolling=0.0, color=(0.72, 0.62, 0.5, 1.0), kind="table",
-        )  # fmt: skip
-        pose = np.eye(4)
-        pose[:3, 3] = [*centre, height]
-        self.add(top, pose, fixed=True)
+    def add_floor(self, height: float) -> None:
+        """Put a level floor without a name into the world, at a height in [m]."""
         plane = pybullet.createCollisionShape(pybullet.GEOM_PLANE, physicsClientId=self.client)
-        pybullet.createMultiBody(
-            0.0, plane, basePosition=[0, 0, height - TOLERANCES.floor_drop], physicsClientId=self.client
-        )
+        pybullet.createMultiBody(0.0, plane, basePosition=[0, 0, height], physicsClientId=self.client)
 
     def register_robot(self, number: int) -> None:
         """Note that PyBullet's body `number` is a robot: no object, and background to the cameras."""
@@ -216,30 +132,17 @@ class World:
         number = self._number(name)
         pybullet.removeBody(number, physicsClientId=self.client)
         del self.ids[name], self._names[number], self._bodies[name], self._inertial[name]
+        del self._body_to_inertial[name]
         self._fixed.discard(name)
 
     def name_of(self, number: int) -> str | None:
         """The name of PyBullet's body `number`; None for robots and the unknown."""
         return self._names.get(number)
 
-    def body(self, name: str) -> Body:
-        """The body called `name`."""
-        self._number(name)
-        return self._bodies[name]
-
     def pose(self, name: str) -> FloatArray:
         """(4, 4) pose_body_to_world of a body."""
         found: Any = pybullet.getBasePositionAndOrientation(self._number(name), physicsClientId=self.client)
-        return pose_from(*found) @ inverse(self._inertial[name])
-
-    def poses(self) -> dict[str, FloatArray]:
-        """(4, 4) pose_body_to_world of everything that can move, by name."""
-        return {name: self.pose(name) for name in self.movable}
-
-    def parts(self, name: str) -> tuple[FloatArray, ...]:
-        """Vertices (V, 3) of the convex parts of a body where it is now, in the world in [m]."""
-        pose = self.pose(name)
-        return tuple(part @ pose[:3, :3].T + pose[:3, 3] for part in self._bodies[name].parts)
+        return pose_from(*found) @ self._body_to_inertial[name]
 
     def place(self, name: str, pose_body_to_world: FloatArray) -> None:
         """Set a body down somewhere at rest: for building scenes, not for acting in them."""
@@ -256,32 +159,15 @@ class World:
             pybullet.stepSimulation(physicsClientId=self.client)
         self.time += count * self.time_step
 
-    def settle(self, seconds: float = 3.0) -> bool:
-        """Step until everything is at rest.
+    def speeds(self, name: str) -> tuple[float, float]:
+        """Speed in [m/s] and turning speed in [rad/s] of a body."""
+        velocity: Any = pybullet.getBaseVelocity(self.ids[name], physicsClientId=self.client)
+        speed, turn = np.linalg.norm(velocity, axis=1)
+        return float(speed), float(turn)
 
-        Args:
-            seconds: Longest simulated time to wait.
-
-        Returns:
-            Whether everything came to rest in time.
-        """
-        pause = 6
-        needed, calm = TOLERANCES.still_for / self.time_step, 0
-        for _ in range(max(1, round(seconds / (pause * self.time_step)))):
-            self.step(pause)
-            calm = calm + pause if self.at_rest() else 0
-            if calm >= needed:
-                return True
-        return False
-
-    def at_rest(self) -> bool:
-        """Whether nothing moves at this instant."""
-        for name in self.movable:
-            velocity: Any = pybullet.getBaseVelocity(self.ids[name], physicsClientId=self.client)
-            speed, turn = np.linalg.norm(velocity, axis=1)
-            if speed > TOLERANCES.still_speed or turn > TOLERANCES.still_turn:
-                return False
-        return True
+    def rendered(self, camera: Optics) -> Rendered:
+        """What a camera without faults sees, drawn by TinyRenderer."""
+        return rendered(camera, self.client)
 
     def contacts(self) -> list[Contact]:
         """Everything that touched in the last step, robots and the floor left out."""
@@ -312,17 +198,12 @@ class World:
         pybullet.restoreState(snapshot.number, physicsClientId=self.client)
         self.time = snapshot.time
 
-    def _number(self, name: str) -> int:
-        if name not in self.ids:
-            raise UnknownObject(name, self.ids)
-        return self.ids[name]
-
     def _shapes(self, core: Core, body: Body, pose_inertial_to_body: FloatArray) -> tuple[int, int]:
         """Numbers of the collision and the visual shape, in the frame PyBullet moves."""
         pose = inverse(pose_inertial_to_body)
-        parts = [part @ pose[:3, :3].T + pose[:3, 3] for part in core.parts]
+        parts = [transformed(part, pose) for part in core.parts]
         fans = [np.array([[0, k, k + 1] for k in range(1, len(part) - 1)]) for part in parts]
-        seen = body.mesh.vertices @ pose[:3, :3].T + pose[:3, 3]
+        seen = transformed(body.mesh.vertices, pose)
         collision: int = pybullet.createCollisionShape(
             pybullet.GEOM_MESH, fileName=self._obj(parts, fans), physicsClientId=self.client
         )
@@ -359,21 +240,22 @@ def _set_margin(shape: int, margin: float, client: int) -> None:
     pybullet.removeBody(body, physicsClientId=client)
 
 
-def principal_axes(body: Body) -> tuple[FloatArray, FloatArray]:
-    """Principal moments of inertia and the frame they hold in.
+def _give_back() -> None:
+    """Return freed memory to the system, where the C library can: it holds what worlds have scattered."""
+    trim: Any = getattr(ctypes.CDLL(None), "malloc_trim", None)
+    if trim is not None:
+        trim(0)
+
+
+def in_bullet(world: PhysicalWorld) -> World:
+    """The same world, known to be PyBullet's.
 
     Args:
-        body: Any body.
+        world: A world.
 
-    Returns:
-        Moments (3,) in [kg m^2], and (4, 4) pose_inertial_to_body at the centre of mass; parallel to
-        the body's frame where that is principal within one percent, so that symmetric bodies keep their axes.
+    Raises:
+        InvalidInput: It is played on another engine.
     """
-    pose = np.eye(4)
-    pose[:3, 3] = body.centre_of_mass
-    moments = np.diag(body.inertia).copy()
-    if np.abs(body.inertia - np.diag(moments)).max() > 0.01 * moments.min():
-        moments, axes = np.linalg.eigh(body.inertia)
-        axes[:, 2] *= np.sign(np.linalg.det(axes))
-        pose[:3, :3] = axes
-    return moments, pose
+    if not isinstance(world, World):
+        raise InvalidInput(f"this needs a world on PyBullet, found one on {world.engine}")
+    return world

@@ -1,13 +1,11 @@
 """The force on a hand, from the torques of the arm's joints: what arms with torque sensors feel by."""
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
-from typing import Any
 
 import numpy as np
 
 from topple.robots.arm.arm import Arm
-from topple.robots.engine import pybullet
 from topple.robots.world.tolerances import WEAK
 from topple.topology.arrays import FloatArray
 
@@ -41,10 +39,9 @@ class Wrist:
     are what a force on the hand takes, and the arm's Jacobian says which.
 
     Args:
-        client: PyBullet's number of the simulation.
-        robot: PyBullet's number of the robot.
+        loads: What the engine measures: given whether the arm is taken to be at rest, the values of the arm's
+            joints (n,), their speeds (n,), and their torques less those of the arm's own motion (n,).
         arm: The arm.
-        joints: PyBullet's indices of the arm's joints.
         gravity: In [m/s2].
         time_step: In [s].
         noise: Of the joints' sensors; None: as of an arm made for touching.
@@ -53,25 +50,18 @@ class Wrist:
 
     def __init__(
         self,
-        client: int,
-        robot: int,
+        loads: Callable[[bool], tuple[FloatArray, FloatArray, FloatArray]],
         arm: Arm,
-        joints: Sequence[int],
         gravity: float,
         time_step: float,
         noise: TorqueNoise | None = None,
         rng: np.random.Generator | None = None,
     ) -> None:
-        self._client, self._robot, self._chain = client, robot, arm.chain
+        self._loads, self._chain = loads, arm.chain
         self._gravity, self._time_step = gravity, time_step
         self._noise, self._rng = noise or TorqueNoise(), rng or np.random.default_rng(0)
-        every = range(pybullet.getNumJoints(robot, physicsClientId=client))
-        infos: list[Any] = [pybullet.getJointInfo(robot, j, physicsClientId=client) for j in every]
-        self._moving = [info[0] for info in infos if info[2] != pybullet.JOINT_FIXED]
-        self._damping = np.array([infos[j][6] for j in self._moving])
-        self._columns = [self._moving.index(j) for j in joints]
-        self._offset = self._rng.normal(0.0, self._noise.offset, len(joints))
-        self._speeds, self._velocity, self._bias = np.zeros(len(self._moving)), np.zeros(3), np.zeros(3)
+        self._offset = self._rng.normal(0.0, self._noise.offset, len(arm.joints))
+        self._velocity, self._bias = np.zeros(3), np.zeros(3)
 
     def reading(self) -> FloatArray:
         """Force (3,) in [N] that an arm at rest exerts with its hand, in the base: offset and load in one."""
@@ -89,17 +79,10 @@ class Wrist:
 
     def _felt(self, still: bool) -> tuple[FloatArray, FloatArray]:
         """Force that the hand exerts (3,) in [N] and its acceleration (3,) in [m/s2], in the base."""
-        states: Any = pybullet.getJointStates(self._robot, self._moving, physicsClientId=self._client)
-        q, speeds, torques = (np.array([state[k] for state in states]) for k in (0, 1, 3))
-        change = np.zeros_like(speeds) if still else (speeds - self._speeds) / self._time_step
-        self._speeds = speeds
-        own: Any = pybullet.calculateInverseDynamics(
-            self._robot, q.tolist(), speeds.tolist(), change.tolist(), physicsClientId=self._client
-        )
-        frames = self._chain.frames(q[None, self._columns])
+        q, speeds, left = self._loads(still)
+        frames = self._chain.frames(q[None])
         jacobian = self._chain.jacobian(frames, frames[:, -1, :3, 3])[0]
-        velocity = (jacobian @ speeds[self._columns])[:3]
+        velocity = (jacobian @ speeds)[:3]
         acceleration, self._velocity = (velocity - self._velocity) / self._time_step, velocity
-        left = (torques - np.array(own) - self._damping * speeds)[self._columns]
-        left += self._offset + self._rng.normal(0.0, self._noise.deviation, len(left))
+        left = left + self._offset + self._rng.normal(0.0, self._noise.deviation, len(left))
         return np.linalg.lstsq(jacobian.T, left, rcond=WEAK)[0][:3], acceleration

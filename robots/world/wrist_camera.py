@@ -4,8 +4,8 @@ from dataclasses import dataclass, field, replace
 
 import numpy as np
 
+from topple.robots.world.acting_arm import ActingArm
 from topple.robots.world.camera import Camera
-from topple.robots.world.simulated_arm import SimulatedArm
 from topple.topology.arrays import FloatArray
 from topple.topology.image import DepthImage
 
@@ -28,7 +28,7 @@ class WristCamera:
         pose_camera_to_tool: (4, 4) how it is mounted.
     """
 
-    robot: SimulatedArm
+    robot: ActingArm
     camera: Camera
     rng: np.random.Generator
     pose_camera_to_tool: FloatArray = field(default_factory=_beside_the_fingers)

@@ -8,15 +8,15 @@ import pytest
 
 from topple.benchmarks.paper import truth
 from topple.benchmarks.paper.case import Outcome, Task, judged, solve
-from topple.benchmarks.paper.columns import BOXES, ESTIMATED, LENIENT, PLAIN, SUPPORT, TOPPLE, boxes
+from topple.benchmarks.paper.columns import BOXES, ESTIMATED, LENIENT, NINE, PLAIN, SUPPORT, TOPPLE, boxes
 from topple.benchmarks.paper.layouts import LAYOUTS
 from topple.benchmarks.paper.stage import APART, CONTACT, FLOOR, gap, staged
 from topple.benchmarks.paper.summary import report
-from topple.benchmarks.paper.support_features import support_features
 from topple.benchmarks.paper.things import Things
 from topple.robots.scenarios.scenario import Unlucky
 from topple.robots.world.bodies import Body
 from topple.topology.io import load_scene
+from topple.topology.rule.features import support_features
 from topple.topology.scene import Scene
 from topple.topology.sixim.table import Relation
 
@@ -111,7 +111,7 @@ def test_what_is_not_in_the_folder_of_models_is_procedural(tmp_path: Path) -> No
 
 def test_every_column_answers_every_pair(outcomes: tuple[list[Outcome], Path]) -> None:
     found, _ = outcomes
-    assert {one.column for one in found} == {TOPPLE, PLAIN, ESTIMATED, BOXES, SUPPORT}
+    assert {one.column for one in found} == {TOPPLE, PLAIN, ESTIMATED, NINE, BOXES, SUPPORT}
     for one in found:
         assert len(one.pairs) == 6
         assert all(pair.said is not None for pair in one.pairs)

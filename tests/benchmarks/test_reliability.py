@@ -12,10 +12,11 @@ import pytest
 
 from topple.benchmarks import kills, soak
 from topple.benchmarks.faults.inject import FAULTS, Fault, FaultCount, Run
-from topple.benchmarks.reliability import _share
+from topple.benchmarks.reliability import _share, rows
 from topple.benchmarks.row import Row
 from topple.planner.cli.bench import _print
 from topple.robots.engine import pybullet
+from topple.topology.errors import InvalidInput
 
 ORPHAN = (
     "import subprocess, time\n"
@@ -91,3 +92,8 @@ def test_a_missed_bar_is_printed_with_what_went_wrong(capsys: pytest.CaptureFixt
     assert "MISSED" in out and "1 of 2 bars cleared, 1 missed." in out
     assert "splits: seed 7: no plan\n" in out
     assert "baseline" not in out and "tried" in out
+
+
+def test_a_part_that_there_is_not_is_refused() -> None:
+    with pytest.raises(InvalidInput, match="no part 'noise': expected one of readers, sabotages"):
+        rows(quick=True, seed=0, progress=lambda text: None, part="noise")

@@ -38,6 +38,7 @@ def spent(work: Callable[[], object]) -> float:
     return time.process_time() - begun
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("fixed", [["table"], ["table", "hollow"]], ids=["movable", "fixed"])
 @pytest.mark.parametrize("count", [3_000, 20_000])
 @pytest.mark.parametrize("size", [1.0, 3.0, 19.0])

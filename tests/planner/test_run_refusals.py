@@ -69,7 +69,7 @@ def test_an_interrupted_demo_leaves_its_report(tmp_path: Path) -> None:
     ) as done:
         assert done.stderr is not None
         for line in done.stderr:  # until it acts
-            if "demo: remove " in line:
+            if ": remove " in line:
                 break
         time.sleep(1.0)
         done.send_signal(signal.SIGINT)

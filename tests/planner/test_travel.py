@@ -112,6 +112,7 @@ def test_a_mapping_of_a_result_cannot_be_written_to() -> None:
 SCENES = [stack(seed) for seed in range(3)]
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("method", ["fork", "spawn"])
 def test_orders_are_made_in_other_processes(method: str) -> None:
     with ProcessPoolExecutor(1, mp_context=get_context(method)) as pool:

@@ -90,3 +90,18 @@ def test_no_tower_stands_already() -> None:
 def test_an_unknown_scene_is_refused_with_the_known_ones() -> None:
     with pytest.raises(InvalidInput, match="dishes, lemon, tower, pile, sort"):
         scenario_called("kitchen")
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("name", ["set-table", "restack", "pack", "swap"])
+def test_a_finished_arrangement_is_of_the_same_things_at_rest_elsewhere(name: str) -> None:
+    with scenario_called(name, 2) as scenario:
+        finished = scenario.finished
+        assert finished is not None
+        before, after = scenario.world.poses(), finished.poses()
+        assert set(scenario.targets) <= set(before) == set(after)
+        assert finished.fixed == scenario.world.fixed
+        assert sum(np.linalg.norm((after[thing] - before[thing])[:3, 3]) > 0.02 for thing in before) >= 2
+        finished.step(240)
+        for thing, pose in finished.poses().items():
+            assert np.linalg.norm((pose - after[thing])[:3, 3]) < 2e-3

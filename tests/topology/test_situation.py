@@ -77,6 +77,7 @@ def test_nothing_contradicts_the_relations(laid: Scene) -> None:
     assert _agree(laid) >= 3
 
 
+@pytest.mark.slow
 @pytest.mark.skipif(not PILES.is_dir(), reason="recorded piles are not here")
 @pytest.mark.parametrize(
     "view", ["full", *(pytest.param(one, marks=pytest.mark.slow) for one in ("view1", "view3"))]
@@ -131,6 +132,7 @@ def test_a_pair_called_touching_has_a_contact(laid: Scene) -> None:
     assert np.median(abs(patches[0].normals[:, 0])) > 0.9
 
 
+@pytest.mark.slow
 def test_another_programs_relations_order_a_scene(laid: Scene) -> None:
     told = {
         "format": "topple.relations",

@@ -20,6 +20,7 @@ from topple.topology.geometry.axes import perpendiculars
 from topple.topology.geometry.normals import patch_planes
 from topple.topology.geometry.outline import least_rectangle
 from topple.topology.geometry.round import flattest_side, round_body
+from topple.topology.geometry.sides import beyond, sides_of
 from topple.topology.geometry.thin import cell_keys, voxel_means
 from topple.topology.upright import SPACING, Upright
 from topple.topology.views.free_space import FreeSpace
@@ -309,11 +310,8 @@ def _plan_cells(points: FloatArray, hull: ConvexHull) -> FloatArray:
 
 def _over(corners: FloatArray, cells: FloatArray) -> FloatArray:
     """The plan cells (N, 2) inside the hull of some points (M, 2); none where those have no area."""
-    try:
-        plan = ConvexHull(corners)
-    except QhullError:
-        return cells[:0]
-    return cells[(cells @ plan.equations[:, :2].T + plan.equations[:, 2] <= 0).all(axis=1)]
+    sides = sides_of(corners)
+    return cells[:0] if sides is None else cells[beyond(sides, cells) <= 0]
 
 
 def _lower_height(hull: ConvexHull, cells: FloatArray) -> FloatArray:

@@ -22,7 +22,9 @@ from topple.topology.bodies.tolerances import (
 from topple.topology.bodies.tops import Top, tops_of
 from topple.topology.errors import InvalidInput
 from topple.topology.geometry.axes import level_axes
-from topple.topology.geometry.samples import voxel_means
+from topple.topology.geometry.rigid import transformed
+from topple.topology.geometry.sides import beyond, sides_of
+from topple.topology.geometry.thin import voxel_means
 from topple.topology.scene import Scene
 
 Solids = Mapping[str, Sequence[FloatArray]]
@@ -103,7 +105,7 @@ def parts_of(cloud: FloatArray, scene: Scene) -> tuple[FloatArray, ...]:
     seen_from = scene.viewpoints if len(scene.viewpoints) > 0 else None
     key = b"" if seen_from is None else seen_from.tobytes()
     return _remembered(
-        cloud, key, lambda: convex_parts(voxel_means(cloud, GRAIN), HOLLOW, viewpoints=seen_from)
+        cloud, key, lambda: convex_parts(voxel_means(cloud, GRAIN, ahead=0.0), HOLLOW, viewpoints=seen_from)
     )
 
 
@@ -139,7 +141,10 @@ def fixed_parts(cloud: FloatArray, up: FloatArray) -> tuple[FloatArray, ...]:
     if len(rest) < PLATES_FEWEST:
         return tuple(slabs)
     more = up.tobytes() + b"fixed"
-    return (*slabs, *_remembered(rest, more, lambda: plates_of(voxel_means(rest, 2 * GRAIN), HOLLOW)))
+    return (
+        *slabs,
+        *_remembered(rest, more, lambda: plates_of(voxel_means(rest, 2 * GRAIN, ahead=0.0), HOLLOW)),
+    )
 
 
 def _slab(top: Top, thickness: float, up: FloatArray) -> FloatArray:
@@ -160,8 +165,8 @@ def _thick(tops: Sequence[Top]) -> list[float]:
 
 def _inside(points: FloatArray, corners: FloatArray) -> BoolArray:
     """Which of (N, 3) points lie in or on a convex part."""
-    sides = ConvexHull(corners).equations
-    return np.asarray((points @ sides[:, :3].T + sides[:, 3]).max(axis=1) < SKIN)
+    sides = sides_of(corners)
+    return np.zeros(len(points), dtype=np.bool_) if sides is None else beyond(sides, points) < SKIN
 
 
 def hidden_depth(name: str, scene: Scene, up: FloatArray) -> float:
@@ -190,7 +195,7 @@ def hidden_depth(name: str, scene: Scene, up: FloatArray) -> float:
             top, cloud = found.under(own), found.rest
             if top is not None:
                 # of the same points that the parts are drawn around: they shall end on the table, not below
-                gap = min(gap, float(top.above(voxel_means(own, GRAIN)).min()))
+                gap = min(gap, float(top.above(voxel_means(own, GRAIN, ahead=0.0)).min()))
         places = np.floor(cloud @ axes.T / SOLIDS_CELL).astype(np.int64) - corner
         shared = np.all((places >= 0) & (places < size), axis=1)
         room = bottom[tuple(places[shared].T)] - cloud[shared] @ up
@@ -212,14 +217,6 @@ def drawn_down(part: FloatArray, depth: float, up: FloatArray) -> FloatArray:
         (W, 3) vertices of the extended part.
     """
     return part if depth <= 0.0 else np.vstack([part, part - depth * up])
-
-
-def hull_faces(points: FloatArray) -> FloatArray:
-    """Planes (F, 4) of the faces of the hull of (N, 3) points [m], joggled where they are flat.
-
-    Each is a unit normal that points out and an offset: `normal @ p + offset` is negative inside.
-    """
-    return np.asarray(ConvexHull(points, qhull_options="QJ").equations, dtype=np.float64)
 
 
 def hull_vertices(points: FloatArray) -> FloatArray:
@@ -255,4 +252,4 @@ def moved(parts: Sequence[FloatArray], pose: FloatArray) -> tuple[FloatArray, ..
     Returns:
         The transformed parts.
     """
-    return tuple(part @ pose[:3, :3].T + pose[:3, 3] for part in parts)
+    return tuple(transformed(part, pose) for part in parts)

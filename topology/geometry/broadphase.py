@@ -1,5 +1,7 @@
 """Which pairs of boxes are near each other, without looking at all of them."""
 
+from collections.abc import Sequence
+
 import numpy as np
 
 from topple.topology.arrays import FloatArray, IntArray
@@ -33,3 +35,17 @@ def near_pairs(lower: FloatArray, upper: FloatArray, reach: float) -> IntArray:
     kept = ((low[first] <= high[second]) & (low[second] <= high[first])).all(axis=1)
     pairs = np.sort(np.stack([order[first[kept]], order[second[kept]]], axis=1), axis=1)
     return pairs[np.lexsort((pairs[:, 1], pairs[:, 0]))]
+
+
+def near_both_ways(boxes: Sequence[tuple[FloatArray, FloatArray]], reach: float) -> list[tuple[int, int]]:
+    """The same pairs both ways round: (i, j) and (j, i), sorted.
+
+    Args:
+        boxes: Least and greatest corners (d,) of each [m].
+        reach: Largest distance along an axis [m].
+    """
+    if not boxes:
+        return []
+    lower, upper = np.array(boxes).swapaxes(0, 1)
+    found = near_pairs(lower, upper, reach).tolist()
+    return sorted([(i, j) for i, j in found] + [(j, i) for i, j in found])

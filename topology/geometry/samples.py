@@ -9,27 +9,6 @@ from scipy.spatial import ConvexHull, QhullError
 from topple.topology.arrays import FloatArray, frozen
 
 
-def voxel_means(points: FloatArray, spacing: float) -> FloatArray:
-    """Replace the points of each cube of a grid by their mean, which also averages their noise.
-
-    Args:
-        points: (N, 3) points [m].
-        spacing: Edge of the cubes [m].
-
-    Returns:
-        (M, 3) means, M <= N, in the order of the grid.
-    """
-    if len(points) == 0:
-        return np.empty((0, 3))
-    keys = np.floor((points - points.min(axis=0)) / spacing).astype(np.int64)
-    span = keys.max(axis=0) + 1
-    flat = (keys[:, 0] * span[1] + keys[:, 1]) * span[2] + keys[:, 2]
-    _, inverse, counts = np.unique(flat, return_inverse=True, return_counts=True)
-    inverse = inverse.reshape(-1)
-    sums = np.stack([np.bincount(inverse, points[:, k], len(counts)) for k in range(3)], axis=1)
-    return sums / counts[:, None]
-
-
 def sampled(solid: Sequence[FloatArray], spacing: float) -> FloatArray:
     """Points (N, 3) spread over the surfaces of convex parts, about `spacing` [m] apart."""
     return sampled_with_normals(solid, spacing)[0]

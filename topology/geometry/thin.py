@@ -6,19 +6,22 @@ from topple.topology.arrays import FloatArray, IntArray, bounds
 from topple.topology.geometry.tolerances import BEFORE
 
 
-def cell_keys(points: FloatArray, lower: FloatArray, upper: FloatArray, edge: float) -> IntArray:
+def cell_keys(
+    points: FloatArray, lower: FloatArray, upper: FloatArray, edge: float, ahead: float = BEFORE
+) -> IntArray:
     """Number of the cubic cell each point lies in.
 
     Args:
         points: (N, d) points [m], d = 2 or 3.
-        lower: (d,) least coordinates of any point [m]; cells begin just before.
+        lower: (d,) least coordinates of any point [m].
         upper: (d,) greatest coordinates of any point [m].
         edge: Edge of the cells [m], > 0.
+        ahead: How far before `lower` the cells begin [m].
 
     Returns:
         (N,) numbers; they rise along the last axis first.
     """
-    first = lower - BEFORE
+    first = lower - ahead
     cells = ((points - first) / edge).astype(np.int64)
     counts = ((upper - first) / edge).astype(np.int64) + 1
     keys = cells[:, 0]
@@ -41,19 +44,20 @@ def thinned(points: FloatArray, spacing: float) -> FloatArray:
     return points[np.sort(np.unique(keys, return_index=True)[1])]
 
 
-def voxel_means(points: FloatArray, spacing: float) -> FloatArray:
+def voxel_means(points: FloatArray, spacing: float, ahead: float = BEFORE) -> FloatArray:
     """Keep the mean of the points in each cubic cell, which also averages their noise.
 
     Args:
         points: (N, 3) points [m].
         spacing: Edge of the cells [m], > 0.
+        ahead: How far before the least coordinates the cells begin [m].
 
     Returns:
         (M, 3) points, M <= N, ordered by cell.
     """
     if len(points) == 0:
         return points
-    keys = cell_keys(points, *bounds(points), spacing)
+    keys = cell_keys(points, *bounds(points), spacing, ahead)
     _, inverse, counts = np.unique(keys, return_inverse=True, return_counts=True)
     sums = np.stack([np.bincount(inverse, weights=points[:, k]) for k in range(3)], axis=1)
     return sums / counts[:, None]

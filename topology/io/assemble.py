@@ -9,6 +9,7 @@ from numpy.typing import ArrayLike
 from topple.topology.arrays import FloatArray
 from topple.topology.checks import as_plane, as_points, as_viewpoints
 from topple.topology.errors import InvalidInput
+from topple.topology.geometry.axes import perpendiculars
 from topple.topology.geometry.plane import TABLE as _TABLE
 from topple.topology.image import DepthImage
 from topple.topology.scene import Mesh, Scene, table_among
@@ -132,7 +133,7 @@ def _is_table(name: str, clouds: dict[str, FloatArray], plane: FloatArray) -> bo
     middles = [cloud.mean(axis=0) for other, cloud in clouds.items() if other != name]
     if not middles:
         return False
-    along = np.stack(_axes(plane[:3]), axis=1)  # (3, 2)
+    along = np.stack(perpendiculars(plane[:3]), axis=1)  # (3, 2)
     lower, upper = (points @ along).min(axis=0), (points @ along).max(axis=0)
     if float((upper - lower).min()) < _NARROWEST_TABLE:
         return False
@@ -140,18 +141,11 @@ def _is_table(name: str, clouds: dict[str, FloatArray], plane: FloatArray) -> bo
     return float(((flat >= lower) & (flat <= upper)).all(axis=1).mean()) >= _UNDER_SHARE
 
 
-def _axes(normal: FloatArray) -> tuple[FloatArray, FloatArray]:
-    """Span the plane with two unit vectors (3,) each."""
-    first = np.eye(3)[int(np.abs(normal).argmin())]
-    first = first - (first @ normal) * normal
-    first /= np.linalg.norm(first)
-    return first, np.asarray(np.cross(normal, first), dtype=np.float64)
-
-
 def _flat_cloud(points: FloatArray, plane: FloatArray) -> FloatArray:
     """Lay points (N, 3) into the plane: fine below all points, coarse as far beyond as an arm reaches."""
     normal, offset = plane[:3], plane[3]
-    axes = np.stack(_axes(normal))
+    second, first = perpendiculars(normal)
+    axes = np.stack([-first, second])
     flat = points @ axes.T
     lower, upper = flat.min(axis=0) - _TABLE_MARGIN, flat.max(axis=0) + _TABLE_MARGIN
     fine = _grid(lower, upper, _TABLE_SPACING)

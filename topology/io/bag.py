@@ -16,6 +16,7 @@ from scipy.spatial.transform import Rotation
 
 from topple.topology.arrays import FloatArray
 from topple.topology.errors import InvalidInput, NotInstalled
+from topple.topology.geometry.rigid import transformed
 from topple.topology.io.assemble import Parts
 from topple.topology.io.labelled import parts_from_labelled
 from topple.topology.io.limits import check_size
@@ -213,10 +214,10 @@ class _Bag:
         arrays, notes = self._placed(message.header.frame_id, moment[0])
         where = f"{stream.depth.topic} at {moment[0] / _SECOND:.3f} s"
         if stream.info is None or stream.labels is None:
-            points, labels = _labelled(message, where)
+            points, labels = labelled_points(message, where)
             pose = arrays.pop("pose_camera_to_world")
             arrays |= {
-                "points": points @ pose[:3, :3].T + pose[:3, 3],
+                "points": transformed(points, pose),
                 "labels": labels,
                 "viewpoints": pose[None, :3, 3],
             }
@@ -344,7 +345,7 @@ def _pixels(message: Any, where: str) -> NDArray[Any]:
     return pixels.astype(kind.newbyteorder("="))
 
 
-def _labelled(message: Any, where: str) -> tuple[FloatArray, NDArray[Any]]:
+def labelled_points(message: Any, where: str) -> tuple[FloatArray, NDArray[Any]]:
     """Points (N, 3) [m] and labels (N,) of a PointCloud2."""
     fields = {field.name: (_FIELDS.get(field.datatype, ""), int(field.offset)) for field in message.fields}
     called = next((name for name in LABELS if name in fields), None)

@@ -12,6 +12,7 @@ import numpy as np
 from topple.topology.arrays import FloatArray
 from topple.topology.checks import as_pose, numeric
 from topple.topology.errors import InvalidInput
+from topple.topology.geometry.rigid import transformed
 from topple.topology.image import DepthImage
 from topple.topology.io.archive import Array
 from topple.topology.io.assemble import Parts
@@ -200,7 +201,7 @@ def _placed(path: Path, poses: list[Any], names: Mapping[str, int], to_world: Fl
         file = _model(path, poses[row]["obj_id"])
         points, faces, vertices = read_geometry(file, f"model {file.name}", _MILLIMETRE)
         pose = to_world @ _pose(poses[row], "m2c", f"{_TRUTH}, object {row}")
-        points, vertices = (each @ pose[:3, :3].T + pose[:3, 3] for each in (points, vertices))
+        points, vertices = (transformed(each, pose) for each in (points, vertices))
         parts.clouds[name] = points
         if faces is not None:
             parts.meshes[name] = Mesh(vertices, faces)

@@ -9,6 +9,7 @@ from numpy.typing import ArrayLike
 from topple.topology.arrays import FloatArray
 from topple.topology.checks import as_name, as_points, as_pose
 from topple.topology.errors import InvalidInput
+from topple.topology.geometry.rigid import transformed
 from topple.topology.io.assemble import Parts
 from topple.topology.io.geometry import SUFFIXES, is_cloud_text, read_geometry
 from topple.topology.io.limits import outside_allowed
@@ -78,14 +79,10 @@ def read(path: Path) -> Parts:
 def _add_object(parts: Parts, name: str, file: Path, pose_object_to_world: FloatArray | None) -> None:
     points, faces, vertices = read_geometry(file, f"cloud {name!r} ({file.name})")
     if pose_object_to_world is not None:
-        points, vertices = (_moved(pose_object_to_world, each) for each in (points, vertices))
+        points, vertices = (transformed(each, pose_object_to_world) for each in (points, vertices))
     parts.clouds[name] = points
     if faces is not None:
         parts.meshes[name] = Mesh(as_points(vertices, f"mesh {name!r} ({file.name})"), faces)
-
-
-def _moved(pose: FloatArray, points: FloatArray) -> FloatArray:
-    return points @ pose[:3, :3].T + pose[:3, 3]
 
 
 def _files_by_object(folder: Path, described: dict[str, Any]) -> dict[str, Path]:

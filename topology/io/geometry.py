@@ -3,6 +3,7 @@
 import logging
 import re
 from collections.abc import Callable
+from io import StringIO
 from pathlib import Path
 from typing import Any, cast
 
@@ -16,8 +17,10 @@ from topple.topology.io.pcd import read_pcd
 
 SUFFIXES = (".ply", ".pcd", ".xyz", ".txt", ".obj", ".stl", ".glb")
 
-_CORNERS = re.compile(r"[fv]([-+.0-9].*)?")
+_CORNERS = re.compile(r"[fv]([^A-Za-z].*)?")
 _WHOLE = re.compile(r"[-+]?[0-9]{1,18}")
+_SOUND = re.compile(r"(?:v(?: [-+.0-9eE]{1,30}){3,7}|f(?: [1-9][0-9]{0,17}(?:/[0-9]*){0,2}){3,9}) ?\r?\n?")
+"""Lines of an OBJ as programs write them: most of a large file, told at a glance."""
 _SAMPLE_SPACING = 0.002  # [m] mean distance of a mesh's samples, about what a depth camera sees at 1 m
 _MOST_PIECES = 200  # materials or solids of one object: scans have a few; readers take the square of it
 _FEWEST_SAMPLES, _MOST_SAMPLES = 2_000, 20_000
@@ -55,7 +58,7 @@ def read_geometry(path: Path, what: str, unit: float = 1.0) -> Geometry:
     vertices = as_points(unit * vertices, what)
     if len(faces) == 0:
         return vertices, None, vertices
-    return _sampled(vertices, faces), faces, vertices
+    return sampled_mesh(vertices, faces), faces, vertices
 
 
 def is_cloud_text(path: Path) -> bool:
@@ -81,8 +84,15 @@ def _read_xyz(path: Path, what: str) -> FloatArray:
         text = path.read_text(encoding="utf-8")
     except UnicodeDecodeError as error:
         raise InvalidInput(f"{what} is no text: expected one point x y z per line") from error
+    lines = text.splitlines()
+    try:
+        if any(map(_columns, lines)):  # without any row the reader warns
+            plain = "\n".join(lines).replace(",", " ").replace(";", " ")
+            return np.loadtxt(StringIO(plain), dtype=np.float64, usecols=(0, 1, 2), ndmin=2)
+    except ValueError:
+        pass  # the line is looked for below, and what Python alone reads is read there
     rows: list[list[float]] = []
-    for number, line in enumerate(text.splitlines(), start=1):
+    for number, line in enumerate(lines, start=1):
         values = _columns(line)
         if not values:
             continue
@@ -151,15 +161,17 @@ def _check_obj(path: Path, what: str) -> None:
     materials: set[str] = set()
     with path.open(encoding="utf-8", errors="replace") as file:
         for number, line in enumerate(file, start=1):
+            if _SOUND.fullmatch(line):
+                continue
             if "usemtl" in line:  # where the reader begins another piece, in a comment too
                 materials.add(line)
                 _check_pieces(len(materials), what, "materials")
             words = line.split("#", 1)[0].split()
             if not words or not _CORNERS.fullmatch(words[0]):
                 continue
-            if len(words[0]) > 1:
+            if len(words[0]) > 1 or line[0].isspace():  # passed over by the reader, or taken for two words
                 raise InvalidInput(
-                    f"{what} reads {line.strip()[:40]!r} in line {number}: expected v or f alone"
+                    f"{what} reads {line.rstrip()[:40]!r} in line {number}: v or f alone begins a line"
                 )
             corners = [word.split("/")[0] for word in words[1:]]
             if len(corners) < 3 or (words[0] == "f" and not all(_WHOLE.fullmatch(word) for word in corners)):
@@ -187,7 +199,8 @@ _DECLARED: dict[str, Callable[[Path, str], None]] = {
 }
 
 
-def _sampled(vertices: FloatArray, faces: IntArray) -> FloatArray:
+def sampled_mesh(vertices: FloatArray, faces: IntArray) -> FloatArray:
+    """Points (N, 3) spread evenly over a mesh, always the same, its corners among them [m]."""
     first, second, third = (vertices[faces[:, corner]] for corner in range(3))
     areas = np.linalg.norm(np.cross(second - first, third - first), axis=1) / 2
     area = float(areas.sum())

@@ -33,20 +33,7 @@ def parts_from_rgbd(arrays: Mapping[str, Array]) -> Parts:
     Raises:
         InvalidInput: If a part is missing, the parts do not fit together, or an object has no depth.
     """
-    given = [key for key in (*MASK_KEYS, STACK_KEY) if key in arrays]
-    if STACK_KEY in given and len(given) > 1:
-        raise InvalidInput(f"the RGB-D frame has {' and '.join(given)}: expected one mask, so leave one out")
-    mask = given[0] if given else None
-    absent = [key for key in ("depth", "K") if key not in arrays] + (["label"] if mask is None else [])
-    if mask is None or absent:
-        raise InvalidInput(
-            f"the RGB-D frame has no {' and no '.join(absent)}, only {sorted(arrays)}: "
-            "expected depth (H, W) in metres, K (3, 3) and a mask label (or segmap or seg) (H, W)"
-        )
-    pose = arrays.get("pose_camera_to_world", np.eye(4))
-    label = _labels_of(arrays[mask]) if mask == STACK_KEY else arrays[mask]
-    names = label_names(arrays, label)
-    image = DepthImage(arrays["depth"], arrays["K"], label, pose, names, arrays.get("rgb"))
+    image, names, mask = image_from_rgbd(arrays)
     clouds = image.clouds()
     for name, pixels in image.pixels().items():
         if name not in clouds:
@@ -69,6 +56,35 @@ def parts_from_rgbd(arrays: Mapping[str, Array]) -> Parts:
         background=image.background(),
         notes=ignored(arrays, (*_KEYS, *NAMING, *SPECIAL, mask)),
     )
+
+
+def image_from_rgbd(arrays: Mapping[str, Array]) -> tuple[DepthImage, dict[int, str], str]:
+    """Read the picture of a frame.
+
+    Args:
+        arrays: As for `parts_from_rgbd`.
+
+    Returns:
+        The picture, the names of its labels, and which array is the mask.
+
+    Raises:
+        InvalidInput: If a part is missing, or the parts do not fit together.
+    """
+    given = [key for key in (*MASK_KEYS, STACK_KEY) if key in arrays]
+    if STACK_KEY in given and len(given) > 1:
+        raise InvalidInput(f"the RGB-D frame has {' and '.join(given)}: expected one mask, so leave one out")
+    mask = given[0] if given else None
+    absent = [key for key in ("depth", "K") if key not in arrays] + (["label"] if mask is None else [])
+    if mask is None or absent:
+        raise InvalidInput(
+            f"the RGB-D frame has no {' and no '.join(absent)}, only {sorted(arrays)}: "
+            "expected depth (H, W) in metres, K (3, 3) and a mask label (or segmap or seg) (H, W)"
+        )
+    pose = arrays.get("pose_camera_to_world", np.eye(4))
+    label = _labels_of(arrays[mask]) if mask == STACK_KEY else arrays[mask]
+    names = label_names(arrays, label)
+    image = DepthImage(arrays["depth"], arrays["K"], label, pose, names, arrays.get("rgb"))
+    return image, names, mask
 
 
 def _labels_of(masks: Array) -> Array:

@@ -26,7 +26,12 @@ there are fifteen."""
 RULES: Table[Callable[[Scene, float | None], Rule]] = Table(
     "topple.relations",
     "rule",
-    {"robust": "topple.topology.rule.relate:robust", "plain": "topple.topology.rule.relate:plainly"},
+    {
+        "robust": "topple.topology.rule.relate:robust",
+        "plain": "topple.topology.rule.relate:plainly",
+        "9im": "topple.topology.nineim.rule:nine",
+        "features": "topple.topology.rule.features:features",
+    },
 )
 """What makes each rule for a scene, by the rule's name; the deviation [m] is None where it is not given."""
 
@@ -51,7 +56,7 @@ def relate(
             hidden surfaces and hollow objects.
         most_objects: How many objects the scene may have, `MOST_OBJECTS` where None, since the work grows
             with the square of it; of the pairs `NEAR_EACH` times as many may be near each other.
-        rule: One of `RULES`: "robust", "plain", or what another package adds.
+        rule: One of `RULES`: "robust", "plain", "9im", "features", or what another package adds.
 
     Returns:
         One relation per unordered pair.

@@ -3,7 +3,6 @@
 from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass
 
-import networkx as nx
 import numpy as np
 from scipy.optimize import linprog
 from scipy.sparse import coo_array, csr_array
@@ -114,17 +113,34 @@ def rising(weights: Mapping[str, Weight]) -> Mapping[str, Weight]:
     return dict(sorted(weights.items(), key=lambda item: float(item[1].centre[2])))
 
 
-def islands(names: Collection[str], contacts: Sequence[Contact]) -> list[frozenset[str]]:
+def islands(
+    names: Collection[str], contacts: Sequence[Contact], beside: Collection[str] | None = None
+) -> list[frozenset[str]]:
     """Sets of names that contacts join: what holds one set, or how it sinks, does not depend on any other.
 
     Args:
         names: The objects that can move.
         contacts: Patches; those with anything else join nothing.
+        beside: Only the sets that hold one of these; all of them where not given.
     """
-    network: nx.Graph[str] = nx.Graph()
-    network.add_nodes_from(names)
-    network.add_edges_from((c.a, c.b) for c in contacts if c.a in network and c.b in network)
-    return [frozenset(island) for island in nx.connected_components(network)]
+    meeting: dict[str, set[str]] = {}
+    for contact in contacts:
+        if contact.a in names and contact.b in names:
+            meeting.setdefault(contact.a, set()).add(contact.b)
+            meeting.setdefault(contact.b, set()).add(contact.a)
+    found: list[frozenset[str]] = []
+    seen: set[str] = set()
+    for name in names if beside is None else [name for name in beside if name in names]:
+        if name in seen:
+            continue
+        island, border = {name}, [name]
+        while border:
+            more = meeting.get(border.pop(), set()) - island
+            island |= more
+            border += more
+        seen |= island
+        found.append(frozenset(island))
+    return found
 
 
 def equations(

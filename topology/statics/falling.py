@@ -95,10 +95,9 @@ def falls(
     left = {name: weight for name, weight in rising(weights).items() if name not in without}
     near = [c for c in contacts if c.a not in without and c.b not in without]
     found: dict[str, Fall] = {}
-    for island in islands(left, near):
-        if beside is None or not island.isdisjoint(beside):
-            part = {name: weight for name, weight in left.items() if name in island}
-            found |= _sunk(part, [c for c in near if c.a in island or c.b in island])
+    for island in islands(left, near, beside):
+        part = {name: weight for name, weight in left.items() if name in island}
+        found |= _sunk(part, [c for c in near if c.a in island or c.b in island])
     return {name: found[name] for name in weights if name in found}
 
 

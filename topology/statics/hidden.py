@@ -142,8 +142,13 @@ def _below(name: str, surface: FloatArray, tops: _Tops, sight: FreeSpace | None)
 
 def _plan(points: FloatArray, extreme: np.ufunc, corner: FloatArray) -> dict[tuple[int, int], float]:
     """Highest (or lowest) height per plan cell."""
+    if len(points) == 0:
+        return {}
     cells = np.floor((points[:, :2] - corner) / PLAN_CELL).astype(np.int64)
-    unique, inverse = np.unique(cells, axis=0, return_inverse=True)
-    heights = np.full(len(unique), -np.inf if extreme is np.maximum else np.inf)
-    extreme.at(heights, inverse.ravel(), points[:, 2])
-    return {(int(i), int(j)): float(z) for (i, j), z in zip(unique, heights, strict=True)}
+    first = cells.min(axis=0)
+    across = int(cells[:, 1].max() - first[1]) + 1
+    keys, inverse = np.unique((cells - first) @ np.array([across, 1]), return_inverse=True)
+    heights = np.full(len(keys), -np.inf if extreme is np.maximum else np.inf)
+    extreme.at(heights, inverse, points[:, 2])
+    rows, columns = keys // across + first[0], keys % across + first[1]
+    return dict(zip(zip(rows.tolist(), columns.tolist(), strict=True), heights.tolist(), strict=True))

@@ -6,10 +6,11 @@ from functools import cached_property
 from typing import TYPE_CHECKING
 
 import numpy as np
-from scipy.spatial import ConvexHull, KDTree, QhullError
+from scipy.spatial import KDTree
 
 from topple.topology.arrays import BoolArray, FloatArray, bounds
 from topple.topology.bodies.surfaces import surfaces_of
+from topple.topology.geometry.sides import hull_volume
 from topple.topology.geometry.thin import voxel_means
 from topple.topology.sixim.table import Relation
 from topple.topology.statics.contact import TOLERANCES, Contact, closed, find_contacts
@@ -154,8 +155,8 @@ class Statics:
         """
         met = {name for c in self.contacts if c.a in away or c.b in away for name in (c.a, c.b)}
         contacts = [c for c in self.contacts if c.a not in away and c.b not in away]
-        joined = islands(self.weights.keys() - {*away, *held}, contacts)
-        moving = set[str]().union(*(island for island in joined if not island.isdisjoint(met)))
+        joined = islands(self.weights.keys() - {*away, *held}, contacts, met)
+        moving = set[str]().union(*joined)
         left = {name: weight for name, weight in self.weights.items() if name in moving}
         usable = within_reach([c for c in contacts if c.a in moving or c.b in moving], left)
         found = balance(left, usable)
@@ -195,18 +196,15 @@ def weigh(points: FloatArray, mass: float | None = None) -> Weight:
     centre = points.mean(axis=0)
     if mass is not None:
         return Weight(1e3 * mass / DENSITY, centre, LEVER)
-    volume = hull_volume(points)
+    volume = volume_around(points)
     shell = len(voxel_means(points, SHELL_CELL)) * SHELL_CELL**2 * WALL
     return Weight(1e3 * max(min(volume, shell), 1e-7), centre, LEVER)
 
 
-def hull_volume(points: FloatArray) -> float:
+def volume_around(points: FloatArray) -> float:
     """Volume [m³] of the convex hull of points (N, 3); of flat ones that of their box, a voxel thick."""
-    try:
-        return float(ConvexHull(points).volume)
-    except (QhullError, ValueError):
-        lower, upper = bounds(points)
-        return float(np.prod(np.maximum(upper - lower, SPACING)))
+    lower, upper = bounds(points)
+    return hull_volume(points) or float(np.prod(np.maximum(upper - lower, SPACING)))
 
 
 def within_reach(contacts: Collection[Contact], movable: Collection[str]) -> list[Contact]:

@@ -3,8 +3,8 @@
 // and the graph, together with what it touches and what depends on it. Clicking keeps it lit.
 
 class Panel {
-  // root: the part of the page that shows one scene; scene: its data.
-  constructor(root, scene) {
+  // root: the part of the page that shows one scene; scene: its data; arm: shapes of the links that move in it.
+  constructor(root, scene, arm) {
     this.root = root;
     this.scene = scene;
     this.pinned = -1;
@@ -15,6 +15,7 @@ class Panel {
       box.addEventListener("change", () => { this.viewer.show[box.dataset.show] = box.checked; this.viewer.redraw(); });
     }
     figure.querySelector("[data-reset]").addEventListener("click", () => this.viewer.reset());
+    if (scene.motion) this.player = new Player(figure.querySelector(".player"), this.viewer, new Motion(scene.motion, arm));
     this.mentions = [...root.querySelectorAll("[data-object]")];
     this.pairs = [...root.querySelectorAll("[data-ends]")].map((node) => ({ node, ends: node.dataset.ends.split(" ").map(Number) }));
     for (const node of this.mentions) this.link(node, [Number(node.dataset.object)]);

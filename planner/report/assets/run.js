@@ -6,15 +6,21 @@ const steps = [...document.querySelectorAll("section.step")];
 const marks = [...document.querySelectorAll(".timeline button")];
 window.panels = steps.map(() => null);
 
+// Pictures and views of a step are made when it is first shown.
+function fill(index) {
+  for (const image of steps[index].querySelectorAll("img[data-picture]")) {
+    image.src ||= "data:image/jpeg;base64," + data.pictures[image.dataset.picture];
+  }
+  const figure = steps[index].querySelector(".viewer");
+  if (figure && !window.panels[index]) window.panels[index] = new Panel(steps[index], data.views[figure.dataset.view], data.arm);
+}
+
 function show(index) {
   const chosen = Math.max(0, Math.min(steps.length - 1, index));
+  if (window.current !== undefined && window.panels[window.current]?.player) window.panels[window.current].player.stop();
   steps.forEach((step, i) => { step.hidden = i !== chosen; });
   marks.forEach((mark, i) => mark.setAttribute("aria-current", i === chosen ? "step" : "false"));
-  for (const image of steps[chosen].querySelectorAll("img[data-picture]")) {
-    image.src ||= "data:image/png;base64," + data.pictures[image.dataset.picture];
-  }
-  const figure = steps[chosen].querySelector(".viewer");
-  if (figure && !window.panels[chosen]) window.panels[chosen] = new Panel(steps[chosen], data.views[figure.dataset.view]);
+  fill(chosen);
   marks[chosen].scrollIntoView({ block: "nearest", inline: "nearest" });
   window.current = chosen;
 }
@@ -31,3 +37,13 @@ document.addEventListener("keydown", (event) => {
   else if (event.key === "End") show(steps.length - 1);
 });
 if (steps.length) show(0);
+
+// On paper there is every step.
+window.addEventListener("beforeprint", () => {
+  steps.forEach((step, i) => {
+    step.hidden = false;
+    fill(i);
+    if (window.panels[i]) window.panels[i].viewer.draw();
+  });
+});
+window.addEventListener("afterprint", () => show(window.current));

@@ -10,6 +10,8 @@ const unit = (a) => { const n = Math.hypot(...a) || 1; return [a[0] / n, a[1] / 
 
 const ordinal = (n) => n + (n % 100 > 10 && n % 100 < 14 ? "th" : ["th", "st", "nd", "rd"][n % 10] || "th");
 
+const ARM = { colour: [190, 196, 206], fixed: false, spacing: 0.001 }; // counted after all objects
+
 // Coordinates come as 16-bit steps from the lower corner of the object's box.
 function unpack(object) {
   const bytes = Uint8Array.from(atob(object.points), (c) => c.charCodeAt(0));
@@ -25,11 +27,15 @@ class Viewer {
   constructor(canvas, scene, onPick) {
     this.canvas = canvas;
     this.scene = scene;
-    this.show = { surfaces: true, hulls: false, relations: true, names: true, order: true, path: true };
+    this.show = { surfaces: true, hulls: false, relations: true, names: true, order: true, path: true, arm: true };
+    this.also = []; // corners that are to stay in sight besides
+    this.moved = new Map(); // number of an object -> where it is now, if it is not where it was
+    this.busy = false; // turned or played: drawn coarser, at once
     this.lit = new Set();
     this.clouds = scene.objects.map(unpack);
     this.normals = scene.objects.map((o) => Int8Array.from(atob(o.normals), (c) => c.charCodeAt(0)));
     this.colours = scene.objects.map((o) => [1, 3, 5].map((i) => parseInt(o.colour.slice(i, i + 2), 16)));
+    this.colours.push(ARM.colour);
     this.frame();
     this.reset();
     this.listen(onPick);
@@ -47,10 +53,20 @@ class Viewer {
 
   reset() {
     const look = sub(this.scene.eye, this.scene.centre);
-    this.target = this.scene.centre.slice();
+    this.target = this.middle ? this.middle.slice() : this.scene.centre.slice();
     this.yaw = 0;
     this.pitch = Math.asin(dot(unit(look), this.up));
     this.distance = 0; // until the size of the canvas is known
+    clearTimeout(this.calming);
+    this.busy = false;
+    this.redraw();
+  }
+
+  // Puts the arm and what it carries where they are at a time of a motion.
+  pose(motion, time) {
+    const { links, moved } = motion.at(time);
+    this.arm = motion.links.map((link, i) => ({ ...link, pose: links[i] }));
+    this.moved = moved;
     this.redraw();
   }
 
@@ -72,12 +88,21 @@ class Viewer {
     this.eye = add(this.target, back, this.distance);
   }
 
+  // Frames the view on some corners besides those of what can be taken.
+  include(corners) {
+    this.also = corners;
+    const all = [...this.taken().flatMap((object) => object.corners), ...corners];
+    this.middle = [0, 1, 2].map((i) => (Math.min(...all.map((p) => p[i])) + Math.max(...all.map((p) => p[i]))) / 2);
+    this.reset();
+  }
+
+  taken() { return this.scene.objects.filter((o, _, all) => !o.fixed || all.every((other) => other.fixed)); }
+
   // Nearest the eye may come for every corner of what can be taken to stay in sight.
   fit() {
-    const taken = this.scene.objects.filter((o, _, all) => !o.fixed || all.every((other) => other.fixed));
     const w = 0.42 * this.canvas.width, h = 0.38 * this.canvas.height;
     let distance = this.scene.radius * 1.5;
-    for (const corner of taken.flatMap((object) => object.corners)) {
+    for (const corner of [...this.taken().flatMap((object) => object.corners), ...this.also]) {
       const p = sub(corner, this.target);
       const aside = Math.max(Math.abs(dot(p, this.right)) / w, Math.abs(dot(p, this.down)) / h);
       distance = Math.max(distance, aside * this.focal - dot(p, this.forward));
@@ -93,7 +118,7 @@ class Viewer {
   }
 
   draw() {
-    const scale = Math.min(devicePixelRatio || 1, 1.5);
+    const scale = this.busy ? Math.min(devicePixelRatio || 1, 1.5) : Math.max(devicePixelRatio || 1, 2); // smooths edges
     const width = Math.round(this.canvas.clientWidth * scale), height = Math.round(this.canvas.clientHeight * scale);
     if (!width || !height) return;
     if (this.canvas.width !== width || this.canvas.height !== height) {
@@ -112,7 +137,9 @@ class Viewer {
     context.clearRect(0, 0, width, height);
     this.depth.fill(Infinity);
     this.owner.fill(-1);
-    if (this.show.surfaces) this.drawClouds(context, width, height);
+    if (this.show.surfaces) this.drawClouds(width, height);
+    if (this.show.arm && this.arm) this.drawArm(width, height);
+    this.shade(context, width, height);
     if (this.show.hulls) this.drawHulls(context);
     if (this.show.relations) this.drawRelations(context);
     if (this.show.path && this.scene.path) this.drawPath(context);
@@ -122,16 +149,19 @@ class Viewer {
   dimmed(index) { return this.lit.size > 0 && !this.lit.has(index); }
 
   // Every point is a disc that lies in the surface: together they are the surface, lit and with its own depth.
-  drawClouds(context, width, height) {
+  drawClouds(width, height) {
     const { depth, owner, shine, eye, right, down, forward, focal } = this;
-    const lamp = unit(add(add(forward.map((v) => -v), this.up, 0.9), right, -0.5));
+    const lamp = this.lamp();
     this.scene.objects.forEach((object, index) => {
       const points = this.clouds[index], normals = this.normals[index], radius = Math.max(object.spacing * 1.15, 0.0008);
+      const pose = this.moved.get(index), turned = (v) => [dot(pose[0], v), dot(pose[1], v), dot(pose[2], v)];
       for (let i = 0; i < points.length; i += 3) {
-        const x = points[i] - eye[0], y = points[i + 1] - eye[1], z = points[i + 2] - eye[2];
+        let p = [points[i], points[i + 1], points[i + 2]], n = [normals[i] / 127, normals[i + 1] / 127, normals[i + 2] / 127];
+        if (pose) { p = placed(pose, p); n = turned(n); }
+        const x = p[0] - eye[0], y = p[1] - eye[1], z = p[2] - eye[2];
         const w = x * forward[0] + y * forward[1] + z * forward[2];
         if (w < this.distance * 0.02) continue;
-        const n = [normals[i] / 127, normals[i + 1] / 127, normals[i + 2] / 127], s = focal / w;
+        const s = focal / w;
         const bright = (0.5 + 0.55 * Math.abs(dot(n, lamp))) * (i < 3 * object.seen ? 1 : -1); // below 0: guessed
         const facing = dot(n, forward), steep = (facing < 0 ? -1 : 1) * Math.max(Math.abs(facing), 0.3) * s;
         const across = -dot(n, right) / steep, along = -dot(n, down) / steep; // depth per pixel
@@ -150,7 +180,36 @@ class Viewer {
         }
       }
     });
-    this.shade(context, width, height);
+  }
+
+  lamp() { return unit(add(add(this.forward.map((v) => -v), this.up, 0.9), this.right, -0.5)); }
+
+  // The links are triangles, outward ones only: their hulls are convex.
+  drawArm(width, height) {
+    const { depth, owner, shine, eye, right, down, forward, focal } = this, lamp = this.lamp(), number = this.scene.objects.length;
+    for (const { vertices, faces, normals, pose } of this.arm) {
+      const seen = [], turned = (v) => [dot(pose[0], v), dot(pose[1], v), dot(pose[2], v)];
+      for (let i = 0; i < vertices.length; i += 3) {
+        const p = placed(pose, [vertices[i], vertices[i + 1], vertices[i + 2]]), d = sub(p, eye), w = dot(d, forward), s = focal / w;
+        seen.push({ p, w, u: width / 2 + s * dot(d, right), v: height / 2 + s * dot(d, down) });
+      }
+      for (let i = 0; i < faces.length; i += 3) {
+        const [a, b, c] = [seen[faces[i]], seen[faces[i + 1]], seen[faces[i + 2]]];
+        const area = (b.u - a.u) * (c.v - a.v) - (b.v - a.v) * (c.u - a.u);
+        if (area >= 0 || Math.min(a.w, b.w, c.w) < this.distance * 0.02) continue;
+        const [lit0, lit1, lit2] = [0, 1, 2].map((j) => 0.5 + 0.55 * Math.abs(dot(turned(normals[i + j]), lamp)));
+        const u0 = Math.max(0, Math.ceil(Math.min(a.u, b.u, c.u))), u1 = Math.min(width - 1, Math.floor(Math.max(a.u, b.u, c.u)));
+        const v0 = Math.max(0, Math.ceil(Math.min(a.v, b.v, c.v))), v1 = Math.min(height - 1, Math.floor(Math.max(a.v, b.v, c.v)));
+        for (let v = v0; v <= v1; v++) {
+          for (let u = u0; u <= u1; u++) {
+            const e = ((b.u - u) * (c.v - v) - (b.v - v) * (c.u - u)) / area, f = ((c.u - u) * (a.v - v) - (c.v - v) * (a.u - u)) / area;
+            if (e < 0 || f < 0 || e + f > 1) continue;
+            const far = 1 / (e / a.w + f / b.w + (1 - e - f) / c.w), k = v * width + u;
+            if (far < depth[k]) { depth[k] = far; owner[k] = number; shine[k] = e * lit0 + f * lit1 + (1 - e - f) * lit2; }
+          }
+        }
+      }
+    }
   }
 
   // Colours each pixel by its object and light, darker where a neighbour stands in front of it, so that edges are
@@ -163,7 +222,7 @@ class Viewer {
     for (let k = 0; k < depth.length; k++) {
       const index = owner[k];
       if (index < 0) continue;
-      const { fixed, spacing } = this.scene.objects[index];
+      const { fixed, spacing } = this.scene.objects[index] || ARM;
       let fold = 0;
       if (!fixed) for (const step of steps) {
         const ahead = depth[k] - depth[k + step] - 2 * spacing;
@@ -198,13 +257,17 @@ class Viewer {
       context.strokeStyle = `rgb(${this.colours[index].map((c) => c * 0.55).join(",")})`;
       context.globalAlpha = this.dimmed(index) ? 0.1 : this.lit.size ? 0.9 : 0.6;
       context.lineWidth = this.scale * (this.lit.has(index) ? 1.5 : 1);
-      for (const [a, b] of object.edges) this.line(context, object.corners[a], object.corners[b]);
+      for (const [a, b] of object.edges) this.line(context, this.now(index, object.corners[a]), this.now(index, object.corners[b]));
     });
     context.globalAlpha = 1;
   }
 
+  // Where a point of an object is at the time that is played.
+  now(index, p) { return this.moved.has(index) ? placed(this.moved.get(index), p) : p; }
+
   drawRelations(context) {
     for (const { a, b, colour, dashed, faint } of this.scene.relations) {
+      if (this.moved.has(a) || this.moved.has(b)) continue; // what was seen holds no more
       const off = this.lit.size > 0 && !(this.lit.has(a) && this.lit.has(b) && (a === this.focus || b === this.focus));
       context.globalAlpha = off ? 0.15 : faint ? 0.5 : 1;
       context.strokeStyle = context.fillStyle = colour;
@@ -257,7 +320,7 @@ class Viewer {
     const size = 12 * this.scale, taken = [];
     context.font = `600 ${size}px system-ui, sans-serif`;
     context.textBaseline = "middle";
-    const labels = this.scene.objects.map((object, index) => ({ object, index, at: this.project(object.top) }));
+    const labels = this.scene.objects.map((object, index) => ({ object, index, at: this.project(this.now(index, object.top)) }));
     labels.sort((a, b) => this.lit.has(b.index) - this.lit.has(a.index) || (a.at ? a.at[2] : 1e9) - (b.at ? b.at[2] : 1e9));
     for (const { object, index, at } of labels) {
       if (!at || this.dimmed(index) || (object.fixed && !this.lit.has(index))) continue;
@@ -292,23 +355,34 @@ class Viewer {
   under(event) {
     const box = this.canvas.getBoundingClientRect();
     const u = Math.floor((event.clientX - box.left) * this.scale), v = Math.floor((event.clientY - box.top) * this.scale);
-    return this.show.surfaces && this.owner ? this.owner[v * this.canvas.width + u] ?? -1 : -1;
+    const index = this.show.surfaces && this.owner ? this.owner[v * this.canvas.width + u] ?? -1 : -1;
+    return index < this.scene.objects.length ? index : -1;
   }
 
   turn(dx, dy) {
     this.yaw -= dx * 0.008;
     this.pitch = Math.max(-1.5, Math.min(1.5, this.pitch + dy * 0.008));
+    this.stir();
     this.redraw();
   }
 
   shift(dx, dy) {
     const step = this.distance / this.focal * this.scale;
     this.target = add(add(this.target, this.right, -dx * step), this.down, -dy * step);
+    this.stir();
     this.redraw();
+  }
+
+  // Draws coarsely while somebody turns or zooms, and finely a moment later.
+  stir() {
+    this.busy = true;
+    clearTimeout(this.calming);
+    this.calming = setTimeout(() => { this.busy = false; this.redraw(); }, 150);
   }
 
   zoom(factor) {
     this.distance = Math.max(this.scene.radius * 0.2, Math.min(this.scene.radius * 30, this.distance * factor));
+    this.stir();
     this.redraw();
   }
 

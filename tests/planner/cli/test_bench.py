@@ -17,6 +17,7 @@ from topple.benchmarks.guesses import Guess, box_above, guesses, naive, top_heig
 from topple.benchmarks.plain_numpy import plain_numpy
 from topple.benchmarks.row import Row, faster, longer
 from topple.benchmarks.scores import Score, f1_interval, is_safe, score, share_interval
+from topple.planner.cli.bench import markdown
 from topple.planner.cli.main import main
 from topple.topology.scene import Scene
 
@@ -156,7 +157,7 @@ def test_the_rules_of_thumb_take_the_top_of_a_stack_first(stack: Scene) -> None:
 
 def test_a_perfect_answer_scores_all() -> None:
     found = score(Guess(frozenset({("b", "a")}), ("b", "a", "c")), ABOVE, "abc")
-    assert found == Score(right=1, safe=1, piles=1, lean=3, targets=3)
+    assert found == Score(right=1, safe=1, piles=1, lean=3, targets=3, steps=3)
     assert found.f1 == found.precision == found.recall == 1.0
 
 
@@ -166,7 +167,8 @@ def test_what_is_wrong_is_counted_once() -> None:
 
 
 def test_the_unseen_is_left_out() -> None:
-    assert score(Guess(frozenset(), ("a", "c")), ABOVE, "ac") == Score(safe=1, piles=1, lean=2, targets=2)
+    found = score(Guess(frozenset(), ("a", "c")), ABOVE, "ac")
+    assert found == Score(safe=1, piles=1, lean=2, targets=2, steps=2)
 
 
 def test_an_order_has_to_take_everything() -> None:
@@ -204,3 +206,23 @@ def test_a_document_becomes_a_markdown_table(tmp_path: Path) -> None:
     ).stdout.splitlines()
     assert "| update | 1 s | all again | 20 s | 0.05x | <= 1/15 | ok |" in printed
     assert "| F1 | 0.9 [0.8, 1] |  |  |  |  |  |" in printed
+
+
+def test_a_table_for_the_docs_has_a_column_for_each_heading() -> None:
+    row = {
+        "what": "orders | a second",
+        "value": 12.5,
+        "unit": "/s",
+        "baseline": "plain",
+        "baseline_value": 5.0,
+    }
+    full = {**row, "ratio": 2.5, "bar": "at least 2x", "ok": True}
+    bare = {**row, "baseline": None, "baseline_value": None, "ratio": None, "bar": None, "ok": None}
+    machine = {"processor": "a processor", "cores": 2}
+    document = {"bench": "order", "quick": True, "seed": 3, "machine": machine, "rows": [full, bare]}
+    head, rule, *cells, blank, source = markdown(document)
+    assert head == "| what | value | baseline | its value | ratio | bar | bar held |"
+    assert rule == "| --- | ---: | --- | ---: | ---: | --- | --- |"
+    assert cells[0] == "| orders \\| a second | 12.5 /s | plain | 5 /s | 2.5x | at least 2x | ok |"
+    assert cells[1].count("|") == 9 and blank == ""
+    assert source == "`topple bench order`: --quick, seed 3, a processor, 2 cores."

@@ -110,6 +110,7 @@ def test_several_scenes_are_json_lines(stack: Path, capsys: pytest.CaptureFixtur
         assert [document["scene"] for document in documents] == [str(stack)] * 2
 
 
+@pytest.mark.slow
 def test_many_scenes_go_to_several_processes(stack: Path, capsys: pytest.CaptureFixture[str]) -> None:
     broken = stack.with_name("broken.npz")
     broken.write_bytes(b"no archive")
@@ -171,6 +172,7 @@ def test_names_are_printed_as_they_are(tmp_path: Path, capsys: pytest.CaptureFix
     assert "Löffel" in out
 
 
+@pytest.mark.slow
 def test_names_the_terminal_cannot_show_are_no_reason_to_stop(tmp_path: Path) -> None:
     box = _surface((0, 0, 0), (0.1, 0.1, 0.1))
     np.savez(tmp_path / "scene.npz", **{"Löffel": box, "mug": box + np.array([0.1, 0, 0])})
@@ -258,6 +260,7 @@ def test_without_a_command_it_says_where_to_begin() -> None:
     assert done.stderr == ""
 
 
+@pytest.mark.slow
 def test_the_process_leaves_with_the_exit_code(stack: Path) -> None:
     assert _topple("relate", stack).returncode == 0
     assert _topple("relate", stack.parent / "no.npz").returncode == 2

@@ -49,6 +49,7 @@ def test_a_plan_is_written_and_read_back(scene: Path, capsys: pytest.CaptureFixt
     assert np.allclose(np.array(plan.pose_base_to_world)[:3, 3], [-0.5, 0, 0])
 
 
+@pytest.mark.slow
 def test_a_plan_that_is_verified_says_so(scene: Path, capsys: pytest.CaptureFixture[str]) -> None:
     argv = ["plan", str(scene), "--target", "box", "--base", "-0.5", "0", "0", "0", "--verify"]
     assert main(argv) == 0
@@ -84,6 +85,7 @@ def test_out_of_reach_is_code_1_with_the_reason(scene: Path, capsys: pytest.Capt
     assert not place.exists()
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("command", ["plan", "run"])
 def test_without_a_safe_plan_the_certificate_is_json(
     scene: Path, capsys: pytest.CaptureFixture[str], command: str
@@ -105,8 +107,8 @@ def test_without_a_safe_plan_the_certificate_is_json(
 @pytest.mark.parametrize(
     ("argv", "words"),
     [
-        ([], "--target NAME or --goal TEXT"),
-        (["--target", "box", "--goal", "free box"], "--target NAME or --goal TEXT"),
+        ([], "--target NAME, --goal TEXT and --to GOAL"),
+        (["--target", "box", "--goal", "free box"], "--target NAME, --goal TEXT and --to GOAL"),
         (["--target", "cup"], "unknown object 'cup'"),
         (["--target", "table"], "'table' is fixed"),
         (["--goal", "dance"], "'dance' is not understood"),

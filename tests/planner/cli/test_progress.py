@@ -50,3 +50,21 @@ def test_a_terminal_is_left_clean(monkeypatch: pytest.MonkeyPatch) -> None:
     assert "scene.npz" in terminal.getvalue()
     assert terminal.getvalue().endswith("\r\x1b[K")
     assert "\n" not in terminal.getvalue()
+
+
+def test_a_terminal_has_a_bar_and_what_is_left(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(module, "_PATIENCE", 0.0)
+    monkeypatch.setattr(module, "_TICK", 0.01)
+    terminal = _Terminal()
+    monkeypatch.setattr(module.sys, "stderr", terminal)
+    with Progress("bench") as progress:
+        progress("setting up")  # nothing is counted yet: the bar wanders
+        time.sleep(0.05)
+        for number in range(1, 5):
+            progress(f"pile {number} of 4")
+            time.sleep(0.05)
+    lines = terminal.getvalue().split("\r\x1b[K")
+    assert any("[" in line and "setting up" in line for line in lines)
+    assert not any("left" in line for line in lines if "pile 1" in line)
+    last = next(line for line in lines if "pile 4 of 4" in line)
+    assert last.count("#") > 10 and "s left, pile 4 of 4" in last

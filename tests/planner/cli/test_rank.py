@@ -1,4 +1,6 @@
 import json
+import subprocess
+import sys
 from pathlib import Path
 
 import numpy as np
@@ -112,3 +114,32 @@ def test_wrong_use_is_one_line(
     assert printed.out == ""
     assert words in printed.err
     assert printed.err.count("\n") == 1
+
+
+def test_pairs_of_scenes_and_grasps_are_a_line_each_and_one_that_fails_stops_no_other(
+    scene: Path, grasps: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    again = scene.with_name("again.npz")
+    again.write_bytes(scene.read_bytes())
+    assert main(["rank", str(scene), str(grasps), str(again), str(grasps), "--json"]) == 0
+    first, second = (json.loads(line) for line in capsys.readouterr().out.splitlines())
+    assert (first["scene"], second["scene"]) == (str(scene), str(again))
+    assert first["grasps"] == second["grasps"]
+    assert main(["rank", str(scene), "missing.npy", str(again), str(grasps), "--json"]) == 2
+    printed = capsys.readouterr()
+    assert json.loads(printed.out)["scene"] == str(again)
+    assert "missing.npy" in printed.err and printed.err.count("\n") == 1
+
+
+@pytest.mark.parametrize("kind", ["npz", "npy"])
+def test_grasps_are_piped_in(scene: Path, grasps: Path, kind: str) -> None:
+    if kind == "npy":
+        grasps = scene.with_name("poses.npy")
+        np.save(grasps, np.array([np.diag([1.0, -1.0, -1.0, 1.0]) + np.eye(4, k=3) * 0.0]))
+    code = "import sys; from topple.planner.cli.main import main; sys.exit(main(sys.argv[1:]))"
+    call = [sys.executable, "-c", code, "rank", str(scene), "-", "--json"]
+    done = subprocess.run(call, input=grasps.read_bytes(), capture_output=True, check=True)
+    piped, direct = json.loads(done.stdout), []
+    done = subprocess.run([*call[:-2], str(grasps), "--json"], capture_output=True, check=True)
+    direct = json.loads(done.stdout)
+    assert piped["grasps"] == direct["grasps"] and len(piped["grasps"]) > 0 and piped["file"] == "-"

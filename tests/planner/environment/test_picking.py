@@ -146,3 +146,31 @@ def test_a_lemon_finds_room_in_the_bowl_once_others_are_out_of_it() -> None:
     _, reward, ended, _, info = made.step(slot["lemon"])
     assert info["reached"] and ended and reward == pytest.approx(1 - EFFORT)
     made.close()
+
+
+def test_gymnasium_makes_one_without_anything_imported_before() -> None:
+    code = (
+        "import gymnasium\n"
+        "made = gymnasium.make('topple.planner.environment:topple/Pile-v0')\n"
+        "print(made.spec.id, made.unwrapped.action_space)"
+    )
+    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
+    assert done.stdout == "topple/Pile-v0 Discrete(12)\n"
+
+
+def test_a_goal_is_judged_by_poses_and_forces_and_not_by_relations(monkeypatch: pytest.MonkeyPatch) -> None:
+    made = Picking("tower", slots=4)
+    _, info = made.reset(seed=0)
+    slot = {name: np.int64(k) for k, name in enumerate(info["names"])}
+    made.step(slot["green"])  # onto blue
+    stage = made._stage
+    assert stage is not None and not made._reached(stage)  # red is not on it yet
+    world = stage.world
+    for name, low in (("green", "blue"), ("red", "green")):
+        pose = world.pose(low).copy()
+        pose[2, 3] += float(np.ptp(np.concatenate(world.parts(low))[:, 2]))
+        world.place(name, pose)
+    world.settle(1.0)
+    monkeypatch.setattr("topple.planner.decide.goal.Goal.unmet", lambda *_: ("whatever relations say",))
+    assert made._reached(stage)
+    made.close()

@@ -74,6 +74,7 @@ def test_a_plate_is_taken_by_suction_at_its_middle() -> None:
     assert best.approach[2] < -0.98
 
 
+@pytest.mark.slow
 def test_no_suction_where_something_lies_on_the_patch() -> None:
     free = grasp_candidates("plate", on_table(plate=seen(plate())), ARM)
     covered = on_table(plate=seen(plate()), can=seen(can(), (0.0, 0.0, 0.008)))
@@ -90,6 +91,7 @@ def narrow(grasp: Grasp) -> bool:
     return grasp.tool == "fingers" and grasp.opening < 0.06
 
 
+@pytest.mark.slow
 def test_walls_on_both_sides_leave_only_grasps_that_pass_between_them() -> None:
     wide = box("a", (0.20, 0.04, 0.12))
     scene = on_table(
@@ -147,6 +149,7 @@ def test_half_a_turn_twice_is_the_same_grasp() -> None:
     assert np.allclose(grasp.turned().turned().pose_tool_to_world, grasp.pose_tool_to_world)
 
 
+@pytest.mark.slow
 def test_what_is_left_out_says_why_and_who_leaves_no_room() -> None:
     high = box("wall", (0.20, 0.04, 0.12))
     scene = on_table(

@@ -59,6 +59,7 @@ def test_a_cup_holds_across_its_axis_what_friction_bears() -> None:
     )
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("tilt", [0.0, 12.0, 50.0, 90.0])
 def test_a_cup_drops_in_simulation_what_the_planner_says_it_does_not_hold(tilt: float) -> None:
     """A slab of 2 kg, lifted level and then turned."""
@@ -138,6 +139,7 @@ def turned(share: float) -> float:
         return float(np.degrees(angle_between(before, world.pose("bar"))))
 
 
+@pytest.mark.slow
 def test_a_bar_turns_between_the_pads_where_the_load_says_so() -> None:
     assert turned(0.9) < 1.0
     # flat faces hold several times as much as the round ones that are reckoned with

@@ -1,3 +1,4 @@
+from concurrent.futures import ThreadPoolExecutor
 from dataclasses import replace
 from pathlib import Path
 
@@ -9,7 +10,7 @@ from topple.benchmarks.plain_hands import against, held
 from topple.planner.grasp.foreign import ForeignGrasps
 from topple.planner.grasp.grasp import Grasp
 from topple.planner.grasp.hand import hand_shape
-from topple.planner.grasp.rank import rank_grasps
+from topple.planner.grasp.rank import rank_all, rank_grasps
 from topple.planner.grasp.suction import cup_shape
 from topple.planner.planning.order import order
 from topple.robots.catalog import robot
@@ -213,3 +214,45 @@ def test_what_a_file_calls_things_is_what_they_hold_and_what_it_names_wrongly_sa
     assert [named[index].grasp.object for index in range(4)] == ["7", "7", "", ""]
     with pytest.raises(UnknownObject, match="cup"):
         rank_grasps(given, labelled("6", "6", "2", "2"), names={6: "cup"})
+
+
+def test_a_reach_of_ones_own_is_asked_about_what_nothing_else_speaks_against() -> None:
+    asked: list[list[str]] = []
+
+    def reach(grasps):
+        asked.append([grasp.object for grasp in grasps])
+        return ["joint 4 at its limit" for _ in grasps]
+
+    ranked = {entry.index: entry for entry in rank_grasps(scene(), GRASPS, reach=reach)}
+    assert asked == [["upper"]]
+    assert ranked[1].dropped == "joint 4 at its limit"
+    assert (
+        "out of reach" not in (ranked[0].dropped or "") and ranked[2].dropped == "nothing is between its pads"
+    )
+    everywhere = rank_grasps(scene(), GRASPS, reach=lambda grasps: [True] * len(grasps))
+    nowhere = rank_grasps(scene(), GRASPS, reach=lambda grasps: np.zeros(len(grasps), bool))
+    assert (everywhere[0].dropped, nowhere[0].dropped) == (None, "out of reach")
+
+
+def test_a_reach_of_ones_own_goes_before_the_arms(tmp_path: Path) -> None:
+    far = np.eye(4)
+    far[0, 3] = -3.0
+    ranked = rank_grasps(scene(), GRASPS, "panda", pose_base_to_world=far, reach=lambda grasps: [True])
+    assert ranked[0].dropped is None
+
+
+@pytest.mark.parametrize(
+    ("answers", "words"), [([], "0 answers for 1 grasps"), ([0.5], "reach gave 0.5 for a grasp")]
+)
+def test_a_reach_that_answers_something_else_is_refused(answers, words: str) -> None:
+    with pytest.raises(InvalidInput, match=words):
+        rank_grasps(scene(), GRASPS, reach=lambda grasps: answers)
+
+
+def test_many_scenes_are_ranked_as_each_by_itself() -> None:
+    turned = GRASPS[::-1]
+    with ThreadPoolExecutor(2) as executor:
+        batch = rank_all([scene(), scene()], [GRASPS, turned], executor=executor)
+    assert batch == [rank_grasps(scene(), GRASPS), rank_grasps(scene(), turned)]
+    with pytest.raises(InvalidInput, match="scenes and grasps differ in number from 1 on"):
+        rank_all([scene(), scene()], [GRASPS])

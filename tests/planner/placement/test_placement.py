@@ -110,6 +110,7 @@ def test_a_lemon_goes_into_a_bowl() -> None:
     assert cloud[:, 2].min() < 0.045
 
 
+@pytest.mark.slow
 def test_a_can_does_not_stand_on_a_narrow_ridge() -> None:
     def upright(width: float) -> int:
         ridge = box("ridge", (0.20, width, 0.12))

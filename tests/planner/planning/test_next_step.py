@@ -13,7 +13,7 @@ from topple.planner.decide.goal import parse_goal
 from topple.planner.errors import NoSafePlan
 from topple.planner.fallbacks import Fallback
 from topple.planner.planning.next_step import StepChooser
-from topple.planner.planning.step import Action, NextStep, Station
+from topple.planner.planning.step import Action, Context, NextStep, Station
 from topple.robots.catalog import robot
 from topple.robots.scenarios.scenario import pose_at
 from topple.robots.shapes.boxes import box
@@ -43,7 +43,9 @@ APART = blocks(red=(0.0, 0.0, 0.0), green=(0.0, 0.2, 0.0), blue=(0.0, -0.2, 0.0)
 
 
 def chooser(scene: Scene, goal: str, **known: Any) -> StepChooser:
-    return StepChooser(Situation(scene), parse_goal(goal, scene), STATION, **{"observed": True, **known})
+    return StepChooser(
+        Situation(scene), parse_goal(goal, scene), Context(STATION, **{"observed": True, **known})
+    )
 
 
 def taken(step: NextStep | None) -> tuple[str, str]:
@@ -80,8 +82,8 @@ def test_a_target_that_stands_on_another_one_is_freed_and_not_just_removed() -> 
 def test_what_is_wanted_and_seen_nowhere_is_said_at_once() -> None:
     goal = parse_goal("free top", STACK)
     with pytest.raises(NoSafePlan, match="top: seen nowhere any more"):
-        StepChooser(Situation(STACK.without("top")), goal, STATION).choose()
-    found = StepChooser(Situation(STACK.without("top")), goal, STATION, done=[("top", Action.FREE)])
+        StepChooser(Situation(STACK.without("top")), goal, Context(STATION)).choose()
+    found = StepChooser(Situation(STACK.without("top")), goal, Context(STATION, [("top", Action.FREE)]))
     assert found.choose() is None, "it was freed: wherever it is now, nothing is missing"
 
 
@@ -100,6 +102,7 @@ def test_what_is_to_go_onto_another_thing_is_placed_there() -> None:
     assert moved[2] == pytest.approx(1.5 * SIDE, abs=0.01)
 
 
+@pytest.mark.slow
 def test_a_tower_begins_below_and_goes_on_with_what_is_next() -> None:
     assert taken(chooser(APART, "red on green on blue").choose()) == ("green", Action.PLACE)
     begun = blocks(red=(0.0, 0.0, 0.0), green=(0.0, -0.2, ON), blue=(0.0, -0.2, 0.0))
@@ -165,6 +168,7 @@ def test_an_orderers_first_that_waits_for_nobody_is_what_is_taken() -> None:
     assert step is not None and step.reason == "it has to go before green (supported)"
 
 
+@pytest.mark.slow
 def test_what_bars_the_hand_is_taken_away_once_and_only_once() -> None:
     scene = blocks(red=(0.0, 0.0, 0.0))
     wall = box("wall", (0.2, 0.03, 0.15)).surface(4000, np.random.default_rng(1))
@@ -179,6 +183,7 @@ def test_what_bars_the_hand_is_taken_away_once_and_only_once() -> None:
         chooser(scene, "free red", done=[("left", Action.REMOVE), ("right", Action.REMOVE)]).choose()
 
 
+@pytest.mark.slow
 def test_a_box_seen_from_one_side_is_not_put_onto_its_open_side() -> None:
     rng = np.random.default_rng(0)
     side = np.array([0.05, 0.06, 0.1])
@@ -191,6 +196,6 @@ def test_a_box_seen_from_one_side_is_not_put_onto_its_open_side() -> None:
     table = np.column_stack([grid[~behind], np.zeros((~behind).sum())])
     scene = Scene({"box": seen, "table": table}, fixed=["table"], up=(0, 0, 1), viewpoints=[[-0.6, 0.0, 0.6]])
     station = Station(PANDA, pose_at(-0.5, 0.0, 0.0), np.asarray(PANDA.home))
-    step = StepChooser(Situation(scene), parse_goal("free box", scene), station).choose()
+    step = StepChooser(Situation(scene), parse_goal("free box", scene), Context(station)).choose()
     assert step is not None
     assert np.degrees(step.transfer.placement.tilt(np.array([0.0, 0.0, 1.0]))) < 10.0

@@ -29,9 +29,8 @@ def same(change: str, cameras: int, seed: int) -> bool:
 
 
 @pytest.mark.parametrize("change", CHANGES)
-@pytest.mark.parametrize("cameras", [0, 1])
-def test_what_changes_nothing_in_the_scene_changes_no_step(change: str, cameras: int) -> None:
-    assert same(change, cameras, seed=3)
+def test_what_changes_nothing_in_the_scene_changes_no_step(change: str) -> None:
+    assert same(change, 0, seed=3)
 
 
 @pytest.mark.slow

@@ -2,10 +2,13 @@
 
 import numpy as np
 import pytest
+from carrying import carried
 
 from topple.planner.formats.pictures import picture
 from topple.planner.formats.run_record import RunRecord, StepRecord
 from topple.planner.planning.order import order
+from topple.planner.planning.plan import plan
+from topple.robots.catalog import robot
 from topple.topology.image import DepthImage
 from topple.topology.rule.relate import relate
 from topple.topology.scene import Scene
@@ -62,7 +65,21 @@ def photographed():
 
 
 @pytest.fixture(scope="session")
-def run_record():
+def panda():
+    return robot("panda")
+
+
+@pytest.fixture(scope="session")
+def lone_plan():
+    """A box in front of a Panda, and the plan to take it."""
+    box = box_cloud((0.5, 0, 0.04), (0.05, 0.05, 0.08), 1500)
+    top = np.random.default_rng(9).uniform((0.2, -0.4, 0), (0.9, 0.4, 0), (20_000, 3))
+    scene = Scene({"table": top, "box": box}, fixed=["table"], up=[0, 0, 1], robot_base=np.eye(4))
+    return plan(scene, "free box", "panda", check=False), scene
+
+
+@pytest.fixture(scope="session")
+def run_record(panda):
     scene = stack_scene()
     steps = []
     for number, name in enumerate([NASTY, "tin"]):
@@ -84,6 +101,7 @@ def run_record():
                 order=order(scene, ["crate"], relations=relations).to_json(),
                 predicted=relate(after).to_json() if number == 0 else relations.to_json(),
                 observed=relate(after).to_json(),
+                motion=carried(name, panda),
                 tool_path=np.linspace([0, 0, 0.4], [0.3, 0, 0.2], 1000),
                 forces={"beside": 1.25},
             )
@@ -99,5 +117,6 @@ def run_record():
         seconds=3.1,
         scene=scene,
         relations=relate(scene).to_json(),
+        arm_parts=panda.parts,
         notes=("the base stands at 0.5 m",),
     )

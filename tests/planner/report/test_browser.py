@@ -4,6 +4,7 @@ import shutil
 
 import pytest
 
+from topple.planner.report.plan_page import plan_page
 from topple.planner.report.run_page import run_page
 from topple.planner.report.show import show_page
 
@@ -175,9 +176,10 @@ def test_the_steps_of_a_run_turn_by_mark_button_and_key(open_page, run_record):
 @pytest.mark.parametrize("width", [1300, 400])
 @pytest.mark.parametrize("colours", ["light", "dark"])
 def test_pages_are_readable_at_every_width_and_in_the_dark(
-    open_page, photographed, stack, run_record, width, colours
+    open_page, photographed, stack, run_record, lone_plan, width, colours
 ):
-    for html in (show_page(*photographed), show_page(*stack), run_page(run_record)):
+    pages = show_page(*photographed), show_page(*stack), run_page(run_record), plan_page(*lone_plan)
+    for html in pages:
         page = open_page(html)
         page.set_viewport_size({"width": width, "height": 900})
         page.emulate_media(color_scheme=colours)
@@ -207,3 +209,55 @@ def test_no_order_and_dark_colours(open_page, browser, stack):
     light = pixels(page)
     page.emulate_media(color_scheme="dark")
     assert pixels(page) != light
+
+
+def test_the_time_line_moves_the_arm_and_what_it_carries(open_page, run_record):
+    page = open_page(run_page(run_record))
+    slider, output = page.locator(".player input").first, page.locator(".player output").first
+    assert output.inner_text().startswith("approach, 0.0 of")
+    begun = pixels(page)
+    slider.fill("2.7")
+    assert output.inner_text().startswith("lift")
+    moved = page.evaluate("() => [...window.panels[0].viewer.moved.keys()]")
+    assert [run_record.steps[0].scene.names[number] for number in moved] == [run_record.steps[0].object]
+    lifted = pixels(page)
+    assert lifted != begun
+    slider.focus()
+    page.keyboard.press("ArrowLeft")  # scrubs, and does not turn the step
+    assert page.locator("section.step").nth(0).is_visible() and pixels(page) != lifted
+    page.keyboard.press("Home")
+    assert pixels(page) == begun
+    page.locator("[data-show=arm]").first.uncheck()
+    assert pixels(page) != begun
+
+
+def test_the_motion_plays_to_its_end_and_stops(open_page, run_record):
+    page = open_page(run_page(run_record))
+    page.locator(".player input").first.fill("3.3")
+    page.locator("[data-play]").first.click()
+    page.wait_for_function("() => !window.panels[0].player.playing && window.panels[0].player.time > 3.5")
+    assert page.locator("[data-play]").first.inner_text() == "play"
+
+
+def test_the_marks_of_a_plan_take_the_time_line_there(open_page, lone_plan):
+    page = open_page(plan_page(*lone_plan))
+    page.locator(".player input").fill("4")
+    assert page.locator("[data-time]").first.get_attribute("aria-current") == "step"
+    page.locator("[data-time]").first.click()
+    assert page.locator(".player output").inner_text().startswith("1. box: move, 0.0 of")
+
+
+def test_a_printed_run_has_every_step_with_its_view(open_page, run_record):
+    page = open_page(run_page(run_record))
+    page.emulate_media(media="print")
+    page.evaluate("() => window.dispatchEvent(new Event('beforeprint'))")
+    sections = page.locator("section.step")
+    assert sections.count() == 3 and all(section.is_visible() for section in sections.all())
+    assert not page.locator(".player").first.is_visible()
+    drawn = page.evaluate(
+        "() => window.panels.map((panel) => panel.viewer.owner.some((number) => number > 0))"
+    )
+    assert drawn == [True] * 3
+    page.evaluate("() => window.dispatchEvent(new Event('afterprint'))")
+    page.emulate_media(media="screen")
+    assert [section.is_visible() for section in sections.all()] == [True, False, False]

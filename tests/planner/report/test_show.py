@@ -3,16 +3,22 @@ import io
 import json
 import re
 from html.parser import HTMLParser
+from xml.etree import ElementTree
 
 import numpy as np
 import pytest
 from PIL import Image
 from scipy.spatial import KDTree
 
+from topple.planner.report.animation import RISE, SIZE, order_gif
 from topple.planner.report.drawing import Drawing
 from topple.planner.report.figure import show_picture
 from topple.planner.report.limits import LIMITS
+from topple.planner.report.palette import object_colours
 from topple.planner.report.show import show_page
+from topple.planner.report.svg_file import graph_file
+from topple.planner.report.words import order_in_words
+from topple.topology.errors import InvalidInput
 from topple.topology.geometry.thin import voxel_means
 from topple.topology.rule.relate import relate
 from topple.topology.scene import Scene
@@ -92,6 +98,7 @@ def test_the_order_is_told_with_its_reasons(stack):
     assert "this is a target" in text
 
 
+@pytest.mark.slow
 def test_relations_alone_without_order_and_without_up():
     rng = np.random.default_rng(0)
     scene = Scene({"one": rng.normal(size=(50, 3)) * 0.05, "two": rng.normal(size=(50, 3)) * 0.05 + 0.3})
@@ -102,6 +109,7 @@ def test_relations_alone_without_order_and_without_up():
     assert show_picture(scene, relate(scene), None)[:4] == b"\x89PNG"
 
 
+@pytest.mark.slow
 def test_fifty_objects_stay_within_the_budget():
     rng = np.random.default_rng(1)
     clouds = {f"thing {i}": rng.normal(size=(20_000, 3)) * 0.02 + rng.uniform(-1, 1, 3) for i in range(50)}
@@ -124,6 +132,7 @@ def test_fifty_objects_stay_within_the_budget():
     assert "that follow from others are left out" in page
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     "cloud",
     [
@@ -157,9 +166,8 @@ def test_a_guessed_side_is_drawn_as_such(half_seen):
     assert "Hatched" in show_page(half_seen, {"relations": []}, None)
 
 
+@pytest.mark.slow
 def test_the_picture_shows_each_object_in_its_colour(stack):
-    from topple.planner.report.palette import object_colours
-
     scene, relations, found = stack
     image = np.asarray(Image.open(io.BytesIO(show_picture(scene, relations, found))))
     assert image.shape[1] == 1620
@@ -168,6 +176,7 @@ def test_the_picture_shows_each_object_in_its_colour(stack):
             assert (np.abs(image.astype(int) - colour).max(axis=2) <= 12).sum() > 50, name
 
 
+@pytest.mark.slow
 def test_the_same_scene_gives_the_same_page(stack):
     assert show_page(*stack) == show_page(*stack)
     assert show_picture(*stack) == show_picture(*stack)
@@ -194,3 +203,66 @@ def test_cycles_and_unresolved_objects_are_told():
     assert "a bars the way to c: no room for the fingers" in text
     assert "risk 40%" in text
     assert show_picture(scene, relate(scene), found)
+
+
+def test_an_order_is_animated_object_by_object(stack):
+    scene, _, found = stack
+    told = []
+    film = Image.open(io.BytesIO(order_gif(scene, found, told.append)))
+    assert len(told) == len(found.order)
+    assert film.n_frames == RISE * len(found.order) + 1
+
+    def pixels(frame):
+        film.seek(frame)
+        return np.asarray(film.convert("RGB")).astype(int)[: SIZE[1]]
+
+    first, last = pixels(0), pixels(film.n_frames - 1)
+    for name in found.order:  # each is there at first and gone at the end
+        colour = object_colours(scene.names, scene.fixed)[name]
+        lit = [(np.abs(picture - colour).max(axis=2) <= 24).sum() for picture in (first, last)]
+        assert lit[0] > 3 * lit[1], name
+
+
+def test_nothing_to_take_is_no_film(stack):
+    scene, _, found = stack
+    with pytest.raises(InvalidInput, match="nothing to animate"):
+        order_gif(scene, {**found.to_json(), "order": []})
+
+
+def test_the_graph_for_a_paper_stands_alone(stack):
+    scene, _, found = stack
+    svg = ElementTree.fromstring(graph_file(scene, found.to_json()))
+    texts = [node.text for node in svg.iter("{http://www.w3.org/2000/svg}text")]
+    assert {"crate", "tin", "1st", "2nd"} <= set(texts)
+    assert "script" not in graph_file(scene, found.to_json()).replace("&lt;/script&gt;", "")
+    width, height = float(svg.get("width")), float(svg.get("height"))
+    for node in svg.iter("{http://www.w3.org/2000/svg}rect"):
+        if node.get("x"):
+            assert 0 <= float(node.get("x")) + float(node.get("width")) <= width
+            assert float(node.get("y")) <= height
+
+
+def test_what_lies_on_something_is_not_said_to_lean_on_it(stack):
+    found = stack[2].to_json()
+    edge = {"first": "tin", "then": "crate", "reason": "leaning", "confidence": 0.9}
+    for lies, words in ((None, "it leans on crate"), ("on", "it lies on crate"), ("in", "it lies in crate")):
+        said = {**edge, **({"lies": lies} if lies else {})}
+        told = dict(order_in_words({**found, "dependencies": [said]}))
+        assert told["tin"].startswith(words)
+
+
+def test_a_stray_point_is_not_drawn(half_seen):
+    cloud = half_seen.clouds["box"]
+    strays = np.array([[0.3, 0.0, 0.4], [0.0, 0.3, 0.3]])
+    drawn = Drawing.of(half_seen.with_cloud("box", np.concatenate([cloud, strays]))).objects[1]
+    assert KDTree(drawn.points[: drawn.seen]).query(strays)[0].min() > 0.05
+
+
+def test_posts_that_were_assumed_are_not_drawn(half_seen):
+    cloud = half_seen.clouds["box"]
+    post = np.linspace((0.2, 0, 0), (0.2, 0, 0.05), 200) + np.random.default_rng(0).normal(0, 0.002, (200, 3))
+    scene = half_seen.with_cloud("box", np.concatenate([cloud, post]))
+    assumed = {"box": np.arange(len(cloud) + 200) >= len(cloud)}
+    for left_out, seen in ((None, True), (assumed, False)):
+        drawn = Drawing.of(scene, assumed=left_out).objects[1]
+        assert (KDTree(drawn.points[: drawn.seen]).query([0.2, 0, 0.025])[0] < 0.02) == seen

@@ -26,7 +26,7 @@ def test_an_honest_plan_holds(goal: str, arm: str) -> None:
 
 @pytest.mark.parametrize(("goal", "arm"), BOTH)
 def test_every_sabotage_is_caught_and_told_of(goal: str, arm: str) -> None:
-    (found,) = catch([(goal, arm)], lambda text: None)
+    found = catch((goal, arm))
     assert found.tried > len(SPOILT) - 12
     assert not found.escaped
 

@@ -259,3 +259,11 @@ def test_what_cannot_be_an_arm_is_refused_by_the_users_file(tmp_path: Path) -> N
 def test_an_arm_without_velocities_made_directly_is_still_refused(tmp_path: Path) -> None:
     with pytest.raises(InvalidInput, match="without a velocity limit"):
         Arm.from_urdf(written(tmp_path), "tool0")
+
+
+def test_a_file_of_more_links_than_a_robot_has_is_refused(tmp_path: Path) -> None:
+    path = tmp_path / "swarm.urdf"
+    links = "".join(f'<link name="{number}"/>' for number in range(2001))
+    path.write_text(f'<robot name="r">{links}</robot>')
+    with pytest.raises(InvalidInput, match="2001 links and shapes; expected those of a robot, 2000 at most"):
+        robot(str(path))

@@ -41,6 +41,7 @@ def test_an_empty_jaw_closes_and_holds_nothing(world: World, name: str) -> None:
     assert not arm.holding, "moving it does not press on the pads"
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", ARMS)
 @pytest.mark.parametrize("thick", [0.001, 0.03])
 def test_a_sheet_and_a_box_are_held(world: World, name: str, thick: float) -> None:

@@ -171,6 +171,8 @@ def test_a_bad_scene_json_is_refused(tmp_path: Path, described: str, words: str)
         ("mug.pcd", b"FIELDS x y z\nSIZE 4 4 4\nTYPE F F F\nPOINTS 1\nDATA ascii\nnan 2 3\n", "NaN"),
         ("mug.xyz", b"0 0 0\n1 2 cup\n", "line 2"),
         ("mug.xyz", b"1 2\n", "line 1"),
+        ("mug.obj", b"v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n f 1 3 2\n", "line 5: v or f alone"),
+        ("mug.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nf\xa01 2 3\n".encode("latin-1"), "line 4: v or f"),
         ("mug.xyz", b"\xff\xfe\x00", "no text"),
         ("mug.xyz", b"# nothing\n", "empty"),
         ("mug.xyz", b"0 0 0\n", "single point"),

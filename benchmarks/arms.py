@@ -1,0 +1,239 @@
+"""Arms of others, from the files that packages ship, tried end to end; writes the table of docs/robots.md.
+
+Usage: python -m topple.benchmarks.arms [NAME...] [--write docs/robots.md]
+
+It needs the extra `arms`.
+"""
+
+import sys
+from dataclasses import dataclass
+from importlib.metadata import PackageNotFoundError, distribution
+from pathlib import Path
+
+import numpy as np
+
+from topple.planner.execution.examine import Examined, examine
+from topple.planner.planning.plan import plan
+from topple.robots.arm.arm import Arm
+from topple.robots.arm.gripper_file import ArmPart, Cup, Gripper, Hand
+from topple.robots.catalog import robot
+from topple.topology.errors import NotInstalled, ToppleError
+
+ROBOTS = "cmeel.prefix/share/example-robot-data/robots"
+BEGIN, END = "<!-- arms: begin -->", "<!-- arms: end -->"
+
+
+@dataclass(frozen=True)
+class Shipped:
+    """An arm that a package ships.
+
+    Attributes:
+        name: Name in the table.
+        package: The distribution.
+        urdf: The file, from where the distribution is installed.
+        hand: What it holds with, in the table.
+        gripper: What is said beside the URDF; a hand's file is in `hand_package`.
+        srdf: Its SRDF, likewise.
+        hand_package: The distribution of the hand.
+    """
+
+    name: str
+    package: str
+    urdf: str
+    hand: str
+    gripper: Gripper | None = None
+    srdf: str | None = None
+    hand_package: str | None = None
+
+    def arm(self) -> Arm:
+        """Read it.
+
+        Raises:
+            NotInstalled: A package is not installed.
+            InvalidInput: It cannot be used.
+        """
+        gripper = self.gripper
+        if self.hand_package is not None and gripper is not None and gripper.hand is not None:
+            path = str(_located(self.hand_package, gripper.hand.urdf))
+            gripper = Gripper(hand=Hand(urdf=path, link=gripper.hand.link, offset=gripper.hand.offset))
+        srdf = None if self.srdf is None else _located(self.package, self.srdf)
+        return robot(_located(self.package, self.urdf), gripper, srdf=srdf)
+
+
+def _located(package: str, path: str) -> Path:
+    try:
+        return Path(str(distribution(package).locate_file(path)))
+    except PackageNotFoundError as error:
+        raise NotInstalled(f"{package}, which ships the arm, is not installed", "arms") from error
+
+
+ROBOTIQ = Gripper(hand=Hand(urdf="airo_models/grippers/robotiq_2f_85/urdf/robotiq_2f_85.urdf"))
+SCHUNK = Gripper(hand=Hand(urdf="airo_models/grippers/schunk_egk40_magneto/schunk_egk40_magneto.urdf"))
+WSG50 = Gripper(hand=Hand(urdf="wsg50"))
+OUT = [0.0, 0.0, 0.0, 0.0, np.pi / 2, 0.0]  # where x, not z, points out of the flange
+
+SHIPPED = (
+    Shipped(
+        "Universal Robots UR5",
+        "example-robot-data",
+        f"{ROBOTS}/ur_description/urdf/ur5_robot.urdf",
+        "Robotiq 2F-85",
+        ROBOTIQ,
+        hand_package="airo-models",
+    ),
+    Shipped(
+        "Universal Robots UR10",
+        "example-robot-data",
+        f"{ROBOTS}/ur_description/urdf/ur10_robot.urdf",
+        "Schunk EGK 40",
+        SCHUNK,
+        hand_package="airo-models",
+    ),
+    Shipped(
+        "Universal Robots UR5e",
+        "airo-models",
+        "airo_models/arms/ur5e/ur5e.urdf",
+        "Schunk EGK 40",
+        SCHUNK,
+        hand_package="airo-models",
+    ),
+    Shipped(
+        "UFACTORY xArm7",
+        "example-robot-data",
+        f"{ROBOTS}/xarm_description/urdf/xarm7.urdf",
+        "Schunk WSG 50",
+        WSG50,
+    ),
+    Shipped(
+        "Franka Panda",
+        "example-robot-data",
+        f"{ROBOTS}/panda_description/urdf/panda.urdf",
+        "its own",
+        srdf=f"{ROBOTS}/panda_description/srdf/panda.srdf",
+    ),
+    Shipped(
+        "Kinova Jaco 2, 6 joints",
+        "example-robot-data",
+        f"{ROBOTS}/kinova_description/robots/kinova.urdf",
+        "suction cup",
+        Gripper(cup=Cup(link="j2s6s200_end_effector", offset=[0.0, 0.0, 0.05], radius=0.015)),
+        srdf=f"{ROBOTS}/kinova_description/srdf/kinova.srdf",
+    ),
+    Shipped(
+        "Rethink Baxter, left arm",
+        "example-robot-data",
+        f"{ROBOTS}/baxter_description/urdf/baxter.urdf",
+        "its own",
+        Gripper(arm=ArmPart(tip="left_gripper_base_link")),
+        srdf=f"{ROBOTS}/baxter_description/srdf/baxter_manipulation.srdf",
+    ),
+    Shipped(
+        "PAL TIAGo",
+        "example-robot-data",
+        f"{ROBOTS}/tiago_description/robots/tiago_no_hand.urdf",
+        "Schunk WSG 50",
+        Gripper(hand=Hand(urdf="wsg50", offset=OUT)),
+    ),
+    Shipped(
+        "PAL TIAGo Pro, left arm",
+        "example-robot-data",
+        f"{ROBOTS}/tiago_pro_description/robots/tiago_pro.urdf",
+        "its own",
+        Gripper(arm=ArmPart(tip="gripper_left_base_link")),
+    ),
+    Shipped(
+        "Willow Garage PR2, left arm",
+        "example-robot-data",
+        f"{ROBOTS}/pr2_description/urdf/pr2.urdf",
+        "its own",
+        Gripper(arm=ArmPart(tip="l_gripper_palm_link")),
+        srdf=f"{ROBOTS}/pr2_description/srdf/pr2.srdf",
+    ),
+)
+"""What is tried; the tests hold every one but those that the table says fail to it."""
+
+
+def planned(found: Examined) -> str:
+    """Plan for the block of an arm's trial, and verify the plan by other means.
+
+    Args:
+        found: What was found of the arm.
+
+    Returns:
+        What is wrong with the plan; empty where every residual is at most zero.
+    """
+    if found.grasped is None or found.grasped.trial is None:
+        return "nothing in reach"
+    scene = found.grasped.trial.scene()
+    try:
+        checked = plan(scene, [found.grasped.trial.name], found.arm, base=np.eye(4)).verify(scene)
+    except ToppleError as error:
+        return str(error)
+    return ", ".join(residual.name for residual in checked.residuals if not residual.ok)
+
+
+def row(shipped: Shipped, found: Examined, wrong: str) -> str:
+    """A line of the table.
+
+    Args:
+        shipped: The arm.
+        found: What was found of it.
+        wrong: What is wrong with its plan; empty where nothing is.
+    """
+    grasped = found.grasped
+    run = "yes" if grasped is not None and grasped.success else "**no**"
+    cells = (
+        shipped.name,
+        shipped.package,
+        shipped.hand,
+        f"{len(found.arm.joints)}",
+        f"{found.reach:.2f}",
+        f"{100 * found.free:.0f}",
+        f"{100 * found.solved / max(found.poses, 1):.1f}",
+        "yes" if not wrong else "**no**",
+        run,
+    )
+    return f"| {' | '.join(cells)} |"
+
+
+def table(rows: list[str]) -> str:
+    """The table in Markdown."""
+    return "\n".join(
+        [
+            "| arm | package | hand | joints | reach m | free of self-collision % | inverse kinematics % "
+            "| plan verified | grasp in PyBullet |",
+            "| --- | --- | --- | ---: | ---: | ---: | ---: | --- | --- |",
+            *rows,
+        ]
+    )
+
+
+def main(arguments: list[str]) -> int:
+    """Try the arms named, or all, and print the table, or write it into a page."""
+    write = Path(arguments.pop(arguments.index("--write") + 1)) if "--write" in arguments else None
+    names = [argument for argument in arguments if argument != "--write"]
+    rows: list[str] = []
+    for shipped in SHIPPED:
+        if names and not any(name.lower() in shipped.name.lower() for name in names):
+            continue
+        found = examine(shipped.arm(), progress=lambda line, name=shipped.name: _say(f"{name}: {line}"))
+        wrong = planned(found)
+        failed = "" if found.grasped is None or found.grasped.success else "; ".join(found.grasped.why)
+        _say(f"{shipped.name}: {wrong or 'plan verified'}; {failed or 'grasp held'}")
+        rows.append(row(shipped, found, wrong))
+    if write is None:
+        sys.stdout.write(table(rows) + "\n")
+        return 0
+    text = write.read_text(encoding="utf-8")
+    head, _, rest = text.partition(BEGIN)
+    _, _, tail = rest.partition(END)
+    write.write_text(f"{head}{BEGIN}\n{table(rows)}\n{END}{tail}", encoding="utf-8")
+    return 0
+
+
+def _say(line: str) -> None:
+    sys.stderr.write(line + "\n")
+
+
+if __name__ == "__main__":
+    sys.exit(main(sys.argv[1:]))

@@ -1,0 +1,281 @@
+"""How fast whole answers are: frame to order, plans, the thinking of a closed loop, and how times grow.
+
+With `--baseline DIR`, a checkout of an older tree (`git worktree add DIR dc3093d`), every task is done by it
+as well, in the same run and turn about, each time in a process of its own with the libraries of this one; a
+bar in x compares the two. Without it these bars are not judged.
+
+- Default relations of ten objects against Qhull alone on the same clouds.
+- A file with a 640x480 frame to its order, imports left out: recorded frames of `--data DIR`, else a rendered
+  one; the same with its first object moved and everything else known.
+- A plan that clears ten things with a Panda, seen by three cameras.
+- Thinking in the closed loop of the pile: all that is neither an arm's motion nor a camera's picture, for
+  each action. The arm stands meanwhile: in wall time that is how long it waits for a decision.
+- A brick wall of whole noisy surfaces, every brick across two others: one island of contacts. Stacks of four,
+  far from each other: how the time grows with their number (2 is quadratic).
+
+CPU times, but for the waiting and the run of the demo.
+"""
+
+import json
+import os
+import subprocess
+import sys
+import tempfile
+import time
+from collections.abc import Sequence
+from dataclasses import dataclass
+from functools import partial
+from pathlib import Path
+from statistics import median
+from typing import Any
+
+import numpy as np
+from scipy.spatial import ConvexHull
+
+from topple.benchmarks import plans, speed_tasks
+from topple.benchmarks.clock import cpu_medians, cpu_seconds
+from topple.benchmarks.clouds import brick_wall, frame, household, stacks_of_four
+from topple.benchmarks.row import Progress, Row, faster, longer
+from topple.planner.planning.order import order
+from topple.topology.errors import InvalidInput
+from topple.topology.rule.relate import relate
+from topple.topology.scene import Scene
+
+LAYERS = ("topology", "robots", "planner")
+FRAMES = 6
+"""Of the recorded frames, so many are measured, evenly spread over the sorted names."""
+
+
+@dataclass(frozen=True)
+class Extent:
+    """How much is measured.
+
+    Attributes:
+        relations: Points of each of ten objects, and the bar against Qhull alone.
+        walls: Bricks, and the bar [s].
+        stacks: Objects of the small and the large scene.
+        repeats: How often tasks in processes of their own are done.
+        whole: Whether plan, closed loop and demo are measured: minutes.
+    """
+
+    relations: tuple[tuple[int, float], ...] = ((10_000, 3.5), (50_000, 1.7), (200_000, 1.1))
+    walls: tuple[tuple[int, float], ...] = ((30, 1.0), (60, 4.0))
+    stacks: tuple[int, int] = (100, 1000)
+    repeats: int = 3
+    whole: bool = True
+
+
+FULL = Extent()
+QUICK = Extent(((10_000, 3.5),), ((30, 1.0),), (40, 100), 1, whole=False)
+
+
+def rows(
+    quick: bool,
+    seed: int,
+    progress: Progress,
+    data: Path | None = None,
+    baseline: Path | None = None,
+) -> list[dict[str, Any]]:
+    """Measure.
+
+    Args:
+        quick: Small scenes alone, once each: two minutes.
+        seed: Of clouds and scenes.
+        progress: Called before each part.
+        data: A folder of recorded frames (`*.npz`); None: a rendered one.
+        baseline: A checkout of an older tree; None: bars against one are not judged.
+
+    Returns:
+        The bench's rows.
+
+    Raises:
+        InvalidInput: The baseline is no checkout.
+    """
+    extent = QUICK if quick else FULL
+    found: list[Row] = []
+    for points, bar in extent.relations:
+        progress(f"relations of 10 objects x {points:,} points")
+        found.append(relations_row(points, bar, seed, 3 if quick else 5))
+    with tempfile.TemporaryDirectory(prefix="topple-speed-") as scratch:
+        trees = Trees(Path(scratch), baseline)
+        found += _frames(trees, data, extent.repeats, seed, progress)
+        if extent.whole:
+            found += _whole(trees, extent.repeats, seed, progress)
+    for bricks, seconds in extent.walls:
+        progress(f"a wall of {bricks} bricks")
+        found.append(wall_row(bricks, seconds, seed))
+    progress(f"stacks of four: {extent.stacks[0]} and {extent.stacks[1]} objects")
+    found.append(stacks_row(*extent.stacks, seed))
+    return [row.to_json() for row in found]
+
+
+class Trees:
+    """This tree, and an older one where there is a checkout of it.
+
+    Args:
+        scratch: A folder to write into.
+        baseline: The checkout.
+
+    Raises:
+        InvalidInput: It is none.
+    """
+
+    def __init__(self, scratch: Path, baseline: Path | None) -> None:
+        self.scratch, self.name = scratch, None if baseline is None else baseline.resolve().name
+        self._old: Path | None = None
+        self._script = scratch / "tasks" / "speed_tasks.py"  # beside it are no modules that hide others
+        self._script.parent.mkdir()
+        self._script.write_text(Path(speed_tasks.__file__).read_text(encoding="utf-8"), encoding="utf-8")
+        if baseline is None:
+            return
+        missing = [layer for layer in LAYERS if not (baseline / layer).is_dir()]
+        if missing:
+            raise InvalidInput(
+                f"{baseline} is no checkout of topple: it has no folder {missing[0]}; make one with "
+                "git worktree add DIR COMMIT"
+            )
+        self._old = scratch / "old"
+        package = self._old / "topple"
+        package.mkdir(parents=True)
+        (package / "__init__.py").touch()
+        for layer in LAYERS:
+            (package / layer).symlink_to((baseline / layer).resolve(), target_is_directory=True)
+
+    def measure(
+        self, task: str, settings: dict[str, Any], repeats: int
+    ) -> tuple[list[float], list[float] | None]:
+        """Do a task by this tree and by the older one, turn about, each time in a new process.
+
+        Args:
+            task: One of `speed_tasks.TASKS`.
+            settings: What it takes.
+            repeats: How often.
+
+        Returns:
+            Medians of its figures by this tree, and by the older one; None where there is none.
+        """
+        ours: list[list[float]] = []
+        theirs: list[list[float]] = []
+        for _ in range(repeats):
+            ours.append(self._figures(task, settings, None))
+            if self._old is not None:
+                theirs.append(self._figures(task, settings, self._old))
+        medians = [median(values) for values in zip(*ours, strict=True)]
+        return medians, [median(values) for values in zip(*theirs, strict=True)] if theirs else None
+
+    def _figures(self, task: str, settings: dict[str, Any], tree: Path | None) -> list[float]:
+        """What a task takes by a tree, this one where None, in a process of its own."""
+        before = os.environ.get("PYTHONPATH")
+        paths = [*([str(tree)] if tree else []), *([before] if before else [])]
+        command = [sys.executable, str(self._script), task, json.dumps(settings)]
+        environment = {**os.environ, "PYTHONPATH": os.pathsep.join(paths)}
+        done = subprocess.run(command, env=environment, capture_output=True, text=True, check=False)
+        if done.returncode:
+            last = (done.stderr.strip().splitlines() or ["it said nothing"])[-1]
+            raise RuntimeError(f"{task} by {self.name if tree else 'this tree'} failed: {last}")
+        return json.loads(done.stdout.splitlines()[-1])
+
+    def row(self, what: str, ours: float, theirs: float | None, bar: str) -> Row:
+        """A figure, against that of the older tree where it was measured."""
+        if theirs is None or self.name is None:
+            return Row(what, ours, "s")
+        return faster(what, ours, self.name, theirs, bar)
+
+
+def exponent(counts: Sequence[float], seconds: Sequence[float]) -> float:
+    """With which power of a count a time grows, between the first and the last of some.
+
+    Args:
+        counts: Of objects, rising.
+        seconds: What each takes [s].
+    """
+    return float(np.log(seconds[-1] / seconds[0]) / np.log(counts[-1] / counts[0]))
+
+
+def relations_row(points: int, bar: float, seed: int, repeats: int) -> Row:
+    """Default relations of ten objects of so many points against Qhull alone."""
+    scene = household(points, seed)
+    floor, default = cpu_medians(
+        [lambda: [ConvexHull(cloud) for cloud in scene.clouds.values()], partial(relate, scene)], repeats
+    )
+    what = f"default relations, 10 objects x {points:,} points"
+    return longer(what, default, "Qhull alone", floor, f"<= {bar:g}x")
+
+
+def _frames(trees: Trees, data: Path | None, repeats: int, seed: int, progress: Progress) -> list[Row]:
+    if data is None:
+        paths, what = [_rendered(trees.scratch, seed)], "a rendered frame of 15 things"
+    else:
+        paths = sorted(data.rglob("*.npz"))
+        if not paths:
+            raise InvalidInput(f"{data}: no frames (*.npz) in this folder or below")
+        paths = paths[:: -(-len(paths) // FRAMES)]
+        what = f"{len(paths)} recorded frames, mean"
+    settings = {"paths": [str(path) for path in paths]}
+    found: list[Row] = []
+    for task, words, bar in (
+        ("order", "to order", ">= 2.7x"),
+        ("again", "to order again, one object moved", ">= 4x"),
+    ):
+        progress(f"{what}, {words}")
+        ours, theirs = trees.measure(task, settings, repeats)
+        means = float(np.mean(ours)), None if theirs is None else float(np.mean(theirs))
+        found.append(trees.row(f"{what}, {words}", *means, bar))
+    return found
+
+
+def _whole(trees: Trees, repeats: int, seed: int, progress: Progress) -> list[Row]:
+    """A plan, a closed loop and the demo."""
+    progress("a plan of ten objects")
+    with plans.ten(seed) as stage:
+        scene, base = plans.seen(stage), stage.pose_base_to_world.tolist()
+    path = written(scene, trees.scratch / "ten_scene.npz")
+    ours, theirs = trees.measure("plan", {"paths": [str(path)], "base": base}, 1)
+    what = "plan that clears ten objects with a Panda"
+    found = [trees.row(what, ours[0], None if theirs is None else theirs[0], ">= 2.6x")]
+    progress("thinking in closed loops")
+    runs = [trees.measure("think", {"scene": "pile", "seed": seed + k}, 1) for k in range(repeats)]
+    old = [theirs[0] for _, theirs in runs if theirs is not None]
+    what = f"thinking for an action in a closed loop, pile, median of {len(runs)} runs"
+    ours = [median(figures[k] for figures, _ in runs) for k in (0, 1)]
+    found.append(trees.row(f"{what}, CPU", ours[0], median(old) if old else None, ">= 2.5x"))
+    found.append(Row("waiting of the arm for a decision, the same runs, wall", ours[1], "s", bar="<= 0.4"))
+    progress("topple demo")
+    begun = time.perf_counter()
+    command = [sys.executable, "-m", "topple.planner.cli.main", "demo", "--json"]
+    subprocess.run(command, cwd=trees.scratch, capture_output=True, check=True)
+    return [*found, Row("topple demo, wall", time.perf_counter() - begun, "s")]
+
+
+def wall_row(bricks: int, seconds: float, seed: int) -> Row:
+    """The order of a wall of so many bricks, with its bar [s]."""
+    scene = brick_wall(bricks, seed)
+    return Row(f"order of a wall of {bricks} bricks", _ordered(scene), "s", bar=f"<= {seconds:g}")
+
+
+def stacks_row(few: int, many: int, seed: int) -> Row:
+    """How the order of stacks of four grows between two numbers of bricks."""
+    times = [_ordered(stacks_of_four(count, seed)) for count in (few, many)]
+    what = f"order of stacks of four, {many} objects against {few}: exponent ({times[1]:.3g} s)"
+    return Row(what, exponent((few, many), times), "", bar="<= 1.2")
+
+
+def _ordered(scene: Scene) -> float:
+    return cpu_seconds(partial(order, scene))
+
+
+def _rendered(folder: Path, seed: int) -> Path:
+    """A rendered frame as a file: depth, matrix, labels, the table's plane."""
+    image = frame(seed)
+    path = folder / "frame.npz"
+    table = np.concatenate([image.pose_camera_to_world[2, :3], [image.pose_camera_to_world[2, 3]]])
+    np.savez_compressed(path, depth=image.depth, K=image.K, label=image.label, table_plane=table)
+    return path
+
+
+def written(scene: Scene, path: Path) -> Path:
+    """A scene as a file of clouds."""
+    arrays: dict[str, Any] = {name: np.asarray(cloud) for name, cloud in scene.clouds.items()}
+    arrays |= {"fixed": np.array(sorted(scene.fixed)), "viewpoints": np.asarray(scene.viewpoints)}
+    np.savez_compressed(path, up=np.asarray(scene.up), **arrays)
+    return path

@@ -1,0 +1,152 @@
+"""What the bench of speed times, one task a process: it runs with this tree or with an older one.
+
+Usage: python speed_tasks.py TASK SETTINGS, with SETTINGS in JSON; prints what it took in JSON. Only calls and
+arguments are used that older trees have as well; where a module has moved since, both places are tried.
+"""
+
+import json
+import sys
+import time
+from collections.abc import Callable, Sequence
+from contextlib import suppress
+from importlib import import_module
+from pathlib import Path
+from typing import Any
+
+Settings = dict[str, Any]
+MOTIONS = ("step", "wait", "follow", "follow_until", "open", "close", "extend", "suck", "release", "tare")
+"""What an arm does, or waits for; the rest of a closed loop is thinking."""
+
+
+def order_scenes(settings: Settings) -> list[float]:
+    """CPU time of file to order [s] of each of some files; the first is read once before, for the imports."""
+    order = getattr(import_module("topple.planner"), "order")  # noqa: B009
+    paths = settings["paths"]
+    order(_scene(paths[0]))
+    return [_cpu(lambda path=path: order(_scene(path))) for path in paths]
+
+
+def order_again(settings: Settings) -> list[float]:
+    """CPU time [s] of relations and order of each file once one object has moved by half a centimetre."""
+    order = getattr(import_module("topple.planner"), "order")  # noqa: B009
+    relate = getattr(import_module("topple.topology"), "relate")  # noqa: B009
+    found: list[float] = []
+    for path in settings["paths"]:
+        scene = _scene(path)
+        relations = relate(scene)
+        order(scene, relations=relations)
+        name = scene.movable[0]
+        cloud = scene.clouds[name] + 0.005
+
+        def again(
+            scene: Any = scene, relations: Any = relations, name: str = name, cloud: Any = cloud
+        ) -> None:
+            order(scene.with_cloud(name, cloud), relations=relations.updated(name, cloud))
+
+        found.append(_cpu(again))
+    return found
+
+
+def plan_scene(settings: Settings) -> list[float]:
+    """CPU time of a plan that clears a scene [s]; an order made before, for the imports, does not count."""
+    import numpy as np
+
+    planner = import_module("topple.planner")
+    (path,) = settings["paths"]
+    scene = _scene(path)
+    base = np.array(settings["base"])
+    planner.order(scene)
+    taken = _cpu(lambda: planner.plan(_scene(path), list(scene.movable), "panda", base=base, seed=0))
+    return [taken]
+
+
+def think(settings: Settings) -> list[float]:
+    """CPU and wall time [s] of thinking for each action of a built-in scene, and the actions."""
+    loop_in = _of("loop_in", "topple.planner.execution.demo", "topple.planner.demo")
+    scenario_called = _of("scenario_called", "topple.robots.scenarios")
+    acting = _Acting(
+        _of("SimulatedArm", "topple.robots.world.simulated_arm", "topple.robots.simulated_arm"),
+        _of("Camera", "topple.robots.world.camera", "topple.robots.camera"),
+    )
+    with scenario_called(settings["scene"], settings["seed"]) as stage:
+        loop = loop_in(stage, seed=settings["seed"], cameras=3)
+        acting.cpu = acting.wall = 0.0
+        cpu, wall = time.process_time(), time.perf_counter()
+        record = loop.run()
+        cpu, wall = time.process_time() - cpu - acting.cpu, time.perf_counter() - wall - acting.wall
+    actions = max(1, len(record.steps))
+    return [cpu / actions, wall / actions, actions]
+
+
+class _Acting:
+    """The time that arms and cameras take: their methods are timed, the outermost calls alone."""
+
+    def __init__(self, arm: type, camera: type) -> None:
+        self.cpu = self.wall = 0.0
+        self._deep = 0
+        for name in MOTIONS:
+            if hasattr(arm, name):
+                setattr(arm, name, self._timed(getattr(arm, name)))
+        setattr(camera, "look", self._timed(getattr(camera, "look")))  # noqa: B009, B010
+
+    def _timed(self, method: Callable[..., Any]) -> Callable[..., Any]:
+        def timed(*args: Any, **more: Any) -> Any:
+            cpu, wall = time.process_time(), time.perf_counter()
+            self._deep += 1
+            try:
+                return method(*args, **more)
+            finally:
+                self._deep -= 1
+                if self._deep == 0:
+                    self.cpu += time.process_time() - cpu
+                    self.wall += time.perf_counter() - wall
+
+        return timed
+
+
+def _scene(path: str) -> Any:
+    """A scene; the table of frames is the label 1 where no table is named."""
+    load_scene = _of("load_scene", "topple.topology.io.load")
+    from topple.topology.errors import UnknownObject
+
+    if path.endswith("_scene.npz"):
+        return load_scene(Path(path))
+    with suppress(UnknownObject):
+        return load_scene(Path(path), fixed=["1"])
+    return load_scene(Path(path))
+
+
+def _of(name: str, *modules: str) -> Any:
+    """What is called `name` in the first of some modules that there is."""
+    for module in modules[:-1]:
+        with suppress(ModuleNotFoundError):
+            return getattr(import_module(module), name)
+    return getattr(import_module(modules[-1]), name)
+
+
+def _cpu(call: Callable[[], object]) -> float:
+    begun = time.process_time()
+    call()
+    return time.process_time() - begun
+
+
+TASKS: dict[str, Callable[[Settings], list[float]]] = {
+    "order": order_scenes,
+    "again": order_again,
+    "plan": plan_scene,
+    "think": think,
+}
+
+
+def main(arguments: Sequence[str]) -> None:
+    """Do a task and print its figures.
+
+    Args:
+        arguments: The task's name and its settings in JSON.
+    """
+    name, settings = arguments
+    print(json.dumps(TASKS[name](json.loads(settings))))  # noqa: T201
+
+
+if __name__ == "__main__":
+    main(sys.argv[1:])

@@ -1,0 +1,142 @@
+"""`topple robot`: what was understood of an arm, what it can do, and the line to use it with."""
+
+import argparse
+import shlex
+from typing import TYPE_CHECKING, Any
+
+from topple.planner.cli.console import print_json, print_table, print_text
+from topple.planner.cli.main import DONE, NO_SAFE_PLAN
+from topple.planner.cli.options import add_common
+from topple.planner.cli.progress import Progress
+from topple.planner.cli.robot_options import add_gripper, robot_of
+from topple.planner.files import check_writable, write_whole
+
+if TYPE_CHECKING:
+    from topple.planner.execution.examine import Examined
+    from topple.robots.arm.arm import Arm
+
+
+def add_arguments(parser: argparse.ArgumentParser) -> None:
+    """Add the options of `topple robot`.
+
+    Args:
+        parser: The sub-command's parser.
+    """
+    parser.add_argument("robot", metavar="ROBOT", help="FILE.urdf, panda, panda-suction, iiwa or xarm6")
+    add_gripper(parser)
+    parser.add_argument("--no-grasp", action="store_true", help="leave out the grasp in simulation")
+    parser.add_argument("-o", "--output", metavar="FILE", help="draw it at home before the block, out.png")
+    add_common(parser, scenes=None)
+
+
+def execute(args: argparse.Namespace) -> int:
+    """Read an arm, try it, and say what was found.
+
+    Args:
+        args: The parsed arguments.
+
+    Returns:
+        Exit code 0 if the arm can be used; 1 if it has no tool, inverse kinematics misses poses, or the grasp
+        fails.
+
+    Raises:
+        InvalidInput: The robot or the gripper cannot be used, or the picture cannot be written.
+    """
+    if args.output is not None:
+        check_writable(args.output)
+    with Progress("robot") as progress:
+        progress(f"reading {args.robot}")
+        arm = robot_of(args)
+        from topple.planner.execution.examine import examine
+
+        found = examine(arm, grasp=not args.no_grasp, seed=args.seed, progress=progress)
+        if args.output is not None:
+            progress("drawing")
+            _draw(found, args.output)
+    line = _line(args)
+    if args.json:
+        head: dict[str, Any] = {"format": "topple.robot", "format_version": 1, "robot": args.robot}
+        print_json({**head, **found.to_json(), "command": line if found.arm.tools else None})
+    else:
+        _print(args.robot, found.to_json(), line, arm)
+    return DONE if found.ok else NO_SAFE_PLAN
+
+
+def _line(args: argparse.Namespace) -> str:
+    """The command to plan with this arm."""
+    words = ["--robot", args.robot]
+    for option in ("gripper", "srdf", "group"):
+        value = getattr(args, option)
+        words += [] if value is None else [f"--{option}", value]
+    return f"topple plan SCENE --target NAME {shlex.join(words)} -o plan.json"
+
+
+def _print(robot: str, said: dict[str, Any], line: str, arm: "Arm") -> None:
+    many = len(said["joints"])
+    print_text(f"{robot}: {said['name']}, {many} joints from {said['base']}, reach {said['reach']:.2f} m")
+    rows = [
+        (
+            joint["name"],
+            joint["kind"],
+            *(f"{joint[key]:.2f}" for key in ("lower", "upper", "velocity", "acceleration")),
+        )
+        for joint in said["joints"]
+    ]
+    print_table(("joint", "kind", "lower", "upper", "velocity", "acceleration"), rows, right=(2, 3, 4, 5))
+    if said["still"]:
+        print_text(f"Hold still: {', '.join(said['still'])}.")
+    for tool in said["tools"]:
+        print_text(_tool_words(tool))
+    own = said["self_collision"]
+    disabled = f", {own['disabled']} left out as the SRDF has it" if own["disabled"] else ""
+    print_text(
+        f"Self-collision: {100 * own['free']:.1f} % of all states are free "
+        f"({own['pairs']} pairs of links checked{disabled})."
+    )
+    if said["tools"]:
+        asked = said["inverse"]
+        share, bar = 100 * asked["solved"] / max(asked["poses"], 1), 100 * asked["bar"]
+        verdict = "" if asked["ok"] else f": below {bar:.1f} %"
+        print_text(f"Inverse kinematics: {share:.1f} % of {asked['poses']} reachable poses{verdict}.")
+    print_text(_grasp_words(said))
+    for assumption in said["assumptions"]:
+        print_text(f"Assumed: {assumption}.")
+    if said["tools"]:
+        print_text("", f"Use it: {line}")
+        return
+    from topple.robots.catalog.own_arm import tool_advice
+
+    print_text("", tool_advice(arm))
+
+
+def _tool_words(tool: dict[str, Any]) -> str:
+    at = " ".join(f"{row[3]:.3f}" for row in tool["pose_tool_to_link"][:3])
+    if tool["kind"] == "jaw":
+        low, high = (1e3 * value for value in tool["opening"])
+        pads = " x ".join(f"{1e3 * value:.0f}" for value in tool["pads"])
+        what = f"a jaw that opens {low:.0f} to {high:.0f} mm, pads {pads} mm, {tool['force']:.0f} N"
+    else:
+        what = f"a cup of radius {1e3 * tool['radius']:.0f} mm that holds {tool['force']:.0f} N"
+    return f"Tool {tool['name']} at {at} in {tool['link']}: {what}."
+
+
+def _grasp_words(said: dict[str, Any]) -> str:
+    grasp = said["grasp"]
+    if grasp is None:
+        return f"Grasp in simulation: not tried, {said['untried']}."
+    held = grasp["object"]
+    if held is None:
+        return f"Grasp in simulation: failed. {'; '.join(grasp['why'])}."
+    x, y, z = held["place"]
+    what = (
+        f"a cube of {1e3 * held['side']:.0f} mm and {1e3 * held['mass']:.0f} g at {x:.2f} {y:.2f} {z:.2f} m"
+    )
+    if grasp["success"]:
+        return f"Grasp in simulation: {what} taken, lifted and put down elsewhere."
+    return f"Grasp in simulation: {what} failed. {'; '.join(grasp['why'])}."
+
+
+def _draw(found: "Examined", path: str) -> None:
+    from topple.planner.execution.portrait import portrait
+
+    write_whole(path, portrait(found.arm, None if found.grasped is None else found.grasped.trial))

@@ -1,0 +1,70 @@
+"""`topple view`: a live page of one scene, served to a browser until it is interrupted."""
+
+import argparse
+import sys
+from pathlib import Path
+
+from topple.planner.cli.console import print_json, print_text
+from topple.planner.cli.main import DONE
+from topple.planner.cli.options import add_common, read_scene, scene_paths
+from topple.planner.cli.progress import Progress
+from topple.topology.errors import InvalidInput
+
+
+def add_arguments(parser: argparse.ArgumentParser) -> None:
+    """Add the options of `topple view`.
+
+    Args:
+        parser: The sub-command's parser.
+    """
+    add_common(parser, scenes="one")
+    parser.add_argument(
+        "--plan", metavar="FILE", help="a plan of the scene, whose steps are shown (its order)"
+    )
+    parser.add_argument("--host", default="127.0.0.1", help="who may connect (127.0.0.1; any: 0.0.0.0)")
+    parser.add_argument(
+        "--port", type=int, default=8080, metavar="N", help="where to listen, or next to it (8080)"
+    )
+
+
+def execute(args: argparse.Namespace) -> int:
+    """Serve the scene until interrupted.
+
+    Args:
+        args: The parsed arguments.
+
+    Returns:
+        Exit code 0.
+
+    Raises:
+        InvalidInput: The scene or the plan cannot be read, or they are of different things.
+    """
+    from topple.planner.formats.plan_format import plan_from_json
+    from topple.planner.report.live import LivePage
+
+    (path,) = scene_paths(args, many=False)
+    if not 0 < args.port < 65536:
+        args.parser.error(f"--port {args.port} is no port: expected 1 to 65535")
+    with Progress("view") as progress:
+        progress(f"reading {path}")
+        scene = read_scene(args, path)
+        plan = None
+        if args.plan is not None:
+            try:
+                plan = plan_from_json(Path(args.plan).read_bytes(), args.plan)
+            except OSError as error:
+                raise InvalidInput(f"{args.plan}: cannot be read: {error.strerror or error}") from error
+        progress(f"{path}: relating {len(scene.names)} objects")
+        page = LivePage(scene, plan, host=args.host, port=args.port)
+    try:
+        if args.json:
+            print_json({"format": "topple.view", "format_version": 1, "scene": path, "url": page.url})
+        else:
+            print_text(f"{path} at {page.url} (Ctrl-C ends it)")
+        sys.stdout.flush()
+        page.wait()
+    except KeyboardInterrupt:  # the way to end it
+        pass
+    finally:
+        page.close()
+    return DONE

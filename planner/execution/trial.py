@@ -1,0 +1,105 @@
+"""A block on a small table in front of an arm, where the arm can take it from above: the least of tasks."""
+
+from dataclasses import dataclass
+from itertools import product
+from typing import Any
+
+import numpy as np
+
+from topple.planner.execution.tolerances import (
+    TRIAL_BESIDE,
+    TRIAL_BLOCK,
+    TRIAL_HEIGHTS,
+    TRIAL_MASS,
+    TRIAL_OVER,
+    TRIAL_SHARE,
+    TRIAL_SHARES,
+    TRIAL_TABLE,
+)
+from topple.planner.motion.collision import Checker
+from topple.robots.arm.arm import Arm
+from topple.robots.arm.gripper import ParallelJaw
+from topple.robots.arm.home import level_of, reach_of, shoulder_of
+from topple.topology.scene import Scene
+
+TURNS = 8  # of the hand about the vertical
+SEEDS = 16  # random starts of inverse kinematics for each
+SPACING = 0.004  # [m] of the points of the clouds
+
+
+@dataclass(frozen=True)
+class Trial:
+    """A cube on a table, in the frame of the arm's base.
+
+    Attributes:
+        side: Of the cube [m].
+        place: (x, y, z) of the middle of the face it stands on [m].
+        mass: Of the cube [kg].
+        name: Of the cube in the scene.
+    """
+
+    side: float
+    place: tuple[float, float, float]
+    mass: float = TRIAL_MASS
+    name: str = "block"
+
+    def scene(self) -> Scene:
+        """Cloud of the cube and of the table top, seen from everywhere."""
+        x, y, z = self.place
+        ticks = np.arange(-self.side / 2, self.side / 2 + 1e-9, self.side / round(self.side / SPACING))
+        grid = np.array(list(product(ticks, ticks)))
+        ends = np.full(len(grid), self.side / 2)
+        faces = [np.insert(grid, axis, sign * ends, axis=1) for axis in range(3) for sign in (-1.0, 1.0)]
+        middle = np.array([x, y, z + self.side / 2])
+        cube = np.unique(np.concatenate(faces).round(6), axis=0) + middle
+        along = np.arange(-TRIAL_TABLE / 2, TRIAL_TABLE / 2, 2 * SPACING)
+        table = np.array([[x + a, y + b, z] for a, b in product(along, along)])
+        clouds = {"table": table, self.name: cube}
+        return Scene(clouds, fixed=["table"], up=(0.0, 0.0, 1.0), masses={self.name: self.mass})
+
+    def to_json(self) -> dict[str, Any]:
+        """As it stands in a `topple.robot` document."""
+        return {"shape": "cube", "side": self.side, "mass": self.mass, "place": list(self.place)}
+
+
+def trial(arm: Arm, tool: str) -> Trial | None:
+    """Find a place for the block.
+
+    Args:
+        arm: The arm.
+        tool: Its tool.
+
+    Returns:
+        The block where the hand gets to it from above, and to places beside it; None where there is no such
+        place. At the height of the base's foot where the arm is as low as that.
+    """
+    jaw = arm.tool(tool).gripper
+    side = min(TRIAL_BLOCK, TRIAL_SHARE * jaw.max_opening) if isinstance(jaw, ParallelJaw) else TRIAL_BLOCK
+    reach = reach_of(arm, tool)
+    shoulder = shoulder_of(arm)
+    levels = [max(0.0, level_of(arm, reach) + share * reach) for share in TRIAL_HEIGHTS]
+    for height, share in product(dict.fromkeys(levels), TRIAL_SHARES):
+        place = (float(shoulder[0]) + share * reach, float(shoulder[1]), height)
+        if _reached(arm, tool, found := Trial(side, place)):
+            return found
+    return None
+
+
+def _reached(arm: Arm, tool: str, tried: Trial) -> bool:
+    """Whether the hand gets to the block from above, over it, and to both sides of it, free of all else."""
+    corners = np.array(list(product((-0.5, 0.5), (-0.5, 0.5), (-1.0, 0.0))))
+    table = corners * [TRIAL_TABLE, TRIAL_TABLE, 0.02] + np.array(tried.place)
+    checker = Checker(arm, np.eye(4), {"table": [table]}, tool_state=arm.tool(tool).ready)
+    if not checker.free(arm.home)[0]:
+        return False
+    for across, above in ((0.0, 0.0), (0.0, TRIAL_OVER), (TRIAL_BESIDE, 0.0), (-TRIAL_BESIDE, 0.0)):
+        poses = np.tile(np.diag([1.0, -1.0, -1.0, 1.0]), (TURNS, 1, 1))
+        angle = 2.0 * np.pi * np.arange(TURNS) / TURNS
+        poses[:, 0, 0], poses[:, 0, 1] = np.cos(angle), np.sin(angle)
+        poses[:, 1, 0], poses[:, 1, 1] = np.sin(angle), -np.cos(angle)
+        x, y, z = tried.place
+        poses[:, :3, 3] = x, y + across, z + tried.side + above
+        states = np.concatenate(arm.inverse(poses, tool, seeds=SEEDS))
+        if not len(states) or not checker.free(states).any():
+            return False
+    return True

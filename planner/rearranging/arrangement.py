@@ -1,0 +1,137 @@
+"""How things shall lie in the end: a scene to copy, how it is built, and how far things are from it."""
+
+from functools import cached_property
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from topple.planner.building.build import BuildOrder, build_order
+from topple.planner.building.standing import falling_in
+from topple.planner.decide.goal import Goal, Place, PlaceRelation
+from topple.planner.rearranging.matching import Match, matched
+from topple.planner.rearranging.registration import Registration, least, registered
+from topple.planner.rearranging.steady import steadied
+from topple.topology.arrays import FloatArray
+from topple.topology.bodies.solids import up_of
+from topple.topology.errors import InvalidInput
+from topple.topology.frame import in_frame
+from topple.topology.situation import Situation
+from topple.topology.sixim.table import Relation
+
+if TYPE_CHECKING:
+    from topple.topology.scene import Scene
+
+INSIDE = (Relation.WITHIN, Relation.PARTIAL_WITHIN)
+
+
+class Arrangement:
+    """A finished arrangement, seen, that things are to be brought to.
+
+    Args:
+        scene: How things shall lie, in the frame of what they lie in now, or the situation it was read as.
+        matches: Which thing of it was taken to be which, where its names did not say.
+    """
+
+    def __init__(self, scene: "Scene | Situation", matches: tuple[Match, ...] = ()) -> None:
+        self.situation, self.matches = Situation.of(scene), matches
+        self._fits: dict[str, tuple[FloatArray, Registration]] = {}
+
+    @staticmethod
+    def alike(start: "Scene", goal: "Scene") -> "Arrangement":
+        """A finished arrangement whose things are told by their shapes.
+
+        Args:
+            start: How things lie.
+            goal: How things of these shapes shall lie.
+
+        Raises:
+            InvalidInput: There are others, or more.
+        """
+        return Arrangement(*matched(start, goal, up_of(start)))
+
+    @cached_property
+    def built(self) -> BuildOrder:
+        """In which order it is put together.
+
+        Raises:
+            InvalidInput: The scene has no `up`, or nothing that moves.
+        """
+        return build_order(self.situation)
+
+    @cached_property
+    def first_down(self) -> frozenset[tuple[str, str]]:
+        """(a, b): a has to be down before b, so that b is not barred and stands."""
+        pairs = ((e.first, e.then) for e in self.built.footings)
+        graph = steadied(self.situation.movable, pairs, falling_in(self.situation.statics))
+        return frozenset(graph.edges)
+
+    def check(self, start: Situation) -> None:
+        """Refuse a start that cannot become this.
+
+        Args:
+            start: How things lie.
+
+        Raises:
+            InvalidInput: It has other things, or another up.
+        """
+        goal = self.situation
+        for here, there, words in ((start, goal, "the goal"), (goal, start, "the start")):
+            missing = [name for name in here.movable if name not in there.movable]
+            if missing:
+                raise InvalidInput(
+                    f"{', '.join(missing)}: not among what moves in {words}; things match by name"
+                )
+        if float(start.up @ goal.up) < np.cos(np.radians(5.0)):
+            raise InvalidInput("start and goal have another up: give both in one frame")
+
+    def in_frame(self, pose: FloatArray, up: FloatArray) -> "Arrangement":
+        """The same in another frame: pose (4, 4) leads there, up (3,) is against gravity there."""
+        return Arrangement(in_frame(self.situation.scene, pose, up), self.matches)
+
+    def fit(self, name: str, situation: Situation) -> Registration:
+        """How an object has to be moved from where it is to where it shall be.
+
+        Args:
+            name: The object.
+            situation: Where it is.
+        """
+        known, cloud = self._fits.get(name), situation.scene.clouds[name]
+        if known is not None and known[0] is cloud:
+            return known[1]
+        guess, up = None if known is None else known[1].pose, self.situation.up
+        surface = situation.surfaces[name] @ situation.statics.upright.rotation
+        found = registered(cloud, self.situation.scene.clouds[name], up, guess)
+        found = least(found, cloud, surface, up)
+        self._fits[name] = cloud, found
+        return found
+
+    def goal(self, scene: "Scene") -> Goal:
+        """What shall hold in the end: what lies on and in what, and where everything is.
+
+        Args:
+            scene: How things lie now.
+
+        Raises:
+            InvalidInput: The scene has other things.
+        """
+        start = Situation.of(scene)
+        self.check(start)
+        places = tuple(filter(None, map(self._place, self.built.order)))
+        if not places:
+            raise InvalidInput("nothing in the goal is seen to rest on anything: expected an arrangement")
+        fits = {name: self.fit(name, start) for name in scene.movable}
+        poses = {name: np.eye(4) if fit.stays else fit.pose for name, fit in fits.items()}
+        text = ", ".join(f"{place.object} {place.how} {place.where}" for place in places)
+        return Goal(text, places=places, poses=poses, assumptions=tuple(map(str, self.matches)))
+
+    def _place(self, name: str) -> Place | None:
+        """What an object lies in, or rests on, in the goal."""
+        carrying = [each for each in self.situation.supports if each.supported == name]
+        between, clouds, up = self.situation.relations.between, self.situation.scene.clouds, self.situation.up
+        for each in carrying:
+            below = float((clouds[name] @ up).mean()) < float((clouds[each.supporter] @ up).max())
+            if below and between(name, each.supporter).relation in INSIDE:
+                return Place(name, PlaceRelation.WITHIN, each.supporter)
+        borne = [each for each in carrying if each.kind != "leans"]
+        sure = max(borne, key=lambda each: each.confidence, default=None)
+        return None if sure is None else Place(name, PlaceRelation.ON, sure.supporter)

@@ -1,0 +1,245 @@
+"""The next move of a rearrangement that an arm can make; where it finds none, what has to make room first."""
+
+from collections.abc import Callable
+from dataclasses import replace
+
+import numpy as np
+
+from topple.planner.decide.arrange import Order
+from topple.planner.decide.goal import Goal
+from topple.planner.errors import NoSafePlan
+from topple.planner.failure import Check, FailedCheck, TransferFailure
+from topple.planner.fallbacks import Fallback
+from topple.planner.placement.lowered import lowered
+from topple.planner.placement.placement import Placement
+from topple.planner.placement.resting import about
+from topple.planner.planning.step import Action, Context, NextStep
+from topple.planner.planning.transfers import Transfers
+from topple.planner.rearranging.arrangement import Arrangement
+from topple.planner.rearranging.moves import Moves, contracted, fewest_moves
+from topple.planner.rearranging.needs import Needs, needs
+from topple.planner.rearranging.problem import Act, Move, Pair, Problem, To
+from topple.planner.rearranging.registration import Registration, turns
+from topple.planner.rearranging.tolerances import LESSONS, RAISED, TURNS
+from topple.planner.transfer.segments import SegmentKind
+from topple.planner.transfer.transfer import Transfer
+from topple.topology.arrays import FloatArray
+from topple.topology.geometry.rigid import transformed
+from topple.topology.situation import Situation
+
+TAKING = (SegmentKind.GRASP, SegmentKind.APPROACH, SegmentKind.LIFT)
+
+
+class MoveChooser:
+    """Chooses the next move of a rearrangement in one situation.
+
+    Args:
+        situation: What is seen, or what should be there by now.
+        goal: What shall hold in the end.
+        context: What it is chosen in; an order of its own decides what lies on what.
+        arrangement: How things shall lie.
+        seconds: How long to search for proof that no sequence of moves is shorter.
+        lessons: What the arm was found to need before.
+        learn: Told of each further thing it is found to need.
+    """
+
+    def __init__(
+        self,
+        situation: Situation,
+        goal: Goal,
+        context: Context,
+        arrangement: Arrangement,
+        seconds: float,
+        *,
+        lessons: frozenset[Pair],
+        learn: Callable[[Pair], object],
+    ) -> None:
+        self._situation, self._scene, self._goal, self._context = situation, situation.scene, goal, context
+        self._arrangement, self._seconds = arrangement, seconds
+        self._lessons, self._learn = set(lessons), learn
+        self._transfers = Transfers(situation, context)
+        known = [name for name in situation.movable if name in arrangement.situation.movable]
+        self._fits = {name: arrangement.fit(name, situation) for name in known}
+        self._moving = tuple(name for name in known if not self._is_there(name))
+        self._failed: dict[Move, TransferFailure] = {}
+
+    def unmet(self) -> tuple[str, ...]:
+        """What is not where it shall be, and what is not in or on what it shall be, in words."""
+        far = tuple(f"{name} is {_off(self._fits[name])}" for name in self._moving)
+        return (
+            *self._lost(),
+            *far,
+            *self._goal.unmet(self._situation.relations, self._scene.fixed, self._situation.supports),
+        )
+
+    def choose(self) -> NextStep | None:
+        """The next step; None where everything is where it shall be.
+
+        Raises:
+            NoSafePlan: No order of moves leads there, or the arm can make none of those that may come next.
+        """
+        if lost := self._lost():
+            raise NoSafePlan("; ".join(lost), lost)
+        if not self._moving:
+            return None
+        taken = self._context.ask(self._situation, self._situation.movable)
+        needed = self._needed(taken)
+        while True:
+            problem = replace(needed.problem, before=needed.problem.before | self._lessons)
+            found = fewest_moves(problem, self._seconds)
+            order = replace(taken, order=tuple(m.object for m in found.moves if m.to is To.GOAL))
+            for move in _ready(problem, found):
+                if (step := self._step(move, needed, order)) is not None:
+                    return step
+            if len(self._failed) > LESSONS or not self._taught(problem):
+                return self._aside_first(order)
+
+    def _lost(self) -> tuple[str, ...]:
+        return tuple(
+            f"{name} is seen nowhere any more"
+            for name in self._arrangement.situation.movable
+            if name not in self._scene.clouds
+        )
+
+    def _is_there(self, name: str) -> bool:
+        """Whether an object is where it shall be; in a plan what was put there is."""
+        last = next((action for other, action in reversed(self._context.done) if other == name), None)
+        if last is not None and not self._context.observed:
+            return last == Action.PLACE
+        return self._fits[name].stays
+
+    def _needed(self, taken: Order) -> Needs:
+        """What has to happen before what."""
+        upright = self._situation.statics.upright.rotation
+        surfaces = dict(self._situation.surfaces)
+        for name in self._moving:
+            pose = self._fits[name].pose
+            surfaces[name] = transformed(surfaces[name] @ upright, pose) @ upright.T
+        staying = set(self._situation.movable) - set(self._moving)
+        return needs(self._situation, self._arrangement, taken, surfaces, staying)
+
+    def _step(self, move: Move, needed: Needs, order: Order) -> NextStep | None:
+        """A move as a step, where the arm can make it; it is tried once."""
+        if move in self._failed:
+            return None
+        found = self._to_goal(move.object) if move.to is To.GOAL else self._aside(move.object)
+        if isinstance(found, TransferFailure):
+            self._failed[move] = self._transfers.explained(found)
+            return None
+        buffer = move.to is To.BUFFER
+        why = needed.told([move])[0]
+        said = "; ".join([why, *map(str, self._failed.values())])
+        fallbacks = (Fallback.ANOTHER_FIRST,) if self._failed else ()
+        action = Action.REMOVE if buffer else Action.PLACE
+        return NextStep(found, action, said, order, fallbacks=fallbacks, buffer=buffer)
+
+    def _to_goal(self, name: str) -> Transfer | TransferFailure:
+        """An object to where it shall be, however round things are turned there."""
+        pose, up = self._fits[name].pose, self._situation.up
+        place = lowered(name, self._situation, pose)
+        raised = 0.0 if place is None else float(up @ (place.pose_at_rest(up) - pose)[:3, 3])
+        if place is None or raised > RAISED:
+            below = "nothing" if place is None else place.into or "something"
+            text = f"{name} has {below} under its place"
+            barring = {} if place is None or place.into is None else {place.into: 1}
+            failed = FailedCheck(SegmentKind.PLACE, Check.ROOM, text)
+            return TransferFailure(name, {text: 1}, next(iter(barring), None), failed, barring)
+        return self._transfers.to(name, self._turned(name, place))
+
+    def _turned(self, name: str, place: Placement) -> list[Placement]:
+        """A placement, and those that look the same as the object is turned onto itself."""
+        up, upright = self._situation.up, self._situation.statics.upright.rotation
+        pose = place.pose_before_to_after
+        there = transformed(self._situation.surfaces[name] @ upright, pose)
+        middle = (there.min(axis=0) + there.max(axis=0)) / 2.0
+        angles = turns(there, up)
+        found: list[Placement] = []
+        for angle in angles[:: max(1, len(angles) // TURNS)]:
+            turn = np.eye(4)
+            turn[:3, :3] = about(up, angle)
+            turn[:3, 3] = middle - turn[:3, :3] @ middle
+            found.append(replace(place, pose_before_to_after=turn @ pose))
+        return found
+
+    def _aside(self, name: str) -> Transfer | TransferFailure:
+        """An object to free table, off every place that is still to be taken."""
+        places = [self._there(other) for other in self._moving]
+        return self._transfers.aside(name, set(self._moving) - {name}, places)
+
+    def _there(self, name: str) -> FloatArray:
+        """(N, 3) what is seen of an object, where it shall be [m]."""
+        pose = self._fits[name].pose
+        return transformed(self._scene.clouds[name], pose)
+
+    def _taught(self, problem: Problem) -> bool:
+        """Take down what has to make room for a move that failed, where some order heeds it."""
+        for move, failure in self._failed.items():
+            for other in dict.fromkeys((*failure.barring, *self._transfers.barring(failure))):
+                if other not in (*problem.moving, *problem.staying) or other == move.object:
+                    continue
+                pairs = self._lesson(move, failure, other, problem)
+                if pairs <= problem.before or not _possible(problem, pairs, self._seconds):
+                    continue
+                self._lessons |= pairs
+                for pair in pairs:
+                    self._learn(pair)
+                return True
+        return False
+
+    def _lesson(self, move: Move, failure: TransferFailure, other: str, problem: Problem) -> frozenset[Pair]:
+        """What has to happen before a move whose hand or load another object is in the way of.
+
+        What is where it shall be, and makes room, comes back only when the room is no longer needed.
+        """
+        got, name = failure.furthest, move.object
+        if move.to is To.BUFFER or got is None or got.step in TAKING:
+            back = {((Act.TAKE, name), (Act.PUT, other))} if other in problem.staying else set[Pair]()
+            return frozenset({((Act.TAKE, other), (Act.TAKE, name)), *back})
+        if other in self._moving:
+            return frozenset({((Act.TAKE, other), (Act.PUT, name))})
+        return frozenset({((Act.PUT, name), (Act.PUT, other))})
+
+    def _aside_first(self, order: Order) -> NextStep:
+        """What cannot go straight to its place is put down once, to be taken otherwise.
+
+        Raises:
+            NoSafePlan: That does not help either.
+        """
+        for move, failure in self._failed.items():
+            name = move.object
+            if move.to is To.BUFFER or (name, Action.REMOVE) in self._context.done:
+                continue
+            found = self._aside(name)
+            if isinstance(found, Transfer):
+                why = f"it is put down to be taken otherwise ({failure})"
+                return NextStep(
+                    found, Action.REMOVE, why, order, fallbacks=(Fallback.PUT_ASIDE,), buffer=True
+                )
+        failures = tuple(self._failed.values())
+        words = tuple(map(str, failures))
+        raise NoSafePlan("; ".join(words), words, failures)
+
+
+def _ready(problem: Problem, found: Moves) -> list[Move]:
+    """The moves that wait for no other, in the order of a sequence."""
+    graph = contracted(problem, found.buffered)
+    ready = {
+        Move(name, To.BUFFER if kind == "take" else To.GOAL)
+        for kind, name in graph
+        if graph.in_degree((kind, name)) == 0
+    }
+    return [move for move in dict.fromkeys(found.moves) if move in ready]
+
+
+def _possible(problem: Problem, pairs: frozenset[Pair], seconds: float) -> bool:
+    """Whether some sequence of moves heeds more pairs."""
+    try:
+        fewest_moves(replace(problem, before=problem.before | pairs), seconds)
+    except NoSafePlan:
+        return False
+    return True
+
+
+def _off(fit: Registration) -> str:
+    """How far something is from where it shall be, in words."""
+    return f"{1e3 * fit.way:.0f} mm and {np.degrees(fit.turn):.0f} degrees from where it shall be"

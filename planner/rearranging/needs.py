@@ -1,0 +1,142 @@
+"""What has to happen before what, to turn one arrangement into another: removals, footings, places."""
+
+from collections.abc import Collection, Iterable, Mapping
+from dataclasses import dataclass
+from itertools import permutations
+from typing import Any
+
+import numpy as np
+
+from topple.planner.building.build import Hold
+from topple.planner.building.standing import falling_in
+from topple.planner.decide.arrange import Order
+from topple.planner.decide.dependency import Dependency, dependencies
+from topple.planner.rearranging.arrangement import Arrangement
+from topple.planner.rearranging.problem import Act, Move, Pair, Problem, To
+from topple.planner.rearranging.steady import steadied
+from topple.planner.tolerances import DISTURBED
+from topple.topology.arrays import FloatArray, bounds
+from topple.topology.evidence import Evidence
+from topple.topology.situation import Situation
+from topple.topology.sixim.table import classify
+from topple.topology.statics.sweep import swept_matrix
+
+SIDES = DISTURBED * np.array([[np.cos(a), np.sin(a), 0.0] for a in np.arange(8) * np.pi / 4])
+"""Pushes [m] that do not count as a move."""
+
+
+@dataclass(frozen=True)
+class Place:
+    """`then` cannot be put to its place before `first` has left the one it has.
+
+    Attributes:
+        first: What is in the way.
+        then: What shall be there.
+        evidence: Relation of `then` as it is lowered to `first`, or of `first` as it is lifted to `then`.
+    """
+
+    first: str
+    then: str
+    evidence: tuple[Evidence, ...]
+
+    def to_json(self) -> dict[str, Any]:
+        """The entry of the JSON."""
+        evidence = [each.to_json() for each in self.evidence]
+        return {"first": self.first, "then": self.then, "evidence": evidence}
+
+    def sentence(self) -> str:
+        """The reason in words."""
+        return f"{self.first} is where {self.then} shall be"
+
+
+@dataclass(frozen=True, eq=False)
+class Needs:
+    """What a rearrangement has to heed.
+
+    Attributes:
+        problem: What is moved, and what must happen before what.
+        removals: What must be taken before what, as things lie now.
+        footings: What must be down before what, as they shall lie.
+        places: What must be off whose place.
+        holds: What stands in the goal only when it is held until a later thing is down.
+    """
+
+    problem: Problem
+    removals: tuple[Dependency, ...]
+    footings: tuple[Dependency, ...]
+    places: tuple[Place, ...]
+    holds: tuple[Hold, ...]
+
+    def told(self, moves: Iterable[Move]) -> list[str]:
+        """For each of some moves, the first to do first, where it goes and what waits for it, in words."""
+        told: list[str] = []
+        off, down = set[str](), set[str]()
+        for move in moves:
+            why: list[str] = []
+            if move.object not in off:
+                why += [e.sentence() for e in self.removals if e.first == move.object and e.then not in off]
+                why += [p.sentence() for p in self.places if p.first == move.object and p.then not in down]
+                off.add(move.object)
+            if move.to is To.GOAL:
+                down.add(move.object)
+                why += [e.sentence() for e in self.footings if e.first == move.object and e.then not in down]
+                why += [
+                    f"hold {h.object} until {h.until} is down" for h in self.holds if h.since == move.object
+                ]
+            where = "to its place" if move.to is To.GOAL else "out of the way"
+            told.append(f"{where}: {'; '.join(why) or 'nothing waits for it'}")
+        return told
+
+
+def needs(
+    before: Situation,
+    arrangement: Arrangement,
+    taken: Order,
+    surfaces: Mapping[str, FloatArray],
+    staying: Collection[str],
+) -> Needs:
+    """Join what the removals, the building and the places ask for.
+
+    Args:
+        before: How things lie.
+        arrangement: How they shall lie.
+        taken: The order in which they could all be taken.
+        surfaces: name -> (N, 3) points where it shall be, in the upright frame of `before` [m].
+        staying: What is where it shall be.
+    """
+    rank = {name: k for k, name in enumerate(taken.order)}
+    full = dependencies(before, direct=False).dependencies
+    removals = tuple(e for e in full if rank[e.first] < rank[e.then])
+    names = before.movable
+    staying = tuple(name for name in names if name in staying)
+    places = tuple(_places(before, surfaces, staying))
+    first_off = steadied(names, ((e.then, e.first) for e in removals), falling_in(before.statics)).edges
+    pairs: set[Pair] = {((Act.TAKE, b), (Act.TAKE, a)) for a, b in first_off}
+    pairs |= {((Act.PUT, a), (Act.PUT, b)) for a, b in arrangement.first_down}
+    pairs |= {((Act.TAKE, place.first), (Act.PUT, place.then)) for place in places}
+    moving = tuple(name for name in names if name not in staying)
+    problem = Problem(moving, staying, frozenset(pairs))
+    return Needs(problem, removals, arrangement.built.footings, places, arrangement.built.holds)
+
+
+def _places(start: Situation, goal: Mapping[str, FloatArray], staying: Iterable[str]) -> Iterable[Place]:
+    """What is in, over or under a place of the goal at the start: a straight way would meet it."""
+    kept = frozenset(staying)  # about whose places start and goal say all there is
+    for first, then in permutations(start.movable, 2):
+        here, there = start.surfaces[first], goal[then]
+        (low, high), (least, most) = bounds(here), bounds(there)
+        if {first, then} & kept or (low > most)[:2].any() or (high < least)[:2].any():
+            continue
+        ways = ((then, there, first, here), (first, here, then, there))
+        found = tuple(
+            Evidence(a, b, classify(swept_matrix(body, met)), 0.0, True, swept=True)
+            for a, body, b, met in ways
+            if _meets(body, met)
+        )
+        if found:
+            yield Place(first, then, found)
+
+
+def _meets(swept: FloatArray, other: FloatArray) -> bool:
+    """Whether a straight way up or down meets something by more than what does not count as a move."""
+    return all(swept_matrix(swept, other + push)[1, 0] > 0 for push in (np.zeros(3), *SIDES))

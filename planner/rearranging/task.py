@@ -1,0 +1,149 @@
+"""Turning one arrangement into another as a task for an arm, of a plan or of a run."""
+
+from abc import ABC, abstractmethod
+from collections.abc import Collection, Sequence
+from dataclasses import dataclass, field
+
+from topple.planner.decide.goal import Goal
+from topple.planner.planning.step import Chooser, Context, Task
+from topple.planner.rearranging.arrangement import Arrangement
+from topple.planner.rearranging.chooser import MoveChooser
+from topple.planner.rearranging.problem import Act, Pair
+from topple.planner.rearranging.tolerances import SECONDS
+from topple.topology.arrays import FloatArray
+from topple.topology.scene import Scene
+from topple.topology.situation import Situation
+
+
+@dataclass
+class Lessons:
+    """What an arm was found to need beyond what lies on what, each with how many steps were done by then."""
+
+    pairs: dict[Pair, int] = field(default_factory=dict[Pair, int])
+
+    def now(self, done: Sequence[tuple[str, str]]) -> frozenset[Pair]:
+        """Those that still hold: of the places that things had at the start, while they are there.
+
+        Args:
+            done: Steps done by now, as (object, action).
+        """
+        return frozenset(
+            pair for pair, count in self.pairs.items() if not _left(pair, {name for name, _ in done[count:]})
+        )
+
+
+def _left(pair: Pair, handled: Collection[str]) -> bool:
+    """Whether a pair is about where something was that has been moved since."""
+    return any(act is Act.TAKE and name in handled for act, name in pair)
+
+
+class Rearranging:
+    """The task to make things lie as in a finished arrangement, with the fewest moves that the arm can make.
+
+    Args:
+        arrangement: How things shall lie.
+        seconds: How long to search for proof that no sequence of moves is shorter, before each step.
+    """
+
+    def __init__(self, arrangement: Arrangement, seconds: float = SECONDS) -> None:
+        self.arrangement, self.seconds, self.lessons = arrangement, seconds, Lessons()
+
+    def in_frame(self, pose: FloatArray, up: FloatArray, /) -> Task:
+        """The same in another frame: pose (4, 4) leads there, up (3,) is against gravity there."""
+        return Rearranging(self.arrangement.in_frame(pose, up), self.seconds)
+
+    def goal(self, scene: Scene) -> Goal:
+        """What shall hold in the end.
+
+        Args:
+            scene: What is seen at the start.
+
+        Raises:
+            InvalidInput: It has other things than the arrangement.
+        """
+        return self.arrangement.goal(scene)
+
+    def chooser(self, situation: Situation, goal: Goal, context: Context) -> Chooser:
+        """Who chooses the next move; see `topple.planner.planning.step.Task`."""
+        done = context.done
+        return MoveChooser(
+            situation, goal, context, self.arrangement, self.seconds,
+            lessons=self.lessons.now(done), learn=lambda pair: self.lessons.pairs.setdefault(pair, len(done)),
+        )  # fmt: skip
+
+
+class _Later(ABC):
+    """A task that is worked out for the first scene it is asked for.
+
+    Args:
+        seconds: As `Rearranging` takes it.
+    """
+
+    def __init__(self, seconds: float) -> None:
+        self._seconds = seconds
+        self._made: Rearranging | None = None
+
+    @abstractmethod
+    def arrangement(self, scene: Scene) -> Arrangement:
+        """How things shall lie, of which a scene says how they do."""
+
+    def in_frame(self, pose: FloatArray, up: FloatArray, /) -> Task:
+        """The same in another frame, once it was worked out for a scene in this one."""
+        return self if self._made is None else self._made.in_frame(pose, up)
+
+    def goal(self, scene: Scene) -> Goal:
+        """What shall hold in the end.
+
+        Args:
+            scene: What is seen at the start.
+
+        Raises:
+            InvalidInput: It is no goal for these things.
+            NoSafePlan: There is no room for it.
+        """
+        return self._worked_out(scene).goal(scene)
+
+    def chooser(self, situation: Situation, goal: Goal, context: Context) -> Chooser:
+        """Who chooses the next move; see `topple.planner.planning.step.Task`."""
+        return self._worked_out(situation.scene).chooser(situation, goal, context)
+
+    def _worked_out(self, scene: Scene) -> Rearranging:
+        if self._made is None:
+            self._made = Rearranging(self.arrangement(scene), self._seconds)
+        return self._made
+
+
+class Described(_Later):
+    """The task to make things lie as words say: see `topple.planner.rearranging.words.described`.
+
+    Args:
+        words: As "plate on table, bowl on plate, spoon left of plate".
+        seconds: As `Rearranging` takes it.
+    """
+
+    def __init__(self, words: str, seconds: float = SECONDS) -> None:
+        super().__init__(seconds)
+        self.words = words
+
+    def arrangement(self, scene: Scene) -> Arrangement:
+        """The words worked out."""
+        from topple.planner.rearranging.words import described  # lets things go in simulation
+
+        return described(self.words, Situation.of(scene))
+
+
+class Alike(_Later):
+    """The task to make things lie as in a scene of things of their shapes, whatever these are called.
+
+    Args:
+        goal: How things of these shapes shall lie.
+        seconds: As `Rearranging` takes it.
+    """
+
+    def __init__(self, goal: Scene, seconds: float = SECONDS) -> None:
+        super().__init__(seconds)
+        self._goal = goal
+
+    def arrangement(self, scene: Scene) -> Arrangement:
+        """The scene, its things named as those they are taken to be."""
+        return Arrangement.alike(scene, self._goal)

@@ -1,0 +1,79 @@
+"""The physics engines that a world can be played on, by name."""
+
+from collections.abc import Generator
+from contextlib import contextmanager
+from contextvars import ContextVar
+from typing import TYPE_CHECKING
+
+from topple.topology.errors import InvalidInput
+
+if TYPE_CHECKING:
+    from topple.robots.arm.arm import Arm
+    from topple.robots.world.acting_arm import ActingArm
+    from topple.robots.world.physical_world import PhysicalWorld
+    from topple.topology.arrays import FloatArray
+
+__all__ = ["BULLET", "ENGINES", "MUJOCO", "arm_in", "new_world", "playing_on"]
+
+BULLET, MUJOCO = ENGINES = ("bullet", "mujoco")
+
+_CHOSEN: ContextVar[str] = ContextVar("engine", default=BULLET)
+
+
+@contextmanager
+def playing_on(engine: str) -> Generator[None]:
+    """Make worlds on an engine, within the block.
+
+    Args:
+        engine: One of `ENGINES`.
+
+    Raises:
+        InvalidInput: There is no such engine.
+    """
+    if engine not in ENGINES:
+        raise InvalidInput(f"no engine {engine!r}: expected {' or '.join(ENGINES)}")
+    token = _CHOSEN.set(engine)
+    try:
+        yield
+    finally:
+        _CHOSEN.reset(token)
+
+
+def new_world() -> "PhysicalWorld":
+    """An empty world on the engine of `playing_on`; on PyBullet without one.
+
+    Raises:
+        NotInstalled: The engine is not installed.
+    """
+    if _CHOSEN.get() == MUJOCO:
+        from topple.robots.mujoco.world import MujocoWorld
+
+        return MujocoWorld()
+    from topple.robots.world.world import World
+
+    return World()
+
+
+def arm_in(world: "PhysicalWorld", arm: "Arm", pose_base_to_world: "FloatArray") -> "ActingArm":
+    """Put an arm into a world, at home, and return what drives it.
+
+    Args:
+        world: A world of `new_world`.
+        arm: The arm.
+        pose_base_to_world: (4, 4) where it stands.
+
+    Raises:
+        InvalidInput: The world's engine does not simulate what the arm holds with.
+    """
+    if world.engine == MUJOCO:
+        from topple.robots.mujoco.acting import MujocoArm
+        from topple.robots.mujoco.world import MujocoWorld
+
+        if isinstance(world, MujocoWorld):
+            return MujocoArm(world, arm, pose_base_to_world)
+    from topple.robots.world.simulated_arm import SimulatedArm
+    from topple.robots.world.world import World
+
+    if not isinstance(world, World):
+        raise InvalidInput(f"no arm is known for worlds of {world.engine!r}: expected one of {ENGINES}")
+    return SimulatedArm(world, arm, pose_base_to_world)

@@ -1,0 +1,161 @@
+"""An arm in a world on MuJoCo: joints with computed torques, a jaw that holds by friction."""
+
+from collections.abc import Sequence
+
+import numpy as np
+
+from topple.robots.arm.arm import Arm
+from topple.robots.arm.urdf import urdf_root
+from topple.robots.mujoco.engine import mujoco
+from topple.robots.mujoco.tolerances import CLOSING, STALL, STIFFNESS
+from topple.robots.mujoco.world import MujocoWorld
+from topple.robots.world.acting_arm import ActingArm
+from topple.robots.world.control import Control
+from topple.robots.world.touch import note_touch
+from topple.robots.world.wrist import TorqueNoise, Wrist
+from topple.topology.arrays import FloatArray
+from topple.topology.errors import InvalidInput
+
+
+class MujocoArm(ActingArm):
+    """A `Driver` of one arm in a world on MuJoCo; records everything it touches, for a judge to see.
+
+    Args:
+        world: The world it stands in.
+        arm: The arm: with a jaw, not a cup.
+        pose_base_to_world: (4, 4) where it stands.
+        q: (n,) joint values to start with; the arm's home if not given.
+        control: Waits; gains are those of `topple.robots.mujoco.tolerances`.
+        noise: Of the joints' torque sensors; None: as of an arm made for touching.
+        rng: Where the noise comes from; None: a generator seeded with 0.
+
+    Raises:
+        InvalidInput: The hand has a cup.
+    """
+
+    def __init__(
+        self,
+        world: MujocoWorld,
+        arm: Arm,
+        pose_base_to_world: FloatArray,
+        q: FloatArray | None = None,
+        control: Control | None = None,
+        *,
+        noise: TorqueNoise | None = None,
+        rng: np.random.Generator | None = None,
+    ) -> None:
+        super().__init__(world, arm, pose_base_to_world, q, control)
+        if self.cup is not None:
+            raise InvalidInput(
+                f"{arm.name} has a suction cup, which the engine mujoco does not simulate: use an arm with a "
+                "jaw, such as panda, or the engine bullet"
+            )
+        self._world = world
+        world.put_arm(arm, self.pose_base_to_world, arm.joint_values(self.q_target, self.tool_state))
+        limits = {
+            str(joint.get("name")): float(limit.get("effort") or 0.0)
+            for joint in urdf_root(arm.urdf).findall("joint")
+            if (limit := joint.find("limit")) is not None
+        }
+        self._efforts = np.array([limits.get(name) or np.inf for name in arm.joints])
+        self._goal = self.q_target.copy(), np.zeros(len(arm.joints))
+        self.wrist = Wrist(self._loads, arm, world.physics.gravity, world.time_step, noise, rng)
+        world.drive = self._motors
+
+    @property
+    def world(self) -> MujocoWorld:
+        """The world it stands in."""
+        return self._world
+
+    def joint_positions(self, names: Sequence[str]) -> FloatArray:
+        """Measured values of some joints in [rad] or [m]."""
+        _, data = self.world.state
+        return np.array([data.qpos[self._at(name)[0]] for name in names])
+
+    def efforts(self, names: Sequence[str]) -> Sequence[float]:
+        """What the motors of some joints of the hand exert in [N m] or [N]."""
+        _, data = self.world.state
+        return [float(data.actuator(f"robot {name}").force[0]) for name in names]
+
+    @property
+    def sealed(self) -> bool | None:
+        """Whether the cup's vacuum stands; None: there is no cup."""
+        return None
+
+    def unseal(self) -> None:
+        """Do nothing: there is no cup."""
+
+    def suck(self) -> bool:
+        """Refuse: there is no cup.
+
+        Raises:
+            InvalidInput: Always.
+        """
+        raise InvalidInput(f"{self.arm.name} has no suction cup in the engine mujoco: use the engine bullet")
+
+    def on_pads(self) -> tuple[FloatArray, FloatArray]:
+        """Where something presses on the pads (k, 3) in [m], and how (k, 3) in [N], in the world."""
+        pads = self.jaw.links if self.jaw else ()
+        places, forces = list[FloatArray](), list[FloatArray]()
+        for a, b, point, normal, force, _ in self.world.touches():
+            for own, sign in ((a, 1.0), (b, -1.0)):
+                if own.robot and own.owner in pads:
+                    places.append(point)
+                    forces.append(sign * force * normal)
+        return np.array(places).reshape(-1, 3), np.array(forces).reshape(-1, 3)
+
+    def link_pose(self, link: str) -> FloatArray:
+        """(4, 4) measured pose of a link's frame in the world."""
+        _, data = self.world.state
+        body = data.body(f"robot {link}")
+        pose = np.eye(4)
+        pose[:3, :3], pose[:3, 3] = body.xmat.reshape(3, 3), body.xpos
+        return pose
+
+    def _at(self, joint: str) -> tuple[int, int]:
+        found = self.world.joint(joint)
+        assert found is not None
+        return found
+
+    def _drive(self, q: FloatArray, v: FloatArray) -> None:
+        self._goal = q, v
+
+    def _motors(self) -> None:
+        """Torques of the arm for where it is to be, within its limits, and speeds of the fingers."""
+        model, data = self.world.state
+        q, v = self._goal
+        places = np.array([self._at(name) for name in self.arm.joints])
+        dofs = places[:, 1]
+        wanted = np.zeros(model.nv)
+        wanted[dofs] = STIFFNESS**2 * (q - data.qpos[places[:, 0]]) + 2.0 * STIFFNESS * (v - data.qvel[dofs])
+        torques = np.zeros(model.nv)
+        mujoco.mj_mulM(model, data, torques, wanted)
+        torques += data.qfrc_bias - data.qfrc_passive
+        data.qfrc_applied[dofs] = np.clip(torques[dofs], -self._efforts, self._efforts)
+        if self.jaw is None:
+            return
+        share = 2.0 * self._grip_force / len(self.jaw.joints)  # all joints together press both pads
+        for name, value in self.jaw.values(self._opening).items():
+            motor = model.actuator(f"robot {name}")
+            lever = self.jaw.lever(name)
+            force, speed = share * lever, self.jaw.speed / 2.0 / lever
+            gain = force / (STALL * speed)
+            motor.gainprm[0], motor.biasprm[2] = gain, -gain
+            motor.forcerange[:] = -force, force
+            short = value - data.qpos[self._at(name)[0]]
+            data.actuator(f"robot {name}").ctrl[0] = np.clip(CLOSING * short, -speed, speed)
+
+    def _loads(self, still: bool) -> tuple[FloatArray, FloatArray, FloatArray]:
+        """Values, speeds and what contacts take of the torques (n,) of the arm's joints."""
+        _, data = self.world.state
+        places = np.array([self._at(name) for name in self.arm.joints])
+        return data.qpos[places[:, 0]], data.qvel[places[:, 1]], -data.qfrc_constraint[places[:, 1]]
+
+    def _advance(self) -> None:
+        self.world.step()
+        for a, b, _, _, force, _ in self.world.touches():
+            for own, other in ((a, b), (b, a)):
+                if own.robot and not other.robot and other.owner and force > 0.0:
+                    note_touch(self.touched, other.owner, own.owner, force, self.world.time_step)
+        for watch in self.on_step:
+            watch()

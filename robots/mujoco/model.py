@@ -1,0 +1,277 @@
+"""MuJoCo's model of a world, from the parts that plans are checked with."""
+
+import xml.etree.ElementTree as ElementTree
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field
+from itertools import combinations
+from typing import Any
+
+import numpy as np
+
+from topple.robots.arm.arm import Arm
+from topple.robots.arm.elements import number, origin_of
+from topple.robots.arm.urdf import urdf_root
+from topple.robots.mujoco.engine import mujoco
+from topple.robots.mujoco.tolerances import FINGER_ROTOR, GRIP, HARD, NO_SLIP, ROTOR, STIFF
+from topple.robots.poses import position_and_quaternion
+from topple.robots.world.bodies import Body
+from topple.robots.world.physical_world import Physics, principal_axes
+from topple.robots.world.tolerances import FRICTION
+from topple.topology.arrays import FloatArray
+
+SEEN, TOUCHING, FLOOR = 2, 3, 4
+"""Groups of shapes: what cameras see, what collides, and the floor, which does but is not seen."""
+
+SQUARE = 1e-6  # [m] by which the corners of a box may be off
+
+
+@dataclass(frozen=True)
+class Shape:
+    """A shape that collides.
+
+    Attributes:
+        name: Its name in the model.
+        owner: The body or the link it belongs to.
+        moves: Whether it can move.
+        robot: Whether it is an arm's.
+        friction: Coulomb coefficient, to be multiplied by that of what it touches.
+        lever: Of the friction about the normal, and against rolling [m].
+        rolling: Of the friction against rolling [m].
+    """
+
+    name: str
+    owner: str
+    moves: bool
+    robot: bool
+    friction: float
+    lever: float
+    rolling: float
+
+
+@dataclass
+class Blueprint:
+    """What a world holds, to be compiled.
+
+    Attributes:
+        physics: Gravity, time step.
+        bodies: Name -> body, where it stands (4, 4), whether it never moves.
+        floors: Heights of floors [m].
+        arm: The arm and the pose (4, 4) of its base, if there is one.
+    """
+
+    physics: Physics
+    bodies: dict[str, tuple[Body, FloatArray, bool]] = field(
+        default_factory=dict[str, tuple[Body, FloatArray, bool]]
+    )
+    floors: list[float] = field(default_factory=list[float])
+    arm: tuple[Arm, FloatArray] | None = None
+
+    def compiled(self, time_step: float) -> tuple[Any, dict[str, Shape]]:
+        """MuJoCo's model, and what collides in it by name.
+
+        Args:
+            time_step: Of the engine [s].
+        """
+        spec: Any = mujoco.MjSpec()
+        spec.compiler.boundmass, spec.compiler.boundinertia = 1e-3, 1e-7
+        spec.compiler.degree = False
+        option = spec.option
+        option.timestep, option.gravity = time_step, [0.0, 0.0, -self.physics.gravity]
+        option.integrator = mujoco.mjtIntegrator.mjINT_IMPLICITFAST
+        option.cone = mujoco.mjtCone.mjCONE_ELLIPTIC
+        option.impratio, option.noslip_iterations = GRIP, NO_SLIP
+        # several contacts of two hulls: before MuJoCo 4 they have to be asked for, and faces rock without
+        option.enableflags |= int(getattr(mujoco.mjtEnableBit, "mjENBL_MULTICCD", 0))
+        shapes: list[Shape] = []
+        for k, height in enumerate(self.floors):
+            plane = spec.worldbody.add_geom(
+                name=f"floor {k}", type=mujoco.mjtGeom.mjGEOM_PLANE, size=[5.0, 5.0, 0.1],
+                pos=[0.0, 0.0, height], group=FLOOR, contype=0, conaffinity=0,
+            )  # fmt: skip
+            shapes.append(Shape(plane.name, "", False, False, FRICTION, 0.0, 0.0))
+        for body, pose, fixed in self.bodies.values():
+            shapes += _add_body(spec, body, pose, fixed)
+        if self.arm is not None:
+            shapes += _add_arm(spec, *self.arm)
+        for a, b in combinations(shapes, 2):
+            if a.owner != b.owner and (a.moves or b.moves) and not (a.robot and b.robot):
+                _add_pair(spec, a, b)
+        return spec.compile(), {shape.name: shape for shape in shapes}
+
+
+def _add_pair(spec: Any, a: Shape, b: Shape) -> None:
+    """What two shapes do where they touch: friction is the product, as PyBullet has it."""
+    slide, lever, rolling = a.friction * b.friction, max(a.lever, b.lever), max(a.rolling, b.rolling)
+    spec.add_pair(
+        geomname1=a.name, geomname2=b.name, condim=6, friction=[slide, slide, lever, rolling, rolling],
+        solref=STIFF, solimp=HARD,
+    )  # fmt: skip
+
+
+def _add_body(spec: Any, body: Body, pose: FloatArray, fixed: bool) -> list[Shape]:
+    position, quaternion = _placed(pose)
+    added = spec.worldbody.add_body(name=body.name, pos=position, quat=quaternion)
+    if not fixed:
+        added.add_freejoint(name=body.name)
+        moments, inertial = principal_axes(body)
+        added.explicitinertial = True
+        added.mass, added.inertia = body.mass, moments
+        added.ipos, added.iquat = _placed(inertial)
+    shapes: list[Shape] = []
+    for k, part in enumerate(body.parts):
+        name = f"{body.name} {k}"
+        _add_part(spec, added, name, part, TOUCHING)
+        lever = body.rolling
+        shapes.append(Shape(name, body.name, not fixed, False, body.friction, lever, lever))
+    _add_mesh(spec, added, f"{body.name} seen", body.mesh.vertices, body.mesh.faces, body.color)
+    return shapes
+
+
+def _add_part(spec: Any, body: Any, name: str, part: FloatArray, group: int) -> None:
+    """A convex part; a box where it is one, since boxes have contacts at every corner."""
+    common = {"name": name, "group": group, "contype": 0, "conaffinity": 0, "mass": 0.0}
+    if (box := _as_box(part)) is not None:
+        pose, half = box
+        position, quaternion = _placed(pose)
+        body.add_geom(type=mujoco.mjtGeom.mjGEOM_BOX, size=half, pos=position, quat=quaternion, **common)
+        return
+    mesh = spec.add_mesh(name=name, uservert=np.asarray(part).ravel())
+    mesh.inertia = mujoco.mjtMeshInertia.mjMESH_INERTIA_CONVEX
+    body.add_geom(type=mujoco.mjtGeom.mjGEOM_MESH, meshname=name, **common)
+
+
+def _add_mesh(
+    spec: Any, body: Any, name: str, vertices: FloatArray, faces: Any, color: Sequence[float]
+) -> None:
+    """What a camera sees of a body."""
+    mesh = spec.add_mesh(
+        name=name, uservert=np.asarray(vertices).ravel(), userface=np.asarray(faces, dtype=np.int32).ravel()
+    )
+    mesh.inertia = mujoco.mjtMeshInertia.mjMESH_INERTIA_SHELL
+    body.add_geom(
+        type=mujoco.mjtGeom.mjGEOM_MESH, name=name, meshname=name, group=SEEN, contype=0, conaffinity=0,
+        mass=0.0, rgba=list(color),
+    )  # fmt: skip
+
+
+def _as_box(part: FloatArray) -> tuple[FloatArray, FloatArray] | None:
+    """Pose (4, 4) and half extents (3,) of a part that is a box; None where it is none."""
+    if len(part) != 8:
+        return None
+    middle = part.mean(axis=0)
+    corners = part - middle
+    edges = corners[1:] - corners[0]
+    edges = edges[np.argsort(np.linalg.norm(edges, axis=1))]
+    for i, j, k in combinations(range(len(edges)), 3):
+        axes = edges[[i, j, k]]
+        lengths = np.linalg.norm(axes, axis=1)
+        unit = axes / lengths[:, None]
+        if np.abs(unit @ unit.T - np.eye(3)).max() > 1e-6:
+            continue
+        if np.linalg.det(unit) < 0.0:
+            unit[2] *= -1.0
+        local = corners @ unit.T
+        if np.abs(np.abs(local) - lengths / 2.0).max() > SQUARE:
+            continue
+        pose = np.eye(4)
+        pose[:3, :3], pose[:3, 3] = unit.T, middle
+        return pose, lengths / 2.0
+    return None
+
+
+def _add_arm(spec: Any, arm: Arm, pose_base_to_world: FloatArray) -> list[Shape]:
+    """The arm's links, with the convex parts that its motions are checked with."""
+    masses = _inertials(arm)
+    jaw = arm.jaw
+    pads = jaw.links if jaw is not None else ()
+    driven = dict(zip(arm.joints, range(len(arm.joints)), strict=True))
+    moving = {} if jaw is None else {name: k for k, name in enumerate(jaw.joints)}
+    added: dict[str, Any] = {}
+    shapes: list[Shape] = []
+    for link, frame in zip(arm.links, arm.frame_of_link, strict=True):
+        joint = arm.model.joints.get(link)
+        parent = spec.worldbody if joint is None else added[joint.parent]
+        pose = pose_base_to_world if joint is None else joint.pose_child_to_parent
+        position, quaternion = _placed(pose)
+        body = parent.add_body(name=f"robot {link}", pos=position, quat=quaternion)
+        added[link] = body
+        if joint is not None and (joint.name in driven or joint.name in moving):
+            sliding = joint.kind == "prismatic"
+            body.add_joint(
+                name=f"robot {joint.name}", axis=joint.axis,
+                type=mujoco.mjtJoint.mjJNT_SLIDE if sliding else mujoco.mjtJoint.mjJNT_HINGE,
+                armature=ROTOR if joint.name in driven else _finger_rotor(arm, joint.name),
+            )  # fmt: skip
+        beyond = frame == len(arm.joints) and joint is not None and joint.name not in driven
+        body.gravcomp = 1.0 if beyond and moving else 0.0
+        if link in masses:
+            mass, inertial, tensor = masses[link]
+            body.explicitinertial, body.mass = True, mass
+            body.ipos, _ = _placed(inertial)
+            turned = inertial[:3, :3] @ tensor @ inertial[:3, :3].T
+            body.fullinertia = [turned[i, j] for i, j in ((0, 0), (1, 1), (2, 2), (0, 1), (0, 2), (1, 2))]
+        pad = link in pads
+        for k, part in enumerate(arm.model.links[link].parts):
+            name = f"robot {link} {k}"
+            _add_part(spec, body, name, part, TOUCHING)
+            grip = jaw.friction if jaw is not None and pad else FRICTION
+            give = jaw.give if jaw is not None and pad else 0.0
+            shapes.append(Shape(name, link, frame > 0, True, grip, give, 0.0))
+    if jaw is not None:
+        _couple(spec, jaw.joints, jaw.joint_values)
+        for name in jaw.joints:
+            motor = spec.add_actuator(name=f"robot {name}", target=f"robot {name}")
+            motor.trntype = mujoco.mjtTrn.mjTRN_JOINT
+            motor.set_to_velocity(kv=1.0)
+            motor.forcelimited, motor.forcerange = True, [-1.0, 1.0]
+    return shapes
+
+
+def _finger_rotor(arm: Arm, joint: str) -> float:
+    """Inertia of a finger's drive as its joint feels it."""
+    return FINGER_ROTOR * (arm.jaw.lever(joint) ** 2 if arm.jaw is not None else 1.0)
+
+
+def _couple(spec: Any, joints: Sequence[str], values: FloatArray) -> None:
+    """Hold the other joints of a jaw to the first, by the quartic through its strokes."""
+    for k, name in enumerate(joints[1:], start=1):
+        degree = min(4, len(values) - 1)
+        fit = np.polynomial.polynomial.polyfit(values[:, 0], values[:, k], degree)
+        tied = spec.add_equality(
+            type=mujoco.mjtEq.mjEQ_JOINT, name1=f"robot {name}", name2=f"robot {joints[0]}",
+            objtype=mujoco.mjtObj.mjOBJ_JOINT,
+        )  # fmt: skip
+        tied.data[:] = 0.0
+        tied.data[: degree + 1] = fit
+
+
+def _inertials(arm: Arm) -> Mapping[str, tuple[float, FloatArray, FloatArray]]:
+    """Link -> mass [kg], pose (4, 4) of its inertial frame, tensor (3, 3) there [kg m2]."""
+    found: dict[str, tuple[float, FloatArray, FloatArray]] = {}
+    for element in urdf_root(arm.urdf).findall("link"):
+        link, inertial = str(element.get("name")), element.find("inertial")
+        if inertial is None:
+            continue
+        where = f"{arm.urdf.name}: link {link!r}"
+        mass, tensor = inertial.find("mass"), inertial.find("inertia")
+        value = number(None if mass is None else mass.get("value"), 0.0, where)
+        if value > 0.0 and tensor is not None:
+            found[link] = value, origin_of(inertial, where), _tensor(tensor, where)
+    return found
+
+
+def _tensor(element: ElementTree.Element, where: str) -> FloatArray:
+    """The inertia tensor, made one that a rigid body can have: URDFs often state others."""
+    xx, xy, xz, yy, yz, zz = (
+        number(element.get(key), 0.0, where) for key in ("ixx", "ixy", "ixz", "iyy", "iyz", "izz")
+    )
+    moments, axes = np.linalg.eigh(np.array([[xx, xy, xz], [xy, yy, yz], [xz, yz, zz]]))
+    moments = np.maximum(moments, 1e-6)
+    moments[2] = min(moments[2], moments[0] + moments[1])
+    return axes @ np.diag(moments) @ axes.T
+
+
+def _placed(pose: FloatArray) -> tuple[list[float], list[float]]:
+    """Position and quaternion, w x y z, of a (4, 4) pose."""
+    position, (x, y, z, w) = position_and_quaternion(pose)
+    return position, [w, x, y, z]

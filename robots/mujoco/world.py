@@ -1,0 +1,204 @@
+"""A world on MuJoCo: the bodies of a PyBullet world, with another engine's contacts."""
+
+from collections.abc import Callable
+from typing import Any
+
+import numpy as np
+
+from topple.robots.arm.arm import Arm
+from topple.robots.mujoco.camera import rendered
+from topple.robots.mujoco.engine import mujoco
+from topple.robots.mujoco.model import Blueprint, Shape
+from topple.robots.mujoco.tolerances import SUBSTEPS
+from topple.robots.poses import pose_from, position_and_quaternion
+from topple.robots.tolerances import TOLERANCES
+from topple.robots.world.bodies import Body
+from topple.robots.world.physical_world import Contact, Optics, PhysicalWorld, Physics, Rendered
+from topple.topology.arrays import FloatArray
+from topple.topology.errors import InvalidInput
+
+
+class MujocoWorld(PhysicalWorld):
+    """A MuJoCo simulation of its own, to be used with `with`; z is up.
+
+    Bodies may come and go: the model is compiled anew when the world is next asked for something, and
+    everything goes on where it was.
+
+    Attributes:
+        drive: Called before every step of the engine, between what depends on where things are and what moves
+            them: an arm's motors.
+    """
+
+    engine = "mujoco"
+
+    def __init__(self, physics: Physics | None = None) -> None:
+        super().__init__(physics)
+        self.drive: Callable[[], None] = lambda: None
+        self._blueprint = Blueprint(self.physics)
+        self._compiled: tuple[Any, Any] | None = None
+        self._shapes: dict[str, Shape] = {}
+        self._speeds: dict[str, FloatArray] = {}
+        self._joints: dict[str, tuple[float, float]] = {}
+        self._next = 0
+
+    def close(self) -> None:
+        """End the simulation; more than once does no harm."""
+        self._compiled = None
+
+    def add(self, body: Body, pose_body_to_world: FloatArray | None = None, *, fixed: bool = False) -> None:
+        """Put a body into the world; see `PhysicalWorld.add`."""
+        if body.name in self.ids:
+            raise InvalidInput(f"two bodies are called {body.name!r}: give each its own name")
+        self._keep()
+        pose = np.eye(4) if pose_body_to_world is None else np.array(pose_body_to_world, dtype=float)
+        self._blueprint.bodies[body.name] = (body, pose, fixed)
+        self.ids[body.name], self._next = self._next, self._next + 1
+        self._bodies[body.name] = body
+        if fixed:
+            self._fixed.add(body.name)
+
+    def add_floor(self, height: float) -> None:
+        """Put a level floor without a name into the world, at a height in [m]."""
+        self._keep()
+        self._blueprint.floors.append(height)
+
+    def put_arm(self, arm: Arm, pose_base_to_world: FloatArray, values: dict[str, float]) -> None:
+        """Put an arm into the world.
+
+        Args:
+            arm: The arm.
+            pose_base_to_world: (4, 4) where it stands.
+            values: Of its joints and its hand's, by name [rad] or [m].
+
+        Raises:
+            InvalidInput: There is one already.
+        """
+        if self._blueprint.arm is not None:
+            raise InvalidInput("there is an arm in this world: MuJoCo worlds hold one")
+        self._keep()
+        self._blueprint.arm = arm, pose_base_to_world
+        self._joints = {name: (value, 0.0) for name, value in values.items()}
+
+    def remove(self, name: str) -> None:
+        """Take a body out of the world."""
+        self._number(name)
+        self._keep()
+        del self.ids[name], self._bodies[name], self._blueprint.bodies[name]
+        self._fixed.discard(name)
+
+    def pose(self, name: str) -> FloatArray:
+        """(4, 4) pose_body_to_world of a body."""
+        self._number(name)
+        if name in self._fixed or self._compiled is None:
+            return self._blueprint.bodies[name][1].copy()
+        at = self._address(name)[0]
+        x, y, z, qw, qx, qy, qz = self._compiled[1].qpos[at : at + 7].tolist()
+        return pose_from((x, y, z), (qx, qy, qz, qw))
+
+    def place(self, name: str, pose_body_to_world: FloatArray) -> None:
+        """Set a body down somewhere at rest: for building scenes, not for acting in them."""
+        self._number(name)
+        if name in self._fixed or self._compiled is None:
+            self._keep()
+            body, _, fixed = self._blueprint.bodies[name]
+            self._blueprint.bodies[name] = (body, np.array(pose_body_to_world, dtype=float), fixed)
+            self._speeds[name] = np.zeros(6)
+            return
+        position, (x, y, z, w) = position_and_quaternion(pose_body_to_world)
+        at, speed = self._address(name)
+        self._compiled[1].qpos[at : at + 7] = [*position, w, x, y, z]
+        self._compiled[1].qvel[speed : speed + 6] = 0.0
+
+    def step(self, count: int = 1) -> None:
+        """Advance the simulation by `count` time steps."""
+        model, data = self.state
+        for _ in range(count * SUBSTEPS):
+            mujoco.mj_step1(model, data)
+            self.drive()
+            mujoco.mj_step2(model, data)
+        mujoco.mj_kinematics(model, data)
+        self.time += count * self.time_step
+
+    def speeds(self, name: str) -> tuple[float, float]:
+        """Speed in [m/s] and turning speed in [rad/s] of a body."""
+        _, data = self.state
+        at = self._address(name)[1]
+        return float(np.linalg.norm(data.qvel[at : at + 3])), float(
+            np.linalg.norm(data.qvel[at + 3 : at + 6])
+        )
+
+    def contacts(self) -> list[Contact]:
+        """Everything that touched in the last step, robots and the floor left out."""
+        found: list[Contact] = []
+        for a, b, point, normal, force, distance in self.touches():
+            if not (a.robot or b.robot) and a.owner and b.owner and distance <= TOLERANCES.contact:
+                found.append(Contact(a.owner, b.owner, point, normal, force, distance))
+        return found
+
+    def touches(self) -> list[tuple[Shape, Shape, FloatArray, FloatArray, float, float]]:
+        """Contacts of the last step: shapes a and b, point, normal from b to a, force [N], distance [m]."""
+        model, data = self.state
+        found: list[tuple[Shape, Shape, FloatArray, FloatArray, float, float]] = []
+        force = np.zeros(6)
+        for k in range(data.ncon):
+            contact = data.contact[k]
+            first, second = (self._shapes.get(model.geom(int(g)).name) for g in contact.geom)
+            if first is None or second is None:
+                continue
+            mujoco.mj_contactForce(model, data, k, force)
+            normal = -np.array(contact.frame[:3])  # MuJoCo's points from the first to the second
+            pressed = float(force[0])
+            found.append((first, second, np.array(contact.pos), normal, pressed, float(contact.dist)))
+        return found
+
+    def rendered(self, camera: Optics) -> Rendered:
+        """What a camera without faults sees, by rays: no graphics are needed."""
+        model, data = self.state
+        numbers = {model.geom(f"{name} seen").id: number for name, number in self.ids.items()}
+        return rendered(camera, model, data, numbers)
+
+    @property
+    def state(self) -> tuple[Any, Any]:
+        """MuJoCo's model and data."""
+        if self._compiled is None:
+            model, self._shapes = self._blueprint.compiled(self.time_step / SUBSTEPS)
+            data: Any = mujoco.MjData(model)
+            self._compiled = model, data
+            for name, speed in self._speeds.items():
+                if name in self.movable:
+                    at = self._address(name)[1]
+                    data.qvel[at : at + 6] = speed
+            for name, (value, speed) in self._joints.items():
+                joint = self.joint(name)
+                if joint is not None:
+                    data.qpos[joint[0]], data.qvel[joint[1]] = value, speed
+            mujoco.mj_forward(model, data)
+        return self._compiled
+
+    def joint(self, name: str) -> tuple[int, int] | None:
+        """Where the value and the speed of an arm's joint are; None where it does not move."""
+        model, _ = self.state
+        number = mujoco.mj_name2id(model, mujoco.mjtObj.mjOBJ_JOINT, f"robot {name}")
+        return None if number < 0 else (int(model.jnt_qposadr[number]), int(model.jnt_dofadr[number]))
+
+    def _address(self, name: str) -> tuple[int, int]:
+        """Where the pose and the speed of a body are."""
+        model, _ = self.state
+        joint = model.joint(name)
+        return int(joint.qposadr[0]), int(joint.dofadr[0])
+
+    def _keep(self) -> None:
+        """Write down where everything is, before the model is compiled anew."""
+        if self._compiled is None:
+            return
+        _, data = self._compiled
+        for name in self.movable:
+            body, _, fixed = self._blueprint.bodies[name]
+            at = self._address(name)[1]
+            self._speeds[name] = np.array(data.qvel[at : at + 6])
+            self._blueprint.bodies[name] = (body, self.pose(name), fixed)
+        for name in self._joints:
+            joint = self.joint(name)
+            if joint is not None:
+                self._joints[name] = float(data.qpos[joint[0]]), float(data.qvel[joint[1]])
+        self._compiled = None

@@ -1,0 +1,331 @@
+"""An arm that acts in a world, whatever engine plays it: how it follows motions, closes and feels."""
+
+import math
+from abc import ABC, abstractmethod
+from collections.abc import Callable, Sequence
+from typing import Protocol
+
+import numpy as np
+
+from topple.robots.arm.arm import Arm
+from topple.robots.arm.gripper import ToolName, ToolState
+from topple.robots.driver import Motion
+from topple.robots.poses import inverse
+from topple.robots.tolerances import TOLERANCES
+from topple.robots.world.compliance import Compliance
+from topple.robots.world.control import Control
+from topple.robots.world.physical_world import PhysicalWorld
+from topple.robots.world.touch import Touch
+from topple.topology.arrays import FloatArray
+from topple.topology.errors import InvalidInput
+
+
+class ForceSensor(Protocol):
+    """What presses on a hand: see `topple.robots.world.wrist`."""
+
+    def reading(self) -> FloatArray:
+        """Force (3,) in [N] that an arm at rest exerts with its hand, in the base: offset and load in one."""
+        ...
+
+    def tare(self, readings: Sequence[FloatArray]) -> None:
+        """Take the mean of some readings at rest for the sensors' offset and the weight of what is held."""
+        ...
+
+    def force(self) -> float:
+        """How hard something presses in [N]; to be asked after every time step."""
+        ...
+
+
+class ActingArm(ABC):
+    """A `Driver` of one arm in a world; records everything it touches, for a judge to see.
+
+    Args:
+        world: The world it stands in.
+        arm: The arm.
+        pose_base_to_world: (4, 4) where it stands.
+        q: (n,) joint values to start with; the arm's home if not given.
+        control: Gains and waits.
+    """
+
+    wrist: ForceSensor
+
+    def __init__(
+        self,
+        world: PhysicalWorld,
+        arm: Arm,
+        pose_base_to_world: FloatArray,
+        q: FloatArray | None = None,
+        control: Control | None = None,
+    ) -> None:
+        self.arm, self.control = arm, control or Control()
+        self._played = world
+        self.pose_base_to_world = np.array(pose_base_to_world, dtype=float)
+        self.q_target = np.array(arm.home if q is None else q, dtype=float)
+        self.jaw, self.cup = arm.jaw, arm.cup
+        self._opening = self.jaw.max_opening if self.jaw else 0.0
+        self._extension = self.cup.stowed if self.cup else 0.0
+        self._grip_force = self.jaw.force if self.jaw else 0.0
+        self.touched: dict[str, Touch] = {}
+        self.on_step: list[Callable[[], None]] = []
+
+    @property
+    def world(self) -> PhysicalWorld:
+        """The world it stands in."""
+        return self._played
+
+    def _hand_values(self) -> dict[str, float]:
+        values = self.jaw.values(self._opening) if self.jaw else {}
+        return values | (self.cup.values(self._extension) if self.cup else {})
+
+    # -- what it senses
+
+    @property
+    def q(self) -> FloatArray:
+        """(n,) measured joint values in [rad]."""
+        return self.joint_positions(self.arm.joints)
+
+    @abstractmethod
+    def joint_positions(self, names: Sequence[str]) -> FloatArray:
+        """Measured values of some joints in [rad] or [m]."""
+
+    @property
+    def opening(self) -> float:
+        """Measured distance of the pads in [m]; 0 without a jaw."""
+        if not self.jaw:
+            return 0.0
+        values = self.joint_positions(self.jaw.joints)
+        return self.jaw.opening(dict(zip(self.jaw.joints, values.tolist(), strict=True)))
+
+    @property
+    def grip_force(self) -> float:
+        """Force in [N] with which the jaw's motors press each pad, as currents tell; 0 without a jaw."""
+        if not self.jaw:
+            return 0.0
+        efforts = self.efforts(self.jaw.joints)
+        pushed = [abs(e) / self.jaw.lever(name) for name, e in zip(self.jaw.joints, efforts, strict=True)]
+        return float(sum(pushed)) / 2.0  # all joints together press both pads
+
+    @abstractmethod
+    def efforts(self, names: Sequence[str]) -> Sequence[float]:
+        """What the motors of some joints exert in [N m] or [N]."""
+
+    @property
+    @abstractmethod
+    def sealed(self) -> bool | None:
+        """Whether the cup's vacuum stands; None where it is off."""
+
+    @abstractmethod
+    def unseal(self) -> None:
+        """Switch the vacuum off."""
+
+    @abstractmethod
+    def on_pads(self) -> tuple[FloatArray, FloatArray]:
+        """Where something presses on the pads (k, 3) in [m], and how (k, 3) in [N], in the world."""
+
+    @property
+    def tool_state(self) -> ToolState:
+        """How the hand is told to stand."""
+        return ToolState(self._opening, self._extension)
+
+    @property
+    def holding(self) -> bool:
+        """Whether the jaw stalls on something before it is where it was told to close, or the vacuum stands.
+
+        It is what an encoder and the motor's current tell, not what is between the pads: fingers that are
+        held up from outside count as well.
+        """
+        if (sealed := self.sealed) is not None:
+            return sealed
+        short = self.opening - self._opening
+        return short > TOLERANCES.empty_jaw and self.grip_force > TOLERANCES.stalled * self._grip_force
+
+    def pose_in_hand(self, name: str, tool: str) -> FloatArray:
+        """(4, 4) pose_object_to_tool of an object: how it moves in the hand is what a judge asks."""
+        return inverse(self.tool_pose(tool)) @ self.world.pose(name)
+
+    def tool_pose(self, tool: str) -> FloatArray:
+        """(4, 4) pose_tool_to_world where a tool truly is."""
+        frame = self.arm.tool(tool)
+        return self.link_pose(frame.link) @ frame.pose_tool_to_link
+
+    @abstractmethod
+    def link_pose(self, link: str) -> FloatArray:
+        """(4, 4) measured pose of a link's frame in the world."""
+
+    def link_poses(self) -> dict[str, FloatArray]:
+        """Link -> (4, 4) measured pose of its frame in the world."""
+        found = {link: self.link_pose(link) for link in self.arm.links[1:]}
+        return {self.arm.links[0]: self.pose_base_to_world, **found}
+
+    def _error(self) -> float:
+        return float(np.abs(self.q - self.q_target).max())
+
+    # -- what it does
+
+    def step(self, count: int = 1) -> None:
+        """Holds the present targets for `count` steps of the world, watching contacts and the vacuum."""
+        for _ in range(count):
+            self._drive(self.q_target, np.zeros_like(self.q_target))
+            self._advance()
+
+    def wait(self, seconds: float) -> None:
+        """Holds still for a time in [s]."""
+        self.step(max(1, round(seconds / self.world.time_step)))
+
+    def follow(self, trajectory: Motion, *, keep_offset: bool = False) -> float:
+        """Follow a joint trajectory and wait until its end is reached.
+
+        An arm that is not where the trajectory starts does not jump there: it joins on the way. One that is
+        pushed off its path (`Control.strayed`) stops, and holds where it is then.
+
+        Args:
+            trajectory: Times, positions and velocities; it should start where the arm is, or near.
+            keep_offset: Stay as far beside the trajectory as the arm is at its start instead of joining it.
+
+        Returns:
+            The largest joint error at the end in [rad]: above `Control.settled` something is in the way. Of
+            an arm that stopped before, how far it is from the end.
+        """
+        return self._follow(trajectory, keep_offset=keep_offset)
+
+    def follow_until(self, trajectory: Motion, force: float) -> float:
+        """Follow a joint trajectory, and stop where something holds the hand up: a guarded motion.
+
+        The arm holds still for a moment before, to tare the wrist.
+
+        Args:
+            trajectory: It should start where the arm is.
+            force: In [N], what the wrist feels more than at the start when the arm stops.
+
+        Returns:
+            The largest joint error at the end in [rad], or 0 where it stopped before.
+        """
+        self.tare()
+        return self._follow(trajectory, force)
+
+    def tare(self) -> None:
+        """Hold still for a moment and take what the wrist feels for its offset and the weight of the hand."""
+        readings: list[FloatArray] = []
+        for _ in range(max(1, round(self.control.tare / self.world.time_step))):
+            self.step()
+            readings.append(self.wrist.reading())
+        self.wrist.tare(readings)
+
+    def _follow(self, trajectory: Motion, force: float = math.inf, keep_offset: bool = False) -> float:
+        times, steps = trajectory.times, int(np.ceil(trajectory.times[-1] / self.world.time_step))
+        short = self.q_target - trajectory.positions[0]
+        sampled = np.minimum(np.arange(1, steps + 1) * self.world.time_step, times[-1])
+        for t, q, v in zip(
+            sampled.tolist(),
+            _interpolated(sampled, times, trajectory.positions),
+            _interpolated(sampled, times, trajectory.velocities),
+            strict=True,
+        ):
+            q += short if keep_offset else (1.0 - t / times[-1]) * short
+            v -= 0.0 if keep_offset else short / times[-1]
+            self._drive(q, v)
+            self._advance()
+            if force < math.inf and self.wrist.force() > force:
+                self.q_target = q
+                return 0.0
+            if np.abs((now := self.q) - q).max() > self.control.strayed:
+                self.q_target = now
+                self.step(round(self.control.patience / self.world.time_step))
+                return float(np.abs(now - trajectory.positions[-1]).max())
+        self.q_target = trajectory.positions[-1] + (short if keep_offset else 0.0)
+        for _ in range(round(self.control.patience / self.world.time_step)):
+            if self._error() < self.control.settled:
+                break
+            self.step()
+        return self._error()
+
+    def open(self, opening: float | None = None) -> None:
+        """Opens the jaw to a pad distance in [m], fully if not given, and waits for it."""
+        if self.jaw:
+            self._opening = self.jaw.max_opening if opening is None else min(opening, self.jaw.max_opening)
+            self._grip_force = self.jaw.force
+            self._wait_for_hand()
+
+    def close(self, force: float) -> float:
+        """Closes the jaw with a force in [N] until it stalls.
+
+        The pad that comes first does not push the object to the other one, and pads that meet it askew do not
+        turn it: the jaw closes gently while the hand gives way, as a compliant arm does, and presses after.
+
+        Returns:
+            The distance of the pads in [m]: near zero when there is nothing between them.
+
+        Raises:
+            InvalidInput: If the hand has no fingers.
+        """
+        if not self.jaw:
+            raise InvalidInput(f"{self.arm.name} has no fingers to close: use a robot with a parallel jaw")
+        self._opening = 0.0
+        force = min(force, self.jaw.force)
+        self._grip_force = min(force, self.control.gentle)
+        compliance = Compliance(
+            self.arm,
+            self.pose_base_to_world,
+            self.q_target,
+            stride=self.jaw.speed / 2.0 * self.world.time_step,
+            turn=self.control.turn_admittance * self.world.time_step,
+        )
+        self._wait_for_hand(lambda: self._give_way(compliance))
+        self._grip_force = force
+        self._wait_for_hand()
+        return self.opening
+
+    def extend(self, extension: float) -> None:
+        """Pushes the suction cup out of the palm by a distance in [m] and waits for it."""
+        if self.cup and self.cup.joint is not None:
+            self._extension = extension
+            self._wait_for_hand()
+
+    def release(self, opening: float | None = None) -> None:
+        """Switches the vacuum off, or opens the jaw to a pad distance in [m], fully if not given."""
+        if self.sealed is not None:
+            self.unseal()
+        else:
+            self.open(opening)
+
+    @abstractmethod
+    def suck(self) -> bool:
+        """Switch the vacuum on; returns whether the lip seals on an object. If not it is off again."""
+
+    def _give_way(self, compliance: Compliance) -> None:
+        """Holds what a compliant arm would, with these forces on its pads."""
+        assert self.jaw is not None
+        tool = self.arm.tool(ToolName.FINGERS)
+        pose_tool_to_world = self.link_pose(tool.link) @ tool.pose_tool_to_link
+        places, forces = self.on_pads()
+        places = places - pose_tool_to_world[:3, 3]
+        turn = pose_tool_to_world[:3, :3]
+        self.q_target = compliance.after(self.q_target, pose_tool_to_world, places @ turn, forces @ turn)
+
+    def _wait_for_hand(self, each_step: Callable[[], None] | None = None) -> None:
+        """Until the hand's joints stand still, or three seconds have passed."""
+        joints = list(self._hand_values())
+        moving, before = 0, np.full(len(joints), np.inf)
+        for k in range(round(3.0 / self.world.time_step)):
+            self.step()
+            if each_step is not None:
+                each_step()
+            if k % 12 == 0:
+                now = self.joint_positions(joints)
+                still = np.abs(now - before).max() < self.control.stall * 12 * self.world.time_step
+                moving, before = (moving + 1 if still else 0), now
+                if moving >= 3:
+                    return
+
+    @abstractmethod
+    def _drive(self, q: FloatArray, v: FloatArray) -> None:
+        """Tell the motors where to go: joint values (n,) and speeds (n,)."""
+
+    @abstractmethod
+    def _advance(self) -> None:
+        """Let the world take a step, watching contacts and the vacuum."""
+
+
+def _interpolated(when: FloatArray, times: FloatArray, values: FloatArray) -> FloatArray:
+    """(k, n) values at k times [s], linear between those (t, n) given at t times [s]."""
+    return np.stack([np.interp(when, times, column) for column in values.T], axis=1)

@@ -1,0 +1,188 @@
+"""Photos of a simulated world for people: smooth edges, soft shadows, framed on what can be taken.
+
+The engine's software renderer gives colours, depth and masks; it draws neither smooth edges nor
+shadows. Both are made of what it gives: pixels are averaged, and what is dark is told from the depth that two
+lamps see.
+"""
+
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from scipy.ndimage import gaussian_filter
+
+from topple.robots.poses import inverse
+from topple.robots.world.acting_arm import ActingArm
+from topple.robots.world.camera import Camera, Noise
+from topple.robots.world.physical_world import PhysicalWorld
+from topple.topology.arrays import FloatArray
+from topple.topology.geometry.rigid import transformed
+from topple.topology.photo import Photo
+
+if TYPE_CHECKING:
+    from topple.robots.world.simulated_arm import SimulatedArm
+    from topple.robots.world.world import World
+
+SIZE = (800, 600)
+"""Width and height [px]: half a page, at two pixels to one of the page on most screens."""
+FINE = 2
+"""Rendered this many times larger: an edge has five shades."""
+ROOM = 1.5
+"""Width of the picture, in widths of what can be taken: where things are put down should be in it too."""
+CLOSEST = 0.35
+"""Share of the camera's own view that is shown at least: nearer, round things show their corners."""
+LAMPS = ((np.array([0.55, -0.75, 1.3]), 0.012, 0.38), (np.array([-0.05, 0.1, 1.0]), 0.05, 0.30))
+"""Where each lamp is seen from, how wide its shadow's edge is [m], and how dark it is. The first one is the
+sun; the second is the sky: what stands close takes its light away, as under the rim of a plate."""
+AWAY = 2.0
+"""Distance of a lamp [m]; its view is nearly parallel."""
+MAP = 700
+"""Width of a lamp's picture [px]: a millimetre a pixel."""
+SAMPLES = 14
+"""Places that are asked of a lamp for each pixel, on a spiral over the shadow's edge."""
+GOLDEN = 2.39996
+"""Turn from one of them to the next [rad]: the golden angle spreads them evenly."""
+SMOOTH = 1.2
+"""Width of the blur that evens out the grain of few samples [px]."""
+LIFTED = 0.004
+"""How far in front of a surface something must be to darken it [m], a pixel of a lamp on a slope."""
+
+
+def photograph(world: PhysicalWorld, camera: Camera, robot: ActingArm | None = None) -> Photo:
+    """Take a photo of what can be taken in a world.
+
+    Args:
+        world: The world. The posts of its bodies are left out, where PyBullet plays it.
+        camera: Where from; its picture is framed anew.
+        robot: The arm in the world, if any.
+
+    Returns:
+        The photo, `SIZE` large.
+    """
+    if not any(world.body(name).posts for name in world.names):
+        return _photograph(world, camera)
+    from topple.robots.world.simulated_arm import SimulatedArm  # the engine, where there is one
+    from topple.robots.world.world import World
+
+    if not isinstance(world, World):
+        return _photograph(world, camera)
+    with World() as shown:
+        for name in world.names:
+            body = world.body(name)
+            shown.add(
+                body.without_posts() if body.posts else body, world.pose(name), fixed=name in world.fixed
+            )
+        if isinstance(robot, SimulatedArm):
+            _stand_in(robot, shown)
+        return _photograph(shown, camera)
+
+
+def _stand_in(robot: "SimulatedArm", shown: "World") -> None:
+    """Put the same arm into another world."""
+    from topple.robots.engine import pybullet
+    from topple.robots.world.simulated_arm import SimulatedArm
+
+    double = SimulatedArm(shown, robot.arm, robot.pose_base_to_world)
+    for joint in range(pybullet.getNumJoints(robot.id, physicsClientId=robot.world.client)):
+        state: Any = pybullet.getJointState(robot.id, joint, physicsClientId=robot.world.client)
+        pybullet.resetJointState(double.id, joint, state[0], physicsClientId=shown.client)
+
+
+def _photograph(world: PhysicalWorld, camera: Camera) -> Photo:
+    corners = _corners(world)
+    framed = _framed(camera, corners, FINE)
+    depth, body, rgb = world.rendered(framed)
+    coarse = (slice(FINE // 2, None, FINE), slice(FINE // 2, None, FINE))
+    height, width = SIZE[1], SIZE[0]
+    colours = rgb.reshape(height, FINE, width, FINE, 3).mean(axis=(1, 3))
+    light = _light(world, framed, depth[coarse], corners)
+    names = {number + 1: name for name, number in world.ids.items()}
+    label = np.where(np.isin(body[coarse] + 1, list(names)), body[coarse] + 1, 0)
+    colours[depth[coarse] <= 0] = 255.0
+    return Photo((colours * light[..., None]).clip(0, 255).astype(np.uint8), label, names)
+
+
+def _corners(world: PhysicalWorld) -> FloatArray:
+    """(N, 3) corners of everything that can be taken [m]; of everything where nothing can."""
+    names = world.movable or world.names
+    return np.concatenate([np.concatenate(world.parts(name)) for name in names])
+
+
+def _framed(camera: Camera, corners: FloatArray, fine: int) -> Camera:
+    """The camera turned to nothing else, with a picture of `SIZE` that is filled by some points."""
+    seen = (
+        corners @ inverse(camera.pose_camera_to_world)[:3, :3].T + inverse(camera.pose_camera_to_world)[:3, 3]
+    )
+    seen = seen[seen[:, 2] > camera.nearest]
+    width, height = SIZE[0] * fine, SIZE[1] * fine
+    share = np.full(2, 1.0)
+    middle = np.array([(camera.width - 1) / 2, (camera.height - 1) / 2])
+    if len(seen):
+        pixel = seen[:, :2] / seen[:, 2:] * np.diag(camera.K)[:2] + camera.K[:2, 2]
+        low, high = pixel.min(axis=0), pixel.max(axis=0)
+        middle = (low + high) / 2
+        share = np.clip(ROOM * (high - low) / (camera.width, camera.height), CLOSEST, 1.0)
+    scale = width / (camera.width * float(share.max()))
+    K = np.eye(3)
+    K[0, 0], K[1, 1] = camera.K[0, 0] * scale, camera.K[1, 1] * scale
+    K[:2, 2] = (camera.K[:2, 2] - middle) * scale + ((width - 1) / 2, (height - 1) / 2)
+    return Camera(
+        width, height, K, camera.pose_camera_to_world, Noise.none(), camera.nearest, camera.farthest
+    )
+
+
+def _light(world: PhysicalWorld, camera: Camera, depth: FloatArray, corners: FloatArray) -> FloatArray:
+    """(H, W) by what the colours are to be multiplied: 1 in the light of both lamps."""
+    height, width = depth.shape
+    row, column = np.mgrid[:height, :width] * FINE + FINE / 2
+    rays = np.stack(
+        [
+            (column - camera.K[0, 2]) / camera.K[0, 0],
+            (row - camera.K[1, 2]) / camera.K[1, 1],
+            np.ones_like(row),
+        ],
+        -1,
+    )
+    pose = camera.pose_camera_to_world
+    points = (rays * depth[..., None]) @ pose[:3, :3].T + pose[:3, 3]
+    middle = (corners.min(axis=0) + corners.max(axis=0)) / 2
+    reach = 0.5 * float(np.linalg.norm(np.ptp(corners, axis=0))) + 0.15
+    light = np.ones(depth.shape)
+    for direction, edge, dark in LAMPS:
+        shadow = _shadow(world, points.reshape(-1, 3), middle, direction, reach, edge)
+        shadow = np.asarray(gaussian_filter(shadow.reshape(depth.shape), SMOOTH))
+        light -= dark * np.where(depth > 0, shadow, 0.0)
+    return light
+
+
+def _shadow(
+    world: PhysicalWorld,
+    points: FloatArray,
+    middle: FloatArray,
+    direction: FloatArray,
+    reach: float,
+    edge: float,
+) -> FloatArray:
+    """(N,) how much of a lamp is hidden from points, 0 to 1."""
+    eye = middle + AWAY * direction / np.linalg.norm(direction)
+    lamp = Camera.looking_at(
+        (float(eye[0]), float(eye[1]), float(eye[2])), (float(middle[0]), float(middle[1]), float(middle[2])),
+        width=MAP, height=MAP, view=2 * float(np.arctan(reach / AWAY)), noise=Noise.none(),
+    )  # fmt: skip
+    depth = world.rendered(lamp)[0]
+    depth = np.where(depth > 0, depth, np.inf)
+    to_lamp = inverse(lamp.pose_camera_to_world)
+    seen = transformed(points, to_lamp).astype(np.float32)
+    scale = lamp.K[0, 0] / seen[:, 2]
+    u, v = seen[:, 0] * scale + lamp.K[0, 2], seen[:, 1] * scale + lamp.K[1, 2]
+    hidden = np.zeros(len(points), dtype=np.float32)
+    first = (
+        np.arange(len(points), dtype=np.float32) * GOLDEN * GOLDEN % (2 * np.pi)
+    )  # else edges show as rings
+    for k in range(SAMPLES):
+        radius, turn = edge * np.sqrt((k + 0.5) / SAMPLES) * scale, first + GOLDEN * k
+        x, y = np.rint(u + radius * np.cos(turn)).astype(int), np.rint(v + radius * np.sin(turn)).astype(int)
+        inside = (x >= 0) & (x < MAP) & (y >= 0) & (y < MAP)
+        front = seen[:, 2] - depth[y.clip(0, MAP - 1), x.clip(0, MAP - 1)]
+        # a slope rises over the shadow's edge: what is only a little nearer may be the same surface
+        hidden += inside & (front > LIFTED + 0.35 * edge)
+    return hidden / SAMPLES

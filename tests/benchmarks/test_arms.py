@@ -1,0 +1,34 @@
+"""Arms of others, from the files their packages ship: read, tried, planned for and run."""
+
+from importlib.util import find_spec
+from pathlib import Path
+
+import pytest
+
+from topple.benchmarks.arms import BEGIN, END, SHIPPED, Shipped, planned
+from topple.planner.execution.examine import examine
+from topple.topology.errors import NotInstalled
+
+PAGE = (Path(__file__).parents[2] / "docs" / "robots.md").read_text(encoding="utf-8")
+ROWS = PAGE[PAGE.index(BEGIN) : PAGE.index(END)].splitlines()[3:]
+WORKING = [shipped for shipped in SHIPPED if not any(shipped.name in row and "**no**" in row for row in ROWS)]
+
+
+def test_the_page_has_every_arm_and_most_work() -> None:
+    assert [row.split(" | ")[0].removeprefix("| ") for row in ROWS] == [shipped.name for shipped in SHIPPED]
+    assert len(WORKING) >= 6
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("shipped", WORKING, ids=lambda shipped: shipped.name)
+def test_an_arm_is_understood_planned_for_and_takes_the_block(shipped: Shipped) -> None:
+    if find_spec("collada") is None:
+        pytest.skip("pycollada is not installed: pip install '.[arms]'")
+    try:
+        arm = shipped.arm()
+    except NotInstalled as error:
+        pytest.skip(str(error))
+    found = examine(arm)
+    assert found.solved >= 0.995 * found.poses > 0
+    assert found.grasped is not None and found.grasped.success, found.grasped
+    assert not planned(found)

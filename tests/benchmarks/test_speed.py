@@ -1,0 +1,61 @@
+"""The bench of speed: what it times is the real thing, in small."""
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from topple.benchmarks import speed
+from topple.benchmarks.clouds import brick_wall, stacks_of_four
+from topple.benchmarks.speed import Trees, exponent
+from topple.planner.planning.order import order
+from topple.topology.errors import InvalidInput
+
+
+def test_an_exponent_is_that_of_the_power() -> None:
+    assert exponent((10, 1000), (0.5, 0.5 * 100**1.3)) == pytest.approx(1.3)
+
+
+def test_bricks_of_a_wall_hang_together_and_stacks_do_not() -> None:
+    wall = order(brick_wall(8, 0))
+    supports = {(support.supporter, support.supported) for support in wall.supports}
+    assert {("brick 0", "brick 6"), ("brick 1", "brick 6"), ("brick 1", "brick 7")} <= supports
+    stacks = order(stacks_of_four(8, 0))
+    assert stacks.order.index("brick 3") < stacks.order.index("brick 2") < stacks.order.index("brick 0")
+    assert not any({one.first, one.then} == {"brick 3", "brick 4"} for one in stacks.graph.dependencies)
+
+
+def test_rows_say_against_what_and_how_far(tmp_path: Path) -> None:
+    row = speed.relations_row(500, 3.5, 0, 1)
+    assert (row.baseline, row.bar) == ("Qhull alone", "<= 3.5x")
+    assert row.value > 0
+    grows = speed.stacks_row(8, 16, 0)
+    assert grows.bar == "<= 1.2"
+    assert "16 objects against 8" in grows.what
+    alone = Trees(tmp_path, None).row("a figure", 2.0, None, ">= 2x")
+    assert (alone.bar, alone.ok) == (None, None)
+
+
+def test_a_folder_that_is_no_checkout_is_refused(tmp_path: Path) -> None:
+    with pytest.raises(InvalidInput, match="no folder topology"):
+        Trees(tmp_path, tmp_path)
+
+
+@pytest.mark.slow
+def test_another_tree_does_the_same_task_in_a_process_of_its_own(tmp_path: Path) -> None:
+    here = Path(speed.__file__).resolve().parents[1]
+    trees = Trees(tmp_path, here)
+    path = speed.written(stacks_of_four(8, 0), tmp_path / "stacks_scene.npz")
+    ours, theirs = trees.measure("order", {"paths": [str(path)]}, 1)
+    assert theirs is not None
+    assert min(*ours, *theirs) > 0
+    row = trees.row("order", ours[0], theirs[0], ">= 2x")
+    assert (row.baseline, row.bar) == (here.name, ">= 2x")
+    assert row.ratio == pytest.approx(theirs[0] / ours[0])
+    assert np.isfinite(row.value)
+
+
+@pytest.mark.slow
+def test_a_task_that_fails_says_so(tmp_path: Path) -> None:
+    with pytest.raises(RuntimeError, match="order by this tree failed"):
+        Trees(tmp_path, None).measure("order", {"paths": [str(tmp_path / "none_scene.npz")]}, 1)

@@ -1,0 +1,25 @@
+"""A Panda that takes something up and lets it go, as key frames."""
+
+import numpy as np
+
+from topple.planner.formats.arm_motion import ArmMotion, Carry, Drive
+from topple.robots.arm.gripper import ToolState
+
+ABOVE = np.array([0.0, -0.3, 0.0, -2.2, 0.0, 2.0, 0.8])
+"""A Panda over the table before it [rad]."""
+LOWER = np.array([0.0, 0.4, 0.0, 0.0, 0.0, 0.0, 0.0])
+"""From there to an object [rad]."""
+
+
+def carried(name, arm):
+    """A motion down to an object, the grasp, up with it, and letting it go."""
+    times, down = np.linspace(0.0, 1.0, 40), np.linspace(ABOVE, ABOVE + LOWER, 40)
+    wide, narrow = ToolState(0.08), ToolState(0.02)
+    none = np.empty(0)
+    drives = [
+        Drive("approach", "fingers", wide, times, down),
+        Drive("grasp", "fingers", narrow, none, none),
+        Drive("lift", "fingers", narrow, times, down[::-1]),
+        Drive("release", "fingers", wide, none, none),
+    ]
+    return ArmMotion.of(arm, np.eye(4), [Carry(drives, [name], np.array([0.0, 0.0, -0.05]))])

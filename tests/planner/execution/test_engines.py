@@ -1,0 +1,52 @@
+"""The same decisions in a world on MuJoCo: to the goal, judged by true poses and forces."""
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+pytest.importorskip("mujoco", reason="MuJoCo is not installed: pip install '.[mujoco]'")
+
+from topple.planner.cli.main import main
+from topple.planner.execution.demo import loop_in
+from topple.planner.execution.run import run
+from topple.planner.execution.trial import trial
+from topple.robots.catalog import robot
+from topple.robots.mujoco.acting import MujocoArm
+from topple.robots.mujoco.world import MujocoWorld
+from topple.robots.scenarios import scenario_called
+
+
+@pytest.mark.slow
+def test_a_tower_is_built_on_mujoco() -> None:
+    with scenario_called("tower", 0, "mujoco") as stage:
+        assert isinstance(stage.world, MujocoWorld)
+        loop = loop_in(stage)
+        assert isinstance(loop.robot, MujocoArm)
+        record = loop.run()
+        assert record.success, record.violations
+        heights = {name: stage.world.pose(name)[2, 3] for name in ("blue", "green", "red")}
+        middles = np.array([stage.world.pose(name)[:2, 3] for name in heights])
+        touched = {frozenset((contact.a, contact.b)) for contact in stage.world.contacts()}
+    assert heights["blue"] < 0.005 < 0.045 < heights["green"] < 0.055 < 0.095 < heights["red"] < 0.105
+    assert np.ptp(middles, axis=0).max() < 0.025
+    assert {frozenset(("blue", "green")), frozenset(("green", "red"))} <= touched
+    assert all(step.slip is None or step.slip[0] < 0.01 for step in record.steps)
+
+
+@pytest.mark.slow
+def test_a_scene_is_rebuilt_and_cleared_on_mujoco() -> None:
+    arm = robot("panda")
+    tried = trial(arm, "fingers")
+    assert tried is not None
+    record = run(tried.scene(), [tried.name], arm, base=np.eye(4), engine="mujoco")
+    assert record.success, record.violations
+
+
+def test_what_mujoco_does_not_play_is_refused_in_one_line(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    play = ["demo", "tower", "--seed", "0", "--engine", "mujoco", "-o", str(tmp_path / "out")]
+    assert main([*play, "--robot", "panda-suction"]) == 2
+    said = [line for line in capsys.readouterr().err.splitlines() if line.startswith("topple: ")]
+    assert len(said) == 1 and "suction cup, which the engine mujoco does not simulate" in said[0]

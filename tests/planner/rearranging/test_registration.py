@@ -1,0 +1,66 @@
+"""Clouds of one thing brought onto each other, and how far that is."""
+
+import numpy as np
+import pytest
+from scipy.spatial.transform import Rotation
+
+from topple.planner.rearranging.registration import least, registered, turns
+from topple.robots.shapes import block, bowl, box, can, fork, mug, spoon
+from topple.robots.world.bodies import Body
+from topple.topology.arrays import FloatArray
+
+UP = np.array([0.0, 0.0, 1.0])
+SHAPES = [bowl(), spoon(), fork(), mug(), box(), can()]
+
+
+def seen(body: Body, seed: int, side: float) -> FloatArray:
+    """What cameras on one side see of a body, with a millimetre of noise."""
+    rng = np.random.default_rng(seed)
+    points = body.surface(4000, rng)
+    points += rng.normal(0.0, 0.001, points.shape)
+    return points[(side * points[:, 1] > -0.03) | (points[:, 2] > 0.5 * points[:, 2].max())]
+
+
+def motion(angle: float, x: float, y: float) -> FloatArray:
+    pose = np.eye(4)
+    pose[:3, :3] = Rotation.from_rotvec(angle * UP).as_matrix()
+    pose[:2, 3] = x, y
+    return pose
+
+
+def moved(points: FloatArray, pose: FloatArray) -> FloatArray:
+    return points @ pose[:3, :3].T + pose[:3, 3]
+
+
+@pytest.mark.parametrize("body", SHAPES, ids=[body.name for body in SHAPES])
+def test_a_thing_seen_from_two_sides_is_found_where_it_is(body: Body) -> None:
+    true = motion(2.3, 0.2, -0.1)
+    fit = registered(seen(body, 1, 1.0), moved(seen(body, 2, -1.0), true), UP)
+    whole = body.surface(2000, np.random.default_rng(0))
+    there = moved(whole, fit.pose)
+    off = np.linalg.norm(there.mean(axis=0) - moved(whole, true).mean(axis=0))
+    assert off < 0.006
+    assert fit.residual < 0.006
+    if body.name in ("spoon", "fork", "mug"):  # which look the same in no other heading
+        angle = Rotation.from_matrix(true[:3, :3].T @ fit.pose[:3, :3]).magnitude()
+        assert np.degrees(angle) < 5.0
+
+
+def test_the_same_points_are_matched_exactly() -> None:
+    points, true = seen(mug(), 1, 1.0), motion(1.0, 0.3, 0.0)
+    fit = registered(points, moved(points, true), UP)
+    assert fit.pose == pytest.approx(true, abs=1e-9)
+    assert fit.residual < 1e-9 and not fit.stays
+    assert registered(points, points + 0.002, UP).stays
+
+
+@pytest.mark.parametrize(("body", "count"), [(block(), 4), (box(), 2), (spoon(), 1), (mug(), 1)])
+def test_a_thing_is_turned_onto_itself_as_its_shape_says(body: Body, count: int) -> None:
+    assert len(turns(body.surface(8000, np.random.default_rng(0)), UP)) == count
+
+
+def test_a_round_thing_need_not_be_turned() -> None:
+    whole = can().surface(6000, np.random.default_rng(0))
+    turned = moved(whole, motion(2.0, 0.1, 0.0))
+    fit = least(registered(whole, turned, UP), whole, whole, UP)
+    assert fit.turn < np.radians(5.0) and fit.way == pytest.approx(0.1, abs=0.002)

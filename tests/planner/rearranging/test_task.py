@@ -1,0 +1,153 @@
+"""Rearrangements as plans and runs of an arm."""
+
+import json
+from pathlib import Path
+
+import numpy as np
+import pytest
+from on_table import BASE, on_table
+
+from topple.planner import NoSafePlan, Plan, rearrange
+from topple.planner.cli.main import main
+from topple.planner.execution.demo import loop_in
+from topple.planner.execution.places import off_place
+from topple.planner.formats.plan_format import plan_from_json, plan_to_json
+from topple.planner.rearranging.arrangement import Arrangement
+from topple.planner.rearranging.problem import Act
+from topple.planner.rearranging.task import Lessons
+from topple.robots.scenarios import scenario_called
+from topple.robots.scenarios.scenario import pose_at
+from topple.robots.shapes import block, box, plate
+from topple.robots.world.world import World
+from topple.topology import Scene
+from topple.topology.situation import Situation
+
+UP = np.array([0.0, 0.0, 1.0])
+
+
+def blocks(**places: tuple[float, float, float]) -> Scene:
+    return on_table(*((box(name, (0.05, 0.05, 0.05)), place) for name, place in places.items()), points=1500)
+
+
+START, GOAL = blocks(a=(0, 0, 0), b=(0.2, 0, 0)), blocks(a=(0.2, 0, 0), b=(0, 0, 0))
+
+
+@pytest.fixture(scope="module")
+def swapped() -> Plan:
+    return rearrange(START, GOAL, "panda", base=BASE)
+
+
+def test_two_blocks_change_places_in_three_certified_steps(swapped: Plan) -> None:
+    assert [(step.action, step.buffer) for step in swapped.steps] == [
+        ("remove", True), ("place", False), ("place", False),
+    ]  # fmt: skip
+    assert swapped.certified and swapped.goal == "a on table, b on table"
+    checked = swapped.verify(START)
+    assert checked.ok
+    assert any(each.name == "bodies off the place they shall have" for each in checked.residuals)
+    assert plan_from_json(plan_to_json(swapped)) == swapped
+
+
+def test_a_plan_that_leaves_a_thing_beside_its_place_is_refuted(swapped: Plan) -> None:
+    import msgspec
+
+    poses = {name: np.array(pose) for name, pose in swapped.poses.items()}
+    poses["a"][1, 3] += 0.02
+    spoilt = msgspec.structs.replace(swapped, poses={name: pose.tolist() for name, pose in poses.items()})
+    assert [bad.name for bad in spoilt.verify(START).failed] == ["bodies off the place they shall have"]
+
+
+@pytest.mark.slow
+def test_a_tower_is_built_again_in_another_order() -> None:
+    start = blocks(red=(0, 0, 0), green=(0, 0, 0.05), blue=(0, 0, 0.1))
+    goal = blocks(red=(0.2, 0, 0), green=(0.2, 0, 0.1), blue=(0.2, 0, 0.05))
+    found = rearrange(start, goal, "panda", base=BASE)
+    assert found.order == ["blue", "green", "red", "blue", "green"]
+    assert found.verify(start).ok
+
+
+@pytest.mark.slow
+def test_what_bars_the_hand_makes_room_and_comes_back() -> None:
+    around = [
+        (box(name, (0.05, 0.05, 0.09)), (0.054 * x, 0.054 * y, 0.0))
+        for name, (x, y) in {"west": (-1, 0), "east": (1, 0), "south": (0, -1), "north": (0, 1)}.items()
+    ]
+    low = box("low", (0.05, 0.05, 0.04))
+    start, goal = (on_table(*around, (low, place), points=1500) for place in ((0, 0, 0), (0.05, 0.25, 0)))
+    assert [move.object for move in rearrange(start, goal).moves] == ["low"]
+    found = rearrange(start, goal, "panda", base=BASE)
+    middle = found.order.index("low")
+    assert set(found.order[:middle]) == set(found.order[middle + 1 :])
+    assert [step.buffer for step in found.steps] == [True] * middle + [False] * (middle + 1)
+    assert found.verify(start).ok
+
+
+def test_what_lies_there_already_takes_no_step() -> None:
+    assert rearrange(START, START, "panda", base=BASE).steps == []
+
+
+def test_what_the_arm_cannot_do_is_told() -> None:
+    wide = (
+        on_table((box("a", (0.12, 0.12, 0.12)), (0, 0, 0))),
+        on_table((box("a", (0.12, 0.12, 0.12)), (0.1, 0, 0))),
+    )
+    with pytest.raises(NoSafePlan, match="wider than the hand opens"):
+        rearrange(*wide, "panda", base=BASE)
+
+
+def test_the_command_writes_the_plan(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    paths = [str(tmp_path / name) for name in ("start.npz", "goal.npz")]
+    for path, scene in zip(paths, (START, GOAL), strict=True):
+        np.savez(path, up=[0, 0, 1], fixed=["table"], robot_base=BASE, **dict(scene.clouds))  # type: ignore[arg-type]
+    assert main(["plan", paths[0], "--to", paths[1], "--json"]) == 0
+    document = json.loads(capsys.readouterr().out)
+    assert [step["buffer"] for step in document["steps"]] == [True, False, False]
+    assert set(document["poses"]) == {"a", "b"}
+    assert main(["order", paths[0], "--to", "a left of b"]) == 0
+    assert "no sequence has fewer" in capsys.readouterr().out
+    assert main(["plan", paths[0], "--to", paths[1], "--goal", "a on b"]) == 2
+
+
+def test_a_lesson_of_a_place_holds_until_that_is_left() -> None:
+    lessons = Lessons()
+    lessons.pairs[(Act.TAKE, "a"), (Act.PUT, "b")] = 1
+    lessons.pairs[(Act.PUT, "a"), (Act.PUT, "b")] = 1
+    done = [("a", "remove"), ("c", "place")]
+    assert len(lessons.now(done)) == 2
+    assert lessons.now([*done, ("a", "place")]) == {((Act.PUT, "a"), (Act.PUT, "b"))}
+
+
+def test_an_arrangement_knows_what_lies_on_what() -> None:
+    assert Arrangement(blocks(a=(0, 0, 0), b=(0, 0, 0.05))).goal(START).text == "a on table, b on a"
+    with pytest.raises(Exception, match="things match by name"):
+        Arrangement(blocks(a=(0, 0, 0))).goal(START)
+    assert Arrangement(GOAL).fit("a", Situation(START)).way == pytest.approx(0.2, abs=0.003)
+
+
+def test_a_body_is_off_its_place_by_no_turn_that_its_shape_does_not_show() -> None:
+    from scipy.spatial.transform import Rotation
+
+    with World() as world:
+        world.add(plate("plate"), pose_at(0.3, 0, 0))
+        world.add(block("block"), pose_at(0, 0, 0))
+        for turn, seen in ((8.0, 8.0), (20.0, 20.0), (90.0, 0.0), (97.0, 7.0)):
+            wanted = pose_at(0.005, 0, 0, Rotation.from_euler("z", turn, degrees=True))
+            way, angle = off_place(world, "block", wanted, UP)
+            assert way == pytest.approx(0.005) and np.degrees(angle) == pytest.approx(seen, abs=0.5)
+            there = pose_at(0.3, 0, 0, Rotation.from_euler("z", turn, degrees=True))
+            assert np.degrees(off_place(world, "plate", there, UP)[1]) < 3.0
+        assert (
+            np.degrees(off_place(world, "plate", pose_at(0.3, 0, 0, Rotation.from_euler("x", 0.2)), UP)[1])
+            > 11.0
+        )
+
+
+@pytest.mark.slow
+def test_two_things_change_places_in_closed_loop() -> None:
+    with scenario_called("swap", 1) as stage:
+        record = loop_in(stage, seed=1).run()
+        assert record.success, record.violations
+        assert stage.finished is not None
+        for name, pose in stage.finished.poses().items():
+            way, angle = off_place(stage.world, name, pose, stage.up)
+            assert way < 0.01 and angle < np.radians(10.0)

@@ -1,0 +1,82 @@
+"""Arrangements in words are worked out, with as little moved as they ask for."""
+
+import numpy as np
+import pytest
+from on_table import on_table
+
+from topple.planner import NoSafePlan
+from topple.planner.rearranging.words import described, is_words
+from topple.robots.shapes import bowl, box, can, lemon, spoon
+from topple.topology import InvalidInput, Scene, UnknownObject
+from topple.topology.arrays import FloatArray
+from topple.topology.situation import Situation
+
+SCENE = on_table(
+    (bowl("bowl"), (0.0, 0.0, 0.0)),
+    (lemon("lemon"), (0.2, 0.1, 0.0)),
+    (spoon("spoon"), (-0.1, -0.25, 0.0)),
+    (can("can"), (0.0, 0.14, 0.0)),
+)
+
+
+def goal(words: str, scene: Scene = SCENE) -> Scene:
+    return described(words, Situation(scene)).situation.scene
+
+
+def shift(name: str, after: Scene) -> FloatArray:
+    return after.clouds[name].mean(axis=0) - SCENE.clouds[name].mean(axis=0)
+
+
+def test_what_is_told_is_laid_and_nothing_else_moves() -> None:
+    after = goal("lemon within bowl")
+    assert np.linalg.norm(after.clouds["lemon"].mean(axis=0)[:2]) < 0.06
+    for name in ("bowl", "spoon", "can"):
+        assert after.clouds[name] is SCENE.clouds[name]
+
+
+@pytest.mark.parametrize(
+    ("side", "axis", "sign"),
+    [("left of", 1, 1), ("right of", 1, -1), ("behind", 0, 1), ("in front of", 0, -1)],
+)
+def test_sides_are_those_of_who_looks_along_x(side: str, axis: int, sign: int) -> None:
+    after = goal(f"spoon {side} bowl")
+    inner = sign * after.clouds["spoon"][:, axis]
+    outer = sign * after.clouds["bowl"][:, axis]
+    assert inner.min() == pytest.approx(outer.max() + 0.04, abs=0.005)
+    lengths = np.ptp(after.clouds["spoon"], axis=0)
+    assert lengths[1 - axis] > 2 * lengths[axis]  # it lies along the bowl's side
+
+
+def test_what_is_in_the_way_makes_room() -> None:
+    after = goal("spoon left of bowl")
+    assert np.linalg.norm(shift("can", after)) > 0.03
+    assert after.clouds["lemon"] is SCENE.clouds["lemon"]
+
+
+def test_a_tower_in_words_stands_on_what_stays() -> None:
+    boxes = [(box(name, (0.05, 0.05, 0.05)), (0.15 * k, 0.0, 0.0)) for k, name in enumerate("abc")]
+    scene = on_table(*boxes)
+    after = goal("c on b on a", scene)
+    heights = [after.clouds[name][:, 2].min() for name in "abc"]
+    assert heights == pytest.approx([0.0, 0.05, 0.1], abs=0.005)
+    assert after.clouds["a"] is scene.clouds["a"]
+
+
+@pytest.mark.parametrize(
+    ("words", "error", "told"),
+    [
+        ("cup left of bowl", UnknownObject, "cup"),
+        ("lemon left of bowl, lemon within bowl", InvalidInput, "two places for lemon"),
+        ("table left of bowl", InvalidInput, "table"),
+        ("free bowl", InvalidInput, "free"),
+        ("spoon left of can, can behind spoon", NoSafePlan, "circle"),
+    ],
+)
+def test_words_that_describe_nothing_are_refused(words: str, error: type[Exception], told: str) -> None:
+    with pytest.raises(error, match=told):
+        goal(words)
+
+
+def test_a_path_is_no_words() -> None:
+    assert is_words("cup left of plate") and is_words("lemon in bowl")
+    assert not is_words("goal.npz") and not is_words("scenes/left")

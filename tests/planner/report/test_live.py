@@ -1,0 +1,118 @@
+"""The live page: it starts, serves, answers its sliders and closes, without a display."""
+
+import json
+import signal
+import socket
+import subprocess
+import sys
+import urllib.request
+from contextlib import closing
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+pytest.importorskip("viser", reason="viser is not installed: pip install '.[view]'")
+pytestmark = pytest.mark.filterwarnings("ignore::DeprecationWarning")  # of the server's own libraries
+
+from topple.planner.report.live import LivePage, _cell  # noqa: E402
+
+
+def free_port() -> int:
+    with closing(socket.socket()) as taken:
+        taken.bind(("127.0.0.1", 0))
+        return int(taken.getsockname()[1])
+
+
+def fetched(url: str) -> str:
+    with urllib.request.urlopen(url, timeout=20) as answer:
+        assert answer.status == 200
+        return answer.read().decode("utf-8", "replace")
+
+
+def test_it_serves_answers_its_sliders_and_closes(stack) -> None:
+    scene, relations, _ = stack
+    page = LivePage(scene, port=free_port())
+    try:
+        assert "<html" in fetched(page.url).lower()
+        assert page.relations.deviation == relations.deviation
+        page.show_deviation(0.02)
+        assert page.relations.deviation == 0.02
+        assert len(page._lines) == sum(str(pair.relation) != "disjoint" for pair in page.relations)
+        assert [name for name, _ in page.moves][-1] != "table" and len(page.moves) == len(scene.movable)
+        page.show_step(1)
+        first = page.moves[0][0]
+        assert [name for name, (shown,) in page._objects.items() if not shown.visible] == [first]
+        page.show_step(99)
+        assert page.step == len(page.moves)
+        page.show_step(0)
+        assert all(shown.visible for (shown,) in page._objects.values())
+    finally:
+        url = page.url
+        page.close()
+    with pytest.raises(OSError):
+        fetched(url)
+
+
+def test_steps_of_a_plan_put_things_where_they_go(stack) -> None:
+    from topple.planner.formats.plan_format import GraspData, PlacementData, Plan, Step
+
+    aside = np.eye(4)
+    aside[0, 3] = 0.3
+    step = Step(
+        "tin",
+        "remove",
+        "",
+        [],
+        GraspData("pinch", np.eye(4).tolist(), 0.1, 1.0),
+        PlacementData(aside.tolist()),
+        [],
+    )
+    plan = Plan(
+        goal="", robot="panda", joints=[], seed=0, pose_base_to_world=np.eye(4).tolist(), base_searched=False,
+        q_start=[], order=["tin"], dependencies=[], steps=[step, step],
+    )  # fmt: skip
+    page = LivePage(stack[0], plan, port=free_port())
+    try:
+        page.show_step(2)
+        (tin,) = page._objects["tin"]
+        assert tin.position == pytest.approx([0.6, 0, 0]) and tin.wxyz == pytest.approx([1, 0, 0, 0])
+    finally:
+        page.close()
+
+
+def test_names_are_no_markup() -> None:
+    assert _cell("a|b*<i>") == "a\\|b\\*\\<i\\>"
+
+
+def test_the_command_says_where_it_is_and_ends_with_an_interrupt(tmp_path: Path, stack) -> None:
+    scene, port = stack[0], free_port()
+    np.savez(
+        tmp_path / "s.npz",
+        up=[0, 0, 1],
+        fixed=["table"],
+        **{f"o{k}": c for k, c in enumerate(scene.clouds.values()) if k},
+        table=scene.clouds["table"],
+    )
+    call = [
+        sys.executable,
+        "-m",
+        "topple.planner.cli.main",
+        "view",
+        str(tmp_path / "s.npz"),
+        "--port",
+        str(port),
+        "--json",
+    ]
+    with subprocess.Popen(call, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True) as serving:
+        assert serving.stdout is not None
+        document = json.loads(serving.stdout.readline())
+        assert document["format"] == "topple.view" and "<html" in fetched(document["url"]).lower()
+        serving.send_signal(signal.SIGINT)
+        assert serving.wait(20) == 0
+
+
+def test_without_viser_its_extra_is_named() -> None:
+    code = "import sys; sys.modules['viser'] = None\nfrom topple.planner.report.live import _viser\n_viser()"
+    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=False)
+    assert "needs viser: pip install 'topple-planner[view]'" in done.stderr.splitlines()[-1]

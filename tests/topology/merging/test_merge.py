@@ -1,0 +1,174 @@
+"""Views with poses off by 5 cm and 5 degrees become one scene; what cannot be trusted is refused."""
+
+import subprocess
+import sys
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from scipy.spatial.transform import Rotation
+
+from topple.robots.scenarios import scenario_called
+from topple.topology.errors import InvalidInput
+from topple.topology.image import DepthImage
+from topple.topology.merging.merge import merge_views
+from topple.topology.merging.segments import outliers, segmented
+
+pytest.importorskip("small_gicp", reason="small_gicp is not installed: pip install '.[views]'")
+
+
+def looked(name: str, seed: int) -> list[DepthImage]:
+    """What three cameras with a Kinect's noise see of a scene."""
+    rng = np.random.default_rng(seed)
+    with scenario_called(name, seed) as stage:
+        return [camera.look(stage.world, rng) for camera in stage.cameras]
+
+
+@pytest.fixture(scope="module")
+def pile() -> list[DepthImage]:
+    """A box, two cans and two spoons, some on top of others."""
+    return looked("pile", 1)
+
+
+def off(image: DepthImage, seed: int, metres: float = 0.05, degrees: float = 5.0) -> DepthImage:
+    """The view at a wrong pose, in any direction."""
+    rng = np.random.default_rng(seed)
+    axis, along = (v / np.linalg.norm(v) for v in rng.normal(size=(2, 3)))
+    wrong = np.eye(4)
+    wrong[:3, :3] = Rotation.from_rotvec(np.radians(degrees) * axis).as_matrix()
+    wrong[:3, 3] = metres * along
+    return replace(image, pose_camera_to_world=wrong @ image.pose_camera_to_world)
+
+
+def all_off(images: list[DepthImage], **by: float) -> list[DepthImage]:
+    return [images[0], *(off(image, seed, **by) for seed, image in enumerate(images[1:]))]
+
+
+def unmasked(images: list[DepthImage]) -> list[DepthImage]:
+    return [replace(image, label=np.zeros_like(image.label)) for image in images]
+
+
+def errors(found: DepthImage, true: DepthImage) -> tuple[float, float]:
+    """Distance [m] in the middle of the table and angle [rad] of two poses of one camera."""
+    between = found.pose_camera_to_world @ np.linalg.inv(true.pose_camera_to_world)
+    turn = Rotation.from_matrix(between[:3, :3]).magnitude()
+    return float(np.linalg.norm(between[:3, 3])), float(turn)
+
+
+def test_poses_come_back_within_six_millimetres_and_two_degrees(pile: list[DepthImage]) -> None:
+    merged = merge_views(all_off(pile), same_labels=True)
+    assert len(merged.registrations) == 2
+    for found, true, fit in zip(merged.scene.images[1:], pile[1:], merged.registrations, strict=True):
+        distance, angle = errors(found, true)
+        assert distance < 0.006 and angle < np.radians(2)
+        assert 0.001 < fit.residual < 0.003 and fit.conflict < 0.05 and fit.common > 1000
+    assert np.array_equal(merged.scene.images[0].pose_camera_to_world, pile[0].pose_camera_to_world)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize(
+    ("name", "seed"), [("dishes", 0), ("tower", 0), ("lemon", 1), ("pile", 3), ("pile", 5)]
+)
+def test_poses_come_back_in_other_scenes(name: str, seed: int) -> None:
+    images = looked(name, seed)
+    merged = merge_views(all_off(images), same_labels=True)
+    for found, true in zip(merged.scene.images[1:], images[1:], strict=True):
+        distance, angle = errors(found, true)
+        assert distance < 0.006 and angle < np.radians(2)
+
+
+def test_masks_that_number_the_objects_differently_are_matched_by_their_surface(
+    pile: list[DepthImage],
+) -> None:
+    views = []
+    for turn, image in enumerate(all_off(pile)):
+        labels = [int(label) for label in np.unique(image.label) if label]
+        other = dict(zip(labels, np.roll(labels, turn).tolist(), strict=True))
+        label = np.zeros_like(image.label)
+        for old, new in other.items():
+            label[image.label == old] = new
+        views.append(replace(image, label=label, names={other[k]: image.name_of(k) for k in labels}))
+    scene = merge_views(views).scene
+    true = {name for image in pile for name in image.clouds()}
+    assert set(scene.names) == true and scene.fixed == {"table"}
+    for image in scene.images:  # no object took another one's pixels in any view
+        truth = pile[[np.array_equal(image.depth, one.depth) for one in pile].index(True)]
+        for number, name in image.names.items():
+            if name != "table" and (mine := image.label == number).any():
+                names, counts = np.unique(truth.label[mine], return_counts=True)
+                assert truth.name_of(int(names[counts.argmax()])) == name
+
+
+def test_without_masks_what_stands_apart_is_told_apart(pile: list[DepthImage]) -> None:
+    merged = merge_views(unmasked(all_off(pile)))
+    assert not merged.masked and merged.loose < 0.05 and merged.outliers < 0.05
+    truth = {name: cloud.mean(axis=0) for name, cloud in _true(pile).items() if "spoon" not in name}
+    for name, middle in truth.items():
+        nearest = min(
+            np.linalg.norm(merged.scene.clouds[one].mean(axis=0) - middle) for one in merged.scene.movable
+        )
+        assert nearest < 0.02, name
+    assert merged.scene.up is not None and merged.scene.up[2] > 0.999
+    assert any("no masks" in note for note in merged.scene.assumptions)
+
+
+def _true(images: list[DepthImage]) -> dict[str, np.ndarray]:
+    clouds: dict[str, list[np.ndarray]] = {}
+    for image in images:
+        for name, cloud in image.clouds().items():
+            clouds.setdefault(name, []).append(cloud)
+    return {name: np.concatenate(parts) for name, parts in clouds.items() if name != "table"}
+
+
+def test_a_pose_too_far_off_is_refused_with_its_residual(pile: list[DepthImage]) -> None:
+    far = off(pile[1], 0, 0.0, 0.0)
+    pose = far.pose_camera_to_world.copy()
+    pose[:2, 3] += [0.2, -0.2]
+    with pytest.raises(InvalidInput, match=r"view 2 does not fit .*(looked through|in common|residual)"):
+        merge_views([pile[0], replace(far, pose_camera_to_world=pose)], same_labels=True)
+
+
+@pytest.mark.slow
+def test_a_view_of_another_scene_is_refused(pile: list[DepthImage]) -> None:
+    with pytest.raises(InvalidInput, match="view 3 does not fit the views before it"):
+        merge_views([pile[0], pile[1], looked("dishes", 0)[2]], same_labels=True)
+
+
+def test_what_is_no_set_of_views_is_refused(pile: list[DepthImage]) -> None:
+    with pytest.raises(InvalidInput, match="1 views and 1 names: expected two views or more"):
+        merge_views(pile[:1])
+    with pytest.raises(InvalidInput, match="view 2 has no mask and others have one"):
+        merge_views([pile[0], *unmasked(pile[1:2])])
+    empty = replace(pile[1], depth=np.zeros_like(pile[1].depth))
+    with pytest.raises(InvalidInput, match="view 2 has depth in 0 pixels"):
+        merge_views([pile[0], empty])
+    tilted = off(pile[1], 4, 0.0, 40.0)
+    with pytest.raises(InvalidInput, match=r"view 2.*tilted by \d+ degrees"):
+        merge_views([pile[0], tilted])
+
+
+def test_a_cloud_is_cut_where_it_bends_inwards_and_nowhere_else() -> None:
+    grid = np.stack(np.meshgrid(np.arange(0, 0.1, 0.005), np.arange(0, 0.1, 0.005)), axis=-1).reshape(-1, 2)
+    roof = np.column_stack([grid, -np.abs(grid[:, 0] - 0.05)])  # seen from above, its ridge bends outwards
+    eyes = np.tile([0.05, 0.05, 1.0], (len(grid), 1))
+    assert set(segmented(roof, eyes)) == {0}
+    valley = roof * [1, 1, -1]
+    assert set(segmented(valley, eyes)) - {-1} == {0, 1}
+
+
+def test_single_returns_in_the_air_are_outliers_and_surfaces_are_not() -> None:
+    grid = np.stack(np.meshgrid(np.arange(0, 0.2, 0.005), np.arange(0, 0.2, 0.005)), axis=-1).reshape(-1, 2)
+    flat = np.column_stack([grid, np.zeros(len(grid))])
+    flying = np.array([[0.1, 0.1, 0.05], [0.02, 0.1, 0.08]])
+    stray = outliers(np.concatenate([flat, flying]))
+    assert stray[-2:].all() and stray[:-2].mean() < 0.01
+
+
+def test_without_small_gicp_its_extra_is_named() -> None:
+    code = (
+        "import sys; sys.modules['small_gicp'] = None\n"
+        "from topple.topology.merging.register import register\n"
+        "register((), (), ())"
+    )
+    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=False)
+    assert "needs small_gicp: pip install 'topple-planner[views]'" in done.stderr.splitlines()[-1]

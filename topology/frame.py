@@ -1,0 +1,29 @@
+"""A scene in another frame."""
+
+from topple.topology.arrays import FloatArray
+from topple.topology.cloud import clean
+from topple.topology.scene import Scene
+
+
+def in_frame(scene: Scene, pose_scene_to_frame: FloatArray, up: FloatArray) -> Scene:
+    """Give a scene in another frame, as clouds: images, meshes and the robot's base are left out.
+
+    Args:
+        scene: The scene.
+        pose_scene_to_frame: (4, 4) rigid transform.
+        up: (3,) against gravity in that frame.
+    """
+    rotation, offset = pose_scene_to_frame[:3, :3], pose_scene_to_frame[:3, 3]
+
+    def turned(points: FloatArray) -> FloatArray:
+        return points @ rotation.T + offset
+
+    return Scene(
+        {name: clean(turned(cloud)) for name, cloud in scene.clouds.items()},
+        sorted(scene.fixed),
+        up,
+        turned(scene.viewpoints) if len(scene.viewpoints) else None,
+        assumptions=scene.assumptions,
+        masses=scene.masses,
+        friction=scene.friction,
+    )
