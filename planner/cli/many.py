@@ -57,7 +57,7 @@ def for_each_scene(
 
             answers = scattered(partial(_attempt, work), paths, partial(worker_pool, workers), workers)
         for number, path in enumerate(paths, 1):
-            progress(f"{path} ({number} of {len(paths)})")
+            progress(f"{path} ({number} of {len(paths)})" if len(paths) > 1 else path)
             answer = next(answers)
             progress.clear()
             if isinstance(answer, Lost):

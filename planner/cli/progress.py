@@ -1,4 +1,4 @@
-"""One line on stderr about what is going on, how far it is and what is left, once it takes over a second."""
+"""One line on stderr about what is going on, how far it is, what is left: after a second, ten in a log."""
 
 import re
 import sys
@@ -6,7 +6,8 @@ import threading
 import time
 from types import TracebackType
 
-_PATIENCE = 1.0  # [s] what takes less is not worth a line
+_PATIENCE = 1.0  # [s] what takes less is not worth a line on a terminal
+_LOG_PATIENCE = 10.0  # [s] nor in a log, where it stays: a refusal is one line, on a busy machine too
 _TICK = 0.25  # [s] between two looks at the clock
 _PAUSE = 2.0  # [s] between two lines of a log
 _COUNT = re.compile(r"\b(\d+) of (\d+)\b")  # how far it is, where a message says so
@@ -43,6 +44,7 @@ class Progress:
         self._drawing = threading.Lock()
         self._thread = threading.Thread(target=self._watch, daemon=True)
         self._terminal = sys.stderr.isatty()
+        self._patience = _PATIENCE if self._terminal else _LOG_PATIENCE
 
     def __enter__(self) -> "Progress":
         """Start the clock."""
@@ -98,7 +100,7 @@ class Progress:
         while not self._over.wait(_TICK):
             seconds = time.monotonic() - self._started
             message = self._message
-            if seconds < _PATIENCE or not message:
+            if seconds < self._patience or not message:
                 continue
             with self._drawing:
                 if self._terminal:
