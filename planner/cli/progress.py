@@ -1,4 +1,4 @@
-"""One line on stderr about what is going on, how far it is, what is left: after a second, ten in a log."""
+"""One line on stderr about what is going on, how far it is, what is left, once it takes over a second."""
 
 import re
 import sys
@@ -6,8 +6,9 @@ import threading
 import time
 from types import TracebackType
 
-_PATIENCE = 1.0  # [s] what takes less is not worth a line on a terminal
-_LOG_PATIENCE = 10.0  # [s] nor in a log, where it stays: a refusal is one line, on a busy machine too
+_PATIENCE = 1.0  # [s] what takes less is not worth a line
+_WORK = 1.5  # [s] of the processor, in a log: a refusal takes less, and stays one line on a busy machine
+_WAITING = 10.0  # [s] after which a log has a line all the same: others may be at work for us
 _TICK = 0.25  # [s] between two looks at the clock
 _PAUSE = 2.0  # [s] between two lines of a log
 _COUNT = re.compile(r"\b(\d+) of (\d+)\b")  # how far it is, where a message says so
@@ -38,17 +39,16 @@ class Progress:
         self._shown: str | None = None
         self._count: tuple[int, int] | None = None
         self._counted = (0.0, 0)  # since when, from which count on
-        self._started = 0.0
+        self._started, self._worked = 0.0, 0.0
         self._written = float("-inf")
         self._over = threading.Event()
         self._drawing = threading.Lock()
         self._thread = threading.Thread(target=self._watch, daemon=True)
         self._terminal = sys.stderr.isatty()
-        self._patience = _PATIENCE if self._terminal else _LOG_PATIENCE
 
     def __enter__(self) -> "Progress":
         """Start the clock."""
-        self._started = time.monotonic()
+        self._started, self._worked = time.monotonic(), time.process_time()
         self._thread.start()
         return self
 
@@ -96,11 +96,15 @@ class Progress:
                 sys.stderr.flush()
                 self._shown = None
 
+    def _worth_a_line(self, seconds: float) -> bool:
+        at_work = self._terminal or time.process_time() - self._worked > _WORK or seconds > _WAITING
+        return seconds > _PATIENCE and at_work
+
     def _watch(self) -> None:
         while not self._over.wait(_TICK):
             seconds = time.monotonic() - self._started
             message = self._message
-            if seconds < self._patience or not message:
+            if not message or not self._worth_a_line(seconds):
                 continue
             with self._drawing:
                 if self._terminal:

@@ -24,7 +24,7 @@ Refused = Callable[..., str]
 @pytest.fixture(autouse=True)
 def _patient(monkeypatch: pytest.MonkeyPatch) -> None:
     """However busy the machine is, no line of progress comes beside the refusal."""
-    monkeypatch.setattr(progress, "_LOG_PATIENCE", 600.0)
+    monkeypatch.setattr(progress, "_WAITING", 600.0)
 
 
 @pytest.fixture

@@ -1,4 +1,4 @@
-"""The progress line: only after a second, or ten in a log, only on stderr, wiped on a terminal."""
+"""The progress line: only after a second, only on stderr, wiped on a terminal."""
 
 import io
 import time
@@ -17,14 +17,15 @@ class _Terminal(io.StringIO):
 def test_what_is_quick_says_nothing(capsys: pytest.CaptureFixture[str]) -> None:
     with Progress("relate") as progress:
         progress("scene.npz")
-        time.sleep(1.5)
+        time.sleep(0.3)
     assert capsys.readouterr() == ("", "")
 
 
 def test_what_takes_long_says_each_message_once(
     capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr(module, "_LOG_PATIENCE", 0.05)
+    monkeypatch.setattr(module, "_PATIENCE", 0.05)
+    monkeypatch.setattr(module, "_WAITING", 0.05)
     monkeypatch.setattr(module, "_TICK", 0.02)
     monkeypatch.setattr(module, "_PAUSE", 0.1)
     with Progress("relate") as progress:
@@ -37,6 +38,22 @@ def test_what_takes_long_says_each_message_once(
         "topple relate: first.npz",
         "topple relate: second.npz",
     ]
+
+
+def test_a_log_that_waits_for_the_processor_says_nothing_yet(capsys: pytest.CaptureFixture[str]) -> None:
+    with Progress("relate") as progress:
+        progress("scene.npz")
+        time.sleep(1.5)
+    assert capsys.readouterr() == ("", "")
+
+
+def test_a_log_has_a_line_once_a_second_was_worked(capsys: pytest.CaptureFixture[str]) -> None:
+    with Progress("relate") as progress:
+        progress("scene.npz")
+        end = time.process_time() + 2.2
+        while time.process_time() < end:
+            sum(range(1000))
+    assert capsys.readouterr().err.startswith("topple relate: scene.npz (")
 
 
 def test_a_terminal_is_left_clean(monkeypatch: pytest.MonkeyPatch) -> None:
