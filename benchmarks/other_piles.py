@@ -15,10 +15,10 @@ from pathlib import Path
 import numpy as np
 from scipy.spatial.transform import Rotation
 
+from topple.benchmarks.body_files import body_from_files
 from topple.robots.scenarios.scenario import Scenario, Unlucky, drop, settle, settled, touching
 from topple.robots.shapes.vessel import circle, rings, sectors
 from topple.robots.world.bodies import Body, Color
-from topple.robots.world.body_files import body_from_files
 from topple.robots.world.physical_world import PhysicalWorld
 from topple.topology.arrays import FloatArray
 from topple.topology.errors import InvalidInput

@@ -27,10 +27,10 @@ from typing import Any
 import networkx as nx
 import numpy as np
 
+from topple.benchmarks.cubes import cubes_problem, falling_cubes
+from topple.benchmarks.discs import Discs, Put, check, rearrange_discs
 from topple.benchmarks.row import Progress, Row
 from topple.benchmarks.scores import share_interval
-from topple.planner.rearranging.cubes import cubes_problem, falling_cubes
-from topple.planner.rearranging.discs import Discs, Put, check, rearrange_discs
 from topple.planner.rearranging.moves import contracted, fewest_moves
 from topple.planner.rearranging.problem import Move, Problem, To
 from topple.planner.tolerances import DISTURBED, TURNED

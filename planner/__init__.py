@@ -1,7 +1,8 @@
 """What to do: dependency graph, safe order, grasps, motions, plans, runs and the command line."""
 
-from importlib import import_module
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
+
+from topple.topology.door import door
 
 if TYPE_CHECKING:
     from topple.planner.building.build import BuildOrder, Hold, build_order
@@ -58,45 +59,27 @@ __all__ = [
     "run_page",
 ]
 
-_HOME = {
-    "Alike": "rearranging.task",
-    "Arrangement": "rearranging.arrangement",
-    "Described": "rearranging.task",
-    "Rearranging": "rearranging.task",
-    "BuildOrder": "building.build",
-    "Hold": "building.build",
-    "build_order": "building.build",
-    "ClosedLoop": "execution.loop",
-    "Dependency": "decide.dependency",
-    "DependencyGraph": "decide.dependency",
-    "ForeignGrasps": "grasp.foreign",
-    "NoSafePlan": "errors",
-    "Observer": "execution.look",
-    "Order": "decide.arrange",
-    "Plan": "formats.plan_format",
-    "Rearrangement": "rearranging.rearrange",
-    "RunLimits": "execution.loop",
-    "arrange": "decide.arrange",
-    "demo": "execution.demo",
-    "dependencies": "decide.dependency",
-    "grasps_from_array": "grasp.foreign",
-    "next_view": "planning.next_view",
-    "order": "planning.order",
-    "plan": "planning.plan",
-    "plan_page": "report.plan_page",
-    "rank_all": "grasp.rank",
-    "rank_grasps": "grasp.rank",
-    "read_grasps": "grasp.foreign",
-    "rearrange": "rearranging.rearrange",
-    "run": "execution.run",
-    "run_page": "report.run_page",
-}
-
-
-def __getattr__(name: str) -> Any:
-    """Import a public name when it is first used: `topple --help` must not wait for pybullet."""
-    if name not in _HOME:
-        raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
-    value = getattr(import_module(f"{__name__}.{_HOME[name]}"), name)
-    globals()[name] = value
-    return value
+__getattr__ = door(
+    __name__,
+    {
+        "building.build": "BuildOrder Hold build_order",
+        "decide.arrange": "Order arrange",
+        "decide.dependency": "Dependency DependencyGraph dependencies",
+        "errors": "NoSafePlan",
+        "execution.demo": "demo",
+        "execution.look": "Observer",
+        "execution.loop": "ClosedLoop RunLimits",
+        "execution.run": "run",
+        "formats.plan_format": "Plan",
+        "grasp.foreign": "ForeignGrasps grasps_from_array read_grasps",
+        "grasp.rank": "rank_all rank_grasps",
+        "planning.next_view": "next_view",
+        "planning.order": "order",
+        "planning.plan": "plan",
+        "rearranging.arrangement": "Arrangement",
+        "rearranging.rearrange": "Rearrangement rearrange",
+        "rearranging.task": "Alike Described Rearranging",
+        "report.plan_page": "plan_page",
+        "report.run_page": "run_page",
+    },
+)

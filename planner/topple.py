@@ -46,19 +46,13 @@ __all__ = [
 ]
 
 _PACKAGE_OF = {
-    "topology": ("InvalidInput", "Scene", "ToppleError", "load_scene", "relate"),
-    "robots": ("robot", "scene_from_world"),
-    "planner": (
-        "NoSafePlan",
-        "Order",
-        "build_order",
-        "next_view",
-        "order",
-        "plan",
-        "rank_grasps",
-        "rearrange",
-        "run",
-    ),
+    name: package
+    for package, names in {
+        "topology": "InvalidInput Scene ToppleError load_scene relate",
+        "robots": "robot scene_from_world",
+        "planner": "NoSafePlan Order build_order next_view order plan rank_grasps rearrange run",
+    }.items()
+    for name in names.split()
 }
 
 
@@ -68,9 +62,8 @@ def __getattr__(name: str) -> Any:
         from topple.topology.errors import DISTRIBUTION
 
         return version(DISTRIBUTION)
-    package = next((package for package, names in _PACKAGE_OF.items() if name in names), None)
-    if package is None:
+    if name not in _PACKAGE_OF:
         raise AttributeError(f"module 'topple' has no attribute {name!r}")
-    value = getattr(import_module(f"topple.{package}"), name)
+    value = getattr(import_module(f"topple.{_PACKAGE_OF[name]}"), name)
     globals()[name] = value
     return value

@@ -1,7 +1,8 @@
 """What can act: arms, grippers, cameras, bodies and the PyBullet world they share."""
 
-from importlib import import_module
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
+
+from topple.topology.door import door
 
 if TYPE_CHECKING:
     from topple.robots.catalog import robot
@@ -22,21 +23,15 @@ __all__ = [
     "scene_from_world",
 ]
 
-_HOME = {
-    "Body": "world.bodies",
-    "Camera": "world.camera",
-    "Recording": "world.recording",
-    "SimulatedArm": "world.simulated_arm",
-    "World": "world.world",
-    "robot": "catalog",
-    "scene_from_world": "world.observe",
-}
-
-
-def __getattr__(name: str) -> Any:
-    """Import a public name when it is first used: PyBullet takes a third of a second."""
-    if name not in _HOME:
-        raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
-    value = getattr(import_module(f"{__name__}.{_HOME[name]}"), name)
-    globals()[name] = value
-    return value
+__getattr__ = door(
+    __name__,
+    {
+        "catalog": "robot",
+        "world.bodies": "Body",
+        "world.camera": "Camera",
+        "world.observe": "scene_from_world",
+        "world.recording": "Recording",
+        "world.simulated_arm": "SimulatedArm",
+        "world.world": "World",
+    },
+)

@@ -1,7 +1,8 @@
 """Where things are and how they lie in each other: clouds, hulls, relations, contacts and support."""
 
-from importlib import import_module
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
+
+from topple.topology.door import door
 
 if TYPE_CHECKING:
     from topple.topology.errors import InvalidInput, NotInstalled, ToppleError, UnknownObject
@@ -45,37 +46,22 @@ __all__ = [
     "thinned",
 ]
 
-_HOME = {
-    "DepthImage": "image",
-    "Hull": "geometry.hull",
-    "InvalidInput": "errors",
-    "MergedViews": "merging.merge",
-    "Mesh": "scene",
-    "NotInstalled": "errors",
-    "PairRelation": "pair",
-    "Parts": "io.assemble",
-    "Relation": "sixim.table",
-    "Relations": "relations",
-    "Scene": "scene",
-    "ToppleError": "errors",
-    "UnknownObject": "errors",
-    "classify": "sixim.table",
-    "load_scene": "io",
-    "load_sequence": "io",
-    "merge_views": "merging.merge",
-    "relate": "rule.relate",
-    "relate_all": "rule.relate",
-    "scene_from_coco": "io.coco",
-    "scene_from_objects": "io.objects",
-    "scene_from_points": "io.objects",
-    "thinned": "geometry.thin",
-}
-
-
-def __getattr__(name: str) -> Any:
-    """Import a public name when it is first used: `topple --help` must not wait for scipy."""
-    if name not in _HOME:
-        raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
-    value = getattr(import_module(f"{__name__}.{_HOME[name]}"), name)
-    globals()[name] = value
-    return value
+__getattr__ = door(
+    __name__,
+    {
+        "errors": "InvalidInput NotInstalled ToppleError UnknownObject",
+        "geometry.hull": "Hull",
+        "geometry.thin": "thinned",
+        "image": "DepthImage",
+        "io": "load_scene load_sequence",
+        "io.assemble": "Parts",
+        "io.coco": "scene_from_coco",
+        "io.objects": "scene_from_objects scene_from_points",
+        "merging.merge": "MergedViews merge_views",
+        "pair": "PairRelation",
+        "relations": "Relations",
+        "rule.relate": "relate relate_all",
+        "scene": "Mesh Scene",
+        "sixim.table": "Relation classify",
+    },
+)

@@ -75,7 +75,7 @@ class Things:
             name: Its name in the scene; None: its kind.
         """
         if self.models is not None and self.has_model(kind):
-            from topple.robots.world.body_files import body_from_files
+            from topple.benchmarks.body_files import body_from_files
 
             return body_from_files(self.models / _FOLDERS[kind], name or kind)
         mass, make = _PROCEDURAL[kind]

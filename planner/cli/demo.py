@@ -5,11 +5,11 @@ import json
 from pathlib import Path
 from typing import Any
 
+from topple.planner.cli.arguments import COMMON, SIMULATION, add
 from topple.planner.cli.console import complain, print_json, print_text
 from topple.planner.cli.main import DONE, INTERRUPTED, NO_SAFE_PLAN
-from topple.planner.cli.options import add_common
 from topple.planner.cli.progress import Progress
-from topple.planner.cli.robot_options import add_cameras, add_engine, add_recordings, rerun_of, video_of
+from topple.planner.cli.robot_options import recordings_of
 from topple.planner.cli.tables import print_order, print_relations, print_run
 
 _FOLDER = "topple-demo"
@@ -17,40 +17,19 @@ _FILES = ("relations.json", "order.json", "plan.json", "run.json", "report.html"
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
-    """Add the options of `topple demo`.
-
-    Args:
-        parser: The sub-command's parser.
-    """
+    """Add the options; see `topple.planner.cli.main`."""
     parser.add_argument("name", nargs="?", default="dishes", metavar="NAME", help="the scene (dishes)")
-    add_common(parser, scenes=None)
+    add(parser, *COMMON, *SIMULATION)
     parser.set_defaults(seed=None)  # one of the scene's own that is known to succeed
-    parser.add_argument(
-        "--robot",
-        metavar="NAME",
-        help="panda, panda-suction, iiwa, xarm6 or FILE.urdf (the one the scene is made for)",
-    )
-    add_cameras(parser)
-    add_engine(parser)
-    add_recordings(parser)
+    made_for = "panda, panda-suction, iiwa, xarm6 or FILE.urdf (the one the scene is made for)"
+    add(parser, "--robot", help=made_for)
     parser.add_argument(
         "-o", "--output", default=_FOLDER, metavar="FOLDER", help=f"where everything is written ({_FOLDER})"
     )
 
 
 def execute(args: argparse.Namespace) -> int:
-    """Play the scene and say what happened.
-
-    Args:
-        args: The parsed arguments.
-
-    Returns:
-        Exit code 0 where the goal was reached with nothing disturbed, 130 where it was interrupted, else 1.
-
-    Raises:
-        InvalidInput: If there is no such scene or robot, or the folder cannot be written.
-        NoSafePlan: If the goal cannot be planned.
-    """
+    """Play the scene and say what happened; 1 where the goal was not reached or a thing disturbed."""
     if args.fixed or args.up:
         complain("--fixed and --up are ignored: a built-in scene knows its table and which way is up")
     folder = Path(args.output)
@@ -58,7 +37,7 @@ def execute(args: argparse.Namespace) -> int:
         progress(f"setting up {args.name}")
         from topple.planner.execution.demo import demo
 
-        video, rerun = video_of(args), rerun_of(args)
+        video, rerun = recordings_of(args)
         record = demo(
             args.name, seed=args.seed, robot=args.robot, cameras=args.cameras, mask_noise=args.mask_noise,
             wrist_camera=args.wrist_camera, engine=args.engine, folder=folder, video=video, rerun=rerun,

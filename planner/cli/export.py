@@ -1,29 +1,20 @@
 """`topple export`: a plan in the formats of task planners, behaviour trees, MoveIt and graph viewers."""
 
 import argparse
-import sys
 from pathlib import Path
-from typing import TYPE_CHECKING
 
+from topple.planner.cli.arguments import COMMON, add
 from topple.planner.cli.console import print_json, print_text
 from topple.planner.cli.main import DONE
-from topple.planner.cli.options import add_common
+from topple.planner.cli.options import read_plan
 from topple.planner.files import check_writable, write_whole
 from topple.topology.errors import InvalidInput
-from topple.topology.io.limits import MOST_BYTES, check_size
-
-if TYPE_CHECKING:
-    from topple.planner.formats.plan_format import Plan
 
 _PDDL_FILES = ("domain.pddl", "problem.pddl")
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
-    """Add the options of `topple export`.
-
-    Args:
-        parser: The sub-command's parser.
-    """
+    """Add the options; see `topple.planner.cli.main`."""
     parser.add_argument("plan", metavar="PLAN", help="plan.json of topple plan; - reads it from stdin")
     parser.add_argument(
         "--to",
@@ -37,27 +28,17 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         metavar="FILE",
         help="where to write it (stdout); for pddl a folder gets domain.pddl and problem.pddl",
     )
-    add_common(parser, scenes=None)
+    add(parser, *COMMON)
 
 
 def execute(args: argparse.Namespace) -> int:
-    """Read a plan, and write it in the other format.
-
-    Args:
-        args: The parsed arguments.
-
-    Returns:
-        Exit code 0.
-
-    Raises:
-        InvalidInput: If the file holds no plan, there is no such format, or the output cannot be written.
-    """
+    """Read a plan, and write it in the other format."""
     from topple.planner.export import export
 
     folder = Path(args.output) if args.to == "pddl" and args.output and Path(args.output).is_dir() else None
     if args.output is not None and folder is None:
         check_writable(args.output)
-    plan = _read(args.plan)
+    plan = read_plan(args.plan)
     made = export(plan, args.to)
     if isinstance(made, bytes) and args.output is None:
         raise InvalidInput(f"{args.to} is no text: say with -o FILE where it is written")
@@ -85,15 +66,3 @@ def execute(args: argparse.Namespace) -> int:
     elif isinstance(made, str):
         print_text(made.removesuffix("\n"))
     return DONE
-
-
-def _read(path: str) -> "Plan":
-    from topple.planner.formats.plan_format import plan_from_json
-
-    if path == "-":
-        data, name = sys.stdin.buffer.read(MOST_BYTES + 1), "stdin"
-    else:
-        with Path(path).open("rb") as file:
-            data, name = file.read(MOST_BYTES + 1), path
-    check_size(len(data), name)
-    return plan_from_json(data, name)

@@ -1,5 +1,8 @@
 """Entry point of the `topple` command: finds the sub-command, turns errors into one line and an exit code.
 
+Each sub-command is a module: `add_arguments(parser)` adds its options, and `execute(args)` does it and gives
+the exit code, 0 unless it says otherwise. Bad input raises `InvalidInput`; no safe plan `NoSafePlan`.
+
 Nothing heavy is imported here: `topple --help` has to answer at once.
 """
 
@@ -11,6 +14,7 @@ import os
 import sys
 import warnings
 from collections.abc import Sequence
+from types import ModuleType
 from typing import NoReturn
 
 from topple.planner.cli.console import complain
@@ -33,6 +37,8 @@ COMMANDS = {
     "view": "serve a scene as a live page with sliders for its deviation and its steps",
     "show": "draw a scene with its relations and its order",
 }
+
+_MEASURING = ("bench", "score")  # which stand in the layer above
 
 _START = """topple says what a robot can safely take next from a cluttered scene, and why.
 
@@ -150,7 +156,7 @@ def _run(arguments: list[str]) -> int:
     args = parser.parse_args([_plain_number(argument) for argument in arguments])
     if args.command is None:
         parser.error(f"no command given; choose from {', '.join(COMMANDS)}")
-    command = importlib.import_module(f"topple.planner.cli.{args.command}")
+    command = _module(args.command)
     from topple.topology.errors import InvalidInput, ToppleError
 
     args.parser = commands[args.command]
@@ -195,8 +201,13 @@ def _parser(chosen: str | None) -> tuple[Parser, dict[str, Parser]]:
             name, help=purpose, description=purpose[0].upper() + purpose[1:] + ".", epilog=_EPILOG
         )
         if name == chosen:
-            importlib.import_module(f"topple.planner.cli.{name}").add_arguments(commands[name])
+            _module(name).add_arguments(commands[name])
     return parser, commands
+
+
+def _module(command: str) -> ModuleType:
+    home = "benchmarks.commands" if command in _MEASURING else "planner.cli"
+    return importlib.import_module(f"topple.{home}.{command}")
 
 
 def _plain_number(argument: str) -> str:

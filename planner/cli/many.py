@@ -93,25 +93,6 @@ def _cluster(address: str) -> Any:
         ) from error
 
 
-def add_jobs(parser: argparse.ArgumentParser) -> None:
-    """Add the options that say where many scenes are worked on.
-
-    Args:
-        parser: The sub-command's parser.
-    """
-    where = parser.add_mutually_exclusive_group()
-    where.add_argument(
-        "--jobs", type=_jobs, metavar="N", help="several scenes: so many processes (one a core)"
-    )
-    where.add_argument("--cluster", metavar="ADDRESS", help="several scenes: the workers of a dask scheduler")
-
-
-def _jobs(text: str) -> int:
-    if not text.isdigit() or int(text) < 1:
-        raise argparse.ArgumentTypeError(f"{text} is no number of processes, expected 1 or more")
-    return int(text)
-
-
 @dataclass(frozen=True)
 class _Refused:
     """Why a scene has no answer."""

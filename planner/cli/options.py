@@ -1,16 +1,16 @@
-"""Options every sub-command has, and the scenes it was given."""
+"""What the options of a sub-command say: the scenes, how they are read, what relates and orders them."""
 
 import argparse
 import os
+import sys
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from functools import partial
 from typing import TYPE_CHECKING, Any, cast
 
-from topple.planner.cli.main import ShowVersion
-
 if TYPE_CHECKING:
     from topple.planner.decide.arrange import Order
+    from topple.planner.formats.plan_format import Plan
     from topple.planner.planning.step import Orderer
     from topple.topology.relations import Relations
     from topple.topology.scene import Scene
@@ -18,91 +18,6 @@ if TYPE_CHECKING:
 _SCENE_SUFFIXES = (".npz", ".npy")
 _OF_FORMATS = ("image", "models", "depth", "info", "labels", "view")  # options that one format of scenes has
 _LISTS = ("fixed", "target")  # options that take one name after the other
-
-
-def add_common(parser: argparse.ArgumentParser, *, scenes: str | None) -> None:
-    """Add what all sub-commands take.
-
-    Args:
-        parser: The sub-command's parser.
-        scenes: "many" or "one" scene as the positional argument, None for a command without.
-    """
-    if scenes is not None:
-        parser.add_argument(
-            "scenes",
-            nargs="*",
-            metavar="SCENE" if scenes == "one" else "SCENE...",
-            help=".npz of clouds, folder of cloud or mesh files, RGB-D .npz / .npy, BOP scene, or ROS bag",
-        )
-        add_formats(parser)
-    parser.add_argument(
-        "--max-mb",
-        type=_amount,
-        metavar="MB",
-        help="what a file of a scene may unpack to (268): more is refused before it is read",
-    )
-    parser.add_argument(
-        "--allow-outside",
-        action="store_true",
-        help="let scene.json name files that are not below its folder",
-    )
-    parser.add_argument("--fixed", nargs="+", action="extend", metavar="NAME", help="objects that never move")
-    parser.add_argument(
-        "--up", nargs=3, type=float, metavar=("X", "Y", "Z"), help="direction against gravity"
-    )
-    parser.add_argument("--seed", type=_seed, default=0, metavar="N", help="seed of every random draw (0)")
-    parser.add_argument("--json", action="store_true", help="JSON on stdout and nothing else")
-    parser.add_argument("--version", action=ShowVersion, nargs=0, help="print the version and leave")
-
-
-def add_formats(parser: argparse.ArgumentParser, *, topic_of_labels: bool = True) -> None:
-    """Add what one format of scenes has and the others have not.
-
-    Args:
-        parser: The sub-command's parser.
-        topic_of_labels: False where `--labels` means something else.
-    """
-    parser.add_argument("--view", metavar="NAME", help="of a recorded pile: full, view1 or view3 (full)")
-    parser.add_argument(
-        "--image",
-        type=int,
-        metavar="N",
-        help="which image of a BOP scene or frame of a recording (its first)",
-    )
-    parser.add_argument(
-        "--models", action="store_true", default=None, help="the models of a BOP scene, not its depth"
-    )
-    for name, purpose in (
-        ("depth", "of a recording's depth images, or clouds with labels"),
-        ("info", "of its camera's intrinsics"),
-        ("labels", "of its masks"),
-    )[: None if topic_of_labels else -1]:
-        parser.add_argument(f"--{name}", metavar="TOPIC", help=f"topic {purpose} (the only one)")
-
-
-def add_rule(parser: argparse.ArgumentParser) -> None:
-    """Add what relates every two objects.
-
-    Args:
-        parser: The sub-command's parser.
-    """
-    parser.add_argument(
-        "--rule", metavar="NAME", help="what relates: robust, plain, 9im, features or a plugin's (robust)"
-    )
-
-
-def add_orderer(parser: argparse.ArgumentParser, usual: str = "fewest") -> None:
-    """Add what orders the objects.
-
-    Args:
-        parser: The sub-command's parser.
-        usual: What does where it is not given.
-    """
-    parser.add_argument(
-        "--orderer",
-        metavar="NAME",
-        help=f"what orders: fewest, cautious, support-tree or a plugin's ({usual})",
-    )
 
 
 def rule_of(args: argparse.Namespace) -> "Callable[[Scene], Relations] | None":
@@ -160,46 +75,6 @@ def order_by(
     return ask(orderer, Situation(scene, relations), wanted, seed=seed)
 
 
-def add_target(
-    parser: argparse.ArgumentParser,
-    purpose: str = "what to free, with the fewest removals (everything is cleared)",
-) -> None:
-    """Add the names to free.
-
-    Args:
-        parser: The sub-command's parser.
-        purpose: What naming them does, for the help.
-    """
-    parser.add_argument(
-        "--target",
-        nargs="+",
-        action="extend",
-        metavar="NAME",
-        help=purpose,
-    )
-
-
-def _seed(text: str) -> int:
-    seed = int(text)
-    if seed < 0:
-        raise argparse.ArgumentTypeError(f"{seed} is negative, expected a whole number from 0 on")
-    return seed
-
-
-def _amount(text: str) -> float:
-    amount = float(text)
-    if not 0.0 < amount < 1e9:
-        raise argparse.ArgumentTypeError(f"{text} is no amount, expected a number above 0")
-    return amount
-
-
-def _count(text: str) -> int:
-    count = int(text)
-    if count < 1:
-        raise argparse.ArgumentTypeError(f"{count} is no count, expected a whole number from 1 on")
-    return count
-
-
 def scene_paths(args: argparse.Namespace, *, many: bool = True) -> list[str]:
     """Say which scenes were meant.
 
@@ -234,20 +109,6 @@ def _is_scene(value: str, *, anything: bool) -> bool:
     return os.path.exists(value) and (anything or value.lower().endswith(_SCENE_SUFFIXES))
 
 
-def add_max_objects(parser: argparse.ArgumentParser) -> None:
-    """Add how many objects a scene may have.
-
-    Args:
-        parser: The sub-command's parser.
-    """
-    parser.add_argument(
-        "--max-objects",
-        type=_count,
-        metavar="N",
-        help="how many objects a scene may have (500): the work grows with the square of it",
-    )
-
-
 @dataclass(frozen=True)
 class Reading:
     """How scenes are read, as the options say; it can go to another process.
@@ -275,13 +136,7 @@ class Reading:
         return Reading(tuple(args.fixed or ()), up, most, args.allow_outside, options)
 
     def scene(self, path: str) -> "Scene":
-        """Read a scene.
-
-        Args:
-            path: The scene's path.
-
-        Returns:
-            The scene.
+        """Read the scene at a path.
 
         Raises:
             InvalidInput: If the path holds no scene or a broken one.
@@ -299,34 +154,23 @@ class Reading:
 
 
 def read_scene(args: argparse.Namespace, path: str) -> "Scene":
-    """Read one of the scenes as the options say.
-
-    Args:
-        args: The parsed arguments.
-        path: The scene's path.
-
-    Returns:
-        The scene.
-
-    Raises:
-        InvalidInput: If the path holds no scene or a broken one.
-    """
+    """Read one of the scenes as the options say; see `Reading.scene`."""
     return Reading.of(args).scene(path)
 
 
-def positive(text: str) -> float:
-    """A time on the command line.
-
-    Args:
-        text: What was typed.
-
-    Returns:
-        The number.
+def read_plan(path: str) -> "Plan":
+    """Read a plan from a file, or from stdin where the path is "-".
 
     Raises:
-        argparse.ArgumentTypeError: It is no finite number above 0.
+        InvalidInput: There is no plan, or it is larger than a file may be.
     """
-    number = float(text)
-    if not 0.0 < number < float("inf"):
-        raise argparse.ArgumentTypeError(f"{text} is no time, expected a number above 0")
-    return number
+    from topple.planner.formats.plan_format import plan_from_json
+    from topple.topology.io.limits import MOST_BYTES, check_size
+
+    if path == "-":
+        data, name = sys.stdin.buffer.read(MOST_BYTES + 1), "stdin"
+    else:
+        with open(path, "rb") as file:
+            data, name = file.read(MOST_BYTES + 1), path
+    check_size(len(data), name)
+    return plan_from_json(data, name)

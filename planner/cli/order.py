@@ -6,24 +6,13 @@ from dataclasses import dataclass
 from functools import partial
 from typing import TYPE_CHECKING, Any
 
+from topple.planner.cli.arguments import COMMON, GRIPPER, add, add_jobs, add_scenes, positive
 from topple.planner.cli.console import complain, print_json
 from topple.planner.cli.main import DONE, NO_SAFE_PLAN
-from topple.planner.cli.many import add_jobs, for_each_scene
-from topple.planner.cli.options import (
-    Reading,
-    add_common,
-    add_max_objects,
-    add_orderer,
-    add_rule,
-    add_target,
-    order_by,
-    orderer_of,
-    positive,
-    rule_of,
-    scene_paths,
-)
+from topple.planner.cli.many import for_each_scene
+from topple.planner.cli.options import Reading, order_by, orderer_of, rule_of, scene_paths
 from topple.planner.cli.progress import Progress
-from topple.planner.cli.robot_options import add_gripper, add_match, arm_of
+from topple.planner.cli.robot_options import arm_of
 from topple.planner.cli.tables import (
     print_assumptions,
     print_build,
@@ -40,17 +29,10 @@ if TYPE_CHECKING:
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
-    """Add the options of `topple order`.
-
-    Args:
-        parser: The sub-command's parser.
-    """
+    """Add the options; see `topple.planner.cli.main`."""
     add_jobs(parser)
-    add_common(parser, scenes="many")
-    add_target(parser)
-    add_max_objects(parser)
-    add_rule(parser)
-    add_orderer(parser)
+    add_scenes(parser, "SCENE...")
+    add(parser, "--target", "--max-objects", "--rule", "--orderer", *COMMON)
     parser.add_argument(
         "--verify", action="store_true", help="check the dependencies in simulation: take every object away"
     )
@@ -60,12 +42,12 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         metavar="S",
         help="seconds --verify may take; the best answer so far counts",
     )
-    parser.add_argument(
+    add(
+        parser,
         "--robot",
-        metavar="NAME",
         help="say what bars the gripper's way: panda, panda-suction, iiwa, xarm6 or FILE.urdf",
     )
-    add_gripper(parser)
+    add(parser, *GRIPPER)
     parser.add_argument(
         "--next-view",
         action="store_true",
@@ -76,23 +58,16 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         action="store_true",
         help="say in which order to put the things of this finished arrangement down, and what to hold",
     )
-    parser.add_argument(
+    add(
+        parser,
         "--to",
-        metavar="GOAL",
         help="say in which order to move things until they lie as in another scene, or as words say",
     )
-    add_match(parser)
+    add(parser, "--match")
 
 
 def execute(args: argparse.Namespace) -> int:
-    """Order the objects of every scene.
-
-    Args:
-        args: The parsed arguments.
-
-    Returns:
-        Exit code 0, 1 where a cycle allows no safe order, or 2 where a scene cannot be read.
-    """
+    """Order the objects of every scene; 1 where a cycle allows no safe order, 2 where one cannot be read."""
     if args.budget is not None and not args.verify:
         args.parser.error("--budget bounds --verify: give both or neither")
     if args.gripper is not None and not args.robot:

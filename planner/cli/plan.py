@@ -5,21 +5,14 @@ import json
 from collections.abc import Sequence
 from typing import TYPE_CHECKING
 
+from topple.planner.cli.arguments import COMMON, add, add_scenes, add_task
 from topple.planner.cli.console import print_json, print_table, print_text
 from topple.planner.cli.main import DONE, NO_SAFE_PLAN
-from topple.planner.cli.options import (
-    add_common,
-    add_orderer,
-    add_rule,
-    orderer_of,
-    read_scene,
-    rule_of,
-    scene_paths,
-)
+from topple.planner.cli.options import orderer_of, read_scene, rule_of, scene_paths
 from topple.planner.cli.progress import Progress
-from topple.planner.cli.robot_options import add_goal, add_robot, arm_of, base_of, goal_of
+from topple.planner.cli.robot_options import arm_of, base_of, goal_of, output_of
 from topple.planner.cli.tables import print_assumptions
-from topple.planner.files import check_writable, write_whole
+from topple.planner.files import write_whole
 
 if TYPE_CHECKING:
     from topple.planner.formats.plan_format import Plan, Step
@@ -27,16 +20,10 @@ if TYPE_CHECKING:
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
-    """Add the options of `topple plan`.
-
-    Args:
-        parser: The sub-command's parser.
-    """
-    add_common(parser, scenes="one")
-    add_goal(parser)
-    add_robot(parser)
-    add_rule(parser)
-    add_orderer(parser)
+    """Add the options; see `topple.planner.cli.main`."""
+    add_scenes(parser)
+    add_task(parser)
+    add(parser, "--rule", "--orderer", *COMMON)
     parser.add_argument(
         "--upright",
         nargs="+",
@@ -63,23 +50,10 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 
 def execute(args: argparse.Namespace) -> int:
-    """Plan, write the plan, and say what is in it.
-
-    Args:
-        args: The parsed arguments.
-
-    Returns:
-        Exit code 0; 1 where `--verify` finds something wrong.
-
-    Raises:
-        InvalidInput: If the scene cannot be read, the goal or the robot is none, or the output cannot
-            be written.
-        NoSafePlan: If there is no plan; the certificate says why.
-    """
+    """Plan, write the plan, and say what is in it; 1 where `--verify` finds something wrong."""
     (path,) = scene_paths(args, many=False)
     goal = goal_of(args)
-    place = None if args.output is None else check_writable(args.output)
-    report = None if args.report is None else check_writable(args.report)
+    place, report = output_of(args, "output"), output_of(args, "report")
     orderer, relating = orderer_of(args), rule_of(args)
     with Progress("plan") as progress:
         progress(f"reading {path}")

@@ -8,11 +8,12 @@ from collections.abc import Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+from topple.planner.cli.arguments import COMMON, add, add_robot, add_scenes
 from topple.planner.cli.console import complain, print_json, print_table, print_text
 from topple.planner.cli.main import DONE, WRONG_USE
-from topple.planner.cli.options import add_common, add_formats, read_scene, scene_paths
+from topple.planner.cli.options import read_scene, scene_paths
 from topple.planner.cli.progress import Progress
-from topple.planner.cli.robot_options import add_robot, arm_of, base_of
+from topple.planner.cli.robot_options import arm_of, base_of
 from topple.planner.cli.tables import print_assumptions
 from topple.topology.errors import InvalidInput, UnknownObject
 
@@ -27,37 +28,19 @@ _KINDS = {b"\x93NUMPY": ".npy", b"PK": ".npz"}  # what files begin with, and wha
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
-    """Add the options of `topple rank`.
-
-    Args:
-        parser: The sub-command's parser.
-    """
-    parser.add_argument(
-        "scenes",
-        nargs="*",
-        metavar="SCENE GRASPS",
-        help="a scene, and grasps in its frame: GraspNet .npy, Contact-GraspNet .npz, isaac .yaml, 4x4 "
-        "poses, or - for what is piped in; more such pairs",
+    """Add the options; see `topple.planner.cli.main`."""
+    purpose = (
+        "a scene, and grasps in its frame: GraspNet .npy, Contact-GraspNet .npz, isaac .yaml, 4x4 "
+        "poses, or - for what is piped in; more such pairs"
     )
+    add_scenes(parser, "SCENE GRASPS", purpose)
     parser.add_argument("--object", metavar="NAME", help="only the grasps that hold this object (all)")
     add_robot(parser)
-    add_common(parser, scenes=None)
-    add_formats(parser)
+    add(parser, *COMMON)
 
 
 def execute(args: argparse.Namespace) -> int:
-    """Rank the grasps of each scene and print them, best first.
-
-    Args:
-        args: The parsed arguments.
-
-    Returns:
-        Exit code 0, or 2 where one of several scenes or its grasps cannot be read.
-
-    Raises:
-        InvalidInput: The only scene or its grasps cannot be read, they are nowhere near each other, the robot
-            is none, or there is no such object.
-    """
+    """Rank the grasps of each scene and print them, best first; 2 where one of several cannot be read."""
     paths = scene_paths(args)
     if len(paths) % 2:
         args.parser.error(f"a scene and a file of grasps expected, given {' '.join(paths)}")

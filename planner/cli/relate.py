@@ -4,37 +4,26 @@ import argparse
 from functools import partial
 from typing import Any
 
+from topple.planner.cli.arguments import COMMON, add, add_jobs, add_scenes
 from topple.planner.cli.console import print_json
 from topple.planner.cli.main import DONE
-from topple.planner.cli.many import add_jobs, for_each_scene
-from topple.planner.cli.options import (
-    Reading,
-    add_common,
-    add_max_objects,
-    add_rule,
-    rule_of,
-    scene_paths,
-)
+from topple.planner.cli.many import for_each_scene
+from topple.planner.cli.options import Reading, rule_of, scene_paths
 from topple.planner.cli.progress import Progress
 from topple.planner.cli.tables import print_assumptions, print_relations
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
-    """Add the options of `topple relate`.
-
-    Args:
-        parser: The sub-command's parser.
-    """
+    """Add the options; see `topple.planner.cli.main`."""
     add_jobs(parser)
-    add_common(parser, scenes="many")
+    add_scenes(parser, "SCENE...")
+    add(parser, "--max-objects", "--rule", *COMMON)
     parser.add_argument(
         "--deviation",
         type=float,
         metavar="M",
         help="distance in metres that still counts as touching (estimated)",
     )
-    add_max_objects(parser)
-    add_rule(parser)
     parser.add_argument(
         "--plain",
         action="store_true",
@@ -43,14 +32,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 
 def execute(args: argparse.Namespace) -> int:
-    """Relate the objects of every scene.
-
-    Args:
-        args: The parsed arguments.
-
-    Returns:
-        Exit code 0, or 2 where a scene cannot be read or the deviation makes no sense for it.
-    """
+    """Relate the objects of every scene; 2 where one cannot be read, or not with that deviation."""
     scene_paths(args)  # which may be among the names of --fixed
     if args.plain and args.rule not in (None, "plain"):
         args.parser.error(f"--plain is a rule as {args.rule} is: give one of the two")

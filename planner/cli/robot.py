@@ -4,55 +4,40 @@ import argparse
 import shlex
 from typing import TYPE_CHECKING, Any
 
+from topple.planner.cli.arguments import COMMON, GRIPPER, add
 from topple.planner.cli.console import print_json, print_table, print_text
 from topple.planner.cli.main import DONE, NO_SAFE_PLAN
-from topple.planner.cli.options import add_common
 from topple.planner.cli.progress import Progress
-from topple.planner.cli.robot_options import add_gripper, robot_of
-from topple.planner.files import check_writable, write_whole
+from topple.planner.cli.robot_options import output_of, robot_of
+from topple.planner.files import write_whole
 
 if TYPE_CHECKING:
+    from pathlib import Path
+
     from topple.planner.execution.examine import Examined
     from topple.robots.arm.arm import Arm
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
-    """Add the options of `topple robot`.
-
-    Args:
-        parser: The sub-command's parser.
-    """
+    """Add the options; see `topple.planner.cli.main`."""
     parser.add_argument("robot", metavar="ROBOT", help="FILE.urdf, panda, panda-suction, iiwa or xarm6")
-    add_gripper(parser)
+    add(parser, *GRIPPER, *COMMON)
     parser.add_argument("--no-grasp", action="store_true", help="leave out the grasp in simulation")
     parser.add_argument("-o", "--output", metavar="FILE", help="draw it at home before the block, out.png")
-    add_common(parser, scenes=None)
 
 
 def execute(args: argparse.Namespace) -> int:
-    """Read an arm, try it, and say what was found.
-
-    Args:
-        args: The parsed arguments.
-
-    Returns:
-        Exit code 0 if the arm can be used; 1 if it has no tool, inverse kinematics misses poses, or the grasp
-        fails.
-
-    Raises:
-        InvalidInput: The robot or the gripper cannot be used, or the picture cannot be written.
-    """
-    if args.output is not None:
-        check_writable(args.output)
+    """Read an arm, try it, and say what was found; 1 if it has no tool, misses poses, or the grasp fails."""
+    place = output_of(args, "output")
     with Progress("robot") as progress:
         progress(f"reading {args.robot}")
         arm = robot_of(args)
         from topple.planner.execution.examine import examine
 
         found = examine(arm, grasp=not args.no_grasp, seed=args.seed, progress=progress)
-        if args.output is not None:
+        if place is not None:
             progress("drawing")
-            _draw(found, args.output)
+            _draw(found, place)
     line = _line(args)
     if args.json:
         head: dict[str, Any] = {"format": "topple.robot", "format_version": 1, "robot": args.robot}
@@ -136,7 +121,7 @@ def _grasp_words(said: dict[str, Any]) -> str:
     return f"Grasp in simulation: {what} failed. {'; '.join(grasp['why'])}."
 
 
-def _draw(found: "Examined", path: str) -> None:
+def _draw(found: "Examined", path: "Path") -> None:
     from topple.planner.execution.portrait import portrait
 
     write_whole(path, portrait(found.arm, None if found.grasped is None else found.grasped.trial))

@@ -2,73 +2,35 @@
 
 import argparse
 
+from topple.planner.cli.arguments import COMMON, SIMULATION, add, add_scenes, add_task
 from topple.planner.cli.console import complain, print_json, print_text
 from topple.planner.cli.main import DONE, INTERRUPTED, NO_SAFE_PLAN
-from topple.planner.cli.options import (
-    add_common,
-    add_orderer,
-    add_rule,
-    orderer_of,
-    read_scene,
-    rule_of,
-    scene_paths,
-)
+from topple.planner.cli.options import orderer_of, read_scene, rule_of, scene_paths
 from topple.planner.cli.progress import Progress
-from topple.planner.cli.robot_options import (
-    add_cameras,
-    add_engine,
-    add_goal,
-    add_recordings,
-    add_robot,
-    arm_of,
-    base_of,
-    goal_of,
-    rerun_of,
-    video_of,
-)
+from topple.planner.cli.robot_options import arm_of, base_of, goal_of, output_of, recordings_of
 from topple.planner.cli.tables import print_run
-from topple.planner.files import check_writable, write_whole
+from topple.planner.files import write_whole
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
-    """Add the options of `topple run`.
-
-    Args:
-        parser: The sub-command's parser.
-    """
-    add_common(parser, scenes="one")
-    add_goal(parser)
-    add_robot(parser)
-    add_rule(parser)
-    add_orderer(parser, usual="cautious")
-    add_cameras(parser)
+    """Add the options; see `topple.planner.cli.main`."""
+    add_scenes(parser)
+    add_task(parser)
+    add(parser, "--orderer", help="what orders: fewest, cautious, support-tree or a plugin's (cautious)")
+    add(parser, "--rule", *SIMULATION, *COMMON)
     parser.add_argument(
         "--shuffle-labels",
         action="store_true",
         help="keep no names between looks: match what is seen with what is remembered",
     )
-    add_engine(parser)
-    add_recordings(parser)
     parser.add_argument("--report", metavar="FILE", help="where to write the report, e.g. out.html")
 
 
 def execute(args: argparse.Namespace) -> int:
-    """Rebuild the scene, act, and say what happened.
-
-    Args:
-        args: The parsed arguments.
-
-    Returns:
-        Exit code 0 where the goal was reached with nothing disturbed, 130 where it was interrupted, else 1.
-
-    Raises:
-        InvalidInput: If the scene cannot be read, the goal or the robot is none, or the report cannot be
-            written.
-    """
+    """Rebuild the scene, act, and say what happened; 1 where the goal was not reached or things moved."""
     (path,) = scene_paths(args, many=False)
     goal = goal_of(args)
-    place = None if args.report is None else check_writable(args.report)
-    video, rerun = video_of(args), rerun_of(args)
+    place, (video, rerun) = output_of(args, "report"), recordings_of(args)
     orderer, relating = orderer_of(args), rule_of(args)
     with Progress("run") as progress:
         progress(f"reading {path}")

@@ -5,9 +5,10 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from topple.planner.cli.arguments import COMMON, add, add_scenes
 from topple.planner.cli.console import print_json, print_table, print_text
 from topple.planner.cli.main import DONE
-from topple.planner.cli.options import add_common, scene_paths
+from topple.planner.cli.options import scene_paths
 from topple.planner.cli.progress import Progress
 from topple.planner.cli.tables import print_assumptions
 from topple.planner.files import check_writable
@@ -20,16 +21,12 @@ SPACING, TABLE_SPACING = 0.002, 0.008
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
-    """Add the options of `topple scene`.
-
-    Args:
-        parser: The sub-command's parser.
-    """
-    parser.add_argument(
-        "scenes",
-        nargs="*",
-        metavar="VIEW...",
-        help="RGB-D .npz: depth, K, pose_camera_to_world as far as it is known, a mask where there is one",
+    """Add the options; see `topple.planner.cli.main`."""
+    add_scenes(
+        parser,
+        "VIEW...",
+        "RGB-D .npz: depth, K, pose_camera_to_world as far as it is known, a mask where there is one",
+        formats=(),
     )
     parser.add_argument(
         "-o", "--output", metavar="FILE", default="scene.npz", help="what to write (scene.npz)"
@@ -37,21 +34,11 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         "--same-labels", action="store_true", help="a label means the same object in the masks of all views"
     )
-    add_common(parser, scenes=None)
+    add(parser, *COMMON)
 
 
 def execute(args: argparse.Namespace) -> int:
-    """Merge the views, say how far each step can be trusted, and write the scene.
-
-    Args:
-        args: The parsed arguments.
-
-    Returns:
-        Exit code 0.
-
-    Raises:
-        InvalidInput: A view cannot be read, a step is not to be trusted, or the file cannot be written.
-    """
+    """Merge the views, say how far each step can be trusted, and write the scene."""
     from topple.topology.io.views import read_view
     from topple.topology.merging.merge import merge_views
 

@@ -4,19 +4,10 @@ import argparse
 from pathlib import Path
 from typing import TYPE_CHECKING
 
+from topple.planner.cli.arguments import COMMON, add, add_scenes
 from topple.planner.cli.console import print_json, print_text
 from topple.planner.cli.main import DONE
-from topple.planner.cli.options import (
-    add_common,
-    add_orderer,
-    add_rule,
-    add_target,
-    order_by,
-    orderer_of,
-    read_scene,
-    rule_of,
-    scene_paths,
-)
+from topple.planner.cli.options import order_by, orderer_of, read_scene, rule_of, scene_paths
 from topple.planner.cli.progress import Progress
 from topple.planner.files import check_writable, write_whole
 from topple.topology.errors import InvalidInput
@@ -30,15 +21,9 @@ _KINDS = (".html", ".png", ".gif", ".svg")
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
-    """Add the options of `topple show`.
-
-    Args:
-        parser: The sub-command's parser.
-    """
-    add_common(parser, scenes="one")
-    add_target(parser)
-    add_rule(parser)
-    add_orderer(parser)
+    """Add the options; see `topple.planner.cli.main`."""
+    add_scenes(parser)
+    add(parser, "--target", "--rule", "--orderer", *COMMON)
     parser.add_argument(
         "-o",
         "--output",
@@ -50,17 +35,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 
 def execute(args: argparse.Namespace) -> int:
-    """Draw the scene's clouds, hulls, relations and, where up is known, its order.
-
-    Args:
-        args: The parsed arguments.
-
-    Returns:
-        Exit code 0.
-
-    Raises:
-        InvalidInput: If the scene cannot be read or the output cannot be written.
-    """
+    """Draw the scene's clouds, hulls, relations and, where up is known, its order."""
     from topple.topology.rule.relate import relate
 
     (path,) = scene_paths(args, many=False)

@@ -2,22 +2,18 @@
 
 import argparse
 import sys
-from pathlib import Path
 
+from topple.planner.cli.arguments import COMMON, add, add_scenes
 from topple.planner.cli.console import print_json, print_text
 from topple.planner.cli.main import DONE
-from topple.planner.cli.options import add_common, read_scene, scene_paths
+from topple.planner.cli.options import read_plan, read_scene, scene_paths
 from topple.planner.cli.progress import Progress
-from topple.topology.errors import InvalidInput
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
-    """Add the options of `topple view`.
-
-    Args:
-        parser: The sub-command's parser.
-    """
-    add_common(parser, scenes="one")
+    """Add the options; see `topple.planner.cli.main`."""
+    add_scenes(parser)
+    add(parser, *COMMON)
     parser.add_argument(
         "--plan", metavar="FILE", help="a plan of the scene, whose steps are shown (its order)"
     )
@@ -28,18 +24,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 
 def execute(args: argparse.Namespace) -> int:
-    """Serve the scene until interrupted.
-
-    Args:
-        args: The parsed arguments.
-
-    Returns:
-        Exit code 0.
-
-    Raises:
-        InvalidInput: The scene or the plan cannot be read, or they are of different things.
-    """
-    from topple.planner.formats.plan_format import plan_from_json
+    """Serve the scene until interrupted."""
     from topple.planner.report.live import LivePage
 
     (path,) = scene_paths(args, many=False)
@@ -48,12 +33,7 @@ def execute(args: argparse.Namespace) -> int:
     with Progress("view") as progress:
         progress(f"reading {path}")
         scene = read_scene(args, path)
-        plan = None
-        if args.plan is not None:
-            try:
-                plan = plan_from_json(Path(args.plan).read_bytes(), args.plan)
-            except OSError as error:
-                raise InvalidInput(f"{args.plan}: cannot be read: {error.strerror or error}") from error
+        plan = None if args.plan is None else read_plan(args.plan)
         progress(f"{path}: relating {len(scene.names)} objects")
         page = LivePage(scene, plan, host=args.host, port=args.port)
     try:

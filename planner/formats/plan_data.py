@@ -16,10 +16,8 @@ from topple.planner.formats.plan_format import (
     SegmentData,
     Step,
 )
-from topple.planner.motion.trajectory import Trajectory
-from topple.planner.transfer.segments import Segment, SegmentKind
+from topple.planner.transfer.segments import Segment
 from topple.planner.transfer.transfer import Transfer
-from topple.robots.arm.gripper import ToolState
 from topple.topology.arrays import FloatArray
 from topple.topology.situation import Situation
 
@@ -139,14 +137,3 @@ def segment_data(segment: Segment) -> SegmentData:
         clearance=0.0 if proof is None else round(proof.clearance, DIGITS),
         witness=None if found is None else (found.a, found.b),
     )
-
-
-def segment_from(data: SegmentData) -> Segment:
-    """A segment to drive, from data."""
-    trajectory = None
-    if data.motion is not None:
-        trajectory = Trajectory(
-            np.array(data.motion.times), np.array(data.motion.positions), np.array(data.motion.velocities)
-        )
-    hand = ToolState(data.hand.opening, data.hand.cup_extension)
-    return Segment(SegmentKind(data.kind), data.tool, hand, trajectory, data.holding, tuple(data.may_touch))

@@ -2,7 +2,6 @@
 
 import numpy as np
 
-from topple.planner.motion.collision import Checker
 from topple.planner.motion.tolerances import JUMP, SPACING, TURN
 from topple.robots.arm.arm import Arm
 from topple.robots.arm.gripper import ToolName
@@ -11,31 +10,6 @@ from topple.robots.arm.kinematics import rotation_vectors
 from topple.topology.arrays import FloatArray
 
 CONTINUED = InverseTolerances(iterations=16, step=0.2)  # the start is close: few and short steps
-
-
-def straight_line(
-    arm: Arm,
-    checker: Checker | None,
-    q_start: FloatArray,
-    pose_tool_to_base: FloatArray,
-    tool: str = ToolName.FINGERS,
-) -> FloatArray | None:
-    """Move a tool straight to a pose, turning it evenly on the way.
-
-    Args:
-        arm: The arm.
-        checker: What may not be hit; None to ask for kinematics alone.
-        q_start: (n,) state to start from; it is checked too.
-        pose_tool_to_base: (4, 4) pose at the end.
-        tool: The tool that moves.
-
-    Returns:
-        (k, n) joint path, or None where the arm cannot follow or would hit something.
-    """
-    result = straight_lines(arm, q_start[None], pose_tool_to_base[None], tool)[0]
-    if result is None or checker is None:
-        return result
-    return result if checker.edges_free(result[:-1], result[1:], step=0.01).all() else None
 
 
 def straight_lines(

@@ -115,7 +115,6 @@ class Certifier:
         middle = work.starts[intervals.edge] + intervals.middle[:, None] * way
         poses = self._chain.poses(middle)
         frames = Frames.of(poses)
-        self._checker.states_checked += len(middle)
         centres = frames.points(self._model.sets.frame, self._model.sets.centre)
         spans = (np.abs(way) * intervals.half[:, None]).astype(np.float32)
         a, b = self._a[pair], self._b[pair]
@@ -198,21 +197,6 @@ class Certifier:
         inside = ~direction.any(axis=1)
         direction[inside] = (centre - other)[inside]
         return direction, apart
-
-
-def edge_certified(checker: Checker, a: FloatArray, b: FloatArray, clearance: float = 0.0) -> Certificate:
-    """Proof that the straight edge from a to b, both (n,), is free everywhere, or what spoils it.
-
-    Args:
-        checker: The arm and what it must not hit.
-        a: One end.
-        b: The other end.
-        clearance: Distance in [m] to be proven for every checked pair, on top of the checker's margin.
-
-    Returns:
-        The certificate. For many edges, one `Certifier` treats them in one batch.
-    """
-    return Certifier(checker).certify(a[None], b[None], clearance)[0]
 
 
 @dataclass(frozen=True, eq=False)

@@ -49,8 +49,6 @@ class Checker:
         model: Parts and pairs.
         margin: Wanted distance from obstacles in [m].
         allow: Pairs of names that may touch.
-        states_checked: How many states have been checked so far.
-        exact_checks: How many part pairs python-fcl had to decide.
     """
 
     def __init__(
@@ -85,8 +83,6 @@ class Checker:
         self.model = CollisionModel.of(
             arm, pose_base_to_world, obstacles, tool_state or arm.open_hand, attached, allow, margin
         )
-        self.states_checked = 0
-        self.exact_checks = 0
         self._broad = BroadPhase(self.model)
         self.exact = ExactPhase(self.model)
 
@@ -190,7 +186,7 @@ class Checker:
             step: Largest joint change between samples in [rad] or [m].
 
         Returns:
-            (e,) booleans. Between the samples nothing is promised; `edge_certified` does that.
+            (e,) booleans. Between the samples nothing is promised; a `Certifier` does that.
         """
         length = np.abs(ends - starts).max(axis=1, initial=0.0)
         count = np.ceil(length / step).astype(int) + 1
@@ -229,7 +225,6 @@ class Checker:
 
         With `every`, all states in collision and all pairs.
         """
-        self.states_checked += len(q)
         return self._hits_at(self.arm.chain.poses(q), owner, every)
 
     def _hits_at(
@@ -263,7 +258,6 @@ class Checker:
             if whose in settled and not every:
                 continue
             self.exact.place(r, i, j)
-            self.exact_checks += 1
             if self.exact.touches(i, j, wanted):
                 hits.append((s, i, j))
                 settled.add(whose)

@@ -7,7 +7,6 @@ import numpy as np
 from topple.planner.motion.certificate import Certificate
 from topple.planner.motion.trajectory import Trajectory
 from topple.robots.arm.gripper import ToolState
-from topple.topology.arrays import FloatArray
 from topple.topology.values import Word
 
 
@@ -76,11 +75,3 @@ def no_faster_than(trajectory: Trajectory, length: float, speed: float) -> Traje
         trajectory.positions,
         np.asarray(trajectory.velocities / factor),
     )
-
-
-def end_of(segments: "tuple[Segment, ...] | list[Segment]", otherwise: FloatArray) -> FloatArray:
-    """Joint values (n,) after the last motion of some segments [rad]."""
-    for segment in reversed(segments):
-        if segment.trajectory is not None:
-            return segment.trajectory.positions[-1]
-    return otherwise

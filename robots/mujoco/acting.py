@@ -10,41 +10,21 @@ from topple.robots.mujoco.engine import mujoco
 from topple.robots.mujoco.tolerances import CLOSING, STALL, STIFFNESS
 from topple.robots.mujoco.world import MujocoWorld
 from topple.robots.world.acting_arm import ActingArm
-from topple.robots.world.control import Control
 from topple.robots.world.touch import note_touch
-from topple.robots.world.wrist import TorqueNoise, Wrist
+from topple.robots.world.wrist import Wrist
 from topple.topology.arrays import FloatArray
 from topple.topology.errors import InvalidInput
 
 
 class MujocoArm(ActingArm):
-    """A `Driver` of one arm in a world on MuJoCo; records everything it touches, for a judge to see.
-
-    Args:
-        world: The world it stands in.
-        arm: The arm: with a jaw, not a cup.
-        pose_base_to_world: (4, 4) where it stands.
-        q: (n,) joint values to start with; the arm's home if not given.
-        control: Waits; gains are those of `topple.robots.mujoco.tolerances`.
-        noise: Of the joints' torque sensors; None: as of an arm made for touching.
-        rng: Where the noise comes from; None: a generator seeded with 0.
+    """An `ActingArm` at home in a world on MuJoCo; gains are those of `topple.robots.mujoco.tolerances`.
 
     Raises:
         InvalidInput: The hand has a cup.
     """
 
-    def __init__(
-        self,
-        world: MujocoWorld,
-        arm: Arm,
-        pose_base_to_world: FloatArray,
-        q: FloatArray | None = None,
-        control: Control | None = None,
-        *,
-        noise: TorqueNoise | None = None,
-        rng: np.random.Generator | None = None,
-    ) -> None:
-        super().__init__(world, arm, pose_base_to_world, q, control)
+    def __init__(self, world: MujocoWorld, arm: Arm, pose_base_to_world: FloatArray) -> None:
+        super().__init__(world, arm, pose_base_to_world)
         if self.cup is not None:
             raise InvalidInput(
                 f"{arm.name} has a suction cup, which the engine mujoco does not simulate: use an arm with a "
@@ -59,7 +39,7 @@ class MujocoArm(ActingArm):
         }
         self._efforts = np.array([limits.get(name) or np.inf for name in arm.joints])
         self._goal = self.q_target.copy(), np.zeros(len(arm.joints))
-        self.wrist = Wrist(self._loads, arm, world.physics.gravity, world.time_step, noise, rng)
+        self.wrist = Wrist(self._loads, arm, world.physics.gravity, world.time_step)
         world.drive = self._motors
 
     @property

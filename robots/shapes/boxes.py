@@ -4,7 +4,7 @@ import itertools
 
 import numpy as np
 
-from topple.robots.shapes.materials import CARD, FOOD, STEEL, WOOD
+from topple.robots.shapes.materials import CARD, FOOD, WOOD
 from topple.robots.shapes.vessel import circle, closed_surface, disc, rings, sectors
 from topple.robots.world.bodies import Body, Color
 from topple.topology.arrays import FloatArray
@@ -77,10 +77,7 @@ def can(
         The can: one part.
     """
     stack = rings(circle(sides), [(diameter / 2, 0.0), (diameter / 2, height)])
-    return Body.of(
-        name, [disc(stack, (0, 1))], mesh=closed_surface(stack), mass=mass, density=FOOD.density,
-        friction=STEEL.friction, rolling=FOOD.rolling, color=color, kind="can",
-    )  # fmt: skip
+    return FOOD.body(name, [disc(stack, (0, 1))], closed_surface(stack), kind="can", color=color, mass=mass)
 
 
 def tray(
@@ -112,16 +109,7 @@ def tray(
     rim = stack.copy()
     rim[3, :, 2] = 0.0  # the walls reach down beside the floor: nothing overlaps
     parts = [floor, *sectors(rim, (0, 1, 2, 3))]
-    return Body.of(
-        name,
-        parts,
-        mesh=closed_surface(stack),
-        mass=mass,
-        density=WOOD.density,
-        rolling=WOOD.rolling,
-        color=color,
-        kind="tray",
-    )
+    return WOOD.body(name, parts, closed_surface(stack), kind="tray", color=color, mass=mass)
 
 
 def _rectangle(x: float, y: float) -> FloatArray:

@@ -10,16 +10,12 @@ from topple.topology.arrays import BoolArray, FloatArray
 SILVER: Color = (0.72, 0.72, 0.76, 1.0)
 
 
-def spoon(
-    name: str = "spoon", *, length: float = 0.195, mass: float | None = None, color: Color = SILVER
-) -> Body:
+def spoon(name: str = "spoon", *, length: float = 0.195) -> Body:
     """A table spoon: a bowl 4 cm wide and 8 mm deep, a handle that arches 15 mm above the table.
 
     Args:
         name: Name in the scene.
         length: In [m]; table spoons have 19 to 21 cm.
-        mass: In [kg]; None: that of 2 mm of steel, 50 g.
-        color: Red, green, blue, opacity.
 
     Returns:
         The spoon: eleven parts for the bowl, three for the handle.
@@ -37,19 +33,15 @@ def spoon(
     top[..., 2] = np.where(np.abs(across) < 1, middle[:, None], edge[:, None])
     thickness = np.array([0.0015, 0.0018, 0.0018, 0.0018, 0.0028, 0.0034, 0.0026, 0.0020])
     cells = np.ones((len(x) - 1, 3), dtype=bool)
-    return _steel(name, top, thickness, cells, (5, 6), mass, color, "spoon")
+    return _steel(name, top, thickness, cells, (5, 6), "spoon")
 
 
-def fork(
-    name: str = "fork", *, length: float = 0.195, mass: float | None = None, color: Color = SILVER
-) -> Body:
+def fork(name: str = "fork", *, length: float = 0.195) -> Body:
     """A table fork with four tines 3.5 mm wide, 25 mm over all.
 
     Args:
         name: Name in the scene.
         length: In [m]; table forks have 18 to 21 cm.
-        mass: In [kg]; None: that of 2 mm of steel, 45 g.
-        color: Red, green, blue, opacity.
 
     Returns:
         The fork: eight parts for the tines, five for root, neck and handle.
@@ -67,19 +59,15 @@ def fork(
     thickness = np.array([0.0014, 0.0020, 0.0022, 0.0024, 0.0030, 0.0034, 0.0026, 0.0020])
     cells = np.ones((len(x) - 1, len(across) - 1), dtype=bool)
     cells[:2, 1::2] = False
-    return _steel(name, top, thickness, cells, (2, 3, 4, 5, 6), mass, color, "fork")
+    return _steel(name, top, thickness, cells, (2, 3, 4, 5, 6), "fork")
 
 
-def knife(
-    name: str = "knife", *, length: float = 0.215, mass: float | None = None, color: Color = SILVER
-) -> Body:
+def knife(name: str = "knife", *, length: float = 0.215) -> Body:
     """A table knife, lying flat: a blade 2 mm and a handle 7 mm thick.
 
     Args:
         name: Name in the scene.
         length: In [m].
-        mass: In [kg]; None: 80 g of steel.
-        color: Red, green, blue, opacity.
 
     Returns:
         The knife: four parts.
@@ -92,19 +80,16 @@ def knife(
     top[..., 1] = half[:, None] * np.array([-1.0, 1.0])
     top[..., 2] = 0.0035 + thickness[:, None] / 2
     cells = np.ones((len(x) - 1, 1), dtype=bool)
-    return _steel(name, top, thickness, cells, (), mass or 0.08, color, "knife")
+    return _steel(name, top, thickness, cells, (), "knife", mass=0.08)
 
 
 def _steel(
-    name: str, top: FloatArray, thickness: FloatArray, cells: BoolArray, joined: tuple[int, ...],
-    mass: float | None, color: Color, kind: str,
+    name: str, top: FloatArray, thickness: FloatArray, cells: BoolArray, joined: tuple[int, ...], kind: str,
+    mass: float | None = None,
 ) -> Body:  # fmt: skip
     """Centre a sheet over its box, set it on z = 0 and make it a body."""
     top = top.copy()
     top[..., 0] -= top[..., 0].max() / 2
     top[..., 2] -= (top[..., 2] - thickness[:, None]).min()
     surface, parts = sheet(top, thickness, cells, joined)
-    return Body.of(
-        name, parts, mesh=surface, mass=mass, density=STEEL.density, friction=STEEL.friction,
-        rolling=STEEL.rolling, color=color, kind=kind,
-    )  # fmt: skip
+    return STEEL.body(name, parts, surface, kind=kind, color=SILVER, mass=mass)

@@ -12,15 +12,9 @@ from topple.topology.arrays import FloatArray
 SIDES = 18  # of every circle: a 7 cm orange is round within 0.6 mm
 
 
-def ball(
-    name: str = "ball",
-    *,
-    diameter: float = 0.065,
-    mass: float | None = 0.058,
-    color: Color = (0.8, 0.9, 0.2, 1.0),
-) -> Body:
-    """A tennis ball: diameter in [m], mass in [kg] (None: that of fruit of its size)."""
-    return _turned(name, _egg(diameter / 2, diameter / 2), "ball", color, mass)
+def ball(name: str = "ball", *, diameter: float = 0.065) -> Body:
+    """A tennis ball of a diameter in [m]; 58 g."""
+    return _turned(name, _egg(diameter / 2, diameter / 2), "ball", (0.8, 0.9, 0.2, 1.0), mass=0.058)
 
 
 def orange(name: str = "orange", *, diameter: float = 0.073) -> Body:
@@ -65,7 +59,7 @@ def pear(name: str = "pear", *, diameter: float = 0.066, length: float = 0.095) 
     neck = [(0.85 * r, 0.5 * length), (0.5 * r, 0.75 * length), (0.42 * r, 0.93 * length), (0.2 * r, length)]
     stack = [rings(circle(SIDES), half) for half in (belly, neck)]
     whole = _on_its_side(np.concatenate([stack[0], stack[1][1:]]))
-    return _fruit(name, whole, [whole[:4], whole[3:5], whole[4:]], "pear", (0.75, 0.8, 0.25, 1.0), None)
+    return _fruit(name, whole, [whole[:4], whole[3:5], whole[4:]], "pear", (0.75, 0.8, 0.25, 1.0))
 
 
 def banana(name: str = "banana", *, length: float = 0.19, thickness: float = 0.036) -> Body:
@@ -81,7 +75,7 @@ def banana(name: str = "banana", *, length: float = 0.19, thickness: float = 0.0
         section[:] = radius * outward + r * (ring[:, :1] * outward + ring[:, 1:2] * np.array([0.0, 0.0, 1.0]))
     stack = _grounded(stack)
     pairs = [stack[k : k + 2] for k in range(len(stack) - 1)]
-    return _fruit(name, stack, pairs, "banana", (0.95, 0.85, 0.3, 1.0), None)
+    return _fruit(name, stack, pairs, "banana", (0.95, 0.85, 0.3, 1.0))
 
 
 def _egg(radius: float, half: float) -> list[tuple[float, float]]:
@@ -101,7 +95,7 @@ def _turned(
 def _lying(name: str, profile: Sequence[tuple[float, float]], kind: str, color: Color) -> Body:
     """A convex solid of revolution with its axis along x."""
     stack = _on_its_side(rings(circle(SIDES), profile))
-    return _fruit(name, stack, [stack], kind, color, None)
+    return _fruit(name, stack, [stack], kind, color)
 
 
 def _on_its_side(stack: FloatArray) -> FloatArray:
@@ -116,9 +110,12 @@ def _grounded(stack: FloatArray) -> FloatArray:
 
 
 def _fruit(
-    name: str, stack: FloatArray, parts: Sequence[FloatArray], kind: str, color: Color, mass: float | None
+    name: str,
+    stack: FloatArray,
+    parts: Sequence[FloatArray],
+    kind: str,
+    color: Color,
+    mass: float | None = None,
 ) -> Body:
-    return Body.of(
-        name, [part.reshape(-1, 3) for part in parts], mesh=closed_surface(stack), mass=mass,
-        density=FRUIT.density, friction=FRUIT.friction, rolling=FRUIT.rolling, color=color, kind=kind,
-    )  # fmt: skip
+    surface, corners = closed_surface(stack), [part.reshape(-1, 3) for part in parts]
+    return FRUIT.body(name, corners, surface, kind=kind, color=color, mass=mass)

@@ -4,7 +4,12 @@ A contact's coefficient is the product of the two: 0.5 between things and 0.6 on
 what is measured for glaze, steel, card and wood.
 """
 
+from collections.abc import Sequence
 from dataclasses import dataclass
+
+from topple.robots.world.bodies import Body, Color
+from topple.topology.arrays import FloatArray
+from topple.topology.scene import Mesh
 
 
 @dataclass(frozen=True)
@@ -21,13 +26,26 @@ class Material:
     friction: float = 0.7
     rolling: float = 0.0
 
+    def body(
+        self,
+        name: str,
+        parts: Sequence[FloatArray],
+        mesh: Mesh,
+        *,
+        kind: str,
+        color: Color,
+        mass: float | None = None,
+    ) -> Body:
+        """A body of it: convex parts (V, 3) and surface in [m], mass in [kg] (None: that of its volume)."""
+        return Body.of(
+            name, parts, mesh=mesh, mass=mass, density=self.density, friction=self.friction,
+            rolling=self.rolling, color=color, kind=kind,
+        )  # fmt: skip
+
 
 STONEWARE = Material(2300.0)  # glazed stoneware and porcelain: 2300 to 2400
 STEEL = Material(7900.0)  # stainless steel 18/10
 WOOD = Material(650.0)  # beech
 CARD = Material(350.0)  # a full packet of sugar is 800, one of cereals 150
-FOOD = Material(
-    1000.0, rolling=5e-4
-)  # a full can: food near water's density, the tin adds what the head space lacks
-PLASTIC = Material(1050.0)  # polystyrene and ABS
+FOOD = Material(1000.0, rolling=5e-4)  # a full can: near water's, the tin adds what the head space lacks
 FRUIT = Material(950.0, rolling=1.5e-3)  # most fruit just floats; its skin dents, so it rolls badly

@@ -4,7 +4,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from topple.robots.shapes.materials import FOOD, STEEL
+from topple.robots.shapes.materials import FOOD
 from topple.robots.shapes.vessel import circle, closed_surface, rings
 from topple.robots.world.bodies import Body, Color
 from topple.topology.arrays import FloatArray
@@ -41,7 +41,8 @@ def bottle(
     tip = _oval(0.42 * width, 0.6 * depth, [(0.5, 0.85), (0.2, 1.0)])
     stack = np.concatenate([body, shoulders[1:], cap, tip]) * [1.0, 1.0, height]
     parts = [part * [1.0, 1.0, height] for part in (body, shoulders, cap, tip)]
-    return _package(name, stack, parts, mass, color, "bottle")
+    corners = [part.reshape(-1, 3) for part in parts]
+    return FOOD.body(name, corners, closed_surface(stack), kind="bottle", color=color, mass=mass)
 
 
 def tin(
@@ -66,17 +67,9 @@ def tin(
     # A superellipse of exponent 4: straight sides, corners rounded by about a quarter of the width.
     rounded = np.sign(outline) * np.sqrt(np.abs(outline)) / 2
     stack = rings(rounded * [size[0], size[1]], [(1.0, 0.0), (1.0, size[2])])
-    return _package(name, stack, [stack], mass, color, "tin")
+    corners = [stack.reshape(-1, 3)]
+    return FOOD.body(name, corners, closed_surface(stack), kind="tin", color=color, mass=mass)
 
 
 def _oval(width: float, depth: float, profile: Sequence[tuple[float, float]]) -> FloatArray:
     return rings(circle(24) * [width / 2, depth / 2], profile)
-
-
-def _package(
-    name: str, stack: FloatArray, parts: Sequence[FloatArray], mass: float | None, color: Color, kind: str
-) -> Body:
-    return Body.of(
-        name, [part.reshape(-1, 3) for part in parts], mesh=closed_surface(stack), mass=mass,
-        density=FOOD.density, friction=STEEL.friction, rolling=FOOD.rolling, color=color, kind=kind,
-    )  # fmt: skip

@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from topple.robots.shapes.materials import STONEWARE, Material
+from topple.robots.shapes.materials import STONEWARE
 from topple.robots.shapes.vessel import circle, closed_surface, disc, merged, rings, sectors
 from topple.robots.world.bodies import Body, Color
 from topple.topology.arrays import FloatArray
@@ -19,9 +19,6 @@ def plate(
     diameter: float = 0.25,
     height: float = 0.022,
     well: float = 0.0065,
-    sides: int = 24,
-    mass: float | None = None,
-    color: Color = WHITE,
 ) -> Body:
     """A dinner plate with a foot ring, a flat well and a sloping flange.
 
@@ -30,9 +27,6 @@ def plate(
         diameter: Over the rim in [m]; dinner plates have 24 to 28 cm.
         height: Of the rim in [m].
         well: Height of the well's surface in [m]: plates stack at this distance.
-        sides: Corners of the circle; mesh and parts share them.
-        mass: In [kg]; None: 4 mm of stoneware, 0.5 kg at 25 cm.
-        color: Red, green, blue, opacity.
 
     Returns:
         The plate: one part for well and foot, one a sector for the flange. The parts fill the
@@ -43,9 +37,9 @@ def plate(
         (0.51 * r, well - 0.0045), (0.52 * r, 0.0), (0.58 * r, 0.0), (0.625 * r, well - 0.0035),
         (r, h - 0.0030), (0.996 * r, h), (0.74 * r, well + 0.4 * (h - well)), (0.625 * r, well),
     ]  # fmt: skip
-    stack = rings(circle(sides), profile)
+    stack = rings(circle(24), profile)
     parts = [disc(stack, (2, 3, 7)), *sectors(stack, (3, 4, 5, 6, 7))]
-    return _ware(name, parts, closed_surface(stack), mass, color, "plate")
+    return STONEWARE.body(name, parts, closed_surface(stack), kind="plate", color=WHITE)
 
 
 def bowl(
@@ -54,8 +48,6 @@ def bowl(
     diameter: float = 0.16,
     height: float = 0.06,
     sides: int = 20,
-    mass: float | None = None,
-    color: Color = BLUE,
 ) -> Body:
     """A bowl with a flat base and a rounded wall 4 mm thick.
 
@@ -64,8 +56,6 @@ def bowl(
         diameter: Over the rim in [m]; cereal bowls have 14 to 17 cm, salad bowls up to 24 cm.
         height: Of the rim in [m].
         sides: Corners of the circle.
-        mass: In [kg]; None: that of stoneware, 0.3 kg at 16 cm.
-        color: Red, green, blue, opacity.
 
     Returns:
         The bowl: one part for the base and two a sector for the wall.
@@ -77,7 +67,7 @@ def bowl(
     ]  # fmt: skip
     stack = rings(circle(sides), profile)
     parts = [disc(stack, (0, 5)), *sectors(stack, (0, 1, 4, 5)), *sectors(stack, (1, 2, 3, 4))]
-    return _ware(name, parts, closed_surface(stack), mass, color, "bowl")
+    return STONEWARE.body(name, parts, closed_surface(stack), kind="bowl", color=BLUE)
 
 
 def cup(
@@ -86,7 +76,6 @@ def cup(
     diameter: float = 0.08,
     height: float = 0.095,
     sides: int = 16,
-    mass: float | None = None,
     color: Color = RED,
 ) -> Body:
     """A cup without a handle, walls 3.5 mm thick, a little wider at the rim.
@@ -96,14 +85,13 @@ def cup(
         diameter: Over the rim in [m].
         height: Of the rim in [m].
         sides: Corners of the circle.
-        mass: In [kg]; None: that of stoneware, 0.25 kg.
         color: Red, green, blue, opacity.
 
     Returns:
         The cup: one part for the base and one a sector for the wall.
     """
     parts, surface = _beaker(diameter, height, sides)
-    return _ware(name, parts, surface, mass, color, "cup")
+    return STONEWARE.body(name, parts, surface, kind="cup", color=color)
 
 
 def mug(
@@ -111,9 +99,6 @@ def mug(
     *,
     diameter: float = 0.085,
     height: float = 0.095,
-    sides: int = 16,
-    mass: float | None = None,
-    color: Color = RED,
 ) -> Body:
     """A cup with a handle that stands 3 cm out along x.
 
@@ -121,17 +106,14 @@ def mug(
         name: Name in the scene.
         diameter: Over the rim in [m], without the handle.
         height: Of the rim in [m].
-        sides: Corners of the circle.
-        mass: In [kg]; None: that of stoneware, 0.3 kg.
-        color: Red, green, blue, opacity.
 
     Returns:
         The mug, centred on its cup; five more parts for the handle.
     """
-    parts, surface = _beaker(diameter, height, sides)
+    parts, surface = _beaker(diameter, height, 16)
     stack = _handle(diameter / 2 * 0.94, height)
     parts += [stack[k : k + 2].reshape(-1, 3) for k in range(len(stack) - 1)]
-    return _ware(name, parts, merged([surface, closed_surface(stack)]), mass, color, "mug")
+    return STONEWARE.body(name, parts, merged([surface, closed_surface(stack)]), kind="mug", color=RED)
 
 
 def _beaker(diameter: float, height: float, sides: int) -> tuple[list[FloatArray], Mesh]:
@@ -156,13 +138,3 @@ def _handle(radius: float, height: float) -> FloatArray:
         stack[:, corner, 2] = path[:, 1] + across * 0.0045 * normal[:, 1]
         stack[:, corner, 1] = side * 0.006
     return stack
-
-
-def _ware(
-    name: str, parts: list[FloatArray], surface: Mesh, mass: float | None, color: Color, kind: str,
-    material: Material = STONEWARE,
-) -> Body:  # fmt: skip
-    return Body.of(
-        name, parts, mesh=surface, mass=mass, density=material.density, friction=material.friction,
-        rolling=material.rolling, color=color, kind=kind,
-    )  # fmt: skip

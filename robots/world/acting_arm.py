@@ -3,7 +3,6 @@
 import math
 from abc import ABC, abstractmethod
 from collections.abc import Callable, Sequence
-from typing import Protocol
 
 import numpy as np
 
@@ -16,24 +15,9 @@ from topple.robots.world.compliance import Compliance
 from topple.robots.world.control import Control
 from topple.robots.world.physical_world import PhysicalWorld
 from topple.robots.world.touch import Touch
+from topple.robots.world.wrist import Wrist
 from topple.topology.arrays import FloatArray
 from topple.topology.errors import InvalidInput
-
-
-class ForceSensor(Protocol):
-    """What presses on a hand: see `topple.robots.world.wrist`."""
-
-    def reading(self) -> FloatArray:
-        """Force (3,) in [N] that an arm at rest exerts with its hand, in the base: offset and load in one."""
-        ...
-
-    def tare(self, readings: Sequence[FloatArray]) -> None:
-        """Take the mean of some readings at rest for the sensors' offset and the weight of what is held."""
-        ...
-
-    def force(self) -> float:
-        """How hard something presses in [N]; to be asked after every time step."""
-        ...
 
 
 class ActingArm(ABC):
@@ -44,10 +28,9 @@ class ActingArm(ABC):
         arm: The arm.
         pose_base_to_world: (4, 4) where it stands.
         q: (n,) joint values to start with; the arm's home if not given.
-        control: Gains and waits.
     """
 
-    wrist: ForceSensor
+    wrist: Wrist
 
     def __init__(
         self,
@@ -55,9 +38,8 @@ class ActingArm(ABC):
         arm: Arm,
         pose_base_to_world: FloatArray,
         q: FloatArray | None = None,
-        control: Control | None = None,
     ) -> None:
-        self.arm, self.control = arm, control or Control()
+        self.arm, self.control = arm, Control()
         self._played = world
         self.pose_base_to_world = np.array(pose_base_to_world, dtype=float)
         self.q_target = np.array(arm.home if q is None else q, dtype=float)

@@ -143,47 +143,6 @@ class Body:
         return spread_over(self.mesh, count, rng)
 
 
-def body_from_mesh(
-    name: str,
-    vertices: ArrayLike,
-    faces: ArrayLike,
-    *,
-    parts: Sequence[ArrayLike] | None = None,
-    mass: float | None = None,
-    density: float = DENSITY,
-    friction: float = FRICTION,
-    color: Color = GREY,
-    kind: str = "mesh",
-) -> tuple[Body, FloatArray]:
-    """Make a body of a triangle mesh.
-
-    Args:
-        name: Its name in the scene.
-        vertices: (V, 3) in [m].
-        faces: (F, 3) indices into the vertices.
-        parts: Convex parts (V, 3) in the frame of the mesh; None: found in points of its surface.
-        mass: In [kg]; None: volume times density.
-        density: In [kg/m^3].
-        friction: Coulomb coefficient.
-        color: Red, green, blue, opacity in 0..1.
-        kind: What it is.
-
-    Returns:
-        The body, and its pose (4, 4) body to the frame of the mesh: the identity.
-    """
-    mesh = Mesh(frozen(vertices), np.asarray(faces, dtype=np.int64))
-    if parts is None:
-        from topple.topology.bodies.parts import convex_parts
-
-        seen_from_everywhere = np.zeros((0, 3))
-        points = spread_over(mesh, 4000, np.random.default_rng(0))
-        parts = convex_parts(points, viewpoints=seen_from_everywhere)
-    body = Body.of(
-        name, parts, mesh=mesh, mass=mass, density=density, friction=friction, color=color, kind=kind
-    )
-    return body, np.eye(4)
-
-
 def spread_over(mesh: Mesh, count: int, rng: np.random.Generator) -> FloatArray:
     """(count, 3) points spread evenly over a mesh, in its frame in [m]."""
     corners = mesh.vertices[mesh.faces]

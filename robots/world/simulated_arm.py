@@ -11,7 +11,6 @@ from topple.robots.arm.gripper import ToolName
 from topple.robots.engine import pybullet
 from topple.robots.poses import pose_from, position_and_quaternion
 from topple.robots.world.acting_arm import ActingArm
-from topple.robots.world.control import Control
 from topple.robots.world.joint_loads import JointLoads
 from topple.robots.world.touch import note_touch
 from topple.robots.world.vacuum import Vacuum
@@ -22,14 +21,13 @@ from topple.topology.errors import InvalidInput
 
 
 class SimulatedArm(ActingArm):
-    """A `Driver` of one arm in a world; records everything it touches, for a judge to see.
+    """An `ActingArm` in a world on PyBullet.
 
     Args:
         world: The world it stands in.
         arm: The arm to load.
         pose_base_to_world: (4, 4) where it stands.
         q: (n,) joint values to start with; the arm's home if not given.
-        control: Gains and waits.
         noise: Of the joints' torque sensors; None: as of an arm made for touching.
         rng: Where the noise comes from; None: a generator seeded with 0.
     """
@@ -40,12 +38,11 @@ class SimulatedArm(ActingArm):
         arm: Arm,
         pose_base_to_world: FloatArray,
         q: FloatArray | None = None,
-        control: Control | None = None,
         *,
         noise: TorqueNoise | None = None,
         rng: np.random.Generator | None = None,
     ) -> None:
-        super().__init__(world, arm, pose_base_to_world, q, control)
+        super().__init__(world, arm, pose_base_to_world, q)
         self._world = world
         position, quaternion = position_and_quaternion(self.pose_base_to_world)
         self.id: int = pybullet.loadURDF(

@@ -11,10 +11,10 @@ from pathlib import Path
 import pytest
 
 from topple.benchmarks import kills, soak
+from topple.benchmarks.commands.bench import _print
 from topple.benchmarks.faults.inject import FAULTS, Fault, FaultCount, Run
 from topple.benchmarks.reliability import _share, rows
 from topple.benchmarks.row import Row
-from topple.planner.cli.bench import _print
 from topple.robots.engine import pybullet
 from topple.topology.errors import InvalidInput
 

@@ -12,12 +12,12 @@ import pytest
 from topple.benchmarks import motion, order, relate
 from topple.benchmarks.clock import cpu_medians
 from topple.benchmarks.clouds import household
+from topple.benchmarks.commands.bench import markdown
 from topple.benchmarks.document import bench, machine
 from topple.benchmarks.guesses import Guess, box_above, guesses, naive, top_height
 from topple.benchmarks.plain_numpy import plain_numpy
 from topple.benchmarks.row import Row, faster, longer
 from topple.benchmarks.scores import Score, f1_interval, is_safe, score, share_interval
-from topple.planner.cli.bench import markdown
 from topple.planner.cli.main import main
 from topple.topology.scene import Scene
 

@@ -31,4 +31,4 @@ def test_two_processes_print_what_one_does(tmp_path: Path, capsys: pytest.Captur
 
 def test_no_number_of_processes_is_refused(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     assert main(["relate", scene(tmp_path / "0.npz", 0.0), "--jobs", "0"]) == 2
-    assert "expected 1 or more" in capsys.readouterr().err
+    assert "a whole number from 1 on" in capsys.readouterr().err

@@ -2,7 +2,7 @@ import numpy as np
 import pytest
 import trimesh
 
-from topple.planner.motion.certificate import edge_certified
+from topple.planner.motion.certificate import Certifier
 from topple.planner.motion.collision import Checker
 from topple.planner.motion.obstacles import Ball, Cuboid, Cylinder, parts_of
 from topple.robots.catalog import robot
@@ -82,11 +82,11 @@ def test_an_edge_is_certified_or_its_witness_named() -> None:
     arm = robot("panda")
     a, b = arm.home.copy(), arm.home.copy()
     a[0], b[0] = -0.6, 0.6
-    free = edge_certified(Checker(arm, np.eye(4), {}), a, b)
+    free = Certifier(Checker(arm, np.eye(4), {})).certify(a[None], b[None])[0]
     assert free.proven
     assert free.clearance > 0
     post = Cuboid(np.array([0.02, 0.02, 1.0]), placed(0.3, 0.0, 0.5))
-    barred = edge_certified(Checker(arm, np.eye(4), {"post": post}), a, b)
+    barred = Certifier(Checker(arm, np.eye(4), {"post": post})).certify(a[None], b[None])[0]
     assert not barred.proven
     assert barred.contact is not None
     assert barred.contact.b == "post"

@@ -11,7 +11,6 @@ import pytest
 from topple.planner.errors import NoSafePlan
 from topple.planner.export import EXPORTERS, export
 from topple.planner.export.pddl import domain_and_problem
-from topple.planner.formats.plan_data import segment_from
 from topple.planner.formats.plan_format import Plan, plan_from_json, plan_schema, plan_to_json
 from topple.planner.planning.plan import plan
 from topple.robots.catalog import robot
@@ -63,13 +62,6 @@ def test_each_step_starts_where_the_last_one_ended(found: Plan) -> None:
 
 def test_a_plan_is_read_back_equal(found: Plan) -> None:
     assert plan_from_json(plan_to_json(found)) == found
-
-
-def test_segments_come_back_as_they_can_be_driven(found: Plan) -> None:
-    segment = segment_from(found.steps[0].segments[0])
-    assert segment.kind == "move"
-    assert segment.trajectory is not None
-    assert segment.trajectory.positions.shape[1] == len(found.joints)
 
 
 def test_the_published_schema_is_that_of_the_structs() -> None:

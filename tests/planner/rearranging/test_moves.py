@@ -5,9 +5,9 @@ from itertools import permutations
 import numpy as np
 import pytest
 
+from topple.benchmarks.cubes import cubes_problem
+from topple.benchmarks.discs import Discs, check, rearrange_discs
 from topple.planner import NoSafePlan
-from topple.planner.rearranging.cubes import cubes_problem
-from topple.planner.rearranging.discs import Discs, check, rearrange_discs
 from topple.planner.rearranging.moves import fewest_moves
 from topple.planner.rearranging.problem import Act, Move, Problem, To
 from topple.planner.rearranging.steady import steadied

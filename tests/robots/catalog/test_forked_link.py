@@ -7,7 +7,7 @@ import pybullet
 import pytest
 import trimesh
 
-from topple.planner.motion.certificate import edge_certified
+from topple.planner.motion.certificate import Certifier
 from topple.planner.motion.collision import Checker
 from topple.robots.arm.arm import Arm
 from topple.robots.catalog import robot
@@ -81,11 +81,13 @@ def test_between_the_prongs_there_is_room_and_in_a_prong_there_is_none(tmp_path:
         if free is not None:
             assert checker.free(states[0])[0] == free
     between = Checker(arm, np.eye(4), {"post": [_post(0.0, 0.0)]})
-    proof = edge_certified(between, states[1], states[2])
+    proof = Certifier(between).certify(states[1][None], states[2][None])[0]
     assert proof.proven and 0.02 < proof.clearance <= 0.03  # that is how far the foot is below the post
-    assert not edge_certified(
-        Checker(arm, np.eye(4), {"post": [_post(0.035, 0.0606)]}), -states[3], states[3]
-    ).proven
+    assert (
+        not Certifier(Checker(arm, np.eye(4), {"post": [_post(0.035, 0.0606)]}))
+        .certify(-states[3][None], states[3][None])[0]
+        .proven
+    )
 
 
 def test_a_forks_parts_fill_little_more_than_the_fork(tmp_path: Path) -> None:

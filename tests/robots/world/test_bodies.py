@@ -6,11 +6,11 @@ import numpy as np
 import pytest
 import trimesh
 
+from topple.benchmarks.body_files import body_from_files
 from topple.robots import shapes
 from topple.robots.collision.rounding import cores
 from topple.robots.scenarios.scenario import pose_at
-from topple.robots.world.bodies import Body, body_from_mesh
-from topple.robots.world.body_files import body_from_files
+from topple.robots.world.bodies import Body
 from topple.robots.world.world import World
 from topple.topology.errors import InvalidInput
 
@@ -70,16 +70,6 @@ def test_two_boxes_side_by_side_keep_their_seam() -> None:
     assert left[:, 0].max() == pytest.approx(0.0, abs=1e-9)
     assert right[:, 0].min() == pytest.approx(0.0, abs=1e-9)
     assert left[:, 2].max() == pytest.approx(0.049, abs=1e-9)
-
-
-def test_a_mesh_becomes_parts_that_leave_its_hollow_free() -> None:
-    bowl = shapes.bowl()
-    body, pose = body_from_mesh("bowl", bowl.mesh.vertices, bowl.mesh.faces, mass=0.3)
-    np.testing.assert_array_equal(pose, np.eye(4))
-    assert len(body.parts) > 3 and body.mass == 0.3
-    np.testing.assert_allclose(body.centre_of_mass, bowl.centre_of_mass, atol=1e-6)
-    inside = np.array([0.0, 0.0, 0.045])
-    assert not any(trimesh.convex.convex_hull(part).contains([inside])[0] for part in body.parts)
 
 
 @pytest.mark.skipif(not YCB.is_dir(), reason="../shared/data/ycb, published objects, is absent")

@@ -8,10 +8,12 @@ import numpy as np
 from topple.planner.building.prefixes import Falling, Names, aside
 from topple.planner.rearranging.problem import Act, Pair, Problem
 from topple.planner.rearranging.steady import steadied
-from topple.planner.rearranging.tolerances import HELD
 from topple.topology.arrays import FloatArray
 from topple.topology.statics.contact import Contact
 from topple.topology.statics.equilibrium import Weight, balance
+
+HELD = 1e-6
+"""Missing share of a weight that still counts as carried: what a solver leaves."""
 
 TABLE = "\n"
 """Under all cubes; no object's name: names have printable characters only."""

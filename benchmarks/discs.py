@@ -16,9 +16,12 @@ import numpy as np
 
 from topple.planner.rearranging.moves import Buffers, sequence
 from topple.planner.rearranging.problem import Act, Move, Pair, Problem, To
-from topple.planner.rearranging.tolerances import GRID, SECONDS
+from topple.planner.rearranging.tolerances import SECONDS
 from topple.topology.arrays import FloatArray, frozen
 from topple.topology.errors import InvalidInput
+
+GRID = 90
+"""Places looked at along each edge of a workspace: a tenth of the radius of the discs that fill it."""
 
 
 @dataclass(frozen=True, eq=False)

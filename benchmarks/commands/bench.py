@@ -6,9 +6,10 @@ from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
+from topple.benchmarks.document import BENCHES, bench, options_of
+from topple.planner.cli.arguments import COMMON, add, positive
 from topple.planner.cli.console import complain, print_json, print_table, print_text
 from topple.planner.cli.main import DONE
-from topple.planner.cli.options import add_common, positive
 from topple.planner.cli.progress import Progress
 from topple.planner.files import make_folder
 from topple.topology.errors import InvalidInput
@@ -17,16 +18,34 @@ MISSED = 1
 """Exit code where a figure misses its bar."""
 
 _THREADS = ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS")
+_WITH_VALUES = (
+    ("--data", "DIR", "relate, order, run, frozen, rearrange, speed: recorded data of a folder"),
+    (
+        "--piles",
+        "DIR",
+        "order: score recorded piles of a folder; frozen: those too (piles beside --data)",
+    ),
+    ("--meshes", "DIR", "run: models that piles of another generator are made of"),
+    ("--models", "DIR", "paper: YCB models, as 011_banana (procedural)"),
+    ("--scenes", "DIR", "paper: write its scenes there, for other commands"),
+    ("--journal", "FILE", "run, demo: keep what ended there, and go on (topple-bench-run.jsonl)"),
+    ("--counts", "FILE", "demo: write what `topple demo` tells of its seeds"),
+    ("--file", "FILE", "frozen: compare with that file (the package's own)"),
+    ("--part", "PART", "reliability: readers, sabotages, faults, kills or soak alone"),
+    ("--baseline", "DIR", "speed: compare with a checkout of an older tree"),
+)
+_SWITCHES = (
+    ("--quick", "smaller and fewer cases: below two minutes"),
+    ("--verify", "order: score --verify too, which is slow"),
+    ("--write", "frozen: make the file anew"),
+    ("--markdown", "print the table as the pages of the docs have it"),
+)
 _HEADINGS = ("what", "tried", "held", "value", "baseline", "its value", "ratio", "bar", "")
 _NUMBERS = ("tried", "held", "value", "its value", "ratio")
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
-    """Add the options of `topple bench`.
-
-    Args:
-        parser: The sub-command's parser.
-    """
+    """Add the options; see `topple.planner.cli.main`."""
     parser.add_argument(
         "name",
         nargs="?",
@@ -34,62 +53,22 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         help="relate, order, build, rearrange, motion, paper, run or demo (all of these, one by one), "
         "or frozen, reliability or speed",
     )
-    parser.add_argument("--quick", action="store_true", help="smaller and fewer cases: below two minutes")
-    parser.add_argument(
-        "--data",
-        metavar="DIR",
-        help="relate, order, run, frozen, rearrange, speed: recorded data of a folder",
-    )
-    parser.add_argument(
-        "--piles",
-        metavar="DIR",
-        help="order: score the recorded piles of a folder instead; frozen: those too (piles beside --data)",
-    )
-    parser.add_argument("--verify", action="store_true", help="order: score --verify too, which is slow")
-    parser.add_argument(
-        "--meshes", metavar="DIR", help="run: models that piles of another generator are made of"
-    )
-    parser.add_argument("--models", metavar="DIR", help="paper: YCB models, as 011_banana (procedural)")
-    parser.add_argument("--scenes", metavar="DIR", help="paper: write its scenes there, for other commands")
-    parser.add_argument(
-        "--journal",
-        metavar="FILE",
-        help="run, demo: keep what ended there, and go on (topple-bench-run.jsonl)",
-    )
+    for option, metavar, purpose in _WITH_VALUES:
+        parser.add_argument(option, metavar=metavar, help=purpose)
+    for option, purpose in _SWITCHES:
+        parser.add_argument(option, action="store_true", help=purpose)
     parser.add_argument(
         "--minutes", type=positive, metavar="M", help="run, demo, build: begin nothing after that time"
     )
-    parser.add_argument("--counts", metavar="FILE", help="demo: write what `topple demo` tells of its seeds")
-    parser.add_argument("--file", metavar="FILE", help="frozen: compare with that file (the package's own)")
-    parser.add_argument("--write", action="store_true", help="frozen: make the file anew")
-    parser.add_argument(
-        "--part", metavar="PART", help="reliability: readers, sabotages, faults, kills or soak alone"
-    )
-    parser.add_argument("--baseline", metavar="DIR", help="speed: compare with a checkout of an older tree")
-    parser.add_argument(
-        "--markdown", action="store_true", help="print the table as the pages of the docs have it"
-    )
-    add_common(parser, scenes=None)
+    add(parser, *COMMON)
 
 
 def execute(args: argparse.Namespace) -> int:
-    """Measure and print.
-
-    Args:
-        args: The parsed arguments.
-
-    Returns:
-        Exit code 0 where every bar is cleared, else 1.
-
-    Raises:
-        InvalidInput: If there is no such bench.
-    """
+    """Measure and print; 1 where a figure misses its bar."""
     if args.fixed or args.up:
         complain("--fixed and --up are ignored: a bench makes its own scenes")
     for variable in _THREADS:  # one thread on both sides: CPU times of idle ones would count as work
         os.environ.setdefault(variable, "1")
-    from topple.benchmarks.document import BENCHES, bench
-
     code = DONE
     for name in BENCHES if args.name is None else (args.name,):
         options = _options(args, name)
@@ -108,8 +87,6 @@ def execute(args: argparse.Namespace) -> int:
 
 def _options(args: argparse.Namespace, name: str) -> dict[str, Any]:
     """Of the options, those that were given and that a bench takes."""
-    from topple.benchmarks.document import options_of
-
     given = {key: getattr(args, key) for key in options_of(name)}
     found = {key: value for key, value in given.items() if value is not None}
     for key in found.keys() & {"data", "piles", "models", "meshes", "baseline"}:

@@ -7,26 +7,18 @@ from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+from topple.benchmarks.guesses import Guess
+from topple.benchmarks.labels import read_truth
+from topple.benchmarks.scores import Score, f1_interval, judged, score, share_interval, unsafe_steps
+from topple.planner.cli.arguments import COMMON, FORMATS, add, add_jobs, add_scenes
 from topple.planner.cli.console import print_json, print_table, print_text
 from topple.planner.cli.main import DONE
-from topple.planner.cli.many import add_jobs, for_each_scene
-from topple.planner.cli.options import (
-    Reading,
-    add_common,
-    add_formats,
-    add_orderer,
-    add_rule,
-    order_by,
-    orderer_of,
-    rule_of,
-    scene_paths,
-)
+from topple.planner.cli.many import for_each_scene
+from topple.planner.cli.options import Reading, order_by, orderer_of, rule_of, scene_paths
 from topple.planner.cli.progress import Progress
 from topple.topology.errors import InvalidInput
 
 if TYPE_CHECKING:
-    from topple.benchmarks.guesses import Guess
-    from topple.benchmarks.scores import Score
     from topple.planner.planning.step import Orderer
     from topple.topology.relations import Relations
     from topple.topology.scene import Scene
@@ -35,16 +27,12 @@ FORMAT, FORMAT_VERSION = "topple.score", 1
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
-    """Add the options of `topple score`.
-
-    Args:
-        parser: The sub-command's parser.
-    """
-    parser.add_argument(
-        "scenes",
-        nargs="*",
-        metavar="SCENE...",
-        help="scenes, or orders as `topple order --json` prints them (.json), of topple or another program",
+    """Add the options; see `topple.planner.cli.main`."""
+    add_scenes(
+        parser,
+        "SCENE...",
+        "scenes, or orders as `topple order --json` prints them (.json), of topple or another program",
+        formats=[name for name in FORMATS if name != "--labels"],
     )
     parser.add_argument(
         "--labels",
@@ -54,23 +42,13 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         help="one per scene: labels of a pile, mrt.json of REGRAD, .xml of VMRD, order.csv of MetaGraspNet "
         "(what recorded piles hold)",
     )
-    add_formats(parser, topic_of_labels=False)
-    add_rule(parser)
-    add_orderer(parser)
     parser.add_argument("--verify", action="store_true", help="score the order that simulation has checked")
     add_jobs(parser)
-    add_common(parser, scenes=None)
+    add(parser, "--rule", "--orderer", *COMMON)
 
 
 def execute(args: argparse.Namespace) -> int:
-    """Order every scene, hold the order against its labels, and print the counts.
-
-    Args:
-        args: The parsed arguments.
-
-    Returns:
-        Exit code 0, or 2 where a scene or its labels cannot be read.
-    """
+    """Order every scene, hold the orders against labels, print the counts; 2 where one cannot be read."""
     paths = scene_paths(args)
     given: list[str] = args.truth or paths
     if len(given) != len(paths):
@@ -102,9 +80,6 @@ class _How:
 
 def _scored(how: _How, labels: Mapping[str, str], path: str) -> dict[str, Any]:
     """The counts of one scene."""
-    from topple.benchmarks.labels import read_truth
-    from topple.benchmarks.scores import judged, score, unsafe_steps
-
     truth = read_truth(Path(labels[path]))
     guess, objects = _order_read(path) if path.endswith(".json") else _order_found(how, path)
     named = truth.named(objects)
@@ -158,8 +133,6 @@ def _order_read(path: str) -> "tuple[Guess, tuple[str, ...]]":
 
 
 def _guess(document: Mapping[str, Any]) -> "Guess":
-    from topple.benchmarks.guesses import Guess
-
     return Guess(
         pairs=frozenset((str(edge["first"]), str(edge["then"])) for edge in document["dependencies"]),
         order=tuple(str(name) for name in document["order"]),
@@ -183,8 +156,6 @@ def _figures(counts: "Score") -> dict[str, Any]:
 
 
 def _show(as_json: bool, total: "list[Score]", path: str, document: dict[str, Any]) -> int:
-    from topple.benchmarks.scores import Score
-
     keys = {"unsafe_steps": "unsafe", "scenes": "piles"}
     names = ("right", "false", "missed", "safe", "scenes", "unsafe_steps", "steps")
     total.append(Score(**{keys.get(name, name): document[name] for name in names}))
@@ -209,8 +180,6 @@ def _show(as_json: bool, total: "list[Score]", path: str, document: dict[str, An
 
 def _show_all(as_json: bool, scores: "list[Score]") -> None:
     """The counts of all scenes together."""
-    from topple.benchmarks.scores import Score, f1_interval, share_interval
-
     total = sum(scores, Score())
     low, high = f1_interval(scores)
     shares = share_interval(total.safe, total.piles)

@@ -1,0 +1,1 @@
+"""The `topple` command: one module per sub-command, imported only when it is asked for."""

@@ -1,0 +1,181 @@
+"""The options that several sub-commands have, each described once."""
+
+import argparse
+from collections.abc import Callable, Sequence
+from typing import Any
+
+from topple.planner.cli.main import ShowVersion
+
+
+def _above(least: float, number: Callable[[str], float], expected: str) -> Callable[[str], float]:
+    """A type of numbers above a least one, and finite."""
+
+    def read(text: str) -> float:
+        try:
+            value = number(text)
+        except ValueError:
+            value = least
+        if not least < value < float("inf"):
+            raise argparse.ArgumentTypeError(f"{text} is not {expected}")
+        return value
+
+    return read
+
+
+positive = _above(0.0, float, "a finite number above 0")
+count = _above(0, int, "a whole number from 1 on")
+
+_LIST: dict[str, Any] = {"nargs": "+", "action": "extend", "metavar": "NAME"}
+_SWITCH: dict[str, Any] = {"action": "store_true"}
+
+OPTIONS: dict[str, dict[str, Any]] = {
+    "--max-mb": {
+        "type": positive,
+        "metavar": "MB",
+        "help": "what a file of a scene may unpack to (268): more is refused before it is read",
+    },
+    "--allow-outside": {**_SWITCH, "help": "let scene.json name files that are not below its folder"},
+    "--fixed": {**_LIST, "help": "objects that never move"},
+    "--up": {"nargs": 3, "type": float, "metavar": ("X", "Y", "Z"), "help": "direction against gravity"},
+    "--seed": {
+        "type": _above(-1, int, "a whole number from 0 on"),
+        "default": 0,
+        "metavar": "N",
+        "help": "seed of every random draw (0)",
+    },
+    "--json": {**_SWITCH, "help": "JSON on stdout and nothing else"},
+    "--version": {"action": ShowVersion, "nargs": 0, "help": "print the version and leave"},
+    # what one format of scenes has and the others have not
+    "--view": {"metavar": "NAME", "help": "of a recorded pile: full, view1 or view3 (full)"},
+    "--image": {
+        "type": int,
+        "metavar": "N",
+        "help": "which image of a BOP scene or frame of a recording (its first)",
+    },
+    "--models": {**_SWITCH, "default": None, "help": "the models of a BOP scene, not its depth"},
+    "--depth": {
+        "metavar": "TOPIC",
+        "help": "topic of a recording's depth images, or clouds with labels (the only one)",
+    },
+    "--info": {"metavar": "TOPIC", "help": "topic of its camera's intrinsics (the only one)"},
+    "--labels": {"metavar": "TOPIC", "help": "topic of its masks (the only one)"},
+    # many scenes
+    "--jobs": {"type": count, "metavar": "N", "help": "several scenes: so many processes (one a core)"},
+    "--cluster": {"metavar": "ADDRESS", "help": "several scenes: the workers of a dask scheduler"},
+    # relations and orders
+    "--rule": {
+        "metavar": "NAME",
+        "help": "what relates: robust, plain, 9im, features or a plugin's (robust)",
+    },
+    "--orderer": {
+        "metavar": "NAME",
+        "help": "what orders: fewest, cautious, support-tree or a plugin's (fewest)",
+    },
+    "--max-objects": {
+        "type": count,
+        "metavar": "N",
+        "help": "how many objects a scene may have (500): the work grows with the square of it",
+    },
+    # goals
+    "--target": {**_LIST, "help": "what to free, with the fewest removals (everything is cleared)"},
+    "--goal": {
+        "metavar": "TEXT",
+        "help": 'what shall hold: "lemon within bowl", "red on green on blue", "empty bowl", "sort"',
+    },
+    "--to": {
+        "metavar": "GOAL",
+        "help": "how things shall lie: another scene of them, or words (cup left of plate)",
+    },
+    "--match": {
+        "choices": ("name", "shape"),
+        "default": "name",
+        "help": "by what things of --to are found: by name, or by shape, whatever they are called (name)",
+    },
+    # arms
+    "--robot": {"metavar": "NAME", "help": "panda, panda-suction, iiwa, xarm6 or FILE.urdf"},
+    "--gripper": {
+        "metavar": "FILE",
+        "help": "with FILE.urdf: its [jaw], [cup], [hand] or [arm], in TOML; the URDF of a hand to mount; or "
+        "wsg50 (a parallel jaw of the URDF is recognised)",
+    },
+    "--srdf": {
+        "metavar": "FILE",
+        "help": "with FILE.urdf: groups and links that do not collide (the SRDF of the same name beside it)",
+    },
+    "--group": {"metavar": "NAME", "help": "the SRDF's group that is the arm, where it has several"},
+    "--base": {
+        "nargs": 4,
+        "type": float,
+        "metavar": ("X", "Y", "Z", "YAW"),
+        "help": "where the arm stands, in metres and radians about up (the scene's robot_base, or searched)",
+    },
+    # simulation
+    "--cameras": {
+        "type": int,
+        "choices": (1, 2, 3),
+        "default": 3,
+        "help": "depth cameras that look on (3)",
+    },
+    "--mask-noise": {
+        "type": float,
+        "default": 0.0,
+        "metavar": "PIXELS",
+        "help": "how far edges of the masks are off, as those of a segmentation are (0)",
+    },
+    "--wrist-camera": {
+        **_SWITCH,
+        "help": "the arm carries one more, for a second look before a doubtful step",
+    },
+    "--engine": {
+        "default": "bullet",
+        "choices": ("bullet", "mujoco"),
+        "help": "what plays the world: PyBullet, or MuJoCo (extra 'mujoco'; arms with a jaw) (bullet)",
+    },
+    "--video": {"metavar": "FILE", "help": "write a film of it, out.mp4 (extra 'video')"},
+    "--rerun": {
+        "metavar": "FILE",
+        "help": "write a recording for the Rerun viewer, out.rrd (extra 'rerun')",
+    },
+}
+
+COMMON = ("--max-mb", "--allow-outside", "--fixed", "--up", "--seed", "--json", "--version")
+FORMATS = ("--view", "--image", "--models", "--depth", "--info", "--labels")
+GRIPPER = ("--gripper", "--srdf", "--group")
+SIMULATION = ("--cameras", "--mask-noise", "--wrist-camera", "--engine", "--video", "--rerun")
+
+
+def add(parser: argparse.ArgumentParser, *names: str, **changed: Any) -> None:
+    """Add some of `OPTIONS`; `changed` is what is otherwise for this command."""
+    for name in names:
+        parser.add_argument(name, **{**OPTIONS[name], **changed})
+
+
+def add_scenes(
+    parser: argparse.ArgumentParser,
+    metavar: str = "SCENE",
+    purpose: str = ".npz of clouds, folder of cloud or mesh files, RGB-D .npz / .npy, BOP scene, or ROS bag",
+    formats: Sequence[str] = FORMATS,
+) -> None:
+    """Add the scenes, or what takes their place, with the options of their formats."""
+    parser.add_argument("scenes", nargs="*", metavar=metavar, help=purpose)
+    add(parser, *formats)
+
+
+def add_jobs(parser: argparse.ArgumentParser) -> None:
+    """Add where many scenes are worked on: one of the two."""
+    where = parser.add_mutually_exclusive_group()
+    for name in ("--jobs", "--cluster"):
+        where.add_argument(name, **OPTIONS[name])
+
+
+def add_robot(parser: argparse.ArgumentParser) -> None:
+    """Add the arm and its place."""
+    add(parser, "--robot", default="panda", help="panda, panda-suction, iiwa, xarm6 or FILE.urdf (panda)")
+    add(parser, *GRIPPER, "--base")
+
+
+def add_task(parser: argparse.ArgumentParser) -> None:
+    """Add what shall be done, names to free, words, or how things shall lie, and the arm that does it."""
+    add(parser, "--target", help="what to free: lifted clear and put down elsewhere")
+    add(parser, "--goal", "--to", "--match")
+    add_robot(parser)

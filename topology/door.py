@@ -1,0 +1,31 @@
+"""The front of a package: its public names, each imported when it is first used.
+
+`topple --help` must not wait for scipy, nor `import topple` for PyBullet.
+"""
+
+import sys
+from collections.abc import Callable, Mapping
+from importlib import import_module
+from typing import Any
+
+
+def door(package: str, homes: Mapping[str, str]) -> Callable[[str], Any]:
+    """Make a package's `__getattr__`.
+
+    Args:
+        package: The package's name.
+        homes: Module below it -> the public names that it holds, with blanks between them.
+
+    Returns:
+        What finds a public name; any other raises AttributeError.
+    """
+    home_of = {name: module for module, names in homes.items() for name in names.split()}
+
+    def find(name: str) -> Any:
+        if name not in home_of:
+            raise AttributeError(f"module {package!r} has no attribute {name!r}")
+        value = getattr(import_module(f"{package}.{home_of[name]}"), name)
+        setattr(sys.modules[package], name, value)
+        return value
+
+    return find
