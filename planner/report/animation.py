@@ -8,7 +8,8 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from topple.planner.report.drawing import Drawing, DrawnObject
-from topple.planner.report.figure import FINE, PAPER, caption
+from topple.planner.report.figure import FINE, caption
+from topple.planner.report.pen import PAPER
 from topple.planner.report.raster import Projection, render_clouds
 from topple.planner.report.view import Document, Documented, document
 from topple.planner.report.words import order_in_words
