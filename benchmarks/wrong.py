@@ -40,7 +40,7 @@ class Example:
     Attributes:
         kind: What the reasoning misses.
         seed: Of the pile.
-        first: Who is asked about.
+        first: What is asked about.
         then: What is lifted.
         eye: (x, y, z) from where it shows, from the middle of the two [m].
     """

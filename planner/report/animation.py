@@ -44,7 +44,7 @@ def order_gif(
         progress: Called with a line before each object is drawn.
 
     Returns:
-        The bytes of a GIF that runs for ever: before each object is taken, who goes next and why.
+        The bytes of a GIF that runs for ever: before each object is taken, which one and why.
 
     Raises:
         InvalidInput: The order takes nothing.
