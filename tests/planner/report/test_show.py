@@ -17,6 +17,8 @@ from topple.planner.report.limits import LIMITS
 from topple.planner.report.matrix import relation_matrix
 from topple.planner.report.palette import RELATION_COLOURS, css, object_colours
 from topple.planner.report.pdf_file import POINTS, graph_pdf
+from topple.planner.report.pen import PAPER
+from topple.planner.report.raster import Projection, render_clouds
 from topple.planner.report.show import show_page
 from topple.planner.report.svg_file import graph_file
 from topple.planner.report.words import order_in_words
@@ -249,6 +251,17 @@ def test_an_order_is_animated_object_by_object(stack):
         colour = object_colours(scene.names, scene.fixed)[name]
         lit = [(np.abs(picture - colour).max(axis=2) <= 24).sum() for picture in (first, last)]
         assert lit[0] > 3 * lit[1], name
+
+
+def test_the_place_of_what_was_taken_away_is_table_and_not_paper():
+    table = np.random.default_rng(0).uniform(-0.4, 0.4, (8000, 3)) * [1, 1, 0]
+    seen = table[np.linalg.norm(table, axis=1) > 0.12]  # what stood there hid the rest
+    drawing = Drawing.of(Scene({"table": seen}, fixed=["table"], up=[0, 0, 1]))
+    image = render_clouds(drawing, Projection(drawing, *SIZE), PAPER)
+    white = (image == PAPER).all(axis=2)
+    middle = [slice(size // 2 - 30, size // 2 + 30) for size in white.shape]
+    assert white.any() and not white[tuple(middle)].any()
+    assert len(np.unique(image[tuple(middle)].reshape(-1, 3), axis=0)) > 1  # hatched
 
 
 def test_nothing_to_take_is_no_film(stack):
