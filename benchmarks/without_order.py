@@ -63,7 +63,7 @@ def main(seed: int, path: str) -> int:
     words = [
         f"{goal}: where to begin?",
         f"{RULE}: takes {wrong.object}: {moved(wrong)}",
-        f"topple: takes {', '.join(step.object for step in ours.steps)}: nothing else moves",
+        f"topple: takes {', '.join(step.object for step in ours.steps if step.success)}: nothing else moves",
     ]
     sheet = Image.new("RGB", (3 * SIZE[0], SIZE[1] + 44), "white")
     pictures = [seen[0], seen[shown + 1], calm[-1]]
@@ -77,4 +77,4 @@ def main(seed: int, path: str) -> int:
 
 
 if __name__ == "__main__":
-    sys.exit(main(int((sys.argv[1:] or ["4"])[0]), (sys.argv[2:] or ["without_order.png"])[0]))
+    sys.exit(main(int((sys.argv[1:] or ["21"])[0]), (sys.argv[2:] or ["without_order.png"])[0]))
