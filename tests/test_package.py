@@ -100,3 +100,10 @@ def test_the_badges_say_what_is_stated() -> None:
     assert f"Development Status :: 4 - {said['status'].title()}" in classifiers
     assert said["types"] == "checked, shipped" and (ROOT / "topology" / "py.typed").exists()
     assert f"Python {pythons[0]} to {pythons[-1]}, {said['licence']} licence" in TEXTS[ROOT / "README.md"]
+
+
+def test_the_floor_plan_names_every_room() -> None:
+    drawn = re.findall(r"class='name'>(\w+)/<", (ROOT / "docs/figures/floor_plan.svg").read_text("utf-8"))
+    layers = ("topology", "robots", "planner")
+    rooms = [room.parent.name for layer in layers for room in (ROOT / layer).glob("*/__init__.py")]
+    assert len(rooms) > 20 and sorted(drawn) == sorted(rooms)
