@@ -58,7 +58,7 @@ class Episode:
         scenario: One of `topple.robots.scenarios.SCENARIOS`, `OTHER_PILE`, or the name of a frame.
         seed: Of the scene, the sensor noise and every search.
         cameras: How many of the scene's cameras look.
-        rule: Who decides the order: `TOPPLE`, one of `topple.benchmarks.rules.RULES`, or `IDEAL`.
+        rule: What decides the order: `TOPPLE`, one of `topple.benchmarks.rules.RULES`, or `IDEAL`.
         folder: Where the frame is; empty for a built-in scene.
         mask_noise: Standard deviation in pixels by which edges of masks are wrong.
         shuffle_labels: Whether names of objects are not kept between looks.

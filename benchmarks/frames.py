@@ -28,7 +28,7 @@ def frames_in(folder: Path) -> tuple[str, ...]:
 
 
 def wanted_of(frame: Frame) -> str:
-    """Who is freed: whom, by the annotation, most others have to go before.
+    """What is freed: what, by the annotation, most others have to go before.
 
     Args:
         frame: The frame.

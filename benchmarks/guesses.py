@@ -1,4 +1,4 @@
-"""Rules of thumb for who must go first, to compare with."""
+"""Rules of thumb for what must go first, to compare with."""
 
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
@@ -23,7 +23,7 @@ REACH = 0.01
 
 @dataclass(frozen=True)
 class Guess:
-    """An answer to who must go first.
+    """An answer to what must go first.
 
     Attributes:
         pairs: (first, then), their transitive closure is meant.

@@ -52,7 +52,7 @@ class Series:
         scenario: Its name.
         seeds: How many, from the first on.
         cameras: How many look.
-        rule: Who decides the order.
+        rule: What decides the order.
         bar: Share of successes that is aimed at [%], None where there is none.
         folder: Where the frames are; None for a scenario.
         frames: Their names.

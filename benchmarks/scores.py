@@ -1,4 +1,4 @@
-"""How an answer to "who must go first" is scored against what simulation says."""
+"""How an answer to "what must go first" is scored against what simulation says."""
 
 from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass

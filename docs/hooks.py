@@ -14,6 +14,8 @@ from mkdocs.structure.pages import Page
 
 ROOT = Path(__file__).resolve().parents[1]
 OUTSIDE = ("benchmarks/*.md", "CONTRIBUTING.md", "CHANGELOG.md", "SECURITY.md")
+CODE = re.compile(r"<code>([^<]*)</code>")
+OPTION = re.compile(r"(?<![\w-])--?[a-z][\w-]*")
 LINK = re.compile(r"(!?)\[((?:[^\[\]]|\[[^\]]*\])*)\]\((?!\w+:|#)([^)#\s]+)(#[^)\s]+)?\)")
 
 
@@ -42,6 +44,16 @@ def on_page_markdown(markdown: str, page: Page, config: MkDocsConfig, files: Fil
         return words if (ROOT / path).exists() else match[0]
 
     return LINK.sub(link, markdown)
+
+
+def on_page_content(html: str, **_: object) -> str:
+    """Keep options in one piece, and take the backslash away that a bar needs in a table on GitHub."""
+
+    def code(match: re.Match[str]) -> str:
+        text = OPTION.sub(r'<span class="whole">\g<0></span>', match[1].replace("\\|", "|"))
+        return f"<code>{text}</code>"
+
+    return CODE.sub(code, html)
 
 
 def on_post_page(output: str, **_: object) -> str:

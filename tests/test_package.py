@@ -1,7 +1,7 @@
 import re
 import subprocess
 import sys
-from importlib.metadata import requires, version
+from importlib.metadata import metadata, requires, version
 from pathlib import Path
 
 import pytest
@@ -87,3 +87,23 @@ def test_pybullet_is_required_where_it_has_a_wheel_and_nowhere_else(
     assert marker is not None
     platform = {"platform_system": "Linux", "platform_machine": machine, "implementation_name": "cpython"}
     assert marker.evaluate({**platform, "python_version": python}) == expected
+
+
+def test_the_badges_say_what_is_stated() -> None:
+    badges = re.findall(r"<text [^>]*>([^<]+)</text>", (ROOT / "docs/figures/badges.svg").read_text("utf-8"))
+    said = dict(zip(badges[::2], badges[1::2], strict=True))
+    about = metadata("topple-planner")
+    classifiers = about.get_all("Classifier")
+    pythons = [last for text in classifiers if re.fullmatch(r"3\.\d+", last := text.rpartition(" ")[2])]
+    assert said["python"].split(" | ") == pythons
+    assert said["licence"] == about["License-Expression"]
+    assert f"Development Status :: 4 - {said['status'].title()}" in classifiers
+    assert said["types"] == "checked, shipped" and (ROOT / "topology" / "py.typed").exists()
+    assert f"Python {pythons[0]} to {pythons[-1]}, {said['licence']} licence" in TEXTS[ROOT / "README.md"]
+
+
+def test_the_floor_plan_names_every_room() -> None:
+    drawn = re.findall(r"class='name'>(\w+)/<", (ROOT / "docs/figures/floor_plan.svg").read_text("utf-8"))
+    layers = ("topology", "robots", "planner")
+    rooms = [room.parent.name for layer in layers for room in (ROOT / layer).glob("*/__init__.py")]
+    assert len(rooms) > 20 and sorted(drawn) == sorted(rooms)

@@ -37,6 +37,13 @@ def test_every_public_name_is_in_the_reference(site: Path) -> None:
     assert set(topple.__all__) - {"__version__"} <= {name for package in packages for name in package.__all__}
 
 
+def test_options_in_tables_read_as_they_are_typed(site: Path) -> None:
+    html = (site / "commands" / "index.html").read_text(encoding="utf-8")
+    cell = re.search(r"<td><code>topple relate(.*?)</code>", html)
+    assert cell is not None and "\\" not in cell[1]
+    assert '<span class="whole">--jobs</span> N | <span class="whole">--cluster</span>' in cell[1]
+
+
 def test_nothing_is_fetched_from_elsewhere(site: Path) -> None:
     pages = sorted(site.rglob("*.html"))
     assert len(pages) > 30

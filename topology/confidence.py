@@ -1,8 +1,8 @@
 """How often what is told of pairs and of supports is true: counted, not guessed.
 
 Evidence of a kind (two surfaces apart that cameras saw apart, a touch by so much of the deviation, ...) is as
-good as it was on settled piles, where the simulation knows who touches and who carries. What was counted, and
-of which piles, stands in `confidence.json`; `python -m topple.benchmarks.confidence` counts anew.
+good as it was on settled piles, where the simulation knows what touches and what carries. What was counted,
+and of which piles, stands in `confidence.json`; `python -m topple.benchmarks.confidence` counts anew.
 """
 
 import json

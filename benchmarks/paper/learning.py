@@ -120,7 +120,7 @@ def examples_of(seed: int) -> list[Example]:
 
 
 def pile_truth(pile: Pile) -> dict[tuple[str, str], Relation]:
-    """Relations of a pile's bodies: who touches whom, and who reaches into a hollow thing."""
+    """Relations of a pile's bodies: which ones touch, and which one reaches into a hollow one."""
     with pile.world() as world:
         world.step()
         found: dict[tuple[str, str], Relation] = {}

@@ -1,4 +1,4 @@
-"""The paper's fourteen scenes: who is in them, how they are related, and what the paper measured.
+"""The paper's fourteen scenes: what is in them, how it is related, and what the paper measured.
 
 Section 4 of the paper names most relations; some it leaves to the eye: what leans on a thing that lies on the
 ground touches the ground too. A pair that is not listed is disjoint.

@@ -27,7 +27,7 @@ def column(layer: str, purpose: str, x: int) -> tuple[str, int]:
     """A layer with its rooms below each other; the SVG and its height."""
     y, parts = 70, []
     for room in sorted(path.parent for path in (ROOT / layer).glob("*/__init__.py")):
-        lines = wrap(summary(room), 50)[:2]
+        lines = wrap(summary(room), 50)
         height = 30 + LINE * len(lines)
         parts.append(
             f"<rect x='{x + 12}' y='{y}' width='{WIDE - 24}' height='{height}' rx='5' class='room'/>"

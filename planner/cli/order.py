@@ -51,7 +51,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         "--next-view",
         action="store_true",
-        help="say from where a camera would see most of what is hidden and the order hangs on",
+        help="say from where a camera would see most of what is hidden and decides the order",
     )
     parser.add_argument(
         "--build",

@@ -17,7 +17,8 @@ if TYPE_CHECKING:
     from topple.topology.relations import Relations
     from topple.topology.scene import Scene
 
-_KINDS = (".html", ".png", ".gif", ".svg")
+_KINDS = (".html", ".png", ".gif", ".svg", ".pdf")
+_OF_ORDERS = (".gif", ".svg", ".pdf")
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
@@ -28,7 +29,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         "-o",
         "--output",
         metavar="FILE",
-        help="what to write: .html, .png, the order animated as .gif, the graph alone as .svg "
+        help="what to write: .html, .png, the order animated as .gif, the graph alone as .svg or .pdf "
         "(the scene's name with .html)",
     )
     parser.add_argument("--gif", action="store_true", help="animate the order (the scene's name with .gif)")
@@ -50,7 +51,7 @@ def execute(args: argparse.Namespace) -> int:
         relations = relating(scene)
         order = _order(args, scene, relations)
         progress(f"3 of 3: {path}: drawing")
-        if order is None and place.suffix.lower() in (".gif", ".svg"):
+        if order is None and place.suffix.lower() in _OF_ORDERS:
             raise InvalidInput(
                 f"{path}: {place.suffix} shows an order, and which way is up is not known: --up 0 0 1"
             )
@@ -100,6 +101,10 @@ def _drawn(
         from topple.planner.report.svg_file import graph_file
 
         return graph_file(scene, order.to_json())
+    if kind == ".pdf" and order is not None:
+        from topple.planner.report.pdf_file import graph_pdf
+
+        return graph_pdf(scene, order.to_json())
     if kind == ".png":
         from topple.planner.report.figure import show_picture
 

@@ -81,7 +81,7 @@ def print_next_view(view: Document | None) -> None:
         view: The entry `next_view` of an order's document.
     """
     if view is None:
-        print_text("Next view: none would show anything more that the order hangs on.")
+        print_text("Next view: none would show anything more that the order depends on.")
         return
     eye, target = ("(" + ", ".join(f"{value:.2f}" for value in view[key]) + ")" for key in ("eye", "target"))
     told = ", ".join(f"{one['a']} and {one['b']}" for one in view["shows"][:3])

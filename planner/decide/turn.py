@@ -1,4 +1,4 @@
-"""Whose turn it is in an order, and who may go out of turn because little speaks against it."""
+"""Which object's turn it is, and which may go out of turn because little speaks against it."""
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass

@@ -1,6 +1,7 @@
-"""Gymnasium environments: `topple/Pile-v0`, `topple/Dishes-v0`, `topple/Lemon-v0`, once this is imported.
+"""Gymnasium environments in which to learn what to take: piles, dishes and a bowl of fruit.
 
-`gymnasium.make("topple.planner.environment:topple/Pile-v0")` imports it.
+Importing this registers `topple/Pile-v0`, `topple/Dishes-v0` and `topple/Lemon-v0`;
+`gymnasium.make("topple.planner.environment:topple/Pile-v0")` does so by itself.
 """
 
 from topple.topology.errors import NotInstalled

@@ -59,7 +59,7 @@ class SegmentData(msgspec.Struct, frozen=True):
         certified: Whether the motion was proven free between its samples too.
         clearance: Proven lower bound [m] of the distance, all along, of the arm and what it holds to all that
             stands, but for the pairs that may touch.
-        witness: Who meets whom where the proof failed.
+        witness: What meets what where the proof failed.
     """
 
     kind: str

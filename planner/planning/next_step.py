@@ -50,7 +50,7 @@ class Said:
         return parse_goal(self.words, scene)
 
     def chooser(self, situation: Situation, goal: Goal, context: Context) -> Chooser:
-        """Who chooses the steps."""
+        """What chooses the steps."""
         return StepChooser(situation, goal, context)
 
 

@@ -1,4 +1,4 @@
-"""From where to look next: the place that shows most of what no camera saw and the order hangs on."""
+"""From where to look next: the place that shows most of what no camera saw and the order depends on."""
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass

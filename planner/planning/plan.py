@@ -125,7 +125,7 @@ def plan(
     )
     if check and simulated():
         if progress is not None:
-            progress(f"checking {len(found.steps)} steps by other means")
+            progress(f"checking the plan by other means (steps: {len(found.steps)})")
         _hold(found, scene, arm, orderer is ordered and relations is None)
     return found
 

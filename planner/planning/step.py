@@ -132,7 +132,7 @@ class Chooser(Protocol):
 
 @runtime_checkable
 class Task(Protocol):
-    """What shall be reached, and who chooses the steps to it."""
+    """What is to be reached, and what chooses the steps to it."""
 
     def in_frame(self, pose: FloatArray, up: FloatArray, /) -> "Task":
         """The same in another frame.
@@ -155,7 +155,7 @@ class Task(Protocol):
         ...
 
     def chooser(self, situation: Situation, goal: Goal, context: Context) -> Chooser:
-        """Who chooses the next step in a situation.
+        """What chooses the next step in a situation.
 
         Args:
             situation: What is seen, or what should be there by now.

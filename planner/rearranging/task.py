@@ -64,7 +64,7 @@ class Rearranging:
         return self.arrangement.goal(scene)
 
     def chooser(self, situation: Situation, goal: Goal, context: Context) -> Chooser:
-        """Who chooses the next move; see `topple.planner.planning.step.Task`."""
+        """What chooses the next move; see `topple.planner.planning.step.Task`."""
         done = context.done
         return MoveChooser(
             situation, goal, context, self.arrangement, self.seconds,
@@ -104,7 +104,7 @@ class _Later(ABC):
         return self._worked_out(scene).goal(scene)
 
     def chooser(self, situation: Situation, goal: Goal, context: Context) -> Chooser:
-        """Who chooses the next move; see `topple.planner.planning.step.Task`."""
+        """What chooses the next move; see `topple.planner.planning.step.Task`."""
         return self._worked_out(situation.scene).chooser(situation, goal, context)
 
     def _worked_out(self, scene: Scene) -> Rearranging:

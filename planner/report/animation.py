@@ -8,7 +8,8 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from topple.planner.report.drawing import Drawing, DrawnObject
-from topple.planner.report.figure import FINE, PAPER, caption
+from topple.planner.report.figure import FINE, caption
+from topple.planner.report.pen import PAPER
 from topple.planner.report.raster import Projection, render_clouds
 from topple.planner.report.view import Document, Documented, document
 from topple.planner.report.words import order_in_words
@@ -43,7 +44,7 @@ def order_gif(
         progress: Called with a line before each object is drawn.
 
     Returns:
-        The bytes of a GIF that runs for ever: before each object is taken, who goes next and why.
+        The bytes of a GIF that runs for ever: before each object is taken, which one and why.
 
     Raises:
         InvalidInput: The order takes nothing.

@@ -1,6 +1,8 @@
 """The picture of one scene: surfaces and relation lines at the left, graph and order at the right."""
 
+from collections.abc import Iterator, Sequence
 from functools import cache
+from itertools import pairwise
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -8,8 +10,9 @@ import numpy as np
 from topple.planner.formats.pictures import png
 from topple.planner.report.drawing import Drawing, DrawnObject
 from topple.planner.report.graph import DrawnGraph, arrow_head
-from topple.planner.report.layout import BADGE, NODE_HEIGHT, Point
-from topple.planner.report.palette import FIXED_COLOUR, RELATION_COLOURS, Colour, ink_on, reason_colour
+from topple.planner.report.layout import Point
+from topple.planner.report.palette import FIXED_COLOUR, RELATION_COLOURS, Colour, ink_on
+from topple.planner.report.pen import INK, PAPER, draw_graph
 from topple.planner.report.raster import Projection, render_clouds
 from topple.planner.report.view import Document, Documented, document, object_index, view_data
 from topple.planner.report.words import order_in_words, ordinal, shortened
@@ -19,10 +22,7 @@ from topple.topology.scene import Scene
 if TYPE_CHECKING:
     from PIL import Image
 
-PAPER: Colour = (255, 255, 255)
-INK: Colour = (28, 30, 33)
 SOFT: Colour = (93, 97, 103)
-LINE: Colour = (217, 217, 213)
 WIDTH, HEIGHT, SIDE = 1000, 780, 620
 """Size of the view and width of the column beside it [px]."""
 FINE = 2
@@ -90,10 +90,11 @@ class _Pen:
 
         self.draw: ImageDraw.ImageDraw = ImageDraw.Draw(image)
 
-    def line(self, points: list[Point], colour: Colour, width: float) -> None:
-        self.draw.line([(x * FINE, y * FINE) for x, y in points], fill=colour, width=round(width * FINE))
+    def line(self, points: Sequence[Point], colour: Colour, width: float, *, dashed: bool = False) -> None:
+        for part in _dashes(points) if dashed else [points]:
+            self.draw.line([(x * FINE, y * FINE) for x, y in part], fill=colour, width=round(width * FINE))
 
-    def polygon(self, points: tuple[Point, ...], colour: Colour) -> None:
+    def polygon(self, points: Sequence[Point], colour: Colour) -> None:
         self.draw.polygon([(x * FINE, y * FINE) for x, y in points], fill=colour)
 
     def box(
@@ -106,6 +107,18 @@ class _Pen:
         self, x: float, y: float, text: str, *, size: float = 13, colour: Colour = INK, anchor: str = "lm"
     ) -> None:
         self.draw.text((x * FINE, y * FINE), text, fill=colour, font=_font(size), anchor=anchor)
+
+    def width(self, text: str, size: float) -> float:
+        return float(_font(size).getlength(text)) / FINE
+
+
+def _dashes(points: Sequence[Point], dash: float = 6.0, gap: float = 5.0) -> Iterator[list[Point]]:
+    """The dashes [px] of a line."""
+    for start, end in pairwise(np.asarray(points, dtype=np.float64)):
+        length = max(float(np.linalg.norm(end - start)), 1e-6)
+        for begin in np.arange(0.0, length, dash + gap):
+            parts = (start + (end - start) * min(at / length, 1.0) for at in (begin, begin + dash))
+            yield [_point(part) for part in parts]
 
 
 @cache
@@ -140,11 +153,9 @@ def _draw_relation(pen: _Pen, projection: Projection, drawing: Drawing, line: di
         return
     colour = _rgb(line["colour"])
     start, end = places
+    width = 1.2 if line["faint"] else 2.4
+    pen.line([_point(start), _point(end)], colour, width, dashed=line["dashed"])
     length = float(np.linalg.norm(end - start))
-    dash, gap = (6.0, 5.0) if line["dashed"] else (max(length, 1.0), 0.0)
-    for begin in np.arange(0.0, max(length, 1e-6), dash + gap):
-        parts = [start + (end - start) * min(at / max(length, 1e-6), 1.0) for at in (begin, begin + dash)]
-        pen.line([_point(part) for part in parts], colour, 1.2 if line["faint"] else 2.4)
     if not line["faint"] and length > 18:
         middle = start + (end - start) * 0.62
         pen.polygon(arrow_head([_point(start), _point(middle)], 9.0), colour)
@@ -193,7 +204,7 @@ def _draw_legend(pen: _Pen) -> None:
         pen.line([(x, HEIGHT - 20), (x + 20, HEIGHT - 20)], colour, 3)
         pen.text(x + 26, HEIGHT - 20, str(relation), size=12, colour=SOFT)
         x += 44 + _width(str(relation), 12)
-    pen.text(x, HEIGHT - 20, "dashed: inferred; hatched: guessed", size=12, colour=SOFT)
+    pen.text(x, HEIGHT - 20, "disjoint: no line; dashed: inferred; hatched: guessed", size=12, colour=SOFT)
 
 
 def _graph_image(scene: Scene, drawing: Drawing, order: Document) -> "Image.Image":
@@ -206,7 +217,7 @@ def _graph_image(scene: Scene, drawing: Drawing, order: Document) -> "Image.Imag
     image = Image.new("RGB", (SIDE * FINE, height * FINE), PAPER)
     pen = _Pen(image)
     pen.text(16, 26, "Dependency graph: an arrow from a to b says a goes before b", size=13, colour=SOFT)
-    _draw_graph(pen, graph, {drawn.name: drawn.colour for drawn in drawing.objects}, 16, 46, shrink)
+    draw_graph(pen, graph, {drawn.name: drawn.colour for drawn in drawing.objects}, 16, 46, shrink)
     return image
 
 
@@ -248,42 +259,6 @@ def _wrapped(text: str, width: float) -> list[str]:
         else:
             lines.append(word)
     return lines
-
-
-def _draw_graph(
-    pen: _Pen, graph: DrawnGraph, colours: dict[str, Colour], left: float, top: float, shrink: float
-) -> None:
-    def placed(point: Point) -> Point:
-        return left + point[0] * shrink, top + point[1] * shrink
-
-    for edge, route in graph.layout.routes.items():
-        colour = reason_colour(graph.reasons[edge][0])
-        points = [placed(point) for point in route]
-        pen.line(points, colour, 1.6)
-        pen.polygon(arrow_head(points, 8 * shrink), colour)
-    size = max(7.0, 11 * shrink)
-    for edge, centre in graph.layout.labels.items():
-        text = ", ".join(graph.reasons[edge])
-        x, y = placed(centre)
-        half = _width(text, size) / 2 + 2
-        pen.box(x - half, y - size / 2, x + half, y + size / 2, PAPER)
-        pen.text(x, y, text, size=size, colour=reason_colour(graph.reasons[edge][0]), anchor="mm")
-    for name, centre in graph.layout.centres.items():
-        (x, y), half, high = placed(centre), graph.layout.widths[name] / 2 * shrink, NODE_HEIGHT / 2 * shrink
-        badge, paint = BADGE * shrink, colours.get(name, FIXED_COLOUR)
-        pen.box(x - half, y - high, x + half, y + high, PAPER, INK if name in graph.targets else LINE)
-        pen.box(x - half, y - high, x - half + badge, y + high, paint)
-        if name in graph.places:
-            size = max(7.0, 12 * shrink)
-            pen.text(
-                x - half + badge / 2,
-                y,
-                ordinal(graph.places[name]),
-                size=size,
-                colour=ink_on(paint),
-                anchor="mm",
-            )
-        pen.text(x + badge / 2, y, graph.labels[name], size=max(7.0, 12 * shrink), anchor="mm")
 
 
 def _point(place: FloatArray) -> Point:

@@ -170,8 +170,8 @@ def _legend(used: set[str], hidden: int) -> str:
         f'<span class="key"><i style="background:{css(reason_colour(reason))}"></i>{escape(reason)}</span>'
         for reason in [*known, *sorted(used - set(known))]
     ]
-    note = "An arrow from a to b: a goes before b. 1st, 2nd, ... is the place in the order; "
-    note += "a bold frame marks a target."
+    note = "An arrow from a to b: a goes before b. " if used else "No arrows: nothing has to go first. "
+    note += "1st, 2nd, ... is the place in the order; a bold frame marks a target."
     if hidden:
         note += f" {hidden} arrows that follow from others are left out."
     return f'<p class="legend">{"".join(items)}<span class="note">{note}</span></p>'

@@ -85,7 +85,7 @@ def viewer(number: int, *, ordered: bool, path: bool = False, motion: Motion | N
         f"<figcaption>{relation_legend()}"
         '<span class="note">Drag to turn, shift-drag to move, wheel to zoom; click an object to keep it lit. '
         "Hatched surface is guessed: no camera saw it. Solid lines were observed, dashed ones inferred; "
-        "grey: contact that one side alone shows."
+        "disjoint pairs have no line, or a grey one where one side alone shows contact."
         "</span></figcaption></figure>"
     )
 

@@ -50,7 +50,7 @@ def layered(
     """Lay a directed graph out in layers, each connected part by itself, the parts in rows.
 
     Args:
-        nodes: Names of all objects, in the order they are taken. On a cycle it decides who stands above.
+        nodes: Names of all objects, in the order they are taken. On a cycle it decides which stands above.
         edges: (first, then) -> text of the arrow's label.
         labels: Name -> text in its box; decides the box's width.
         row: Width at which a row of parts wraps [px].

@@ -32,6 +32,7 @@ class Limits:
         crease: Edges between hull facets closer in direction than this many degrees are not drawn.
         label: Characters of a name shown in a graph node; the whole name is in its tooltip.
         graph_edges: Above this many arrows a graph shows the transitive reduction, and says so.
+        matrix: Objects up to which a page has the square of relations: a column wide.
         path_points: Points of a drawn tool path.
         arm: How far in [m] the drawn shape of a link may be from its convex parts: a pixel, at the size pages
             draw an arm.
@@ -55,6 +56,7 @@ class Limits:
     crease: float = 3.0
     label: int = 18
     graph_edges: int = 60
+    matrix: int = 20
     path_points: int = 200
     arm: float = 0.003
     risk: float = 0.05

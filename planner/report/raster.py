@@ -2,7 +2,7 @@
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.ndimage import maximum_filter, minimum_filter
+from scipy.ndimage import binary_fill_holes, maximum_filter, minimum_filter
 
 from topple.planner.formats.pictures import Pixels
 from topple.planner.report.drawing import Drawing, DrawnObject
@@ -97,7 +97,8 @@ def render_clouds(drawing: Drawing, projection: Projection, paper: tuple[int, in
         np.minimum.at(depth, pixel, far)
         won = far == depth[pixel]
         owner[pixel[won]], light[pixel[won]] = number, shine[won]
-    _fill(owner.reshape(height, width), [n for n, drawn in enumerate(drawing.objects) if drawn.fixed])
+    tables = [n for n, drawn in enumerate(drawing.objects) if drawn.fixed]
+    hidden = _fill(owner.reshape(height, width), tables).ravel()
     colours = np.array([drawn.colour for drawn in drawing.objects], dtype=np.float64)
     fixed = np.array([drawn.fixed for drawn in drawing.objects], dtype=np.bool_)[owner]
     spacing = np.array([drawn.spacing for drawn in drawing.objects])[owner]
@@ -105,7 +106,8 @@ def render_clouds(drawing: Drawing, projection: Projection, paper: tuple[int, in
     bright = np.maximum(np.abs(light) - fold.ravel() * (10 / drawing.radius), 0.4)
     row, column = np.divmod(np.arange(height * width), width)
     stripe = (row + column) // max(height // 150, 2) % 2 == 0
-    faint = np.where(fixed, 0.7, np.where(light < 0, np.where(stripe, 0.72, 0.3), 0.0))[:, None]
+    table = np.where(hidden & stripe, 0.85, 0.7)
+    faint = np.where(fixed, table, np.where(light < 0, np.where(stripe, 0.72, 0.3), 0.0))[:, None]
     image = np.minimum(colours[owner] * bright[:, None], 255.0)
     background = np.array(paper, dtype=np.float64)
     image = np.where((owner >= 0)[:, None], image + (background - image) * faint, background)
@@ -140,12 +142,20 @@ def _discs(projection: Projection, drawn: DrawnObject) -> tuple[NDArray[np.int64
     return np.concatenate(pixel), np.concatenate(far), np.concatenate(shines)
 
 
-def _fill(owner: NDArray[np.int64], tables: list[int]) -> None:
-    """Close the holes of a table in place: its points lie too far apart for discs of bounded size."""
-    if tables:
-        size = owner.shape[0] // 24
-        covered = np.asarray(minimum_filter(maximum_filter(owner >= 0, size), size), dtype=np.bool_)
-        owner[covered & (owner < 0)] = tables[0]
+def _fill(owner: NDArray[np.int64], tables: list[int]) -> NDArray[np.bool_]:
+    """Close the holes of a table in place: its points lie too far apart for discs of bounded size.
+
+    Returns:
+        (H, W) what is left of holes in it: the table where something stood that has been taken away.
+    """
+    if not tables:
+        return np.zeros(owner.shape, dtype=np.bool_)
+    size = owner.shape[0] // 10
+    covered = np.asarray(minimum_filter(maximum_filter(np.isin(owner, tables), size), size), dtype=np.bool_)
+    owner[covered & (owner < 0)] = tables[0]
+    hidden = np.asarray(binary_fill_holes(owner >= 0), dtype=np.bool_) & (owner < 0)
+    owner[hidden] = tables[0]
+    return hidden
 
 
 def _fold(depth: FloatArray, slack: FloatArray) -> FloatArray:

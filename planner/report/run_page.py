@@ -208,7 +208,7 @@ def _head(record: RunRecord) -> str:
     facts += [f"{record.seconds:.1f} s"] if record.seconds > 0 else []
     return (
         f'<header><h1>{escape(record.goal)}: <span class="{kind}">{verdict}</span></h1>'
-        f'<p class="lead">{escape(", ".join(facts))}. Turn the steps with the arrow keys.</p></header>'
+        f'<p class="lead">{escape(", ".join(facts))}. The arrow keys go from step to step.</p></header>'
     )
 
 
@@ -278,7 +278,7 @@ def _disturbed(step: StepRecord) -> str:
 
 def _predictions(step: StepRecord) -> str:
     """Where what was seen afterwards differs from what was predicted."""
-    html = "<h2>Predicted against observed relations</h2>"
+    html = "<h2>Predicted and observed relations</h2>"
     if step.predicted is None or step.observed is None:
         return html + (
             "<p>As predicted.</p>" if step.relations_as_predicted else '<p class="bad">Not as predicted.</p>'
@@ -288,12 +288,13 @@ def _predictions(step: StepRecord) -> str:
     within = [change for change in changes if not change.counts]
     if step.relations_as_predicted and not against:
         count = len(list(step.observed.get("relations", ())))
-        html += f"<p>As predicted: none of {count} pairs contradicts what was to be seen.</p>"
+        html += f"<p>As predicted: none of the {count} pairs contradicts the prediction.</p>"
     else:
         html += '<p class="bad">Not as predicted.</p>' + _change_table(against)
     if within:
         html += (
-            f"<details><summary>{len(within)} within what noise explains</summary><p class=note>"
+            f"<details><summary>{len(within)} difference{'' if len(within) == 1 else 's'} that noise explains"
+            "</summary><p class=note>"
             "Another kind of contact, or a pair of which too little was seen to tell contact from a gap; "
             "neither counts.</p>"
             f"{_change_table(within)}</details>"

@@ -6,6 +6,7 @@ from typing import Any
 from topple.planner.report.drawing import Drawing
 from topple.planner.report.graph import DrawnGraph, graph_svg
 from topple.planner.report.html import page, viewer
+from topple.planner.report.matrix import relation_matrix
 from topple.planner.report.photo import photo
 from topple.planner.report.tables import order_list, relation_table, sentence_list
 from topple.planner.report.view import Document, Documented, document, object_index, view_data
@@ -44,7 +45,7 @@ def show_page(
     body += "</div><div>" + photo_section(scene, drawing, planned)
     if planned is not None:
         body += "<h2>Safe order</h2>" + order_list(planned, index)
-    body += "<h2>Relations</h2>" + relation_table(found, index)
+    body += "<h2>Relations</h2>" + relation_matrix(found, index) + relation_table(found, index)
     body += sentence_list(_assumptions(scene, order, planned), "Assumptions")
     body += "</div></main>"
     return page(

@@ -1,1 +1,1 @@
-"""Arms: their files and what is said of their tools, joints, kinematics and what of them can collide."""
+"""Arms: their files, tools, joints and kinematics, and which of their parts can collide."""

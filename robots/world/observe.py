@@ -49,7 +49,7 @@ def scene_from_world(
 
     Raises:
         InvalidInput: If the world is empty.
-        UnknownObject: If `fixed` names nobody.
+        UnknownObject: If `fixed` names something that is not there.
     """
     skipped = set(ignore)
     count: int = pybullet.getNumBodies(physicsClientId=client)

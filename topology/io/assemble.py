@@ -106,7 +106,7 @@ def _as_cloud(name: str, points: ArrayLike) -> FloatArray:
 def _place_table(
     clouds: dict[str, FloatArray], fixed: list[str], plane: FloatArray, notes: list[str]
 ) -> list[str]:
-    """Find the object that is the table of `plane`, or lay a flat cloud there; returns who is fixed."""
+    """Find the object that is the table of `plane`, or lay a flat cloud there; returns what is fixed."""
     if _TABLE in clouds:
         if _TABLE not in fixed:
             notes.append(f"{_TABLE!r} is taken as fixed because of its name")

@@ -1,1 +1,1 @@
-"""One scene of views whose camera poses are only roughly known: registered, on a ground, cut into objects."""
+"""Views whose camera poses are only roughly known, merged into one scene of objects on a ground."""

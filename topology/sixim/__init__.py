@@ -1,1 +1,1 @@
-"""The 6-intersection model: Table 1, the paper's whole rule, and in `fast` the same answers sooner."""
+"""The 6-intersection model: Table 1, the paper's rule in full, and a fast version with the same answers."""

@@ -1,4 +1,4 @@
-"""A scene at rest: bodies, contacts and weights, and who would not stay if something were gone."""
+"""A scene at rest: bodies, contacts and weights, and what would not stay if something were gone."""
 
 from collections.abc import Collection, Mapping
 from dataclasses import dataclass
@@ -127,14 +127,14 @@ class Statics:
         return falls(self.weights, self._catching)
 
     def fallen_without(self, away: Collection[str], held: Collection[str] = ()) -> dict[str, float]:
-        """Who falls once some objects are gone, for clouds that show whole surfaces.
+        """What falls once some objects are gone, for clouds that show whole surfaces.
 
         Args:
             away: Names taken out of the scene.
             held: Names that a hand keeps still: they carry others, and do not fall.
 
         Returns:
-            name -> how far, 1 where it just counts as a move, for those who move.
+            name -> how far, 1 where it just counts as a move, for those that move.
         """
         met = {name for c in self._catching if c.a in away or c.b in away for name in (c.a, c.b)}
         free = {name: weight for name, weight in self.weights.items() if name not in held}
@@ -143,14 +143,14 @@ class Statics:
         return {name: share for name, share in far.items() if share > 1.0}
 
     def unsteady_without(self, away: Collection[str], held: Collection[str] = ()) -> dict[str, float]:
-        """Who does not stay where it is once some objects are gone.
+        """What does not stay where it is once some objects are gone.
 
         Args:
             away: Names taken out of the scene.
             held: Names that a hand keeps still: they carry others, and stay.
 
         Returns:
-            name -> share of its weight that nothing carries any more, only for those for whom it
+            name -> share of its weight that nothing carries any more, only for those for which it
             grew beyond `UNSTEADY` (`GUESSED` where hidden sides were completed).
         """
         met = {name for c in self.contacts if c.a in away or c.b in away for name in (c.a, c.b)}

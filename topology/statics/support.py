@@ -75,7 +75,7 @@ def _read(contact: Contact, statics: Statics, relations: "Relations") -> Support
     """The support a contact stands for: the side below its normals carries the other."""
     push = contact.normals.mean(axis=0)  # where only its rim was seen they point all around, and cancel
     up = float(push[2] / max(np.linalg.norm(push), CANCELLED))
-    if abs(up) < BESIDE:  # a wall beside a wall: nobody carries, unless friction does
+    if abs(up) < BESIDE:  # a wall beside a wall: neither carries, unless friction does
         return None
     below, above = (contact.a, contact.b) if up > 0 else (contact.b, contact.a)
     if above in statics.upright.fixed:

@@ -1,4 +1,4 @@
-"""What a straight lift runs into: the volume an object sweeps on its way up, and who is in it."""
+"""What a straight lift runs into: the volume an object sweeps on its way up, and what is in it."""
 
 from dataclasses import dataclass
 

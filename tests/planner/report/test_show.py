@@ -14,7 +14,11 @@ from topple.planner.report.animation import RISE, SIZE, order_gif
 from topple.planner.report.drawing import Drawing
 from topple.planner.report.figure import show_picture
 from topple.planner.report.limits import LIMITS
-from topple.planner.report.palette import object_colours
+from topple.planner.report.matrix import relation_matrix
+from topple.planner.report.palette import RELATION_COLOURS, css, object_colours
+from topple.planner.report.pdf_file import POINTS, graph_pdf
+from topple.planner.report.pen import PAPER
+from topple.planner.report.raster import Projection, render_clouds
 from topple.planner.report.show import show_page
 from topple.planner.report.svg_file import graph_file
 from topple.planner.report.words import order_in_words
@@ -22,6 +26,7 @@ from topple.topology.errors import InvalidInput
 from topple.topology.geometry.thin import voxel_means
 from topple.topology.rule.relate import relate
 from topple.topology.scene import Scene
+from topple.topology.sixim.table import Relation
 
 
 class Page(HTMLParser):
@@ -89,6 +94,31 @@ def test_every_relation_that_is_not_disjoint_has_a_line(stack):
         (scene.names[line["a"]], scene.names[line["b"]]) for line in view["relations"] if not line["faint"]
     }
     assert lines == {(pair.a, pair.b) for pair in relations.pairs if pair.relation != "disjoint"}
+
+
+def test_the_square_of_relations_says_each_pair_from_both_sides_in_its_colour():
+    pairs = [
+        {"a": "lemon", "b": "bowl", "relation": "partial within"},
+        {"a": "bowl", "b": "<table>", "relation": "touch", "inferred": True},
+    ]
+    html = relation_matrix({"relations": pairs}, {"lemon": 0, "bowl": 1, "<table>": 2})
+    cells = dict(re.findall(r'data-ends="[^"]+" title="([^"]+)"><b[^>]*style="background:(#\w+)', html))
+    said = {
+        "lemon partial within bowl": Relation.PARTIAL_WITHIN,
+        "bowl partial contain lemon": Relation.PARTIAL_CONTAIN,
+        "bowl touch &lt;table&gt;, inferred": Relation.TOUCH,
+        "&lt;table&gt; touch bowl, inferred": Relation.TOUCH,
+    }
+    assert cells == {told: css(RELATION_COLOURS[relation]) for told, relation in said.items()}
+    legend = re.findall(r'class="key"><b[^>]*>(\w+)</b>([\w ]+)<', html)
+    assert {relation for _, relation in legend} == {str(relation) for relation in Relation}
+    assert len({letter for letter, _ in legend}) == len(legend) == 7
+
+
+def test_many_objects_have_a_table_and_no_square():
+    pairs = [{"a": "one", "b": f"{n}", "relation": "touch"} for n in range(LIMITS.matrix)]
+    assert relation_matrix({"relations": pairs[:-1]}, {}) != ""
+    assert relation_matrix({"relations": pairs}, {}) == relation_matrix({"relations": []}, {}) == ""
 
 
 def test_the_order_is_told_with_its_reasons(stack):
@@ -223,6 +253,17 @@ def test_an_order_is_animated_object_by_object(stack):
         assert lit[0] > 3 * lit[1], name
 
 
+def test_the_place_of_what_was_taken_away_is_table_and_not_paper():
+    table = np.random.default_rng(0).uniform(-0.4, 0.4, (8000, 3)) * [1, 1, 0]
+    seen = table[np.linalg.norm(table, axis=1) > 0.12]  # what stood there hid the rest
+    drawing = Drawing.of(Scene({"table": seen}, fixed=["table"], up=[0, 0, 1]))
+    image = render_clouds(drawing, Projection(drawing, *SIZE), PAPER)
+    white = (image == PAPER).all(axis=2)
+    middle = [slice(size // 2 - 30, size // 2 + 30) for size in white.shape]
+    assert white.any() and not white[tuple(middle)].any()
+    assert len(np.unique(image[tuple(middle)].reshape(-1, 3), axis=0)) > 1  # hatched
+
+
 def test_nothing_to_take_is_no_film(stack):
     scene, _, found = stack
     with pytest.raises(InvalidInput, match="nothing to animate"):
@@ -240,6 +281,19 @@ def test_the_graph_for_a_paper_stands_alone(stack):
         if node.get("x"):
             assert 0 <= float(node.get("x")) + float(node.get("width")) <= width
             assert float(node.get("y")) <= height
+
+
+def test_the_graph_as_pdf_is_as_large_as_the_svg_and_has_its_letters_in_it(stack):
+    pytest.importorskip("reportlab", reason="ReportLab is not installed: pip install '.[pdf]'")
+    scene, _, found = stack
+    svg = ElementTree.fromstring(graph_file(scene, found.to_json()))
+    pdf = graph_pdf(scene, found.to_json())
+    assert pdf == graph_pdf(scene, found.to_json())
+    (box,) = re.findall(rb"/MediaBox \[ 0 0 ([0-9.]+) ([0-9.]+) \]", pdf)
+    sizes = [float(svg.get(side)) * POINTS for side in ("width", "height")]
+    assert [float(side) for side in box] == pytest.approx(sizes, abs=0.5)
+    fonts = set(re.findall(rb"/BaseFont /([\w+-]+)", pdf))
+    assert len(fonts) == 1 and pdf.count(b"/FontFile2") == 1, fonts
 
 
 def test_what_lies_on_something_is_not_said_to_lean_on_it(stack):
