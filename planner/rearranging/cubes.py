@@ -11,7 +11,8 @@ from topple.planner.rearranging.steady import steadied
 from topple.planner.rearranging.tolerances import HELD
 from topple.topology.arrays import FloatArray
 from topple.topology.statics.contact import Contact
-from topple.topology.statics.equilibrium import Weight, balance
+from topple.topology.statics.equilibrium import Weight
+from topple.topology.statics.holding import deficits
 
 TABLE = "\n"
 """Under all cubes; no object's name: names have printable characters only."""
@@ -66,7 +67,7 @@ def falling_cubes(places: Mapping[str, FloatArray], side: float, off_centre: flo
         near, found = [c for c in contacts if {c.a, c.b} <= {*there, TABLE}], set[str]()
         for shift in shifts:
             weights = {name: Weight(1.0, places[name] + shift, side / 2) for name in there - held}
-            found |= {name for name, missing in balance(weights, near).deficit.items() if missing > HELD}
+            found |= {name for name, missing in deficits(weights, near).items() if missing > HELD}
         return frozenset(found)
 
     return falling
