@@ -10,7 +10,8 @@ from topple.planner.rearranging.problem import Act, Pair, Problem
 from topple.planner.rearranging.steady import steadied
 from topple.topology.arrays import FloatArray
 from topple.topology.statics.contact import Contact
-from topple.topology.statics.equilibrium import Weight, balance
+from topple.topology.statics.equilibrium import Weight
+from topple.topology.statics.holding import deficits
 
 HELD = 1e-6
 """Missing share of a weight that still counts as carried: what a solver leaves."""
@@ -68,7 +69,7 @@ def falling_cubes(places: Mapping[str, FloatArray], side: float, off_centre: flo
         near, found = [c for c in contacts if {c.a, c.b} <= {*there, TABLE}], set[str]()
         for shift in shifts:
             weights = {name: Weight(1.0, places[name] + shift, side / 2) for name in there - held}
-            found |= {name for name, missing in balance(weights, near).deficit.items() if missing > HELD}
+            found |= {name for name, missing in deficits(weights, near).items() if missing > HELD}
         return frozenset(found)
 
     return falling

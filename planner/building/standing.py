@@ -8,7 +8,8 @@ from topple.planner.building.tolerances import OFF_CENTRE
 from topple.robots.world.bodies import Body
 from topple.topology.arrays import FloatArray
 from topple.topology.bodies.complete import is_hollow
-from topple.topology.statics.equilibrium import Weight, balance
+from topple.topology.statics.equilibrium import Weight
+from topple.topology.statics.holding import deficits
 from topple.topology.statics.rest import Statics, within_reach
 from topple.topology.values import FrozenDict
 
@@ -51,5 +52,5 @@ def _centre(name: str, statics: Statics) -> FloatArray:
 def _weighing(statics: Statics, weights: dict[str, Weight], shift: FloatArray) -> Statics:
     """The same with other weights, their centres shifted."""
     there = {name: replace(weight, centre=weight.centre + shift) for name, weight in weights.items()}
-    left_open = balance(there, within_reach(statics.contacts, there)).deficit
-    return replace(statics, weights=FrozenDict(there), unexplained=FrozenDict(dict(left_open)))
+    left_open = deficits(there, within_reach(statics.contacts, there))
+    return replace(statics, weights=FrozenDict(there), unexplained=FrozenDict(left_open))

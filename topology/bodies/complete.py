@@ -218,8 +218,9 @@ def _believable(
     if len(guess) == 0:
         return guess
     guess = voxel_means(guess, SPACING)
-    distance, _ = KDTree(known).query(guess, distance_upper_bound=0.05)
-    guess = guess[distance > 1.5 * SPACING]
+    near = 1.5 * SPACING
+    distance, _ = KDTree(known).query(guess, distance_upper_bound=np.nextafter(near, np.inf))
+    guess = guess[distance > near]
     if sight is None or len(guess) == 0:
         return guess
     empty = sight.empty(guess)

@@ -68,9 +68,11 @@ class Contact:
     friction: float = FRICTION
 
     def only(self, keep: BoolArray) -> "Contact | None":
-        """The part of the patch chosen by a (k,) mask, or None where nothing is chosen."""
+        """The part of the patch chosen by a (k,) mask, itself where that is all; None where it is nothing."""
         if not keep.any():
             return None
+        if keep.all():
+            return self
         return replace(
             self,
             points=self.points[keep],

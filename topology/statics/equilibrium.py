@@ -157,7 +157,7 @@ def equations(
         edges of friction pyramids; two slacks per equation, up and down, follow.
     """
     height = 6 * len(weights)
-    rows, cols, values, count = _force_columns(weights, contacts)
+    rows, cols, values, count = force_columns(weights, contacts)
     slack_rows = np.repeat(np.arange(height), 2)
     slack_cols = count + np.arange(2 * height)
     slack_values = np.tile([1.0, -1.0], height)
@@ -168,9 +168,14 @@ def equations(
         ),
         shape=(height, count + 2 * height),
     ).tocsr()
+    return matrix, demanded(height), count
+
+
+def demanded(height: int) -> FloatArray:
+    """What the forces on each object have to give, its weight and no torque: (height,) six an object."""
     demand = np.zeros(height)
     demand[2::6] = 1.0
-    return matrix, demand, count
+    return demand
 
 
 def _prices(
@@ -184,10 +189,18 @@ def _prices(
     return np.concatenate(parts)
 
 
-def _force_columns(
+def force_columns(
     weights: Mapping[str, Weight], contacts: Sequence[Contact]
 ) -> tuple[np.ndarray, np.ndarray, np.ndarray, int]:
-    """Sparse columns: the wrench each friction-pyramid edge puts on the two objects it acts between."""
+    """Find the wrench that each edge of the friction pyramids puts on the two objects it acts between.
+
+    Args:
+        weights: The objects that can move, six rows each, divided by the weight.
+        contacts: Patches between them and with anything fixed; a name without a weight is fixed.
+
+    Returns:
+        Rows, columns and values of the matrix where it is not zero, and the number of its columns.
+    """
     if not contacts:
         empty = np.zeros(0, dtype=np.int64)
         return empty, empty, np.zeros(0), 0

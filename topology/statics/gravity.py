@@ -2,6 +2,7 @@
 
 from collections.abc import Iterator, Sequence
 from dataclasses import replace
+from operator import is_
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -10,7 +11,7 @@ from topple.topology.arrays import FloatArray, bounds
 from topple.topology.errors import InvalidInput
 from topple.topology.geometry.plane import up_from_fixed
 from topple.topology.statics.contact import Contact, find_contacts
-from topple.topology.statics.equilibrium import balance
+from topple.topology.statics.holding import deficits
 from topple.topology.statics.rest import Statics, within_reach
 from topple.topology.statics.tolerances import BETTER, HANGING
 from topple.topology.upright import SPACING
@@ -76,8 +77,11 @@ def uncarried(statics: Statics) -> float:
 
 
 def _missing(statics: Statics, contacts: Sequence[Contact]) -> float:
-    """Share of the weight that contacts leave uncarried."""
-    deficit = balance(statics.weights, within_reach(contacts, statics.weights)).deficit
+    """Share of the weight that contacts leave uncarried; what all of them leave is known."""
+    if len(contacts) == len(statics.contacts) and all(map(is_, contacts, statics.contacts)):
+        deficit = statics.unexplained
+    else:
+        deficit = deficits(statics.weights, within_reach(contacts, statics.weights))
     masses = {name: weight.mass for name, weight in statics.weights.items()}
     return sum(masses[name] * min(deficit[name], 1.0) for name in masses) / sum(masses.values())
 

@@ -14,9 +14,10 @@ from topple.topology.geometry.sides import hull_volume
 from topple.topology.geometry.thin import voxel_means
 from topple.topology.sixim.table import Relation
 from topple.topology.statics.contact import TOLERANCES, Contact, closed, find_contacts
-from topple.topology.statics.equilibrium import Weight, balance, islands
+from topple.topology.statics.equilibrium import Weight, islands
 from topple.topology.statics.falling import Fall, catching, falls
 from topple.topology.statics.hidden import hidden_contacts
+from topple.topology.statics.holding import Pull, deficits
 from topple.topology.statics.tolerances import (
     DENSITY,
     GUESSED,
@@ -93,18 +94,18 @@ class Statics:
         if relations is not None:
             contacts += tuple(_closed(relations, upright, surfaces, contacts))
         weights = {name: weigh(surfaces[name], scene.masses.get(name)) for name in upright.movable}
-        unexplained = balance(weights, within_reach(contacts, weights)).deficit
+        unexplained = deficits(weights, within_reach(contacts, weights))
         wanting = [name for name, missing in unexplained.items() if missing > UNSTEADY]
         if wanting:
             usable = within_reach(contacts, weights)
             contacts += hidden_contacts(upright, surfaces, usable, weights, wanting, sight, meeting)
-            unexplained = balance(weights, within_reach(contacts, weights)).deficit
+            unexplained = deficits(weights, within_reach(contacts, weights))
         return Statics(
             upright,
             surfaces,
             contacts,
             FrozenDict(weights),
-            FrozenDict(dict(unexplained)),
+            FrozenDict(unexplained),
             sight,
             meeting,
         )
@@ -124,7 +125,12 @@ class Statics:
     @cached_property
     def _settled(self) -> Mapping[str, Fall]:
         """How far bodies seem to sink while everything is in place: what contacts leave open."""
-        return falls(self.weights, self._catching)
+        return falls(self.weights, self._catching, pull=self._pull)
+
+    @cached_property
+    def _pull(self) -> Pull:
+        """Where the search for forces begins, left by the one before: it changes no answer."""
+        return {}
 
     def fallen_without(self, away: Collection[str], held: Collection[str] = ()) -> dict[str, float]:
         """What falls once some objects are gone, for clouds that show whole surfaces.
@@ -138,7 +144,7 @@ class Statics:
         """
         met = {name for c in self._catching if c.a in away or c.b in away for name in (c.a, c.b)}
         free = {name: weight for name, weight in self.weights.items() if name not in held}
-        found = falls(free, self._catching, beside=met, without=away)
+        found = falls(free, self._catching, beside=met, without=away, pull=self._pull)
         far = {name: fall.beyond(self._settled[name]) for name, fall in found.items()}
         return {name: share for name, share in far.items() if share > 1.0}
 
@@ -159,11 +165,11 @@ class Statics:
         moving = set[str]().union(*joined)
         left = {name: weight for name, weight in self.weights.items() if name in moving}
         usable = within_reach([c for c in contacts if c.a in moving or c.b in moving], left)
-        found = balance(left, usable)
+        found = deficits(left, usable)
         limit = UNSTEADY if self.sight is None else GUESSED
         return {
             name: missing
-            for name, missing in found.deficit.items()
+            for name, missing in found.items()
             if missing > self.unexplained.get(name, 0.0) + limit
         }
 
