@@ -31,6 +31,7 @@ def truly_unmet(goal: Goal, world: PhysicalWorld, up: FloatArray) -> tuple[str, 
         The clauses that do not hold, in words.
     """
     rest = _Rest(world, up)
+    gone = [f"{name} is not free: it is gone" for name in goal.free if name not in world.names]
     burdened = [
         f"{name} is not free: it carries {other}" for name in goal.free for other in rest.carried_by(name)
     ]
@@ -41,7 +42,7 @@ def truly_unmet(goal: Goal, world: PhysicalWorld, up: FloatArray) -> tuple[str, 
         for name in world.movable
         if name != container and rest.within(name, container)
     ]
-    return (*burdened, *missing, *left)
+    return (*gone, *burdened, *missing, *left)
 
 
 class _Rest:
@@ -83,8 +84,8 @@ class _Rest:
         return nx.has_path(touching, name, container)
 
     def _surrounded(self, name: str, container: str) -> bool:
-        if name == container:
-            return False
+        if name == container or not {name, container} <= self._corners.keys():
+            return False  # somebody may have taken it out of the world
         around, height = self._corners[container], self._corners[container] @ self._up
         lowest = float((self._corners[name] @ self._up).min())
         if not height.min() < lowest < height.max():

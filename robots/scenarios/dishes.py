@@ -5,7 +5,6 @@ from scipy.spatial.transform import Rotation
 
 from topple.robots.scenarios.scenario import Scenario, Unlucky, overlap, pose_at, settle, settled, touching
 from topple.robots.shapes import can, fork, plate, spoon
-from topple.robots.world.camera import Noise
 from topple.robots.world.physical_world import PhysicalWorld
 from topple.topology.arrays import FloatArray
 
@@ -13,7 +12,7 @@ CUTLERY = ("spoon_1", "spoon_2", "fork")
 RIM = 0.022  # [m] height of the plate's rim
 
 
-def dishes(seed: int = 0, *, noise: Noise | None = None) -> Scenario:
+def dishes(seed: int = 0) -> Scenario:
     """Make the scene.
 
     Cutlery lies with its head in the well and its handle across the rim; the can stands on the edge of its
@@ -21,12 +20,11 @@ def dishes(seed: int = 0, *, noise: Noise | None = None) -> Scenario:
 
     Args:
         seed: Any number.
-        noise: Faults of the cameras; None: those of a Kinect.
 
     Returns:
         The scenario: `plate`, `spoon_1`, `spoon_2`, `fork`, `can`.
     """
-    return settled("dishes", seed, _layout, noise=noise)
+    return settled("dishes", seed, _layout)
 
 
 def _layout(world: PhysicalWorld, rng: np.random.Generator) -> tuple[str, tuple[str, ...]]:

@@ -8,7 +8,6 @@ from scipy.spatial.transform import Rotation
 from topple.robots.scenarios.scenario import Scenario, Unlucky, drop, pose_at, settle, settled
 from topple.robots.shapes import apple, bowl, can, lemon, orange, pear, plum, strawberry
 from topple.robots.world.bodies import Body
-from topple.robots.world.camera import Noise
 from topple.robots.world.physical_world import PhysicalWorld
 
 CONTENTS: dict[str, Callable[[str], Body]] = {
@@ -22,17 +21,16 @@ CONTENTS: dict[str, Callable[[str], Body]] = {
 """A small can of tomato paste and fruit that a hand of 8 cm can take."""
 
 
-def lemon_in_bowl(seed: int = 0, *, noise: Noise | None = None) -> Scenario:
+def lemon_in_bowl(seed: int = 0) -> Scenario:
     """Make the scene: four to six things in a salad bowl, so that nothing more stays in it.
 
     Args:
         seed: Any number.
-        noise: Faults of the cameras; None: those of a Kinect.
 
     Returns:
         The scenario: `bowl`, `lemon`, and what is in the bowl.
     """
-    return settled("lemon", seed, _layout, robot="panda", noise=noise)
+    return settled("lemon", seed, _layout, robot="panda")
 
 
 def _layout(world: PhysicalWorld, rng: np.random.Generator) -> tuple[str, tuple[str, ...]]:

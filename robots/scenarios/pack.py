@@ -6,7 +6,6 @@ from scipy.spatial.transform import Rotation
 from topple.robots.scenarios.scenario import Scenario, Unlucky, lay, pose_at, to_copy
 from topple.robots.shapes import box, can, tray
 from topple.robots.world.bodies import Body
-from topple.robots.world.camera import Noise
 from topple.robots.world.physical_world import PhysicalWorld
 from topple.topology.arrays import FloatArray
 
@@ -16,18 +15,17 @@ GAP = 0.12  # [m] between things: a hand goes between them
 ASIDE = 0.17  # [m] from the middle of the tray to the nearest thing beside it
 
 
-def pack(seed: int = 0, *, noise: Noise | None = None) -> Scenario:
+def pack(seed: int = 0) -> Scenario:
     """Make the scene: two flat cartons, a smaller carton and a can beside a tray bolted to the table.
 
     Args:
         seed: Any number.
-        noise: Faults of the cameras; None: those of a Kinect.
 
     Returns:
         The scenario: `tea` and `rice`, which shall lie in `tray`, `cocoa` on one of them and `can` on the
         other.
     """
-    return to_copy("pack", seed, _layout, noise=noise)
+    return to_copy("pack", seed, _layout)
 
 
 def _layout(

@@ -8,7 +8,6 @@ from scipy.spatial.transform import Rotation
 from topple.robots.scenarios.scenario import Scenario, Unlucky, drop, settle, settled, touching
 from topple.robots.shapes import ball, bar, bowl, box, can, mug, plate, spoon, tray
 from topple.robots.world.bodies import Body, Color
-from topple.robots.world.camera import Noise
 from topple.robots.world.physical_world import PhysicalWorld
 
 Maker = Callable[[str, np.random.Generator], Body]
@@ -42,17 +41,16 @@ COLORS: tuple[Color, ...] = (
 )  # fmt: skip
 
 
-def pile(seed: int = 0, *, noise: Noise | None = None) -> Scenario:
+def pile(seed: int = 0) -> Scenario:
     """Make the scene: five to eight things dropped one after the other near the middle of the table.
 
     Args:
         seed: Any number.
-        noise: Faults of the cameras; None: those of a Kinect.
 
     Returns:
         The scenario: things named `KIND_N`; the target is the one that touches most of what lies higher.
     """
-    return settled("pile", seed, _layout, noise=noise)
+    return settled("pile", seed, _layout)
 
 
 def heap(world: PhysicalWorld, rng: np.random.Generator, count: int, spread: float = 0.07) -> tuple[str, ...]:

@@ -7,7 +7,6 @@ from topple.robots.scenarios.scenario import Scenario, Unlucky, lay, pose_at, to
 from topple.robots.scenarios.tower import COLORS, SIDE
 from topple.robots.shapes import block
 from topple.robots.world.bodies import Color
-from topple.robots.world.camera import Noise
 from topple.robots.world.physical_world import PhysicalWorld
 from topple.topology.arrays import FloatArray
 
@@ -15,17 +14,16 @@ BLOCKS: dict[str, Color] = {**COLORS, "white": (0.9, 0.9, 0.88, 1.0)}
 APART = (0.16, 0.22)  # [m] between the towers: a hand goes between them
 
 
-def restack(seed: int = 0, *, noise: Noise | None = None) -> Scenario:
+def restack(seed: int = 0) -> Scenario:
     """Make the scene: five blocks in towers of three and two, to be towers of three and two others there.
 
     Args:
         seed: Any number.
-        noise: Faults of the cameras; None: those of a Kinect.
 
     Returns:
         The scenario: `red`, `green`, `blue`, `yellow`, `white`.
     """
-    return to_copy("restack", seed, _layout, noise=noise)
+    return to_copy("restack", seed, _layout)
 
 
 def _layout(

@@ -11,7 +11,7 @@ from scipy.spatial.transform import Rotation
 from topple.robots.engines import new_world
 from topple.robots.poses import angle_between
 from topple.robots.world.bodies import Body
-from topple.robots.world.camera import Camera, Noise
+from topple.robots.world.camera import Camera
 from topple.robots.world.physical_world import PhysicalWorld
 from topple.topology.arrays import FloatArray
 from topple.topology.errors import ToppleError
@@ -32,6 +32,9 @@ CREEP = 0.001  # [m] that nothing may move in that time
 TURN = 0.02  # [rad] nor turn
 OVERLAP = 5e-4  # [m] that what is laid out by hand may be in each other: facets of round things
 SLID = 0.02  # [m] that a thing may slide as it settles
+CAMERAS = 3
+DISTANCE = 0.62  # [m] of the cameras from what they look at, along the table
+HEIGHT = 0.60  # [m] of the cameras above the table
 ATTEMPTS = 60  # layouts tried for one seed: one in three works out where most does go wrong
 
 
@@ -86,7 +89,6 @@ def settled(
     layout: Callable[[PhysicalWorld, np.random.Generator], tuple[str, tuple[str, ...]]],
     *,
     robot: str = "panda-suction",
-    noise: Noise | None = None,
 ) -> Scenario:
     """Make layouts from one seed until one settles as it should.
 
@@ -96,7 +98,6 @@ def settled(
         layout: Fills a world that has a table, lets it settle and returns goal and targets; raises Unlucky
             where something fell or lies elsewhere than it should.
         robot: Name of the robot that can do it.
-        noise: Faults of the cameras; None: those of a Kinect.
 
     Returns:
         The scenario.
@@ -104,7 +105,7 @@ def settled(
     Raises:
         ToppleError: If no layout works out.
     """
-    return _made(name, seed, 1, lambda worlds, rng: layout(worlds[0], rng), robot, noise)
+    return _made(name, seed, 1, lambda worlds, rng: layout(worlds[0], rng), robot)
 
 
 def to_copy(
@@ -113,7 +114,6 @@ def to_copy(
     layout: Callable[[PhysicalWorld, PhysicalWorld, np.random.Generator], tuple[str, tuple[str, ...]]],
     *,
     robot: str = "panda",
-    noise: Noise | None = None,
 ) -> Scenario:
     """Make layouts of a start and of the arrangement it shall become, until both settle as they should.
 
@@ -123,7 +123,6 @@ def to_copy(
         layout: Fills two worlds that have a table with the same bodies, the start first, lets both settle and
             returns goal and targets; raises Unlucky where something fell or lies elsewhere than it should.
         robot: Name of the robot that can do it.
-        noise: Faults of the cameras; None: those of a Kinect.
 
     Returns:
         The scenario, whose `finished` is the arrangement.
@@ -131,7 +130,7 @@ def to_copy(
     Raises:
         ToppleError: If no layout works out.
     """
-    return _made(name, seed, 2, lambda worlds, rng: layout(worlds[0], worlds[1], rng), robot, noise)
+    return _made(name, seed, 2, lambda worlds, rng: layout(worlds[0], worlds[1], rng), robot)
 
 
 def _made(
@@ -140,7 +139,6 @@ def _made(
     count: int,
     layout: Callable[[Sequence[PhysicalWorld], np.random.Generator], tuple[str, tuple[str, ...]]],
     robot: str,
-    noise: Noise | None,
 ) -> Scenario:
     """Lay out some worlds, the start and what it shall become, until all of them settle as they should."""
     rng = np.random.default_rng([seed, *name.encode()])
@@ -162,36 +160,18 @@ def _made(
         fixed = tuple(name for name in world.names if name in world.fixed)
         base = np.eye(4)
         base[:3, 3] = BASE
-        cameras = around((0.0, 0.0, 0.03), noise=noise)
+        cameras = around((0.0, 0.0, 0.03))
         up = np.array([0.0, 0.0, 1.0])
         return Scenario(name, seed, world, goal, targets, cameras, fixed, robot, base, up, finished)
     raise ToppleError(f"scenario {name!r} found no layout for seed {seed} in {ATTEMPTS} attempts: {reason}")
 
 
-def around(
-    target: tuple[float, float, float],
-    *,
-    count: int = 3,
-    distance: float = 0.62,
-    height: float = 0.60,
-    noise: Noise | None = None,
-) -> tuple[Camera, ...]:
-    """Cameras around a place, looking down at it, the first one opposite the robot.
-
-    Args:
-        target: What they look at in [m].
-        count: How many.
-        distance: From the target along the table in [m].
-        height: Above the table in [m].
-        noise: Their faults; None: those of a Kinect.
-
-    Returns:
-        The cameras.
-    """
-    angles = np.arange(count) * (2 * np.pi / count)
+def around(target: tuple[float, float, float]) -> tuple[Camera, ...]:
+    """Three cameras around a place (3,) [m], looking down at it, the first one opposite the robot."""
+    angles = np.arange(CAMERAS) * (2 * np.pi / CAMERAS)
     return tuple(
         Camera.looking_at(
-            (target[0] + distance * np.cos(a), target[1] + distance * np.sin(a), height), target, noise=noise
+            (target[0] + DISTANCE * np.cos(a), target[1] + DISTANCE * np.sin(a), HEIGHT), target
         )
         for a in angles.tolist()
     )

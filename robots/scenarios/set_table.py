@@ -5,7 +5,6 @@ from scipy.spatial.transform import Rotation
 
 from topple.robots.scenarios.scenario import Scenario, Unlucky, lay, pose_at, to_copy, touching
 from topple.robots.shapes import bowl, fork, mug, plate, spoon
-from topple.robots.world.camera import Noise
 from topple.robots.world.physical_world import PhysicalWorld
 from topple.topology.arrays import FloatArray
 
@@ -14,18 +13,17 @@ WELL = 0.0065  # [m] height of what lies in the plate
 BESIDE = 0.045  # [m] from the plate's edge to the cutlery: a hand gets down between them
 
 
-def set_table(seed: int = 0, *, noise: Noise | None = None) -> Scenario:
+def set_table(seed: int = 0) -> Scenario:
     """Make the scene: fork and spoon across a plate, a bowl and a mug where the table shall be laid.
 
     Args:
         seed: Any number.
-        noise: Faults of the cameras; None: those of a Kinect.
 
     Returns:
         The scenario: `plate`, `bowl`, `fork`, `spoon`, `mug`. The plate shall lie elsewhere with the bowl on
         it, the fork to its left, the spoon to its right and the mug behind.
     """
-    return to_copy("set-table", seed, _layout, robot="panda-suction", noise=noise)
+    return to_copy("set-table", seed, _layout, robot="panda-suction")
 
 
 def _layout(

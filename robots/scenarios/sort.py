@@ -8,7 +8,6 @@ from scipy.spatial.transform import Rotation
 from topple.robots.scenarios.scenario import Scenario, Unlucky, drop, pose_at, settle, settled
 from topple.robots.shapes import apple, can, lemon, orange, plum, tray
 from topple.robots.world.bodies import Body
-from topple.robots.world.camera import Noise
 from topple.robots.world.physical_world import PhysicalWorld
 
 BIN = (0.26, 0.18, 0.05)  # [m]
@@ -26,17 +25,16 @@ FRUIT: tuple[Callable[[str], Body], ...] = (
 )
 
 
-def sort(seed: int = 0, *, noise: Noise | None = None) -> Scenario:
+def sort(seed: int = 0) -> Scenario:
     """Make the scene: two or three cans, as many fruits, and bins that are bolted to the table.
 
     Args:
         seed: Any number.
-        noise: Faults of the cameras; None: those of a Kinect.
 
     Returns:
         The scenario: things named `can_N` and `fruit_N`, `bin_can` and `bin_fruit`.
     """
-    return settled("sort", seed, _layout, robot="panda", noise=noise)
+    return settled("sort", seed, _layout, robot="panda")
 
 
 def _layout(world: PhysicalWorld, rng: np.random.Generator) -> tuple[str, tuple[str, ...]]:

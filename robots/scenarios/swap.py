@@ -8,7 +8,6 @@ from scipy.spatial.transform import Rotation
 from topple.robots.scenarios.scenario import Scenario, lay, pose_at, to_copy
 from topple.robots.shapes import box, can, mug
 from topple.robots.world.bodies import Body
-from topple.robots.world.camera import Noise
 from topple.robots.world.physical_world import PhysicalWorld
 from topple.topology.arrays import FloatArray
 
@@ -20,17 +19,16 @@ THINGS = (
 APART = (0.22, 0.30)  # [m] between the two
 
 
-def swap(seed: int = 0, *, noise: Noise | None = None) -> Scenario:
+def swap(seed: int = 0) -> Scenario:
     """Make the scene: a box, a can and a mug, of which two shall change places.
 
     Args:
         seed: Any number.
-        noise: Faults of the cameras; None: those of a Kinect.
 
     Returns:
         The scenario: `box`, `can` and `mug`; each of the two has to stand where the other one does.
     """
-    return to_copy("swap", seed, _layout, noise=noise)
+    return to_copy("swap", seed, _layout)
 
 
 def _layout(

@@ -6,7 +6,6 @@ from scipy.spatial.transform import Rotation
 from topple.robots.scenarios.scenario import Scenario, Unlucky, pose_at, settle, settled
 from topple.robots.shapes import block
 from topple.robots.world.bodies import Color
-from topple.robots.world.camera import Noise
 from topple.robots.world.physical_world import PhysicalWorld
 
 SIDE = 0.05  # [m] a toy block; a Panda's hand opens 8 cm
@@ -20,17 +19,16 @@ COLORS: dict[str, Color] = {
 TOWER = ("red", "green", "blue")
 
 
-def tower(seed: int = 0, *, noise: Noise | None = None) -> Scenario:
+def tower(seed: int = 0) -> Scenario:
     """Make the scene: four blocks in two or three stacks, never already the tower.
 
     Args:
         seed: Any number.
-        noise: Faults of the cameras; None: those of a Kinect.
 
     Returns:
         The scenario: `red`, `green`, `blue`, `yellow`.
     """
-    return settled("tower", seed, _layout, robot="panda", noise=noise)
+    return settled("tower", seed, _layout, robot="panda")
 
 
 def _layout(world: PhysicalWorld, rng: np.random.Generator) -> tuple[str, tuple[str, ...]]:
