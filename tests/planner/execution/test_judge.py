@@ -37,6 +37,9 @@ def test_a_goal_holds_only_where_the_true_poses_say_so() -> None:
         assert truly_unmet(parse_goal("green on blue", scene), world, UP) == ()
         assert truly_unmet(parse_goal("red on blue", scene), world, UP) == ("red is not on blue",)
         assert truly_unmet(parse_goal(["blue"], scene), world, UP) == ("blue is not free: it carries green",)
+        world.remove("blue")
+        assert truly_unmet(parse_goal(["blue"], scene), world, UP) == ("blue is not free: it is gone",)
+        assert truly_unmet(parse_goal("green on blue", scene), world, UP) == ("green is not on blue",)
 
 
 def test_what_is_in_a_hollow_or_under_a_load_is_told_from_poses_and_forces() -> None:
