@@ -234,7 +234,7 @@ def test_an_output_that_cannot_be_written_is_refused_before_the_work(
     nothing = tmp_path / "nothing.npz"
     assert "does not exist" in refused("show", nothing, "-o", tmp_path / "no" / "page.html")
     assert "is a folder" in refused("show", nothing, "-o", _made(tmp_path / "dir.html"))
-    assert ".html, .png, .gif, .svg" in refused("show", nothing, "-o", tmp_path / "page.pdf")
+    assert ".html, .png, .gif, .svg" in refused("show", nothing, "-o", tmp_path / "page.jpg")
 
 
 def _made(folder: Path) -> Path:
