@@ -81,20 +81,22 @@ def planned(goal: str, arm: str) -> Plan:
     return plan(scene_for(goal), goal, arm, base=BASE, check=False)
 
 
-def catch(case: tuple[str, str], every: int = 1) -> Caught:
+def catch(case: tuple[str, str], every: int = 1, first: int = 0) -> Caught:
     """Spoil a plan in every way, and see what is noticed.
 
     Args:
         case: One of `CASES`.
         every: Which of the ways are tried: 3 for every third.
+        first: The first of them.
 
     Returns:
         What was noticed.
     """
     goal, arm = case
     made = planned(goal, arm)
-    tried, escaped = _spoilt(made, Situation(scene_for(goal)), every)
-    for unreadable in UNREADABLE[::every]:
+    some = slice(first, None, every)
+    tried, escaped = _spoilt(made, Situation(scene_for(goal)), some)
+    for unreadable in UNREADABLE[some]:
         document = json.loads(plan_to_json(made))
         if unreadable(document) is False:
             continue
@@ -104,17 +106,17 @@ def catch(case: tuple[str, str], every: int = 1) -> Caught:
             escaped.append(unreadable.__name__)
         except InvalidInput:
             pass
-    for other in OTHER_SCENES[::every]:
+    for other in OTHER_SCENES[some]:
         tried += 1
         if verify(made, other(scene_for(goal), made.steps[-1].object), step=ROUGH).ok:
             escaped.append(other.__name__)
     return Caught(f"{goal}, {arm}", tried, tuple(escaped))
 
 
-def _spoilt(made: Plan, situation: Situation, every: int) -> tuple[int, list[str]]:
+def _spoilt(made: Plan, situation: Situation, some: slice) -> tuple[int, list[str]]:
     """How many ways to spoil a plan could be tried, and which of them nobody noticed."""
     tried, escaped = 0, list[str]()
-    for spoil in SPOILT[::every]:
+    for spoil in SPOILT[some]:
         document = json.loads(plan_to_json(made))
         if spoil(document) is False:
             continue

@@ -26,8 +26,9 @@ def test_an_honest_plan_holds(goal: str, arm: str) -> None:
 
 @pytest.mark.parametrize(("goal", "arm"), BOTH)
 def test_every_sabotage_is_caught_and_told_of(goal: str, arm: str) -> None:
-    found = catch((goal, arm))
-    assert found.tried > len(SPOILT) - 12
+    # Each on two plans, of different scenes and hands; `topple bench reliability` tries each on all six.
+    found = catch((goal, arm), every=3, first=CASES.index((goal, arm)) % 3)
+    assert found.tried > len(SPOILT) // 3 - 6
     assert not found.escaped
 
 
