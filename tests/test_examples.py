@@ -1,3 +1,4 @@
+import json
 import os
 import subprocess
 import sys
@@ -10,8 +11,8 @@ from topple.topology import load_scene
 EXAMPLES = Path(__file__).resolve().parents[1] / "examples"
 FRAMES = EXAMPLES.parents[1] / "shared" / "data" / "rgbd"
 SCRIPTS = (
-    "dishes.py", "foreign_grasps.py", "lemon.py", "look.py", "order_clouds.py", "own_world.py", "pack.py",
-    "pile.py", "real_frame.py", "restack.py", "set_table.py", "sort.py", "swap.py",
+    "dishes.py", "foreign_grasps.py", "learn.py", "lemon.py", "look.py", "order_clouds.py", "own_world.py",
+    "pack.py", "pile.py", "real_frame.py", "restack.py", "set_table.py", "sort.py", "swap.py",
     "tower.py", "track.py", "write_bag.py", "write_bop.py",
 )  # fmt: skip
 
@@ -34,6 +35,15 @@ def test_every_example_is_tested_and_short() -> None:
     assert sorted(path.name for path in EXAMPLES.glob("*.py")) == sorted(SCRIPTS)
     for script in SCRIPTS:
         assert len((EXAMPLES / script).read_text(encoding="utf-8").splitlines()) < 60, script
+
+
+@pytest.mark.slow
+def test_a_policy_learns_and_is_held_against_the_highest_first(tmp_path: Path) -> None:
+    lines = _output(tmp_path, "learn.py", "learned.json", "8", "1")
+    assert [line.split(":")[0] for line in lines] == ["8 scenes", "learned", "highest"]
+    found = json.loads((tmp_path / "learned.json").read_text(encoding="utf-8"))
+    assert len(found["returns"]) == 8 and len(found["learned"]) == len(found["highest"]) == 1
+    assert found["weights"][3] < 0 < found["weights"][2]  # what is barred waits, what bars the target goes
 
 
 @pytest.mark.slow
