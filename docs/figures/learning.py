@@ -10,6 +10,7 @@ import numpy as np
 
 BLUE, ORANGE, INK, PAPER = "#3b6fb5", "#c96a1c", "#333333", "#ffffff"  # no studio: that needs PyVista
 FOLDER = Path(__file__).parent
+FONT = 'font-family="sans-serif" font-size="14"'
 LEFT, WIDE, ZERO, UNIT = 70, 400, 110, 90  # [px] of the plot; where a return is 0, and per unit of it
 
 
@@ -22,23 +23,23 @@ def main() -> None:
     parts = [f'<rect width="640" height="220" fill="{PAPER}"/>']
     for value in (-1, 0, 1):
         parts.append(_line(ZERO - UNIT * value, INK, "0.4", f"{value}", 40))
-    for name, colour in (("learned", BLUE), ("highest", ORANGE)):
+    for name, colour, down in (("learned", BLUE, 1), ("highest", ORANGE, 12)):
         mean = float(np.mean([row[0] for row in told[name]]))
-        parts.append(_line(ZERO - UNIT * mean, colour, "2", f"{name}, fresh: {mean:.2f}", LEFT + WIDE + 6))
+        parts.append(
+            _line(ZERO - UNIT * mean, colour, "2", f"{name}, fresh: {mean:.2f}", LEFT + WIDE + 6, down)
+        )
     parts.append(f'<polyline points="{curve}" fill="none" stroke="{BLUE}" stroke-width="2"/>')
     parts += [
         f'<circle cx="{x:.0f}" cy="{ZERO - UNIT * y:.0f}" r="4"/>' for x, y in zip(at, batches, strict=True)
     ]
-    parts.append(
-        f'<text x="{LEFT}" y="216" font-family="sans-serif">mean return of each batch of 8 piles, in order</text>'
-    )
-    head = f'<svg xmlns="http://www.w3.org/2000/svg" viewBox="0 0 640 220" fill="{INK}">'
+    parts.append(f'<text x="{LEFT}" y="216">mean return of each batch of 8 piles, in order</text>')
+    head = f'<svg xmlns="http://www.w3.org/2000/svg" viewBox="0 0 640 220" fill="{INK}" {FONT}>'
     (FOLDER / "learning.svg").write_text("\n".join([head, *parts, "</svg>\n"]), encoding="utf-8")
 
 
-def _line(y: float, colour: str, width: str, text: str, x: int) -> str:
+def _line(y: float, colour: str, width: str, text: str, x: int, down: int = 5) -> str:
     line = f'<line x1="{LEFT}" x2="{LEFT + WIDE}" y1="{y:.0f}" y2="{y:.0f}" stroke="{colour}"'
-    return f'{line} stroke-width="{width}"/><text x="{x}" y="{y + 5:.0f}" font-family="sans-serif" font-size="14">{text}</text>'
+    return f'{line} stroke-width="{width}"/><text x="{x}" y="{y + down:.0f}">{text}</text>'
 
 
 if __name__ == "__main__":
