@@ -299,8 +299,8 @@ class ClosedLoop:
         started = time.perf_counter()
         transfer, name = chosen.transfer, chosen.transfer.object
         done = len(self.followed)
+        events = self._decided(chosen)  # said first: on a terminal the line that counts is the one that stays
         self._say(f"{done + 1} of {done + len(chosen.order.order)}: {chosen.action} {name}: {chosen.reason}")
-        events = self._decided(chosen)
         self.judge.begin(transfer)
         outcome = execute(transfer, self.robot, self.judge.moment)
         expected = after(look.situation, transfer).scene if outcome.success else look.scene
