@@ -12,5 +12,6 @@ SIMULATED = [
     "topology/io/test_bop.py",
     "topology/rule/test_facing.py",
     "topology/statics/test_hidden.py",
+    "topology/statics/test_holding.py",
 ]
 collect_ignore = [] if find_spec("pybullet") else SIMULATED
