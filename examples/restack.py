@@ -7,7 +7,7 @@ import sys
 
 import numpy as np
 
-from topple.planner import Arrangement, ClosedLoop, Observer, Rearranging
+from topple.planner import Arrangement, ArrangementTask, ClosedLoop, Observer
 from topple.robots import SimulatedArm, robot
 from topple.robots.scenarios import scenario_called
 
@@ -21,7 +21,7 @@ def main(seed: int = 1) -> int:
         print("to build:", ", ".join(towers.built.order))
         arm = SimulatedArm(stage.world, robot("panda"), stage.pose_base_to_world)
         loop = ClosedLoop.simulated(
-            stage.world, arm, stage.cameras, Rearranging(towers), seed=seed, wanted=stage.finished.poses()
+            stage.world, arm, stage.cameras, ArrangementTask(towers), seed=seed, wanted=stage.finished.poses()
         )
         record = loop.run()
     for step in record.steps:

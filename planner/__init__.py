@@ -2,7 +2,7 @@
 
 from typing import TYPE_CHECKING
 
-from topple.topology.door import door
+from topple.topology.lazy_names import lazy_names
 
 if TYPE_CHECKING:
     from topple.planner.building.build import BuildOrder, Hold, build_order
@@ -21,18 +21,18 @@ if TYPE_CHECKING:
     from topple.planner.planning.plan import plan
     from topple.planner.rearranging.arrangement import Arrangement
     from topple.planner.rearranging.rearrange import Rearrangement, rearrange
-    from topple.planner.rearranging.task import Alike, Described, Rearranging
+    from topple.planner.rearranging.task import ArrangementTask, DescribedTask, SameShapesTask
     from topple.planner.report.plan_page import plan_page
     from topple.planner.report.run_page import run_page
 
 __all__ = [
-    "Alike",
     "Arrangement",
+    "ArrangementTask",
     "BuildOrder",
     "ClosedLoop",
     "Dependency",
     "DependencyGraph",
-    "Described",
+    "DescribedTask",
     "ForeignGrasps",
     "Hold",
     "NoSafePlan",
@@ -40,8 +40,8 @@ __all__ = [
     "Order",
     "Plan",
     "Rearrangement",
-    "Rearranging",
     "RunLimits",
+    "SameShapesTask",
     "arrange",
     "build_order",
     "demo",
@@ -59,7 +59,7 @@ __all__ = [
     "run_page",
 ]
 
-__getattr__ = door(
+__getattr__ = lazy_names(
     __name__,
     {
         "building.build": "BuildOrder Hold build_order",
@@ -78,7 +78,7 @@ __getattr__ = door(
         "planning.plan": "plan",
         "rearranging.arrangement": "Arrangement",
         "rearranging.rearrange": "Rearrangement rearrange",
-        "rearranging.task": "Alike Described Rearranging",
+        "rearranging.task": "SameShapesTask DescribedTask ArrangementTask",
         "report.plan_page": "plan_page",
         "report.run_page": "run_page",
     },

@@ -2,7 +2,7 @@
 
 from typing import TYPE_CHECKING
 
-from topple.topology.door import door
+from topple.topology.lazy_names import lazy_names
 
 if TYPE_CHECKING:
     from topple.robots.catalog import robot
@@ -23,7 +23,7 @@ __all__ = [
     "scene_from_world",
 ]
 
-__getattr__ = door(
+__getattr__ = lazy_names(
     __name__,
     {
         "catalog": "robot",

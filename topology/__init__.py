@@ -2,7 +2,7 @@
 
 from typing import TYPE_CHECKING
 
-from topple.topology.door import door
+from topple.topology.lazy_names import lazy_names
 
 if TYPE_CHECKING:
     from topple.topology.errors import InvalidInput, NotInstalled, ToppleError, UnknownObject
@@ -46,7 +46,7 @@ __all__ = [
     "thinned",
 ]
 
-__getattr__ = door(
+__getattr__ = lazy_names(
     __name__,
     {
         "errors": "InvalidInput NotInstalled ToppleError UnknownObject",

@@ -2,6 +2,7 @@
 
 from topple.topology.arrays import FloatArray
 from topple.topology.cloud import clean
+from topple.topology.geometry.rigid import transformed
 from topple.topology.scene import Scene
 
 
@@ -13,16 +14,11 @@ def in_frame(scene: Scene, pose_scene_to_frame: FloatArray, up: FloatArray) -> S
         pose_scene_to_frame: (4, 4) rigid transform.
         up: (3,) against gravity in that frame.
     """
-    rotation, offset = pose_scene_to_frame[:3, :3], pose_scene_to_frame[:3, 3]
-
-    def turned(points: FloatArray) -> FloatArray:
-        return points @ rotation.T + offset
-
     return Scene(
-        {name: clean(turned(cloud)) for name, cloud in scene.clouds.items()},
+        {name: clean(transformed(cloud, pose_scene_to_frame)) for name, cloud in scene.clouds.items()},
         sorted(scene.fixed),
         up,
-        turned(scene.viewpoints) if len(scene.viewpoints) else None,
+        transformed(scene.viewpoints, pose_scene_to_frame) if len(scene.viewpoints) else None,
         assumptions=scene.assumptions,
         masses=scene.masses,
         friction=scene.friction,

@@ -1,6 +1,6 @@
 """What frozen types are made of: mappings that cannot be written to and travel, and equality by value."""
 
-from collections.abc import Mapping
+from collections.abc import Collection, Mapping
 from dataclasses import fields
 from enum import Enum
 from typing import Any, NoReturn, TypeVar
@@ -70,3 +70,11 @@ def same(a: Any, b: Any) -> bool:
     if isinstance(a, (tuple, list)) and isinstance(b, (tuple, list)):
         return len(a) == len(b) and all(same(x, y) for x, y in zip(a, b, strict=True))
     return bool(a == b)
+
+
+def free_name(name: str, taken: Collection[str]) -> str:
+    """A name, or with a number from 2 on behind it where it is taken."""
+    free, number = name, 2
+    while free in taken:
+        free, number = f"{name}_{number}", number + 1
+    return free

@@ -14,7 +14,7 @@ from topple.planner.cli.arguments import COMMON, FORMATS, add, add_jobs, add_sce
 from topple.planner.cli.console import print_json, print_table, print_text
 from topple.planner.cli.main import DONE
 from topple.planner.cli.many import for_each_scene
-from topple.planner.cli.options import Reading, order_by, orderer_of, rule_of, scene_paths
+from topple.planner.cli.options import Reading, orderer_of, rule_of, scene_paths
 from topple.planner.cli.progress import Progress
 from topple.topology.errors import InvalidInput
 
@@ -106,6 +106,8 @@ def _order_found(how: _How, path: str) -> "tuple[Guess, tuple[str, ...]]":
     scene = how.reading.scene(path)
     relations = None if how.relating is None else how.relating(scene)
     if how.orderer is not None:
+        from topple.planner.planning.step import order_by
+
         found = order_by(how.orderer, scene, None, relations, how.seed)
     else:
         found = order(scene, seed=how.seed, verify=how.verify, relations=relations)

@@ -12,7 +12,7 @@ from topple.planner.cli.console import complain
 from topple.planner.cli.main import WRONG_USE
 from topple.planner.cli.options import scene_paths
 from topple.planner.cli.progress import Progress
-from topple.planner.cli.scattered import Lost, scattered
+from topple.planner.workers import Lost, mapped, worker_pool
 from topple.topology.errors import InvalidInput, NotInstalled
 
 Answer = TypeVar("Answer")
@@ -51,11 +51,9 @@ def for_each_scene(
         if args.cluster is not None:
             client = stack.enter_context(_cluster(args.cluster))
             count = max(1, len(client.scheduler_info()["workers"]))
-            answers = scattered(partial(_attempt, work), paths, client.get_executor, count)
+            answers = mapped(partial(_attempt, work), paths, client.get_executor, count)
         elif workers > 1:
-            from topple.planner.workers import worker_pool
-
-            answers = scattered(partial(_attempt, work), paths, partial(worker_pool, workers), workers)
+            answers = mapped(partial(_attempt, work), paths, partial(worker_pool, workers), workers)
         for number, path in enumerate(paths, 1):
             progress(f"{path} ({number} of {len(paths)})" if len(paths) > 1 else path)
             answer = next(answers)

@@ -9,7 +9,6 @@ from functools import partial
 from typing import TYPE_CHECKING, Any, cast
 
 if TYPE_CHECKING:
-    from topple.planner.decide.arrange import Order
     from topple.planner.formats.plan_format import Plan
     from topple.planner.planning.step import Orderer
     from topple.topology.relations import Relations
@@ -45,34 +44,6 @@ def orderer_of(args: argparse.Namespace) -> "Orderer | None":
     from topple.planner.planning.step import ORDERERS
 
     return ORDERERS[args.orderer]
-
-
-def order_by(
-    orderer: "Orderer",
-    scene: "Scene",
-    targets: list[str] | None,
-    relations: "Relations | None",
-    seed: int,
-) -> "Order":
-    """The order that an orderer gives of a scene.
-
-    Args:
-        orderer: What orders.
-        scene: The scene.
-        targets: What is to be freed; everything where None.
-        relations: The scene's relations where they are known.
-        seed: Of every search.
-
-    Raises:
-        InvalidInput: A target is fixed, or the answer is no order.
-        UnknownObject: A target, or what the answer takes, is not in the scene.
-    """
-    from topple.planner.planning.order import check_targets
-    from topple.planner.planning.step import ask
-    from topple.topology.situation import Situation
-
-    wanted = check_targets(scene, targets) or scene.movable
-    return ask(orderer, Situation(scene, relations), wanted, seed=seed)
 
 
 def scene_paths(args: argparse.Namespace, *, many: bool = True) -> list[str]:

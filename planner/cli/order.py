@@ -10,7 +10,7 @@ from topple.planner.cli.arguments import COMMON, GRIPPER, add, add_jobs, add_sce
 from topple.planner.cli.console import complain, print_json
 from topple.planner.cli.main import DONE, NO_SAFE_PLAN
 from topple.planner.cli.many import for_each_scene
-from topple.planner.cli.options import Reading, order_by, orderer_of, rule_of, scene_paths
+from topple.planner.cli.options import Reading, orderer_of, rule_of, scene_paths
 from topple.planner.cli.progress import Progress
 from topple.planner.cli.robot_options import arm_of
 from topple.planner.cli.tables import (
@@ -140,6 +140,8 @@ def _ordered(
 
 def _ordered_by(orderer: "Orderer", target: list[str] | None, seed: int, situation: "Situation") -> _Answer:
     """The order of another orderer."""
+    from topple.planner.planning.step import order_by
+
     found = order_by(orderer, situation.scene, target, situation.known_relations, seed)
     return _Answer(found.to_json(), len(situation.movable), tuple(found.unresolved))
 

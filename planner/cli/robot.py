@@ -122,6 +122,6 @@ def _grasp_words(said: dict[str, Any]) -> str:
 
 
 def _draw(found: "Examined", path: "Path") -> None:
-    from topple.planner.execution.portrait import portrait
+    from topple.planner.report.portrait import portrait
 
     write_whole(path, portrait(found.arm, None if found.grasped is None else found.grasped.trial))

@@ -33,13 +33,13 @@ def goal_of(args: argparse.Namespace) -> "str | list[str] | Task":
         args.parser.error("give one of --target NAME, --goal TEXT and --to GOAL")
     if args.to is not None:
         from topple.planner.rearranging.arrangement import Arrangement
-        from topple.planner.rearranging.task import Alike, Described, Rearranging
+        from topple.planner.rearranging.task import ArrangementTask, DescribedTask, SameShapesTask
         from topple.planner.rearranging.words import is_words
 
         if is_words(args.to):
-            return Described(args.to)
+            return DescribedTask(args.to)
         scene = read_scene(args, args.to)
-        return Alike(scene) if args.match == "shape" else Rearranging(Arrangement(scene))
+        return SameShapesTask(scene) if args.match == "shape" else ArrangementTask(Arrangement(scene))
     return args.goal if args.goal is not None else args.target
 
 

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 from topple.planner.cli.arguments import COMMON, add, add_scenes
 from topple.planner.cli.console import print_json, print_text
 from topple.planner.cli.main import DONE
-from topple.planner.cli.options import order_by, orderer_of, read_scene, rule_of, scene_paths
+from topple.planner.cli.options import orderer_of, read_scene, rule_of, scene_paths
 from topple.planner.cli.progress import Progress
 from topple.planner.files import check_writable, write_whole
 from topple.topology.errors import InvalidInput
@@ -85,6 +85,8 @@ def _order(args: argparse.Namespace, scene: "Scene", relations: "Relations") -> 
         return None
     orderer = orderer_of(args)
     if orderer is not None:
+        from topple.planner.planning.step import order_by
+
         return order_by(orderer, scene, args.target, relations, args.seed)
     return order(scene, args.target, seed=args.seed, relations=relations)
 

@@ -15,12 +15,12 @@ from topple.planner.execution.loop import ClosedLoop
 from topple.planner.files import check_writable, make_folder, write_all, write_whole
 from topple.planner.formats.plan_format import plan_to_json
 from topple.planner.formats.run_record import INTERRUPTED, Document, RunRecord
-from topple.planner.planning.next_step import Said
+from topple.planner.planning.next_step import GoalTask
 from topple.planner.planning.order import cautious
 from topple.planner.planning.plan import plan, plan_as_done
 from topple.planner.planning.step import Orderer, Station, Task
 from topple.planner.rearranging.arrangement import Arrangement
-from topple.planner.rearranging.task import Rearranging
+from topple.planner.rearranging.task import ArrangementTask
 from topple.planner.report.rerun_file import RATE as RERUN_RATE
 from topple.planner.report.rerun_file import rerun_file
 from topple.planner.report.run_page import run_page
@@ -184,9 +184,9 @@ def task_in(stage: Scenario, cameras: Sequence[Camera], seed: int = 0) -> Task:
         seed: Of their noise.
     """
     if stage.finished is None:
-        return Said(stage.goal)
+        return GoalTask(stage.goal)
     eyes = Observer(stage.finished, cameras, np.random.default_rng(seed), stage.fixed, stage.up)
-    return Rearranging(Arrangement(eyes.look().scene))
+    return ArrangementTask(Arrangement(eyes.look().scene))
 
 
 def _text(document: object) -> str:

@@ -8,8 +8,8 @@ import numpy as np
 from topple.planner.decide.goal import Goal
 from topple.planner.execution.attained import truly_unmet
 from topple.planner.execution.execute import MISSED, TAKEN
+from topple.planner.execution.goal_poses import off_goal_poses
 from topple.planner.execution.monitor import Verdict
-from topple.planner.execution.places import misplaced
 from topple.planner.tolerances import DISTURBED, TURNED
 from topple.planner.transfer.transfer import Transfer
 from topple.robots.poses import angle_between
@@ -142,7 +142,7 @@ class Judge:
             wanted = {name: pose @ self._first[name] for name, pose in goal.poses.items()}
         return (
             *truly_unmet(goal, self._world, self._up),
-            *misplaced(self._world, wanted, self._up, self._limits.distance, self._limits.angle),
+            *off_goal_poses(self._world, wanted, self._up, self._limits.distance, self._limits.angle),
         )
 
 

@@ -25,7 +25,7 @@ from topple.planner.formats.run_record import INTERRUPTED, RunRecord, StepRecord
 from topple.planner.grasp.given import GraspsByObject
 from topple.planner.grasp.grasp import Grasp
 from topple.planner.motion.collision import Checker
-from topple.planner.planning.next_step import Said
+from topple.planner.planning.next_step import GoalTask
 from topple.planner.planning.order import cautious
 from topple.planner.planning.step import Action, Chooser, Context, NextStep, Orderer, Station, Task
 from topple.planner.transfer.transfer import after
@@ -94,7 +94,7 @@ class ClosedLoop:
     wrist: HandCamera | None = None
 
     def __post_init__(self) -> None:
-        self.task = Said.of(self.goal)
+        self.task = GoalTask.of(self.goal)
         self._done: list[tuple[str, str]] = []
         self.followed: list[NextStep] = []
         self._attempts: Counter[str] = Counter()

@@ -11,7 +11,7 @@ from topple.planner.files import write_whole
 from topple.planner.formats.run_record import RunRecord
 from topple.planner.grasp.given import OwnGrasps, own_grasps
 from topple.planner.grasp.grasp import Grasp
-from topple.planner.planning.next_step import Said
+from topple.planner.planning.next_step import GoalTask
 from topple.planner.planning.order import cautious
 from topple.planner.planning.step import Orderer, Task
 from topple.planner.report.rerun_file import RATE as RERUN_RATE
@@ -80,7 +80,7 @@ def run(
     """
     arm = robot_named(robot) if isinstance(robot, str) else robot
     check_tool(arm)
-    task = Said.of(goal)
+    task = GoalTask.of(goal)
     task.goal(scene)
     check_up(scene)
     own = {} if grasps is None else own_grasps(grasps, scene, arm)

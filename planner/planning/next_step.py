@@ -31,7 +31,7 @@ from topple.topology.situation import Situation
 
 
 @dataclass(frozen=True)
-class Said:
+class GoalTask:
     """A task in words, or as names of what is to be freed: see `topple.planner.decide.goal.parse_goal`."""
 
     words: str | Sequence[str]
@@ -39,7 +39,7 @@ class Said:
     @staticmethod
     def of(goal: str | Sequence[str] | Task) -> Task:
         """What somebody wants, as a task."""
-        return goal if isinstance(goal, Task) else Said(goal)
+        return goal if isinstance(goal, Task) else GoalTask(goal)
 
     def in_frame(self, _pose: FloatArray, _up: FloatArray, /) -> Task:
         """The same: words hold in any frame."""

@@ -18,7 +18,7 @@ from topple.planner.grasp.given import GraspsByObject, OwnGrasps, own_grasps
 from topple.planner.grasp.grasp import Grasp
 from topple.planner.placement.base import choose_base
 from topple.planner.placement.drops import simulated
-from topple.planner.planning.next_step import Said
+from topple.planner.planning.next_step import GoalTask
 from topple.planner.planning.order import ordered
 from topple.planner.planning.start import check_start, check_upright
 from topple.planner.planning.step import Context, NextStep, Orderer, Station, Task
@@ -94,7 +94,7 @@ def plan(
     """
     arm = robot_named(robot) if isinstance(robot, str) else robot
     check_tool(arm)
-    task = Said.of(goal)
+    task = GoalTask.of(goal)
     wanted = task.goal(scene)
     check_up(scene)
     situation = Situation(scene)

@@ -11,12 +11,13 @@ from topple.planner.decide.goal import Goal
 from topple.planner.fallbacks import Fallback
 from topple.planner.grasp.given import GraspsByObject
 from topple.planner.grasp.grasp import Grasp
-from topple.planner.planning.order import ordered
+from topple.planner.planning.order import check_targets, ordered
 from topple.planner.transfer.transfer import Transfer
 from topple.robots.arm.arm import Arm
 from topple.topology.arrays import FloatArray
 from topple.topology.errors import InvalidInput, UnknownObject
 from topple.topology.plugins import Table
+from topple.topology.relations import Relations
 from topple.topology.scene import Scene
 from topple.topology.situation import Situation
 from topple.topology.values import Word
@@ -249,3 +250,27 @@ def ask(
         if name not in scene.movable:
             raise UnknownObject(name, scene.movable, role="object in the orderer's order")
     return chosen
+
+
+def order_by(
+    orderer: Orderer,
+    scene: Scene,
+    targets: Sequence[str] | None,
+    relations: Relations | None,
+    seed: int,
+) -> Order:
+    """The order that an orderer gives of a scene.
+
+    Args:
+        orderer: What orders.
+        scene: The scene.
+        targets: What is to be freed; everything where None.
+        relations: The scene's relations where they are known.
+        seed: Of every search.
+
+    Raises:
+        InvalidInput: A target is fixed, or the answer is no order.
+        UnknownObject: A target, or what the answer takes, is not in the scene.
+    """
+    wanted = check_targets(scene, targets) or scene.movable
+    return ask(orderer, Situation(scene, relations), wanted, seed=seed)

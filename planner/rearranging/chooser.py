@@ -17,14 +17,14 @@ from topple.planner.planning.step import Action, Context, NextStep
 from topple.planner.planning.transfers import Transfers
 from topple.planner.rearranging.arrangement import Arrangement
 from topple.planner.rearranging.moves import Moves, contracted, fewest_moves
-from topple.planner.rearranging.needs import Needs, needs
+from topple.planner.rearranging.precedences import Precedences, precedences
 from topple.planner.rearranging.problem import Act, Move, Pair, Problem, To
 from topple.planner.rearranging.registration import Registration, turns
-from topple.planner.rearranging.tolerances import LESSONS, RAISED, TURNS
+from topple.planner.rearranging.tolerances import MOST_LEARNED, RAISED, TURNS
 from topple.planner.transfer.segments import SegmentKind
 from topple.planner.transfer.transfer import Transfer
 from topple.topology.arrays import FloatArray
-from topple.topology.geometry.rigid import transformed
+from topple.topology.geometry.rigid import transformed, turned_to
 from topple.topology.situation import Situation
 
 TAKING = (SegmentKind.GRASP, SegmentKind.APPROACH, SegmentKind.LIFT)
@@ -39,8 +39,8 @@ class MoveChooser:
         context: What it is chosen in; an order of its own decides what lies on what.
         arrangement: How things shall lie.
         seconds: How long to search for proof that no sequence of moves is shorter.
-        lessons: What the arm was found to need before.
-        learn: Told of each further thing it is found to need.
+        learned: What was found to have to happen before what, for the arm.
+        learn: Told of each further such pair.
     """
 
     def __init__(
@@ -51,12 +51,12 @@ class MoveChooser:
         arrangement: Arrangement,
         seconds: float,
         *,
-        lessons: frozenset[Pair],
+        learned: frozenset[Pair],
         learn: Callable[[Pair], object],
     ) -> None:
         self._situation, self._scene, self._goal, self._context = situation, situation.scene, goal, context
         self._arrangement, self._seconds = arrangement, seconds
-        self._lessons, self._learn = set(lessons), learn
+        self._learned, self._learn = set(learned), learn
         self._transfers = Transfers(situation, context)
         known = [name for name in situation.movable if name in arrangement.situation.movable]
         self._fits = {name: arrangement.fit(name, situation) for name in known}
@@ -85,13 +85,13 @@ class MoveChooser:
         taken = self._context.ask(self._situation, self._situation.movable)
         needed = self._needed(taken)
         while True:
-            problem = replace(needed.problem, before=needed.problem.before | self._lessons)
+            problem = replace(needed.problem, before=needed.problem.before | self._learned)
             found = fewest_moves(problem, self._seconds)
             order = replace(taken, order=tuple(m.object for m in found.moves if m.to is To.GOAL))
             for move in _ready(problem, found):
                 if (step := self._step(move, needed, order)) is not None:
                     return step
-            if len(self._failed) > LESSONS or not self._taught(problem):
+            if len(self._failed) > MOST_LEARNED or not self._learned_more(problem):
                 return self._aside_first(order)
 
     def _lost(self) -> tuple[str, ...]:
@@ -108,7 +108,7 @@ class MoveChooser:
             return last == Action.PLACE
         return self._fits[name].stays
 
-    def _needed(self, taken: Order) -> Needs:
+    def _needed(self, taken: Order) -> Precedences:
         """What has to happen before what."""
         upright = self._situation.statics.upright.rotation
         surfaces = dict(self._situation.surfaces)
@@ -116,9 +116,9 @@ class MoveChooser:
             pose = self._fits[name].pose
             surfaces[name] = transformed(surfaces[name] @ upright, pose) @ upright.T
         staying = set(self._situation.movable) - set(self._moving)
-        return needs(self._situation, self._arrangement, taken, surfaces, staying)
+        return precedences(self._situation, self._arrangement, taken, surfaces, staying)
 
-    def _step(self, move: Move, needed: Needs, order: Order) -> NextStep | None:
+    def _step(self, move: Move, needed: Precedences, order: Order) -> NextStep | None:
         """A move as a step, where the arm can make it; it is tried once."""
         if move in self._failed:
             return None
@@ -155,9 +155,7 @@ class MoveChooser:
         angles = turns(there, up)
         found: list[Placement] = []
         for angle in angles[:: max(1, len(angles) // TURNS)]:
-            turn = np.eye(4)
-            turn[:3, :3] = about(up, angle)
-            turn[:3, 3] = middle - turn[:3, :3] @ middle
+            turn = turned_to(about(up, angle), middle, middle)
             found.append(replace(place, pose_before_to_after=turn @ pose))
         return found
 
@@ -171,22 +169,24 @@ class MoveChooser:
         pose = self._fits[name].pose
         return transformed(self._scene.clouds[name], pose)
 
-    def _taught(self, problem: Problem) -> bool:
+    def _learned_more(self, problem: Problem) -> bool:
         """Take down what has to make room for a move that failed, where some order heeds it."""
         for move, failure in self._failed.items():
             for other in dict.fromkeys((*failure.barring, *self._transfers.barring(failure))):
                 if other not in (*problem.moving, *problem.staying) or other == move.object:
                     continue
-                pairs = self._lesson(move, failure, other, problem)
+                pairs = self._precedences_of(move, failure, other, problem)
                 if pairs <= problem.before or not _possible(problem, pairs, self._seconds):
                     continue
-                self._lessons |= pairs
+                self._learned |= pairs
                 for pair in pairs:
                     self._learn(pair)
                 return True
         return False
 
-    def _lesson(self, move: Move, failure: TransferFailure, other: str, problem: Problem) -> frozenset[Pair]:
+    def _precedences_of(
+        self, move: Move, failure: TransferFailure, other: str, problem: Problem
+    ) -> frozenset[Pair]:
         """What has to happen before a move whose hand or load another object is in the way of.
 
         What is where it shall be, and makes room, comes back only when the room is no longer needed.

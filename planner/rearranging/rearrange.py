@@ -12,7 +12,7 @@ from topple.planner.decide.dependency import Dependency
 from topple.planner.planning.order import order
 from topple.planner.rearranging.arrangement import Arrangement
 from topple.planner.rearranging.moves import fewest_moves
-from topple.planner.rearranging.needs import Place, needs
+from topple.planner.rearranging.precedences import OccupiedPlace, precedences
 from topple.planner.rearranging.problem import Move, To
 from topple.planner.rearranging.tolerances import SECONDS
 from topple.planner.tolerances import DISTURBED
@@ -52,7 +52,7 @@ class Rearrangement(ByValue):
     bound: int
     removals: tuple[Dependency, ...]
     footings: tuple[Dependency, ...]
-    places: tuple[Place, ...]
+    places: tuple[OccupiedPlace, ...]
     supports: tuple[Support, ...]
     holds: tuple[Hold, ...]
     assumptions: tuple[str, ...]
@@ -143,9 +143,9 @@ def rearrange(
     if robot is None:
         return _fewest(before, wanted, seconds)
     from topple.planner.planning.plan import plan
-    from topple.planner.rearranging.task import Rearranging
+    from topple.planner.rearranging.task import ArrangementTask
 
-    return plan(before.scene, Rearranging(wanted, seconds), robot, **options)
+    return plan(before.scene, ArrangementTask(wanted, seconds), robot, **options)
 
 
 def _fewest(before: Situation, arrangement: Arrangement, seconds: float) -> Rearrangement:
@@ -154,7 +154,7 @@ def _fewest(before: Situation, arrangement: Arrangement, seconds: float) -> Rear
     taken, built = order(before), arrangement.built
     surfaces = _aligned(arrangement.situation, before)
     staying = [name for name in before.movable if _same(before.surfaces[name], surfaces[name])]
-    needed = needs(before, arrangement, taken, surfaces, staying)
+    needed = precedences(before, arrangement, taken, surfaces, staying)
     told = map(str, arrangement.matches)
     held = [f"{' and '.join(g)} hold each other at the start: hold the others" for g in taken.groups]
     found = fewest_moves(needed.problem, seconds)

@@ -30,7 +30,7 @@ from topple.planner.rearranging.tolerances import (
 )
 from topple.planner.tolerances import DISTURBED, TURNED
 from topple.topology.arrays import BoolArray, FloatArray, frozen
-from topple.topology.geometry.rigid import transformed
+from topple.topology.geometry.rigid import transformed, turned_to
 from topple.topology.geometry.thin import voxel_means
 
 
@@ -120,9 +120,9 @@ def least(fit: Registration, start: FloatArray, surface: FloatArray, up: FloatAr
         surface: (M, 3) points of all of it, hidden sides too [m].
         up: (3,) unit vector.
     """
-    there = _at(fit.pose, surface)
+    there = transformed(surface, fit.pose)
     middle = (there.min(axis=0) + there.max(axis=0)) / 2.0
-    alike = (_about(about(up, angle), middle, middle) @ fit.pose for angle in turns(there, up))
+    alike = (turned_to(about(up, angle), middle, middle) @ fit.pose for angle in turns(there, up))
     return min((_told(pose, start, fit.residual) for pose in alike), key=lambda each: round(each.turn, 6))
 
 
@@ -131,7 +131,7 @@ def _point_by_point(start: FloatArray, goal: FloatArray) -> Registration | None:
     if start.shape != goal.shape or len(start) < 3:
         return None
     pose = _rigid(start, goal)
-    left = float(np.linalg.norm(_at(pose, start) - goal, axis=1).max())
+    left = float(np.linalg.norm(transformed(start, pose) - goal, axis=1).max())
     return _told(pose, start, left) if left < ALIKE else None
 
 
@@ -146,24 +146,13 @@ def _rigid(a: FloatArray, b: FloatArray) -> FloatArray:
     here, there = a.mean(axis=0), b.mean(axis=0)
     u, _, vt = np.linalg.svd((a - here).T @ (b - there))
     flip = np.diag([1.0, 1.0, np.sign(np.linalg.det(u @ vt)) or 1.0])
-    return _about(vt.T @ flip @ u.T, here, there)
-
-
-def _about(rotation: FloatArray, here: FloatArray, there: FloatArray) -> FloatArray:
-    """(4, 4) the motion that turns and brings one place to another."""
-    pose = np.eye(4)
-    pose[:3, :3], pose[:3, 3] = rotation, there - rotation @ here
-    return pose
-
-
-def _at(pose: FloatArray, points: FloatArray) -> FloatArray:
-    return transformed(points, pose)
+    return turned_to(vt.T @ flip @ u.T, here, there)
 
 
 def _told(pose: FloatArray, start: FloatArray, residual: float) -> Registration:
     middle = (start.min(axis=0) + start.max(axis=0)) / 2.0
     turn = float(Rotation.from_matrix(pose[:3, :3]).magnitude())
-    return Registration(pose, residual, float(np.linalg.norm(_at(pose, middle) - middle)), turn)
+    return Registration(pose, residual, float(np.linalg.norm(transformed(middle, pose) - middle)), turn)
 
 
 class _Pair:
@@ -182,16 +171,16 @@ class _Pair:
         """Motions to begin with: every heading, and principal axes onto principal axes."""
         here, there = self._a.mean(axis=0), self._b.mean(axis=0)
         for k in range(HEADINGS):
-            yield _about(about(self._up, 2.0 * np.pi * k / HEADINGS), here, there)
+            yield turned_to(about(self._up, 2.0 * np.pi * k / HEADINGS), here, there)
         own, other = (np.linalg.svd(c - c.mean(axis=0), full_matrices=False)[2] for c in (self._a, self._b))
         for order, signs in product(permutations(range(3)), product((1.0, -1.0), repeat=3)):
             rotation = other.T @ np.diag(signs) @ own[list(order)]
             if np.linalg.det(rotation) > 0.0:
-                yield _about(rotation, here, there)
+                yield turned_to(rotation, here, there)
 
     def _matched(self, pose: FloatArray) -> tuple[FloatArray, FloatArray]:
         """Points of the first cloud and those of the second that they are next to, from either side."""
-        there, nearest = map(np.asarray, self._near_b.query(_at(pose, self._a)))
+        there, nearest = map(np.asarray, self._near_b.query(transformed(self._a, pose)))
         back, own = map(np.asarray, self._near_a.query((self._b - pose[:3, 3]) @ pose[:3, :3]))
         here, over = _near(there), _near(back)
         a = np.vstack([self._a[here], self._a[own[over]]])
@@ -199,7 +188,7 @@ class _Pair:
 
     def distance(self, pose: FloatArray) -> float:
         """Mean way from a point of either cloud to the nearest of the other, none counted as too far [m]."""
-        there = self._near_b.query(_at(pose, self._a))[0]
+        there = self._near_b.query(transformed(self._a, pose))[0]
         back = self._near_a.query((self._b - pose[:3, 3]) @ pose[:3, :3])[0]
         return float(np.minimum(np.concatenate([there, back]), FAR).mean())
 
@@ -209,7 +198,9 @@ class _Pair:
         tilt = float(np.arccos(np.clip(self._up @ pose[:3, :3] @ self._up, -1.0, 1.0)))
         if tilt < LEVEL:
             middle = self._a.mean(axis=0)
-            pose = self._headed(self._followed(self._level(pose[:3, :3], middle, _at(pose, middle)), True))
+            pose = self._headed(
+                self._followed(self._level(pose[:3, :3], middle, transformed(middle, pose)), True)
+            )
         return _told(pose, self._a, self.distance(pose))
 
     def _headed(self, pose: FloatArray) -> FloatArray:
@@ -217,14 +208,14 @@ class _Pair:
 
         A mug's handle is a twelfth of its points; matched one by one the others keep it where it is.
         """
-        middle = _at(pose, self._a.mean(axis=0))
+        middle = transformed(self._a.mean(axis=0), pose)
         for steps in (COARSELY, FINELY):
-            turned = [_about(about(self._up, angle), middle, middle) @ pose for angle in steps]
+            turned = [turned_to(about(self._up, angle), middle, middle) @ pose for angle in steps]
             pose = min([pose, *turned], key=self.distance)
         for _ in range(5):
             a, b = self._matched(pose)
             pose = pose.copy()
-            pose[:3, 3] += (b - _at(pose, a)).mean(axis=0)
+            pose[:3, 3] += (b - transformed(a, pose)).mean(axis=0)
         return pose
 
     def _followed(self, pose: FloatArray, level: bool) -> FloatArray:
@@ -244,7 +235,7 @@ class _Pair:
         sine = np.array([rotation[2, 1] - rotation[1, 2], rotation[0, 2] - rotation[2, 0],
                          rotation[1, 0] - rotation[0, 1]]) @ self._up  # fmt: skip
         cosine = float(np.trace(rotation) - self._up @ rotation @ self._up)
-        return _about(about(self._up, float(np.arctan2(sine, cosine))), here, there)
+        return turned_to(about(self._up, float(np.arctan2(sine, cosine))), here, there)
 
 
 def _near(distances: FloatArray) -> BoolArray:

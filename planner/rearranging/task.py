@@ -16,7 +16,7 @@ from topple.topology.situation import Situation
 
 
 @dataclass
-class Lessons:
+class LearnedPrecedences:
     """What an arm was found to need beyond what lies on what, each with how many steps were done by then."""
 
     pairs: dict[Pair, int] = field(default_factory=dict[Pair, int])
@@ -37,7 +37,7 @@ def _left(pair: Pair, handled: Collection[str]) -> bool:
     return any(act is Act.TAKE and name in handled for act, name in pair)
 
 
-class Rearranging:
+class ArrangementTask:
     """The task to make things lie as in a finished arrangement, with the fewest moves that the arm can make.
 
     Args:
@@ -46,11 +46,11 @@ class Rearranging:
     """
 
     def __init__(self, arrangement: Arrangement, seconds: float = SECONDS) -> None:
-        self.arrangement, self.seconds, self.lessons = arrangement, seconds, Lessons()
+        self.arrangement, self.seconds, self.learned = arrangement, seconds, LearnedPrecedences()
 
     def in_frame(self, pose: FloatArray, up: FloatArray, /) -> Task:
         """The same in another frame: pose (4, 4) leads there, up (3,) is against gravity there."""
-        return Rearranging(self.arrangement.in_frame(pose, up), self.seconds)
+        return ArrangementTask(self.arrangement.in_frame(pose, up), self.seconds)
 
     def goal(self, scene: Scene) -> Goal:
         """What shall hold in the end.
@@ -68,20 +68,20 @@ class Rearranging:
         done = context.done
         return MoveChooser(
             situation, goal, context, self.arrangement, self.seconds,
-            lessons=self.lessons.now(done), learn=lambda pair: self.lessons.pairs.setdefault(pair, len(done)),
+            learned=self.learned.now(done), learn=lambda pair: self.learned.pairs.setdefault(pair, len(done)),
         )  # fmt: skip
 
 
-class _Later(ABC):
+class _LazyTask(ABC):
     """A task that is worked out for the first scene it is asked for.
 
     Args:
-        seconds: As `Rearranging` takes it.
+        seconds: As `ArrangementTask` takes it.
     """
 
     def __init__(self, seconds: float) -> None:
         self._seconds = seconds
-        self._made: Rearranging | None = None
+        self._made: ArrangementTask | None = None
 
     @abstractmethod
     def arrangement(self, scene: Scene) -> Arrangement:
@@ -107,18 +107,18 @@ class _Later(ABC):
         """What chooses the next move; see `topple.planner.planning.step.Task`."""
         return self._worked_out(situation.scene).chooser(situation, goal, context)
 
-    def _worked_out(self, scene: Scene) -> Rearranging:
+    def _worked_out(self, scene: Scene) -> ArrangementTask:
         if self._made is None:
-            self._made = Rearranging(self.arrangement(scene), self._seconds)
+            self._made = ArrangementTask(self.arrangement(scene), self._seconds)
         return self._made
 
 
-class Described(_Later):
+class DescribedTask(_LazyTask):
     """The task to make things lie as words say: see `topple.planner.rearranging.words.described`.
 
     Args:
         words: As "plate on table, bowl on plate, spoon left of plate".
-        seconds: As `Rearranging` takes it.
+        seconds: As `ArrangementTask` takes it.
     """
 
     def __init__(self, words: str, seconds: float = SECONDS) -> None:
@@ -132,12 +132,12 @@ class Described(_Later):
         return described(self.words, Situation.of(scene))
 
 
-class Alike(_Later):
+class SameShapesTask(_LazyTask):
     """The task to make things lie as in a scene of things of their shapes, whatever these are called.
 
     Args:
         goal: How things of these shapes shall lie.
-        seconds: As `Rearranging` takes it.
+        seconds: As `ArrangementTask` takes it.
     """
 
     def __init__(self, goal: Scene, seconds: float = SECONDS) -> None:

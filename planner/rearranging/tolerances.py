@@ -64,7 +64,7 @@ ALL_BUT_STRAYS = 0.98
 
 # -- chooser
 
-LESSONS = 8
+MOST_LEARNED = 8
 """Moves that fail in one situation until no more is learned of them: each takes seconds of search."""
 
 RAISED = 0.02

@@ -89,12 +89,19 @@ def graph_svg(graph: DrawnGraph, colours: Mapping[str, Colour], index: Mapping[s
     parts = [
         f'<svg class="graph" role="img" aria-label="dependency graph" width="{layout.width:.0f}" '
         f'height="{layout.height:.0f}" viewBox="0 0 {layout.width:.0f} {layout.height:.0f}">',
+        graph_shapes(graph, colours, index),
+        "</svg>",
     ]
-    parts += [_arrow(graph, edge, index) for edge in layout.routes]
+    return "".join(parts) + _legend(used, graph.hidden)
+
+
+def graph_shapes(graph: DrawnGraph, colours: Mapping[str, Colour], index: Mapping[str, int]) -> str:
+    """What is inside the `<svg>` element of `graph_svg`."""
+    layout = graph.layout
+    parts = [_arrow(graph, edge, index) for edge in layout.routes]
     parts += [_label(graph, edge, index) for edge in layout.labels]
     parts += [_box(graph, name, colours.get(name), index) for name in layout.centres]
-    parts.append("</svg>")
-    return "".join(parts) + _legend(used, graph.hidden)
+    return "".join(parts)
 
 
 def arrow_head(route: Sequence[Point], size: float = 8.0) -> tuple[Point, Point, Point]:

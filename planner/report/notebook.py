@@ -5,6 +5,7 @@ from html import escape
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
+from msgspec import to_builtins
 
 from topple.planner.report.drawing import Drawing
 from topple.planner.report.graph import DrawnGraph, graph_svg
@@ -71,11 +72,7 @@ def plan_cell(plan: "Plan") -> str:
         return _framed(page("Plan", lead + words, {}, (), compact=True), _LOW)
     scene = Scene(clouds, [thing.name for thing in plan.objects if thing.fixed], plan.up)
     drawing = Drawing.of(scene, LIMITS.cell_points)
-    edges = [
-        {"first": edge.first, "then": edge.then, "reason": edge.reason, "confidence": edge.confidence}
-        for edge in plan.dependencies
-    ]
-    order = {"order": plan.order, "dependencies": edges}
+    order = {"order": plan.order, "dependencies": to_builtins(plan.dependencies)}
     body = lead + _columns(viewer(0, ordered=True), words)
     return _cell("Plan", body, drawing, _NONE, order)
 

@@ -5,6 +5,7 @@ from html import escape
 from typing import Any
 
 import numpy as np
+from msgspec import to_builtins
 
 from topple.planner.formats.arm_motion import ArmMotion, Carry, Drive
 from topple.planner.formats.plan_format import Plan, Step
@@ -98,10 +99,7 @@ class _PlanPage:
         self.order: Document = {
             "order": list(dict.fromkeys(plan.order)),
             "targets": [step.object for step in plan.steps if step.action != "remove"],
-            "dependencies": [
-                {"first": edge.first, "then": edge.then, "reason": edge.reason, "confidence": edge.confidence}
-                for edge in plan.dependencies
-            ],
+            "dependencies": to_builtins(plan.dependencies),
         }
 
     def build(self) -> str:

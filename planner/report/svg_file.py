@@ -5,7 +5,7 @@ from dataclasses import dataclass
 from html import escape
 from typing import Any
 
-from topple.planner.report.graph import DrawnGraph, graph_svg
+from topple.planner.report.graph import DrawnGraph, graph_shapes
 from topple.planner.report.palette import Colour, css, object_colours, reason_colour
 from topple.planner.report.words import listed
 from topple.topology.scene import Scene
@@ -77,7 +77,7 @@ def graph_file(scene: Scene, order: Document) -> str:
         An SVG document without scripts, fetched fonts or links; each arrow's and box's title says what it is.
     """
     paper = PaperGraph.of(scene, order)
-    drawn = graph_svg(paper.graph, paper.colours, {}).partition("</svg>")[0].partition(">")[2]
+    drawn = graph_shapes(paper.graph, paper.colours, {})
     keys = "".join(
         f'<rect x="{x:.0f}" y="{y - 1.5:.1f}" width="18" height="3" fill="{css(reason_colour(reason))}"/>'
         f'<text class="key" x="{x + 24:.0f}" y="{y + 4.5:.1f}">{escape(reason)}</text>'

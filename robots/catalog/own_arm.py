@@ -8,6 +8,7 @@ import msgspec
 import numpy as np
 
 from topple.robots.arm.arm import Arm
+from topple.robots.arm.arm_chain import arm_chain, hold_still
 from topple.robots.arm.gripper import SuctionCup, Tool, ToolName, ToolState
 from topple.robots.arm.gripper_file import (
     ArmPart,
@@ -21,7 +22,6 @@ from topple.robots.arm.gripper_file import (
     read_gripper,
 )
 from topple.robots.arm.home import home_of
-from topple.robots.arm.moving_part import chosen, hold_still
 from topple.robots.arm.prepared import prepared
 from topple.robots.arm.srdf import Semantics, read_srdf, srdf_beside
 from topple.robots.arm.tree import Tree
@@ -104,11 +104,11 @@ def _whole(
     """Hold still what is not the arm, mount the hand, and say what was settled and what was assumed."""
     tree = Tree(robot, path.name)
     part, assumed = wanted.arm, ()
-    choice = chosen(tree, part, semantics, group)
-    if choice is not None:
+    chain = arm_chain(tree, part, semantics, group)
+    if chain is not None:
         rest = {} if part is None else part.rest
-        stand = hold_still(robot, choice.still, rest, path.name)
-        guessed = [joint for joint in choice.still if joint not in rest]
+        stand = hold_still(robot, chain.still, rest, path.name)
+        guessed = [joint for joint in chain.still if joint not in rest]
         if guessed:
             where = ", ".join(f"{joint} at {stand[joint]:g}" for joint in guessed)
             assumed = (f"joints of {path.name} that are not the arm's hold still: {where}",)
@@ -119,15 +119,15 @@ def _whole(
                 tuple(sorted(pair)) for pair in semantics.apart if pair <= set(tree.links) and len(pair) == 2
             }
             apart += [(a, b) for a, b in sorted(pairs) if (a, b) not in apart]
-        joints = None if choice is None else list(choice.joints)
+        joints = None if chain is None else list(chain.joints)
         rest = {} if part is None else dict(part.rest)
         settled = ArmPart(joints=joints, rest=rest, apart=apart)
         wanted = msgspec.structs.replace(wanted, arm=settled if settled != ArmPart() else None)
     if wanted.hand is not None:
         ends = () if semantics is None else semantics.end_effectors
         links = [end.parent_link for end in ends if end.parent_link in tree.links]
-        tip = None if choice is None else choice.tip
-        link = wanted.hand.link or (links[0] if len(links) == 1 and choice is None else flange_of(tree, tip))
+        tip = None if chain is None else chain.tip
+        link = wanted.hand.link or (links[0] if len(links) == 1 and chain is None else flange_of(tree, tip))
         data = data_path() if wanted.hand.urdf == WSG50 else None
         wanted = msgspec.structs.replace(wanted, hand=mount(robot, path.name, wanted.hand, link, data))
     return wanted, assumed

@@ -24,7 +24,7 @@ class MujocoArm(ActingArm):
     """
 
     def __init__(self, world: MujocoWorld, arm: Arm, pose_base_to_world: FloatArray) -> None:
-        super().__init__(world, arm, pose_base_to_world)
+        super().__init__(arm, pose_base_to_world)
         if self.cup is not None:
             raise InvalidInput(
                 f"{arm.name} has a suction cup, which the engine mujoco does not simulate: use an arm with a "

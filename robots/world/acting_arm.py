@@ -24,7 +24,6 @@ class ActingArm(ABC):
     """A `Driver` of one arm in a world; records everything it touches, for a judge to see.
 
     Args:
-        world: The world it stands in.
         arm: The arm.
         pose_base_to_world: (4, 4) where it stands.
         q: (n,) joint values to start with; the arm's home if not given.
@@ -34,13 +33,11 @@ class ActingArm(ABC):
 
     def __init__(
         self,
-        world: PhysicalWorld,
         arm: Arm,
         pose_base_to_world: FloatArray,
         q: FloatArray | None = None,
     ) -> None:
         self.arm, self.control = arm, Control()
-        self._played = world
         self.pose_base_to_world = np.array(pose_base_to_world, dtype=float)
         self.q_target = np.array(arm.home if q is None else q, dtype=float)
         self.jaw, self.cup = arm.jaw, arm.cup
@@ -51,9 +48,9 @@ class ActingArm(ABC):
         self.on_step: list[Callable[[], None]] = []
 
     @property
+    @abstractmethod
     def world(self) -> PhysicalWorld:
         """The world it stands in."""
-        return self._played
 
     def _hand_values(self) -> dict[str, float]:
         values = self.jaw.values(self._opening) if self.jaw else {}

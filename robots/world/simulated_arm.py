@@ -42,7 +42,7 @@ class SimulatedArm(ActingArm):
         noise: TorqueNoise | None = None,
         rng: np.random.Generator | None = None,
     ) -> None:
-        super().__init__(world, arm, pose_base_to_world, q)
+        super().__init__(arm, pose_base_to_world, q)
         self._world = world
         position, quaternion = position_and_quaternion(self.pose_base_to_world)
         self.id: int = pybullet.loadURDF(

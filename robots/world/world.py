@@ -79,16 +79,7 @@ class World(PhysicalWorld):
             _give_back()
 
     def add(self, body: Body, pose_body_to_world: FloatArray | None = None, *, fixed: bool = False) -> None:
-        """Put a body into the world.
-
-        Args:
-            body: What to add; its name must be new.
-            pose_body_to_world: (4, 4); None: the identity.
-            fixed: Never moves, as a table.
-
-        Raises:
-            InvalidInput: If the name is taken.
-        """
+        """Put a body into the world; see `PhysicalWorld.add`."""
         if body.name in self.ids:
             raise InvalidInput(f"two bodies are called {body.name!r}: give each its own name")
         moments, pose_inertial_to_body = principal_axes(body)

@@ -14,6 +14,7 @@ from topple.topology.errors import InvalidInput
 from topple.topology.image import DepthImage
 from topple.topology.io.assemble import Parts, assemble
 from topple.topology.scene import Scene
+from topple.topology.values import free_name
 
 _ZERO, _BITS, _MORE, _SIGN = 48, 0x1F, 0x20, 0x10  # of a character of compressed run lengths
 
@@ -62,10 +63,7 @@ def scene_from_coco(
         label[masks[place]] = place + 1
     for place, each in enumerate(annotations):
         kind = str(each.get("name") or kinds.get(int(each.get("category_id", -1)), place + 1))
-        taken, number = set(names.values()), 2
-        names[place + 1] = kind
-        while names[place + 1] in taken:
-            names[place + 1], number = f"{kind}_{number}", number + 1
+        names[place + 1] = free_name(kind, names.values())
     pose = np.eye(4) if pose_camera_to_world is None else pose_camera_to_world
     seen = DepthImage(image, np.asarray(K), label, np.asarray(pose, dtype=np.float64), names)
     clouds = {name: cloud for name, cloud in seen.clouds().items() if len(cloud) > 1}

@@ -19,6 +19,7 @@ from topple.topology.merging.register import Registration, register
 from topple.topology.merging.segments import outliers, segmented
 from topple.topology.merging.tolerances import TOLERANCES
 from topple.topology.scene import Scene
+from topple.topology.values import free_name
 
 FORMAT, FORMAT_VERSION = "topple.scene", 1
 
@@ -166,9 +167,8 @@ class _Cells:
             points = image.points()
             height = points @ ground.plane[:3] + ground.plane[3]
             near = np.linalg.norm(points - middle, axis=2) < TOLERANCES.around
-            if (
-                image.label > 0
-            ).any():  # a spoon on the table is as flat as the noise, and its mask knows better
+            if (image.label > 0).any():
+                # a spoon on the table is as flat as the noise, and its mask knows better
                 standing = near & (image.label > 0)
                 for label in _ground_labels(image, height):
                     standing &= image.label != label
@@ -221,7 +221,7 @@ def _named(images: Sequence[DepthImage], cells: _Cells, same_labels: bool) -> tu
         for label, name in own.items():
             if meant.get(label, -1) < 0:
                 meant[label] = len(called)
-                called[len(called)] = _free(name, taken)
+                called[len(called)] = free_name(name, taken)
                 taken.add(called[meant[label]])
         found = np.full(len(labels), -1, dtype=np.int64)
         for label, number in meant.items():
@@ -237,15 +237,6 @@ def _without_crumbs(objects: IntArray, called: dict[int, str], cells: _Cells) ->
         if len(np.unique(cells.cell[mine])) < TOLERANCES.smallest:
             objects[mine] = -1
             del called[number]
-
-
-def _free(name: str, taken: set[str]) -> str:
-    """A name that no other object has."""
-    number = 2
-    free = name
-    while free in taken:
-        free, number = f"{name}_{number}", number + 1
-    return free
 
 
 def _matched(

@@ -16,7 +16,7 @@ from scipy.spatial.transform import Rotation
 from topple.topology.arrays import FloatArray
 from topple.topology.errors import InvalidInput, NotInstalled
 from topple.topology.geometry.axes import perpendiculars
-from topple.topology.geometry.rigid import transformed
+from topple.topology.geometry.rigid import transformed, turned_to
 from topple.topology.geometry.thin import voxel_means
 from topple.topology.image import DepthImage
 from topple.topology.merging.ground import Ground
@@ -78,7 +78,7 @@ class _View:
     def moved(self, pose: FloatArray) -> "_View":
         """The view at another place: (4, 4) from where it is believed to be."""
         image = replace(self.image, pose_camera_to_world=pose @ self.image.pose_camera_to_world)
-        return _View(image, _at(pose, self.standing), _at(pose, self.ground))
+        return _View(image, transformed(self.standing, pose), transformed(self.ground, pose))
 
     def few(self) -> FloatArray:
         """Some of its standing points, the same ones each time."""
@@ -140,9 +140,9 @@ def _levelled(ground: Ground, wanted: Ground, about: FloatArray, name: str) -> F
             f"{name}: its ground is tilted by {np.degrees(angle):.0f} degrees against the first view's, at "
             f"most {np.degrees(TOLERANCES.tilt):.0f} expected: give its pose_camera_to_world"
         )
-    pose = _turned(axis * (angle / max(float(np.linalg.norm(axis)), 1e-12)), about)
+    pose = turned_to(_rotation(axis * (angle / max(float(np.linalg.norm(axis)), 1e-12))), about, about)
     foot = about - (float(about @ ground.up) + ground.plane[3]) * ground.up
-    height = float(_at(pose, foot[None])[0] @ wanted.up) + wanted.plane[3]
+    height = float(transformed(foot[None], pose)[0] @ wanted.up) + wanted.plane[3]
     pose[:3, 3] -= height * wanted.up
     return pose
 
@@ -150,10 +150,10 @@ def _levelled(ground: Ground, wanted: Ground, about: FloatArray, name: str) -> F
 def _searched(placed: Sequence[_View], view: _View, level: FloatArray, up: FloatArray) -> FloatArray:
     """The best pose (4, 4) among those that move a levelled view in its ground's plane."""
     across = perpendiculars(up)
-    middle = _at(level, view.standing.mean(axis=0)[None])[0]
+    middle = transformed(view.standing.mean(axis=0), level)
 
     def pose(place: tuple[float, ...]) -> FloatArray:
-        moved = _turned(place[2] * up, middle)
+        moved = turned_to(_rotation(place[2] * up), middle, middle)
         moved[:3, 3] += place[0] * across[0] + place[1] * across[1]
         return moved @ level
 
@@ -161,9 +161,9 @@ def _searched(placed: Sequence[_View], view: _View, level: FloatArray, up: Float
 
     def agreement(place: tuple[float, ...], same: float, through: float) -> float:
         moved = pose(place)
-        past = [other.image.depth_past(_at(moved, probes)) for other in placed]
+        past = [other.image.depth_past(transformed(probes, moved)) for other in placed]
         back = np.asarray(np.linalg.inv(moved), dtype=np.float64)
-        past += [view.image.depth_past(_at(back, points)) for points in targets]
+        past += [view.image.depth_past(transformed(points, back)) for points in targets]
         each = np.concatenate(past)
         fits = np.maximum(1.0 - np.square(each[np.isfinite(each)] / same), 0.0).sum()
         return float(fits) - _MISPLACED * int((each > through).sum())
@@ -182,7 +182,7 @@ def _searched(placed: Sequence[_View], view: _View, level: FloatArray, up: Float
 def _refined(gicp: ModuleType, placed: Sequence[_View], view: _View, pose: FloatArray) -> FloatArray:
     """The pose (4, 4) after GICP in all six directions; as it was where that fits less well."""
     target = np.concatenate([part for other in placed for part in (other.standing, other.ground)])
-    source = _at(pose, np.concatenate([view.standing, view.ground]))
+    source = transformed(np.concatenate([view.standing, view.ground]), pose)
     found = gicp.align(
         target,
         source,
@@ -209,7 +209,7 @@ def _fit(placed: Sequence[_View], view: _View, pose: FloatArray) -> Registration
     middle = view.standing.mean(axis=0)
     return Registration(
         pose_given_to_found=pose,
-        shift=float(np.linalg.norm(_at(pose, middle[None])[0] - middle)),
+        shift=float(np.linalg.norm(transformed(middle[None], pose)[0] - middle)),
         turn=float(np.linalg.norm(Rotation.from_matrix(pose[:3, :3]).as_rotvec())),
         common=len(same),
         residual=float(np.sqrt(np.mean(np.square(same)))) if len(same) else float("inf"),
@@ -217,13 +217,6 @@ def _fit(placed: Sequence[_View], view: _View, pose: FloatArray) -> Registration
     )
 
 
-def _turned(turn: FloatArray, about: FloatArray) -> FloatArray:
-    """The pose (4, 4) that turns by a rotation vector (3,) [rad] about a point (3,) [m]."""
-    pose = np.eye(4)
-    pose[:3, :3] = Rotation.from_rotvec(turn).as_matrix()
-    pose[:3, 3] = about - pose[:3, :3] @ about
-    return pose
-
-
-def _at(pose: FloatArray, points: FloatArray) -> FloatArray:
-    return transformed(points, pose)
+def _rotation(turn: FloatArray) -> FloatArray:
+    """(3, 3) of a rotation vector (3,) [rad]."""
+    return np.asarray(Rotation.from_rotvec(turn).as_matrix())

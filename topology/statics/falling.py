@@ -19,7 +19,7 @@ from scipy.spatial import ConvexHull, QhullError
 from topple.topology.arrays import FloatArray
 from topple.topology.statics.contact import Contact
 from topple.topology.statics.equilibrium import CONE_EDGES, Weight, equations, islands, rising
-from topple.topology.statics.holding import Pull, is_held
+from topple.topology.statics.holding import Duals, is_held
 from topple.topology.statics.tolerances import FARTHEST, FREE, ROLL, SEATED, SUNK, TILTED, TURNED
 
 
@@ -81,7 +81,7 @@ def falls(
     contacts: Sequence[Contact],
     beside: Collection[str] | None = None,
     without: Collection[str] = (),
-    pull: Pull | None = None,
+    duals: Duals | None = None,
 ) -> dict[str, Fall]:
     """How far every body sinks, all together.
 
@@ -90,7 +90,7 @@ def falls(
         contacts: Patches between them and with anything fixed, from `catching`.
         beside: Only what hangs together with one of these is asked about; everything where not given.
         without: Names that are gone.
-        pull: As for `is_held`.
+        duals: As for `is_held`.
 
     Returns:
         name -> fall, for all that are left and asked about.
@@ -103,7 +103,7 @@ def falls(
         holding = [c for c in near if c.a in island or c.b in island]
         seated = [part for c in holding if (part := c.only(c.gaps <= SEATED)) is not None]
         # Within half of what is free every motion costs more than it gains.
-        if is_held(bodies, seated, FREE / 2, pull):
+        if is_held(bodies, seated, FREE / 2, duals):
             found |= dict.fromkeys(bodies, Fall(0.0, 0.0))
         else:
             found |= _sunk(bodies, holding)

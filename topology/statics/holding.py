@@ -26,8 +26,8 @@ STEPS = 20
 """Steps in which forces on a large island are found, or not at all: cold it takes some fifteen, and seven
 from those that held it before something was taken away."""
 
-Pull = dict[str, FloatArray]
-"""name -> (6,) how much each force and torque on an object is wanted: what a search begins with."""
+Duals = dict[str, FloatArray]
+"""name -> (6,) dual variables, one for each force and torque on an object: what a search begins with."""
 
 
 def deficits(weights: Mapping[str, Weight], contacts: Sequence[Contact]) -> dict[str, float]:
@@ -55,7 +55,7 @@ def deficits(weights: Mapping[str, Weight], contacts: Sequence[Contact]) -> dict
 
 
 def is_held(
-    weights: Mapping[str, Weight], contacts: Sequence[Contact], within: float, pull: Pull | None = None
+    weights: Mapping[str, Weight], contacts: Sequence[Contact], within: float, warm: Duals | None = None
 ) -> bool:
     """Whether forces at the contacts were found that hold an island still.
 
@@ -63,7 +63,7 @@ def is_held(
         weights: The objects that can move.
         contacts: Patches between them and with anything fixed.
         within: Share of its weight that may be left over of any force or torque on an object.
-        pull: Where the search begins on a large island; where it found forces is left there for the next.
+        warm: Where the search begins on a large island; where it found forces is left there for the next.
 
     Returns:
         True where there are such forces; False where there are none, or none were found soon.
@@ -74,7 +74,7 @@ def is_held(
     rows, columns, values, count = force_columns(weights, contacts)
     if height * count > SMALL:
         matrix = csc_array((values, (rows, columns)), shape=(height, count))
-        return _large_is_held(matrix, list(weights), within, {} if pull is None else pull)
+        return _large_is_held(matrix, list(weights), within, {} if warm is None else warm)
     dense = np.zeros((height, count))
     dense[rows, columns] = values
     try:
@@ -83,19 +83,19 @@ def is_held(
         return False
 
 
-def _large_is_held(matrix: csc_array, names: Sequence[str], within: float, pull: Pull) -> bool:
+def _large_is_held(matrix: csc_array, names: Sequence[str], within: float, warm: Duals) -> bool:
     """Whether the least forces x >= 0 with matrix @ x = demand are found.
 
     They are the positive part of matrix.T @ p for the p that maximises demand @ p - |x|² / 2: a concave
     problem without bounds, which Newton's method solves with few of the forces at a time.
     """
     demand = demanded(6 * len(names))
-    pulls = np.concatenate([pull.get(name, np.zeros(6)) for name in names])
-    value, forces = _pushed(matrix, demand, pulls)
+    duals = np.concatenate([warm.get(name, np.zeros(6)) for name in names])
+    value, forces = _pushed(matrix, demand, duals)
     for _ in range(STEPS):
         left = demand - matrix @ forces
         if np.abs(left).max() < within:
-            pull.update(zip(names, pulls.reshape(-1, 6), strict=True))
+            warm.update(zip(names, duals.reshape(-1, 6), strict=True))
             return True
         pushing = matrix[:, np.flatnonzero(forces)] if forces.any() else matrix
         curvature = (pushing @ pushing.T).toarray()
@@ -103,17 +103,17 @@ def _large_is_held(matrix: csc_array, names: Sequence[str], within: float, pull:
         step = np.linalg.solve(curvature, left)
         gain, length = float(left @ step), 1.0
         while length > 1e-4:
-            further, more = _pushed(matrix, demand, pulls + length * step)
+            further, more = _pushed(matrix, demand, duals + length * step)
             if further >= value + 1e-4 * length * gain:
                 break
             length /= 2
         else:
             return False
-        pulls, value, forces = pulls + length * step, further, more
+        duals, value, forces = duals + length * step, further, more
     return False
 
 
-def _pushed(matrix: csc_array, demand: FloatArray, pulls: FloatArray) -> tuple[float, FloatArray]:
+def _pushed(matrix: csc_array, demand: FloatArray, duals: FloatArray) -> tuple[float, FloatArray]:
     """How good a p is, and the forces that belong to it."""
-    forces = np.maximum(matrix.T @ pulls, 0.0)
-    return float(demand @ pulls - forces @ forces / 2), forces
+    forces = np.maximum(matrix.T @ duals, 0.0)
+    return float(demand @ duals - forces @ forces / 2), forces

@@ -17,7 +17,7 @@ from topple.topology.statics.contact import TOLERANCES, Contact, closed, find_co
 from topple.topology.statics.equilibrium import Weight, islands
 from topple.topology.statics.falling import Fall, catching, falls
 from topple.topology.statics.hidden import hidden_contacts
-from topple.topology.statics.holding import Pull, deficits
+from topple.topology.statics.holding import Duals, deficits
 from topple.topology.statics.tolerances import (
     DENSITY,
     GUESSED,
@@ -125,10 +125,10 @@ class Statics:
     @cached_property
     def _settled(self) -> Mapping[str, Fall]:
         """How far bodies seem to sink while everything is in place: what contacts leave open."""
-        return falls(self.weights, self._catching, pull=self._pull)
+        return falls(self.weights, self._catching, duals=self._duals)
 
     @cached_property
-    def _pull(self) -> Pull:
+    def _duals(self) -> Duals:
         """Where the search for forces begins, left by the one before: it changes no answer."""
         return {}
 
@@ -144,7 +144,7 @@ class Statics:
         """
         met = {name for c in self._catching if c.a in away or c.b in away for name in (c.a, c.b)}
         free = {name: weight for name, weight in self.weights.items() if name not in held}
-        found = falls(free, self._catching, beside=met, without=away, pull=self._pull)
+        found = falls(free, self._catching, beside=met, without=away, duals=self._duals)
         far = {name: fall.beyond(self._settled[name]) for name, fall in found.items()}
         return {name: share for name, share in far.items() if share > 1.0}
 

@@ -10,11 +10,11 @@ from on_table import BASE, on_table
 from topple.planner import NoSafePlan, Plan, rearrange
 from topple.planner.cli.main import main
 from topple.planner.execution.demo import loop_in
-from topple.planner.execution.places import off_place
+from topple.planner.execution.goal_poses import off_goal_pose
 from topple.planner.formats.plan_format import plan_from_json, plan_to_json
 from topple.planner.rearranging.arrangement import Arrangement
 from topple.planner.rearranging.problem import Act
-from topple.planner.rearranging.task import Lessons
+from topple.planner.rearranging.task import LearnedPrecedences
 from topple.robots.scenarios import scenario_called
 from topple.robots.scenarios.scenario import pose_at
 from topple.robots.shapes import block, box, plate
@@ -109,12 +109,12 @@ def test_the_command_writes_the_plan(tmp_path: Path, capsys: pytest.CaptureFixtu
 
 
 def test_a_lesson_of_a_place_holds_until_that_is_left() -> None:
-    lessons = Lessons()
-    lessons.pairs[(Act.TAKE, "a"), (Act.PUT, "b")] = 1
-    lessons.pairs[(Act.PUT, "a"), (Act.PUT, "b")] = 1
+    learned = LearnedPrecedences()
+    learned.pairs[(Act.TAKE, "a"), (Act.PUT, "b")] = 1
+    learned.pairs[(Act.PUT, "a"), (Act.PUT, "b")] = 1
     done = [("a", "remove"), ("c", "place")]
-    assert len(lessons.now(done)) == 2
-    assert lessons.now([*done, ("a", "place")]) == {((Act.PUT, "a"), (Act.PUT, "b"))}
+    assert len(learned.now(done)) == 2
+    assert learned.now([*done, ("a", "place")]) == {((Act.PUT, "a"), (Act.PUT, "b"))}
 
 
 def test_an_arrangement_knows_what_lies_on_what() -> None:
@@ -132,12 +132,14 @@ def test_a_body_is_off_its_place_by_no_turn_that_its_shape_does_not_show() -> No
         world.add(block("block"), pose_at(0, 0, 0))
         for turn, seen in ((8.0, 8.0), (20.0, 20.0), (90.0, 0.0), (97.0, 7.0)):
             wanted = pose_at(0.005, 0, 0, Rotation.from_euler("z", turn, degrees=True))
-            way, angle = off_place(world, "block", wanted, UP)
+            way, angle = off_goal_pose(world, "block", wanted, UP)
             assert way == pytest.approx(0.005) and np.degrees(angle) == pytest.approx(seen, abs=0.5)
             there = pose_at(0.3, 0, 0, Rotation.from_euler("z", turn, degrees=True))
-            assert np.degrees(off_place(world, "plate", there, UP)[1]) < 3.0
+            assert np.degrees(off_goal_pose(world, "plate", there, UP)[1]) < 3.0
         assert (
-            np.degrees(off_place(world, "plate", pose_at(0.3, 0, 0, Rotation.from_euler("x", 0.2)), UP)[1])
+            np.degrees(
+                off_goal_pose(world, "plate", pose_at(0.3, 0, 0, Rotation.from_euler("x", 0.2)), UP)[1]
+            )
             > 11.0
         )
 
@@ -149,5 +151,5 @@ def test_two_things_change_places_in_closed_loop() -> None:
         assert record.success, record.violations
         assert stage.finished is not None
         for name, pose in stage.finished.poses().items():
-            way, angle = off_place(stage.world, name, pose, stage.up)
+            way, angle = off_goal_pose(stage.world, name, pose, stage.up)
             assert way < 0.01 and angle < np.radians(10.0)

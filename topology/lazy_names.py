@@ -1,4 +1,4 @@
-"""The front of a package: its public names, each imported when it is first used.
+"""Public names of a package, each imported when it is first used.
 
 `topple --help` must not wait for scipy, nor `import topple` for PyBullet.
 """
@@ -9,7 +9,7 @@ from importlib import import_module
 from typing import Any
 
 
-def door(package: str, homes: Mapping[str, str]) -> Callable[[str], Any]:
+def lazy_names(package: str, homes: Mapping[str, str]) -> Callable[[str], Any]:
     """Make a package's `__getattr__`.
 
     Args:

@@ -24,7 +24,7 @@ SERIES = 4
 
 
 @dataclass(frozen=True)
-class Choice:
+class ArmChain:
     """The joints that are the arm.
 
     Attributes:
@@ -38,7 +38,9 @@ class Choice:
     still: tuple[str, ...]
 
 
-def chosen(tree: Tree, part: ArmPart | None, semantics: Semantics | None, group: str | None) -> Choice | None:
+def arm_chain(
+    tree: Tree, part: ArmPart | None, semantics: Semantics | None, group: str | None
+) -> ArmChain | None:
     """Find the arm among the joints of a robot.
 
     Args:
@@ -76,7 +78,7 @@ def chosen(tree: Tree, part: ArmPart | None, semantics: Semantics | None, group:
     assert last is not None
     kept = {*joints, *(e.joint for e in tree.below(last.child))} - set(rest)
     still = tuple(e.joint for e in tree.edges.values() if e.moves and e.joint not in kept)
-    return Choice(joints, last.child, still)
+    return ArmChain(joints, last.child, still)
 
 
 def _named(tree: Tree, part: ArmPart) -> tuple[str, ...]:

@@ -9,8 +9,7 @@ from pathlib import Path
 
 import pytest
 
-from topple.planner.cli.scattered import AHEAD, Lost, scattered
-from topple.planner.workers import worker_pool
+from topple.planner.workers import AHEAD, Lost, mapped, worker_pool
 
 
 def squared(number: int) -> int:
@@ -33,7 +32,7 @@ def test_answers_come_in_order_and_tasks_are_asked_for_as_they_are_needed() -> N
             asked.append(number)
             yield number
 
-    answers = scattered(squared, tasks(), partial(ThreadPoolExecutor, 2), 2)
+    answers = mapped(squared, tasks(), partial(ThreadPoolExecutor, 2), 2)
     assert next(answers) == 0
     assert len(asked) <= 2 * AHEAD
     assert list(answers) == [number * number for number in range(1, 100)]
@@ -41,14 +40,14 @@ def test_answers_come_in_order_and_tasks_are_asked_for_as_they_are_needed() -> N
 
 def test_what_work_raises_comes_through() -> None:
     with pytest.raises(ZeroDivisionError):
-        list(scattered(lambda number: 1 // number, [1, 0], partial(ThreadPoolExecutor, 1), 1))
+        list(mapped(lambda number: 1 // number, [1, 0], partial(ThreadPoolExecutor, 1), 1))
 
 
 @pytest.mark.slow
 @pytest.mark.parametrize("always", [False, True])
 def test_a_killed_worker_costs_its_task_at_most(tmp_path: Path, always: bool) -> None:
     work = partial(killed_at, tmp_path / "killed", always)
-    found = list(scattered(work, range(8), partial(worker_pool, 2), 2))
+    found = list(mapped(work, range(8), partial(worker_pool, 2), 2))
     lost = [answer for answer in found if isinstance(answer, Lost)]
     assert [answer.task for answer in lost] == ([3] if always else [])
     kept = [answer for answer in found if not isinstance(answer, Lost)]
@@ -62,4 +61,4 @@ def test_a_dask_cluster_answers_alike() -> None:
         "distributed", reason="dask is not installed: pip install 'topple-planner[dask]'"
     )
     with distributed.Client(processes=False, dashboard_address=None) as client:
-        assert list(scattered(squared, range(30), client.get_executor, 2)) == [n * n for n in range(30)]
+        assert list(mapped(squared, range(30), client.get_executor, 2)) == [n * n for n in range(30)]

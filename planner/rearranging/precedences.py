@@ -26,7 +26,7 @@ SIDES = DISTURBED * np.array([[np.cos(a), np.sin(a), 0.0] for a in np.arange(8) 
 
 
 @dataclass(frozen=True)
-class Place:
+class OccupiedPlace:
     """`then` cannot be put to its place before `first` has left the one it has.
 
     Attributes:
@@ -50,7 +50,7 @@ class Place:
 
 
 @dataclass(frozen=True, eq=False)
-class Needs:
+class Precedences:
     """What a rearrangement has to heed.
 
     Attributes:
@@ -64,7 +64,7 @@ class Needs:
     problem: Problem
     removals: tuple[Dependency, ...]
     footings: tuple[Dependency, ...]
-    places: tuple[Place, ...]
+    places: tuple[OccupiedPlace, ...]
     holds: tuple[Hold, ...]
 
     def told(self, moves: Iterable[Move]) -> list[str]:
@@ -88,13 +88,13 @@ class Needs:
         return told
 
 
-def needs(
+def precedences(
     before: Situation,
     arrangement: Arrangement,
     taken: Order,
     surfaces: Mapping[str, FloatArray],
     staying: Collection[str],
-) -> Needs:
+) -> Precedences:
     """Join what the removals, the building and the places ask for.
 
     Args:
@@ -116,10 +116,12 @@ def needs(
     pairs |= {((Act.TAKE, place.first), (Act.PUT, place.then)) for place in places}
     moving = tuple(name for name in names if name not in staying)
     problem = Problem(moving, staying, frozenset(pairs))
-    return Needs(problem, removals, arrangement.built.footings, places, arrangement.built.holds)
+    return Precedences(problem, removals, arrangement.built.footings, places, arrangement.built.holds)
 
 
-def _places(start: Situation, goal: Mapping[str, FloatArray], staying: Iterable[str]) -> Iterable[Place]:
+def _places(
+    start: Situation, goal: Mapping[str, FloatArray], staying: Iterable[str]
+) -> Iterable[OccupiedPlace]:
     """What is in, over or under a place of the goal at the start: a straight way would meet it."""
     kept = frozenset(staying)  # about whose places start and goal say all there is
     for first, then in permutations(start.movable, 2):
@@ -134,7 +136,7 @@ def _places(start: Situation, goal: Mapping[str, FloatArray], staying: Iterable[
             if _meets(body, met)
         )
         if found:
-            yield Place(first, then, found)
+            yield OccupiedPlace(first, then, found)
 
 
 def _meets(swept: FloatArray, other: FloatArray) -> bool:

@@ -14,7 +14,7 @@ POINTS = 20000
 """Spread over a body: on a plate 2 mm apart."""
 
 
-def misplaced(
+def off_goal_poses(
     world: PhysicalWorld, wanted: Mapping[str, FloatArray], up: FloatArray, most: float, turn: float
 ) -> tuple[str, ...]:
     """Say what is not where it shall be.
@@ -31,14 +31,14 @@ def misplaced(
     """
     found: list[str] = []
     for name, pose in wanted.items():
-        way, angle = off_place(world, name, pose, up)
+        way, angle = off_goal_pose(world, name, pose, up)
         if way > most or angle > turn:
             where = f"{1e3 * way:.0f} mm and {np.degrees(angle):.0f} degrees from where it shall be"
             found.append(f"{name} is {where}")
     return tuple(found)
 
 
-def off_place(world: PhysicalWorld, name: str, wanted: FloatArray, up: FloatArray) -> tuple[float, float]:
+def off_goal_pose(world: PhysicalWorld, name: str, wanted: FloatArray, up: FloatArray) -> tuple[float, float]:
     """How far a body is from where it shall lie.
 
     Args:
