@@ -24,12 +24,6 @@ ROUNDS = 12
 STILL = 1e-8
 """Step [m] of a fit that changes nothing any more: less than what a float32 cloud tells."""
 
-FLAT = 1e-14
-"""Share of its greatest spread that the least spread (variance) of a cloud in a plane has: rounding."""
-
-SMALLER = 1.15
-"""How much too large the radius of a sphere through squared distances may be: it is too small by a twentieth
-as a rule, and was too large by a twelfth at most of 800 balls seen in part."""
 
 COARSE = 0.01
 """Spacing [m] at which a fit's lowest point is looked for."""
@@ -163,7 +157,7 @@ def _ball(points: FloatArray, axis: FloatArray, stretch: float) -> Spheroid | No
     if len(points) < 12:
         return None
     squeezed = _squeezed(points, axis, stretch)
-    fit = _sphere(squeezed, SMALLER * LARGEST_RADIUS / stretch)
+    fit = _sphere(squeezed)
     if fit is None:
         return None
     off = np.abs(np.linalg.norm(squeezed - fit[0], axis=1) - fit[1])
@@ -188,47 +182,35 @@ def sphere_through(points: FloatArray) -> tuple[FloatArray, float] | None:
     Returns:
         (d,) centre and radius [m]; None where the points lie in a plane (on a line).
     """
+    size = points.shape[1]
     middle = points.mean(axis=0)
-    local = np.ascontiguousarray((points - middle).T)  # an axis at a time takes half as long
-    return _about(middle, _through(local))
-
-
-def _about(middle: FloatArray, fit: tuple[FloatArray, float] | None) -> tuple[FloatArray, float] | None:
-    """A sphere found for points without their middle, with it."""
-    return None if fit is None else (fit[0] + middle, fit[1])
-
-
-def _through(local: FloatArray) -> tuple[FloatArray, float] | None:
-    """What `sphere_through` gives for points (d, N) about their mean."""
-    squares = (local * local).sum(axis=0)
-    # |p|^2 = 2 c.p + r^2 - |c|^2 is linear in c and in what remains: the mean of |p|^2, since that of p is 0.
-    spread = local @ local.T
-    width = np.linalg.eigvalsh(spread)
-    if width[0] <= FLAT * width[-1]:
+    local = points - middle
+    # |p|^2 = 2 c.p + r^2 - |c|^2 is linear in c and in what remains.
+    system = np.column_stack([2.0 * local, np.ones(len(local))])
+    solution, _, rank, _ = np.linalg.lstsq(system, (local**2).sum(axis=1), rcond=None)
+    if rank <= size:
         return None
-    centre = np.linalg.solve(2.0 * spread, local @ squares)
-    return centre, float(np.sqrt(max(squares.mean() + centre @ centre, 1e-12)))
+    centre = solution[:size]
+    return centre + middle, float(np.sqrt(max(solution[size] + centre @ centre, 1e-12)))
 
 
-def _sphere(points: FloatArray, largest: float = np.inf) -> tuple[FloatArray, float] | None:
-    """(d,) centre and radius of the sphere nearest to points (N, d), by least squares of the distances.
-
-    None also where the sphere by squared distances, which comes out smaller, has a radius beyond `largest`.
-    """
+def _sphere(points: FloatArray) -> tuple[FloatArray, float] | None:
+    """(d,) centre and radius of the sphere nearest to points (N, d), by least squares of the distances."""
+    first = sphere_through(points)
+    if first is None:
+        return None
+    size = points.shape[1]
     middle = points.mean(axis=0)
-    columns = np.ascontiguousarray((points - middle).T)
-    first = _through(columns)
-    if first is None or first[1] > largest:
-        return None
-    size = len(middle)
-    centre, radius = first
-    system = np.ones((size + 1, len(points)))
+    centre, radius = first[0] - middle, first[1]
+    columns = np.ascontiguousarray((points - middle).T)  # an axis at a time takes half as long
+    system = np.ones((len(points), size + 1))
     for _ in range(ROUNDS):
         rays = columns - centre[:, None]
-        far = np.maximum(np.sqrt((rays * rays).sum(axis=0)), 1e-9)
-        np.divide(rays, far, out=system[:size])
+        squares = rays * rays
+        far = np.maximum(np.sqrt(squares[0] + squares[2:].sum(axis=0) + squares[1]), 1e-9)
+        system[:, :size] = (rays / far).T
         try:
-            step = np.linalg.solve(system @ system.T, system @ (far - radius))
+            step = np.linalg.solve(system.T @ system, system.T @ (far - radius))
         except np.linalg.LinAlgError:
             return None  # all rays alike: so little of a round is seen that any radius fits
         centre, radius = centre + step[:size], radius + float(step[size])
@@ -236,7 +218,7 @@ def _sphere(points: FloatArray, largest: float = np.inf) -> tuple[FloatArray, fl
             return None
         if np.abs(step).max() < STILL:
             break
-    return _about(middle, (centre, radius)) if radius > 0.0 else None
+    return (centre + middle, radius) if radius > 0.0 else None
 
 
 def _cylinders(points: FloatArray, normals: FloatArray) -> list[Cylinder]:
