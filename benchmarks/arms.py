@@ -5,6 +5,7 @@ Usage: python -m topple.benchmarks.arms [NAME...] [--write docs/robots.md]
 It needs the extra `arms`.
 """
 
+import argparse
 import sys
 from dataclasses import dataclass
 from importlib.metadata import PackageNotFoundError, distribution
@@ -12,6 +13,7 @@ from pathlib import Path
 
 import numpy as np
 
+from topple.benchmarks.markdown import markdown_table
 from topple.planner.execution.examine import Examined, examine
 from topple.planner.planning.plan import plan
 from topple.robots.arm.arm import Arm
@@ -20,6 +22,17 @@ from topple.robots.catalog import robot
 from topple.topology.errors import NotInstalled, ToppleError
 
 ROBOTS = "cmeel.prefix/share/example-robot-data/robots"
+HEADINGS = (
+    "arm",
+    "package",
+    "hand",
+    "joints",
+    "reach m",
+    "free of self-collision %",
+    "inverse kinematics %",
+    "plan verified",
+    "grasp in PyBullet",
+)
 BEGIN, END = "<!-- arms: begin -->", "<!-- arms: end -->"
 
 
@@ -172,17 +185,16 @@ def planned(found: Examined) -> str:
     return ", ".join(residual.name for residual in checked.residuals if not residual.ok)
 
 
-def row(shipped: Shipped, found: Examined, wrong: str) -> str:
-    """A line of the table.
+def row(shipped: Shipped, found: Examined, wrong: str) -> list[str]:
+    """The cells of a line of the table.
 
     Args:
         shipped: The arm.
         found: What was found of it.
         wrong: What is wrong with its plan; empty where nothing is.
     """
-    grasped = found.grasped
-    run = "yes" if grasped is not None and grasped.success else "**no**"
-    cells = (
+    run = "yes" if found.grasped is not None and found.grasped.success else "**no**"
+    return [
         shipped.name,
         shipped.package,
         shipped.hand,
@@ -192,42 +204,32 @@ def row(shipped: Shipped, found: Examined, wrong: str) -> str:
         f"{100 * found.solved / max(found.poses, 1):.1f}",
         "yes" if not wrong else "**no**",
         run,
-    )
-    return f"| {' | '.join(cells)} |"
+    ]
 
 
-def table(rows: list[str]) -> str:
-    """The table in Markdown."""
-    return "\n".join(
-        [
-            "| arm | package | hand | joints | reach m | free of self-collision % | inverse kinematics % "
-            "| plan verified | grasp in PyBullet |",
-            "| --- | --- | --- | ---: | ---: | ---: | ---: | --- | --- |",
-            *rows,
-        ]
-    )
-
-
-def main(arguments: list[str]) -> int:
+def main(arguments: list[str] | None = None) -> int:
     """Try the arms named, or all, and print the table, or write it into a page."""
-    write = Path(arguments.pop(arguments.index("--write") + 1)) if "--write" in arguments else None
-    names = [argument for argument in arguments if argument != "--write"]
-    rows: list[str] = []
+    parser = argparse.ArgumentParser(prog="python -m topple.benchmarks.arms", description=main.__doc__)
+    parser.add_argument("names", nargs="*", metavar="NAME", help="parts of names of arms (all)")
+    parser.add_argument("--write", type=Path, metavar="PAGE", help="write the table there, docs/robots.md")
+    args = parser.parse_args(arguments)
+    rows: list[list[str]] = []
     for shipped in SHIPPED:
-        if names and not any(name.lower() in shipped.name.lower() for name in names):
+        if args.names and not any(name.lower() in shipped.name.lower() for name in args.names):
             continue
         found = examine(shipped.arm(), progress=lambda line, name=shipped.name: _say(f"{name}: {line}"))
         wrong = planned(found)
         failed = "" if found.grasped is None or found.grasped.success else "; ".join(found.grasped.why)
         _say(f"{shipped.name}: {wrong or 'plan verified'}; {failed or 'grasp held'}")
         rows.append(row(shipped, found, wrong))
-    if write is None:
-        sys.stdout.write(table(rows) + "\n")
+    table = "\n".join(markdown_table(HEADINGS, rows, range(3, 7)))
+    if args.write is None:
+        sys.stdout.write(table + "\n")
         return 0
-    text = write.read_text(encoding="utf-8")
+    text = args.write.read_text(encoding="utf-8")
     head, _, rest = text.partition(BEGIN)
     _, _, tail = rest.partition(END)
-    write.write_text(f"{head}{BEGIN}\n{table(rows)}\n{END}{tail}", encoding="utf-8")
+    args.write.write_text(f"{head}{BEGIN}\n{table}\n{END}{tail}", encoding="utf-8")
     return 0
 
 
@@ -236,4 +238,4 @@ def _say(line: str) -> None:
 
 
 if __name__ == "__main__":
-    sys.exit(main(sys.argv[1:]))
+    sys.exit(main())

@@ -7,6 +7,7 @@ from pathlib import Path
 from typing import Any
 
 from topple.benchmarks.document import BENCHES, bench, options_of
+from topple.benchmarks.markdown import markdown_table
 from topple.planner.cli.arguments import COMMON, add, positive
 from topple.planner.cli.console import complain, print_json, print_table, print_text
 from topple.planner.cli.main import DONE
@@ -116,9 +117,7 @@ def markdown(document: Mapping[str, Any]) -> list[str]:
     rows: Sequence[Mapping[str, Any]] = document["rows"]
     headings, cells, right = _table(rows)
     machine, size = document["machine"], "--quick, " if document["quick"] else ""
-    lines = ["| " + " | ".join(heading or "bar held" for heading in headings) + " |"]
-    lines.append("| " + " | ".join("---:" if k in right else "---" for k in range(len(headings))) + " |")
-    lines += ["| " + " | ".join(cell.replace("|", "\\|") for cell in row) + " |" for row in cells]
+    lines = markdown_table([heading or "bar held" for heading in headings], cells, right)
     said = f"`topple bench {document['bench']}`: {size}seed {document['seed']}, {machine['processor']}"
     return [*lines, "", f"{said}, {machine['cores']} cores."]
 

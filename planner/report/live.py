@@ -11,9 +11,10 @@ import numpy as np
 from topple.planner.planning.order import order
 from topple.planner.report.drawing import Drawing
 from topple.planner.report.palette import relation_colour
+from topple.planner.report.plan_page import check_scene
 from topple.planner.report.view import is_inferred
 from topple.topology.arrays import FloatArray
-from topple.topology.errors import InvalidInput, NotInstalled
+from topple.topology.errors import NotInstalled
 from topple.topology.relations import Relations
 from topple.topology.rule.relate import relate
 from topple.topology.scene import Scene
@@ -172,9 +173,7 @@ def _moves(
     if plan is None:
         found = () if scene.up is None or not scene.movable else order(scene, relations=relations).order
         return [(name, None) for name in found]
-    strange = sorted({step.object for step in plan.steps} - set(scene.names))
-    if strange:
-        raise InvalidInput(f"the plan moves {', '.join(strange)}, and the scene has {', '.join(scene.names)}")
+    check_scene(plan, scene)
     return [(step.object, np.array(step.placement.pose_before_to_after)) for step in plan.steps]
 
 

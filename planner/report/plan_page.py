@@ -57,16 +57,25 @@ def plan_page(
         from topple.topology.rule.relate import relate
 
         relations = relate(scene)
-    missing = sorted({step.object for step in plan.steps} - set(scene.names))
-    if missing:
-        raise InvalidInput(
-            f"the plan moves {', '.join(missing)}, which the scene has not: give the plan's own scene"
-        )
+    check_scene(plan, scene)
     if arm is None:
         if plan.arm is None:
             raise InvalidInput(f"the plan does not say where its arm {plan.robot!r} is described: give arm")
         arm = arm_from(plan.arm, plan.robot)
     return _PlanPage(plan, scene, document(relations), arm, verification).build()
+
+
+def check_scene(plan: Plan, scene: Scene) -> None:
+    """Refuse a plan of another scene.
+
+    Raises:
+        InvalidInput: It moves what is not in the scene.
+    """
+    missing = sorted({step.object for step in plan.steps} - set(scene.names))
+    if missing:
+        raise InvalidInput(
+            f"the plan moves {', '.join(missing)}, which the scene has not: give the plan's own scene"
+        )
 
 
 def plan_motion(plan: Plan, arm: Arm) -> ArmMotion | None:
