@@ -15,8 +15,7 @@ if TYPE_CHECKING:
     from topple.topology.io.objects import scene_from_objects, scene_from_points
     from topple.topology.merging.merge import MergedViews, merge_views
     from topple.topology.pair import PairRelation
-    from topple.topology.relations import Relations
-    from topple.topology.rule.relate import relate, relate_all
+    from topple.topology.relations import Relations, relate, relate_all
     from topple.topology.scene import Mesh, Scene
     from topple.topology.sixim.table import Relation, classify
 
@@ -59,8 +58,7 @@ __getattr__ = lazy_names(
         "io.objects": "scene_from_objects scene_from_points",
         "merging.merge": "MergedViews merge_views",
         "pair": "PairRelation",
-        "relations": "Relations",
-        "rule.relate": "relate relate_all",
+        "relations": "Relations relate relate_all",
         "scene": "Mesh Scene",
         "sixim.table": "Relation classify",
     },

@@ -81,7 +81,7 @@ def execute(args: argparse.Namespace) -> int:
         args.parser.error(f"{others} are about topple's own order: leave out --orderer")
     orderer, relating = orderer_of(args), rule_of(args)
     if args.max_objects is not None:
-        from topple.topology.rule.relate import relate
+        from topple.topology.relations import relate
 
         relating = partial(relating or relate, most_objects=args.max_objects)
     arm = arm_of(args) if args.robot else None

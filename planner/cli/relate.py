@@ -47,7 +47,7 @@ def execute(args: argparse.Namespace) -> int:
 
 def _document(reading: Reading, options: dict[str, Any], path: str) -> dict[str, Any]:
     """The relations of a scene file, and what was assumed."""
-    from topple.topology.rule.relate import relate
+    from topple.topology.relations import relate
 
     scene = reading.scene(path)
     relations = relate(scene, **options)

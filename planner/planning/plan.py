@@ -11,8 +11,9 @@ from topple.planner.decide.goal import Goal
 from topple.planner.decide.tolerances import LIKELY
 from topple.planner.errors import NoSafePlan
 from topple.planner.formats.plan_data import DIGITS, dependency_data, objects_data, step_data
-from topple.planner.formats.plan_format import DependencyData, Plan, Step
+from topple.planner.formats.plan_format import Plan
 from topple.planner.formats.plan_robot import arm_data
+from topple.planner.formats.plan_structs import DependencyData, Step
 from topple.planner.formats.verification import BROKEN
 from topple.planner.grasp.given import GraspsByObject, OwnGrasps, own_grasps
 from topple.planner.grasp.grasp import Grasp
