@@ -19,6 +19,7 @@ if TYPE_CHECKING:
     from topple.topology.rule.relate import relate, relate_all
     from topple.topology.scene import Mesh, Scene
     from topple.topology.sixim.table import Relation, classify
+    from topple.topology.workers import WorkerLost, WorkerPool
 
 __all__ = [
     "DepthImage",
@@ -34,6 +35,8 @@ __all__ = [
     "Scene",
     "ToppleError",
     "UnknownObject",
+    "WorkerLost",
+    "WorkerPool",
     "classify",
     "load_scene",
     "load_sequence",
@@ -63,5 +66,6 @@ __getattr__ = lazy_names(
         "rule.relate": "relate relate_all",
         "scene": "Mesh Scene",
         "sixim.table": "Relation classify",
+        "workers": "WorkerLost WorkerPool",
     },
 )

@@ -3,14 +3,16 @@
 import argparse
 import os
 from collections.abc import Mapping, Sequence
+from contextlib import ExitStack
 from pathlib import Path
 from typing import Any
 
 from topple.benchmarks.document import BENCHES, bench, options_of
 from topple.benchmarks.markdown import markdown_table, replaced_table
-from topple.planner.cli.arguments import COMMON, add, positive
+from topple.planner.cli.arguments import COMMON, add, add_jobs, positive
 from topple.planner.cli.console import complain, print_json, print_table, print_text
 from topple.planner.cli.main import DONE
+from topple.planner.cli.many import executor_at
 from topple.planner.cli.progress import Progress
 from topple.planner.files import check_writable, make_folder, write_whole
 from topple.topology.errors import InvalidInput
@@ -62,6 +64,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         "--minutes", type=positive, metavar="M", help="run, demo, build: begin nothing after that time"
     )
+    add_jobs(parser)
     add(parser, *COMMON)
 
 
@@ -79,7 +82,11 @@ def execute(args: argparse.Namespace) -> int:
     code = DONE
     for name in names:
         options = _options(args, name)
-        with Progress(f"bench {name}") as progress:
+        with ExitStack() as stack:
+            if "executor" in options_of(name):
+                spread = executor_at(args.cluster, args.jobs or os.cpu_count() or 1)
+                options["executor"] = stack.enter_context(spread)
+            progress = stack.enter_context(Progress(f"bench {name}"))
             document = bench(name, quick=args.quick, seed=args.seed, progress=progress, **options)
         if args.page:
             write_whole(args.page, replaced_table(_page(args.page), name, markdown(document)))
@@ -96,7 +103,7 @@ def execute(args: argparse.Namespace) -> int:
 
 def _options(args: argparse.Namespace, name: str) -> dict[str, Any]:
     """Of the options, those that were given and that a bench takes."""
-    given = {key: getattr(args, key) for key in options_of(name)}
+    given = {key: getattr(args, key) for key in options_of(name) if key != "executor"}
     found = {key: value for key, value in given.items() if value is not None}
     for key in found.keys() & {"data", "piles", "models", "meshes", "baseline"}:
         found[key] = _folder(found[key])
