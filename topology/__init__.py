@@ -18,6 +18,7 @@ if TYPE_CHECKING:
     from topple.topology.relations import Relations, relate, relate_all
     from topple.topology.scene import Mesh, Scene
     from topple.topology.sixim.table import Relation, classify
+    from topple.topology.workers import WorkerLost, WorkerPool
 
 __all__ = [
     "DepthImage",
@@ -33,6 +34,8 @@ __all__ = [
     "Scene",
     "ToppleError",
     "UnknownObject",
+    "WorkerLost",
+    "WorkerPool",
     "classify",
     "load_scene",
     "load_sequence",
@@ -61,5 +64,6 @@ __getattr__ = lazy_names(
         "relations": "Relations relate relate_all",
         "scene": "Mesh Scene",
         "sixim.table": "Relation classify",
+        "workers": "WorkerLost WorkerPool",
     },
 )

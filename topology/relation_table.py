@@ -47,6 +47,26 @@ class Prepared(Protocol):
         ...
 
 
+@dataclass(frozen=True, eq=False)
+class Extent:
+    """What is known of a prepared cloud without preparing it.
+
+    Attributes:
+        lower: (3,) least corner of the box [m].
+        upper: (3,) greatest corner of the box [m].
+        size: Number of points.
+    """
+
+    lower: FloatArray
+    upper: FloatArray
+    size: int
+
+    @staticmethod
+    def of(one: Prepared) -> "Extent":
+        """That of a prepared cloud."""
+        return Extent(one.lower, one.upper, one.size)
+
+
 def box_distance(a: Prepared, b: Prepared) -> float:
     """Distance of two clouds' axis-aligned boxes [m], 0 where they overlap: no points are closer."""
     return float(np.linalg.norm(np.maximum(np.maximum(a.lower - b.upper, b.lower - a.upper), 0.0)))
@@ -96,15 +116,24 @@ class RelationTable:
         objects: Names, in the scene's order.
         rule: The rule that was used.
         near: Pairs that were looked at closely, under their positions (i, j) in `objects`, i < j.
-        prepared: What the rule derived from each cloud, in the order of `objects`.
+        extents: Box and size of each prepared cloud, in the order of `objects`.
         scene: What was related.
+        known_prepared: What the rule derived from each cloud, where it is known: `prepared`.
     """
 
     objects: tuple[str, ...]
     rule: Rule
     near: Mapping[tuple[int, int], PairRelation]
-    prepared: tuple[Prepared, ...] = field(repr=False)
+    extents: tuple[Prepared, ...] = field(repr=False)
     scene: Scene = field(repr=False)
+    known_prepared: tuple[Prepared, ...] | None = field(default=None, repr=False)
+
+    @cached_property
+    def prepared(self) -> tuple[Prepared, ...]:
+        """What the rule derives from each cloud, in the order of `objects`."""
+        if self.known_prepared is not None:
+            return self.known_prepared
+        return tuple(self.rule.prepare(name, cloud) for name, cloud in self.scene.clouds.items())
 
     @property
     def deviation(self) -> float:
@@ -265,7 +294,8 @@ class RelationTable:
         for i, j in sorted(again):
             if i != j:
                 near[i, j] = rule.relate(prepared[i], prepared[j])
-        related = replace(self, rule=rule, near=near, prepared=tuple(prepared), scene=scene)
+        made = tuple(prepared)
+        related = replace(self, rule=rule, near=near, extents=made, scene=scene, known_prepared=made)
         return rule.conclude(scene, related)
 
     def __eq__(self, other: object) -> bool:
@@ -299,7 +329,7 @@ class RelationTable:
     def _pair(self, i: int, j: int) -> PairRelation:
         if (i, j) in self.near:
             return self.near[i, j]
-        a, b = self.prepared[i], self.prepared[j]
+        a, b = self.extents[i], self.extents[j]
         return PairRelation(
             a=self.objects[i],
             b=self.objects[j],

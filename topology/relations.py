@@ -1,5 +1,6 @@
 """What `relate` answers: broad phase, then a closer look at the pairs that are near, by one rule of many."""
 
+import os
 from collections.abc import Callable, Iterable, Mapping
 from concurrent.futures import Executor
 from functools import partial
@@ -9,14 +10,16 @@ import numpy as np
 
 from topple.topology.errors import InvalidInput
 from topple.topology.geometry.broadphase import near_pairs
+from topple.topology.io.load import as_scene
 from topple.topology.io.relations import deviation_of, told_in
 from topple.topology.notebook import in_cell
 from topple.topology.pair import PairRelation
 from topple.topology.plugins import Table, expected
-from topple.topology.relation_table import RelationTable, Rule, box_distance
+from topple.topology.relation_table import Extent, RelationTable, Rule, box_distance
 from topple.topology.rule.tolerances import MOST_OBJECTS, NEAR_EACH
 from topple.topology.scene import Scene
 from topple.topology.tolerances import TOLERANCES
+from topple.topology.workers import all_of
 
 RULES: Table[Callable[[Scene, float | None], Rule]] = Table(
     "topple.relations",
@@ -104,7 +107,7 @@ def relate(
 
 
 def relate_all(
-    scenes: Iterable[Scene],
+    scenes: Iterable[Scene | str | os.PathLike[str]],
     deviation: float | None = None,
     plain: bool = False,
     executor: Executor | None = None,
@@ -114,18 +117,42 @@ def relate_all(
     """Relate many scenes, on the workers of an executor where one is given.
 
     Args:
-        scenes: The scenes.
+        scenes: Scenes, or paths of their files: the workers then read these, and clouds do not travel.
         deviation: As for `relate`.
         plain: As for `relate`.
-        executor: Any executor of `concurrent.futures`, or one with the same `map`.
+        executor: Any executor of `concurrent.futures`, or that of a dask client; a worker that is lost costs
+            its scene a second try.
         most_objects: As for `relate`.
         rule: As for `relate`.
 
     Returns:
         The relations of each scene, in order.
+
+    Raises:
+        InvalidInput: As `relate` and `load_scene`.
+        WorkerLost: The worker of a scene was lost twice.
     """
     each = partial(relate, deviation=deviation, plain=plain, most_objects=most_objects, rule=rule)
-    return list(map(each, scenes) if executor is None else executor.map(each, scenes))
+    if executor is None:
+        return [each(as_scene(one)) for one in scenes]
+    given = list(scenes)
+    found = all_of(partial(_told, each), given, executor)
+    make = RULES[rule or ("plain" if plain else "robust")]
+    return [_of_scene(as_scene(one), told, make) for one, told in zip(given, found, strict=True)]
+
+
+_Told = tuple[float, Mapping[tuple[int, int], PairRelation], tuple[Extent, ...]]
+"""What comes back from a worker: deviation, near pairs, boxes; the rest follows from the scene."""
+
+
+def _told(each: Callable[[Scene], Relations], source: Scene | str | os.PathLike[str]) -> _Told:
+    found = each(as_scene(source))
+    return found.deviation, found.near, tuple(map(Extent.of, found.extents))
+
+
+def _of_scene(scene: Scene, told: _Told, make: Callable[[Scene, float | None], Rule]) -> Relations:
+    deviation, near, extents = told
+    return Relations(tuple(scene.clouds), make(scene, deviation), near, extents, scene)
 
 
 def _check_deviation(scene: Scene, deviation: float) -> None:
@@ -158,4 +185,4 @@ def _relate_by(rule: Rule, scene: Scene, most_pairs: int) -> Relations:
     _check_count(len(pairs), "pairs of objects near each other", most_pairs)
     for i, j in pairs.tolist():
         near[i, j] = expected(rule.relate(prepared[i], prepared[j]), PairRelation)
-    return Relations(tuple(scene.clouds), rule, near, prepared, scene)
+    return Relations(tuple(scene.clouds), rule, near, prepared, scene, prepared)
