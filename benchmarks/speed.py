@@ -38,7 +38,7 @@ from topple.benchmarks.clouds import brick_wall, frame, household, stacks_of_fou
 from topple.benchmarks.row import Progress, Row, faster, longer
 from topple.planner.planning.order import order
 from topple.topology.errors import InvalidInput
-from topple.topology.rule.relate import relate
+from topple.topology.relations import relate
 from topple.topology.scene import Scene
 
 LAYERS = ("topology", "robots", "planner")

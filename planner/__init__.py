@@ -18,8 +18,8 @@ if TYPE_CHECKING:
     from topple.planner.grasp.foreign import ForeignGrasps, grasps_from_array, read_grasps
     from topple.planner.grasp.rank import rank_all, rank_grasps
     from topple.planner.planning.next_view import next_view
-    from topple.planner.planning.order import order
-    from topple.planner.planning.plan import plan
+    from topple.planner.planning.order import order, order_all
+    from topple.planner.planning.plan import plan, plan_all
     from topple.planner.rearranging.arrangement import Arrangement
     from topple.planner.rearranging.rearrange import Rearrangement, rearrange
     from topple.planner.rearranging.task import ArrangementTask, DescribedTask, SameShapesTask
@@ -50,7 +50,9 @@ __all__ = [
     "grasps_from_array",
     "next_view",
     "order",
+    "order_all",
     "plan",
+    "plan_all",
     "plan_page",
     "rank_all",
     "rank_grasps",
@@ -76,8 +78,8 @@ __getattr__ = lazy_names(
         "grasp.foreign": "ForeignGrasps grasps_from_array read_grasps",
         "grasp.rank": "rank_all rank_grasps",
         "planning.next_view": "next_view",
-        "planning.order": "order",
-        "planning.plan": "plan",
+        "planning.order": "order order_all",
+        "planning.plan": "plan plan_all",
         "rearranging.arrangement": "Arrangement",
         "rearranging.rearrange": "Rearrangement rearrange",
         "rearranging.task": "SameShapesTask DescribedTask ArrangementTask",

@@ -3,16 +3,18 @@
 import argparse
 import os
 from collections.abc import Mapping, Sequence
+from contextlib import ExitStack
 from pathlib import Path
 from typing import Any
 
 from topple.benchmarks.document import BENCHES, bench, options_of
-from topple.benchmarks.markdown import markdown_table
-from topple.planner.cli.arguments import COMMON, add, positive
+from topple.benchmarks.markdown import markdown_table, replaced_table
+from topple.planner.cli.arguments import COMMON, add, add_jobs, positive
 from topple.planner.cli.console import complain, print_json, print_table, print_text
 from topple.planner.cli.main import DONE
+from topple.planner.cli.many import executor_at
 from topple.planner.cli.progress import Progress
-from topple.planner.files import make_folder
+from topple.planner.files import check_writable, make_folder, write_whole
 from topple.topology.errors import InvalidInput
 
 MISSED = 1
@@ -34,6 +36,7 @@ _WITH_VALUES = (
     ("--file", "FILE", "frozen: compare with that file (the package's own)"),
     ("--part", "PART", "reliability: readers, sabotages, faults, kills or soak alone"),
     ("--baseline", "DIR", "speed: compare with a checkout of an older tree"),
+    ("--page", "FILE", "put the table of one bench into a page, between its marks"),
 )
 _SWITCHES = (
     ("--quick", "smaller and fewer cases: below two minutes"),
@@ -61,6 +64,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         "--minutes", type=positive, metavar="M", help="run, demo, build: begin nothing after that time"
     )
+    add_jobs(parser)
     add(parser, *COMMON)
 
 
@@ -70,11 +74,22 @@ def execute(args: argparse.Namespace) -> int:
         complain("--fixed and --up are ignored: a bench makes its own scenes")
     for variable in _THREADS:  # one thread on both sides: CPU times of idle ones would count as work
         os.environ.setdefault(variable, "1")
+    names = BENCHES if args.name is None else (args.name,)
+    if args.page:
+        if args.name is None:
+            raise InvalidInput("--page takes the table of one bench: name it before --page FILE")
+        replaced_table(_page(args.page), args.name, [])  # refused now, not after hours
     code = DONE
-    for name in BENCHES if args.name is None else (args.name,):
+    for name in names:
         options = _options(args, name)
-        with Progress(f"bench {name}") as progress:
+        with ExitStack() as stack:
+            if "executor" in options_of(name):
+                spread = executor_at(args.cluster, args.jobs or os.cpu_count() or 1)
+                options["executor"] = stack.enter_context(spread)
+            progress = stack.enter_context(Progress(f"bench {name}"))
             document = bench(name, quick=args.quick, seed=args.seed, progress=progress, **options)
+        if args.page:
+            write_whole(args.page, replaced_table(_page(args.page), name, markdown(document)))
         if args.json:
             print_json(document)
         elif args.markdown:
@@ -88,7 +103,7 @@ def execute(args: argparse.Namespace) -> int:
 
 def _options(args: argparse.Namespace, name: str) -> dict[str, Any]:
     """Of the options, those that were given and that a bench takes."""
-    given = {key: getattr(args, key) for key in options_of(name)}
+    given = {key: getattr(args, key) for key in options_of(name) if key != "executor"}
     found = {key: value for key, value in given.items() if value is not None}
     for key in found.keys() & {"data", "piles", "models", "meshes", "baseline"}:
         found[key] = _folder(found[key])
@@ -97,6 +112,13 @@ def _options(args: argparse.Namespace, name: str) -> dict[str, Any]:
     for key in found.keys() & {"journal", "counts", "file"}:
         found[key] = Path(found[key])
     return found
+
+
+def _page(path: str) -> str:
+    try:
+        return check_writable(path).read_text("utf-8")
+    except (OSError, UnicodeDecodeError) as error:
+        raise InvalidInput(f"{path} is no page that can be read: {error}") from error
 
 
 def _folder(text: str) -> Path:

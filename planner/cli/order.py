@@ -1,15 +1,15 @@
 """`topple order`: which object to take next, and why."""
 
 import argparse
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from functools import partial
 from typing import TYPE_CHECKING, Any
 
-from topple.planner.cli.arguments import COMMON, GRIPPER, add, add_jobs, add_scenes, count, positive
+from topple.planner.cli.arguments import COMMON, GRIPPER, add, add_jobs, add_kept, add_scenes, count, positive
 from topple.planner.cli.console import complain, print_json
 from topple.planner.cli.main import DONE, NO_SAFE_PLAN
-from topple.planner.cli.many import for_each_scene
+from topple.planner.cli.many import Kept, for_each_scene, kept_in
 from topple.planner.cli.options import Reading, orderer_of, rule_of, scene_paths
 from topple.planner.cli.progress import Progress
 from topple.planner.cli.robot_options import arm_of
@@ -31,6 +31,7 @@ if TYPE_CHECKING:
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Add the options; see `topple.planner.cli.main`."""
     add_jobs(parser)
+    add_kept(parser)
     add_scenes(parser, "SCENE...")
     add(parser, "--target", "--max-objects", "--rule", "--orderer", *COMMON)
     parser.add_argument(
@@ -89,7 +90,7 @@ def execute(args: argparse.Namespace) -> int:
         args.parser.error(f"{others} are about topple's own order: leave out --orderer")
     orderer, relating = orderer_of(args), rule_of(args)
     if args.max_objects is not None:
-        from topple.topology.rule.relate import relate
+        from topple.topology.relations import relate
 
         relating = partial(relating or relate, most_objects=args.max_objects)
     arm = arm_of(args) if args.robot else None
@@ -111,8 +112,8 @@ def execute(args: argparse.Namespace) -> int:
         ask = partial(_ordered_by, orderer, args.target, args.seed)
     work = partial(_answer, reading, relating, ask)
     by_scenes = not (args.verify or args.robot)  # those take all cores, and import what prints when imported
-    with Progress("order") as progress:
-        return for_each_scene(args, work, partial(_show, args.json), progress, processes=by_scenes)
+    with kept_in(args, _code) as kept, Progress("order") as progress:
+        return for_each_scene(args, work, partial(_show, args.json, kept), progress, by_scenes, kept)
 
 
 @dataclass(frozen=True)
@@ -179,8 +180,14 @@ def _moved(reading: Reading, goal: str, match: str, situation: "Situation") -> _
     return _Answer(moves.to_json(), len(situation.movable))
 
 
-def _show(as_json: bool, path: str, answer: _Answer) -> int:
-    if as_json:
+def _code(document: Mapping[str, Any]) -> int:
+    return NO_SAFE_PLAN if document.get("unresolved") else DONE
+
+
+def _show(as_json: bool, kept: Kept | None, path: str, answer: _Answer) -> int:
+    if kept is not None:
+        kept.add({"scene": path, **answer.document})
+    elif as_json:
         print_json({"scene": path, **answer.document})
     elif answer.document.get("build"):
         print_build(path, answer.document)
@@ -195,4 +202,4 @@ def _show(as_json: bool, path: str, answer: _Answer) -> int:
         print_assumptions(answer.document["assumptions"])
     for words in answer.certificate:
         complain(f"{path}: no safe order: each has to go first, {words}")
-    return NO_SAFE_PLAN if answer.certificate else DONE
+    return _code(answer.document)

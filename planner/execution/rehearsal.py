@@ -5,7 +5,7 @@ from types import TracebackType
 
 import numpy as np
 
-from topple.planner.execution.tolerances import EDGE, SAGGED
+from topple.planner.execution.tolerances import EDGE, RELAX, RELAX_STEPS, SAGGED
 from topple.planner.placement.base import choose_base
 from topple.planner.report.palette import object_colours
 from topple.planner.simulate.rebuild import Rebuilt, rebuild
@@ -26,9 +26,6 @@ from topple.topology.statics.rest import Statics
 
 Z = np.array([0.0, 0.0, 1.0])
 """Up in a world."""
-
-RELAX = 40  # rounds of relaxing: what overlaps by millimetres is apart after a quarter of a second
-STEPS = 2  # simulation steps a round, after which everything is brought to a halt: nothing flies
 
 
 @dataclass(frozen=True, eq=False)
@@ -131,7 +128,7 @@ def _coloured(rebuilt: Rebuilt, scene: Scene) -> Rebuilt:
 def relax(world: PhysicalWorld) -> None:
     """Lets overlapping bodies part slowly, without the speed that parting gives them, then settle."""
     for _ in range(RELAX):
-        world.step(STEPS)
+        world.step(RELAX_STEPS)
         for name in world.movable:
             world.place(name, world.pose(name))
     world.settle(3.0)

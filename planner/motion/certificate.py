@@ -12,7 +12,8 @@ import numpy as np
 from topple.planner.motion.bounds import MotionBounds
 from topple.planner.motion.collision import Checker, Contact
 from topple.planner.motion.tolerances import DEPTH, DIRECTIONS, FINEST, FIRST, PIECES
-from topple.robots.collision.separation import ROUNDING, Candidates, Float32Array, Frames, gaps
+from topple.robots.collision.separation import Candidates, Float32Array, Frames, gaps
+from topple.robots.collision.tolerances import ROUNDING
 from topple.topology.arrays import BoolArray, FloatArray, IntArray
 
 

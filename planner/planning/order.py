@@ -1,7 +1,9 @@
 """In which order to take things: the fewest removals that free the targets, and why."""
 
+import os
 import time
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterable, Sequence
+from concurrent.futures import Executor
 from dataclasses import replace
 from functools import partial
 from typing import TYPE_CHECKING, Any
@@ -17,9 +19,11 @@ from topple.planner.decide.dependency import DependencyGraph, dependencies
 from topple.planner.planning.tolerances import REMOVAL_RISK, TOP
 from topple.topology.arrays import FloatArray
 from topple.topology.errors import InvalidInput, UnknownObject
+from topple.topology.io.load import as_scene
 from topple.topology.situation import Situation
 from topple.topology.statics.gravity import check_up
 from topple.topology.values import FrozenDict
+from topple.topology.workers import all_of
 
 if TYPE_CHECKING:
     from topple.robots.arm.arm import Arm
@@ -103,6 +107,40 @@ def order(
     checked = verify and not notes["budget_exhausted"]
     found = replace(found, verified=checked, chances=FrozenDict(chance), notes=FrozenDict(notes))
     return found if robot is None else _with_access(found, situation, robot)
+
+
+def order_all(
+    scenes: "Iterable[Scene | str | os.PathLike[str]]",
+    targets: Sequence[str] | str | None = None,
+    *,
+    executor: Executor | None = None,
+    **options: Any,
+) -> list[Order]:
+    """Order many scenes, on the workers of an executor where one is given.
+
+    Args:
+        scenes: Scenes, or paths of their files: the workers then read these, and clouds do not travel.
+        targets: Names to free, each in every scene; none clears everything.
+        executor: Any executor of `concurrent.futures`, or that of a dask client; a worker that is lost costs
+            its scene a second try.
+        **options: As for `order`; they pickle.
+
+    Returns:
+        The order of each scene.
+
+    Raises:
+        InvalidInput: As `order` and `load_scene`.
+        WorkerLost: The worker of a scene was lost twice.
+    """
+    return list(all_of(partial(_order_of, targets, options), scenes, executor))
+
+
+def _order_of(
+    targets: Sequence[str] | str | None,
+    options: dict[str, Any],
+    source: "Scene | str | os.PathLike[str]",
+) -> Order:
+    return order(as_scene(source), targets, **options)
 
 
 def _top(surface: FloatArray) -> FloatArray:

@@ -7,6 +7,9 @@ import numpy as np
 SECONDS = 30.0
 """[s] after which the best moves so far are taken, with the bound proven by then."""
 
+HARD = 1e-4
+"""Weight of what has to happen before what, where passing an object's two events in one moment weighs 1."""
+
 
 # -- registration
 

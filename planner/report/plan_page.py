@@ -8,8 +8,9 @@ import numpy as np
 from msgspec import to_builtins
 
 from topple.planner.formats.arm_motion import ArmMotion, Carry, Drive
-from topple.planner.formats.plan_format import Plan, Step
+from topple.planner.formats.plan_format import Plan
 from topple.planner.formats.plan_robot import arm_from
+from topple.planner.formats.plan_structs import Step
 from topple.planner.formats.verification import Verification
 from topple.planner.report.drawing import Drawing
 from topple.planner.report.html import page, viewer
@@ -54,7 +55,7 @@ def plan_page(
         InvalidInput: The plan names what is not in the scene, or its arm is not here.
     """
     if relations is None:
-        from topple.topology.rule.relate import relate
+        from topple.topology.relations import relate
 
         relations = relate(scene)
     check_scene(plan, scene)

@@ -7,7 +7,7 @@ from typing import Any
 
 import numpy as np
 
-from topple.planner.formats.plan_format import Plan
+from topple.planner.formats.plan_structs import PlanData
 from topple.planner.formats.verification import Residual, Worst
 from topple.planner.verify.bodies import parts_of
 from topple.planner.verify.replay import SegmentReplay
@@ -30,7 +30,7 @@ class BulletCheck:
         arm: The arm.
     """
 
-    plan: Plan
+    plan: PlanData
     arm: Arm
     touching: Worst = field(default_factory=lambda: Worst("collisions (PyBullet)", "m", BY_BULLET_SLACK))
     deeper: Worst = field(default_factory=lambda: Worst("touching bodies pressed deeper", "m", DEEPER))

@@ -4,18 +4,16 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
-from topple.planner.formats.plan_format import Plan
+from topple.planner.formats.plan_structs import PlanData
 from topple.planner.formats.verification import Residual, Worst
 from topple.planner.verify.bodies import parts_of, tool_poses
 from topple.planner.verify.replay import SegmentReplay
-from topple.planner.verify.tolerances import FILLED, NOISE, SHARE, STRAYS
+from topple.planner.verify.tolerances import EVERY, FILLED, NOISE, SHARE, STRAYS
 from topple.robots.arm.arm import Arm
 from topple.topology.arrays import FloatArray
 from topple.topology.geometry.rigid import transformed
 from topple.topology.geometry.sides import beyond, joggled_sides
 from topple.topology.scene import Scene
-
-EVERY = 10  # states: a hand among neighbours moves less than a millimetre from one to the next
 
 
 @dataclass(eq=False)
@@ -28,7 +26,7 @@ class CloudCheck:
         scene: What was seen.
     """
 
-    plan: Plan
+    plan: PlanData
     arm: Arm
     scene: Scene
     entered: Worst = field(default_factory=lambda: Worst("seen points entered", "m", NOISE))

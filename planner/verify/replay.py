@@ -9,7 +9,7 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
-from topple.planner.formats.plan_format import Plan, SegmentData, Step
+from topple.planner.formats.plan_structs import PlanData, SegmentData, Step
 from topple.planner.formats.verification import Residual, Worst
 from topple.planner.transfer.segments import SegmentKind
 from topple.planner.verify.bodies import off_by, tool_poses
@@ -70,7 +70,7 @@ class Replay:
         taken: Objects that were taken and let go again, with the indices of the steps, in order.
     """
 
-    plan: Plan
+    plan: PlanData
     arm: Arm
     step: float
     taken: list[tuple[int, str]] = field(default_factory=list[tuple[int, str]])

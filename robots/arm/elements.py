@@ -5,10 +5,9 @@ import xml.etree.ElementTree as ElementTree
 
 import numpy as np
 
+from topple.robots.arm.tolerances import FARTHEST
 from topple.topology.arrays import FloatArray
 from topple.topology.errors import InvalidInput
-
-FARTHEST = 1e8  # [m] or [rad]: what squares overflow for is no place on an arm
 
 
 def number(text: str | None, default: float | None, where: str) -> float:

@@ -35,3 +35,8 @@ AMBIENT = 0.45
 
 LIGHT = (0.25, -0.31, 0.92)
 """Where the rest comes from (3,), about a unit vector."""
+
+# -- model
+
+SQUARE = 1e-6
+"""How far [m] the corners of a box may be off."""

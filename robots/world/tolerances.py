@@ -63,6 +63,9 @@ LARGEST = 5.0
 AROUND = 0.25
 """[m] of ground kept beyond the others."""
 
+STEP = 2e-4
+"""How far [m] behind a surface a ray goes on."""
+
 
 # -- vacuum
 
@@ -83,6 +86,9 @@ AT_LIMIT = 0.99
 
 PEEL_STEPS = 3
 """In a row at the limit until the lip is off: rubber gives way, contact spikes do not."""
+
+RAYS = 16
+"""Rays around the lip: 6 mm apart on a 30 mm cup, narrower than what a bellows bridges."""
 
 
 # -- world

@@ -8,12 +8,10 @@ import numpy as np
 from topple.robots.arm.gripper import SuctionCup, vacuum_load
 from topple.robots.engine import pybullet
 from topple.robots.poses import inverse, pose_from, position_and_quaternion
-from topple.robots.world.tolerances import AT_LIMIT, CLEAR, CONSTRAINT_ERP, PEEL_STEPS, REACH, TILT
+from topple.robots.world.tolerances import AT_LIMIT, CLEAR, CONSTRAINT_ERP, PEEL_STEPS, RAYS, REACH, TILT
 from topple.robots.world.world import World
 from topple.topology.arrays import FloatArray
 from topple.topology.geometry.rigid import transformed
-
-RAYS = 16  # around the lip: 6 mm apart on a 30 mm cup, narrower than what a bellows bridges
 
 
 @dataclass

@@ -18,7 +18,7 @@ from topple.planner.planning.order import order
 from topple.planner.planning.plan import plan
 from topple.robots.shapes.boxes import box
 from topple.topology.errors import InvalidInput, UnknownObject
-from topple.topology.rule.relate import Relations, relate
+from topple.topology.relations import Relations, relate
 from topple.topology.scene import Scene
 from topple.topology.situation import Situation
 

@@ -20,11 +20,14 @@ from topple.topology.bodies.tolerances import (
     FILLED,
     FLAT,
     HALF_WIDTH,
+    MANY,
     MISSES,
+    MOST_CELLS,
     MOST_LEVELS,
     OVERLAP,
     RAISED,
     ROOM,
+    ROUNDS,
     SECTORS,
     SUNK,
     TOPS_CELL,
@@ -39,11 +42,8 @@ from topple.topology.bodies.tolerances import (
 )
 from topple.topology.geometry.axes import perpendiculars
 from topple.topology.geometry.plane import fit_plane, plane_through
+from topple.topology.geometry.tolerances import ENOUGH
 
-ENOUGH = 4000  # points that settle a plane to a tenth of a millimetre
-MANY = 40_000  # points among which neighbours are looked for
-MOST_CELLS = 400  # along each axis of it
-ROUNDS = 10  # of fitting a plane to the points about it
 REMEMBERED = 64  # clouds whose tops are kept
 
 _FOUND: dict[bytes, "tuple[_Level, ...]"] = {}

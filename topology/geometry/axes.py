@@ -3,9 +3,7 @@
 import numpy as np
 
 from topple.topology.arrays import FloatArray
-
-_ENOUGH = 4000
-"""Points that tell how a cloud lies."""
+from topple.topology.geometry.tolerances import ENOUGH
 
 
 def perpendiculars(axis: FloatArray) -> tuple[FloatArray, FloatArray]:
@@ -17,6 +15,12 @@ def perpendiculars(axis: FloatArray) -> tuple[FloatArray, FloatArray]:
     first = np.cross(axis, np.eye(3)[int(np.argmin(np.abs(axis)))]).astype(np.float64)
     first /= np.linalg.norm(first)
     return first, np.cross(axis, first).astype(np.float64)
+
+
+def around(count: int) -> FloatArray:
+    """(count, 2) unit vectors evenly around in the plane, the first along x."""
+    angles = np.arange(count) * np.pi / (count / 2)
+    return np.stack([np.cos(angles), np.sin(angles)], axis=1)
 
 
 def level_axes(up: FloatArray) -> tuple[FloatArray, FloatArray]:
@@ -43,7 +47,7 @@ def own_axes(points: FloatArray) -> FloatArray:
     Returns:
         (3, 3) rotation, rows the principal axes, widest first, each towards the longer tail of the points.
     """
-    some = points[:: -(-len(points) // _ENOUGH)]
+    some = points[:: -(-len(points) // ENOUGH)]
     centred = some - some.mean(axis=0)
     axes = np.linalg.eigh(centred.T @ centred)[1].T[::-1]
     tails = ((centred @ axes.T) ** 3).sum(axis=0)

@@ -9,6 +9,7 @@ from topple.topology.geometry.axes import perpendiculars
 from topple.topology.geometry.tolerances import (
     BELOW_FLOOR,
     BETTER_THAN_BOX,
+    COARSE,
     LARGEST_RADIUS,
     LARGEST_RESIDUAL,
     LEAST_ARC,
@@ -23,10 +24,6 @@ ROUNDS = 12
 
 STILL = 1e-8
 """Step [m] of a fit that changes nothing any more: less than what a float32 cloud tells."""
-
-
-COARSE = 0.01
-"""Spacing [m] at which a fit's lowest point is looked for."""
 
 
 @dataclass(frozen=True, eq=False)

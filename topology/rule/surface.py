@@ -17,25 +17,21 @@ from topple.topology.rule.tolerances import (
     AROUND,
     BESIDE,
     BREAK,
+    CANDIDATES,
     COARSE,
     FAR,
     FEW,
     FILLED,
     FINE,
     LARGEST_CELL,
+    LINKS,
+    PATCH,
+    PROBES,
 )
 from topple.topology.tolerances import TOLERANCES
 
-PROBES = 32
-"""Points that bound the distance of two surfaces before all are looked at."""
-CANDIDATES = 400
-"""Points whose distance to the other surface is measured with planes, the nearest to its samples."""
 CROPPED = 0.5
 """Share of a surface below which a search tree of that part alone pays."""
-PATCH = 8
-"""Neighbours that make a local plane."""
-LINKS = 6
-"""Neighbours through which pieces of a cloud hang together."""
 
 
 @dataclass(frozen=True, eq=False)

@@ -12,11 +12,12 @@ from topple.planner.errors import NoSafePlan
 from topple.planner.export import EXPORTERS, export
 from topple.planner.export.pddl import domain_and_problem
 from topple.planner.formats.plan_format import Plan, plan_from_json, plan_schema, plan_to_json
-from topple.planner.planning.plan import plan
+from topple.planner.planning.plan import plan, plan_all
 from topple.robots.catalog import robot
 from topple.robots.shapes.boxes import box
 from topple.topology.errors import InvalidInput, UnknownObject
 from topple.topology.scene import Scene
+from topple.topology.workers import WorkerPool
 
 ARM = robot("panda-suction")
 BASE = np.eye(4)
@@ -48,6 +49,21 @@ def test_what_lies_on_top_is_removed_first(found: Plan) -> None:
     assert found.steps[1].after == [0]
     assert found.order == ["upper", "lower box"]
     assert any(edge.first == "upper" and edge.then == "lower box" for edge in found.dependencies)
+
+
+@pytest.mark.slow
+def test_many_scenes_are_planned_as_each_by_itself_and_one_without_a_plan_says_so(
+    found: Plan, tmp_path: Path
+) -> None:
+    far = BASE.copy()
+    far[0, 3] = -5.0
+    for name, base in (("near", BASE), ("far", far)):
+        np.savez(tmp_path / f"{name}.npz", **stacked().clouds, fixed=["table"], up=[0, 0, 1], robot_base=base)
+    with WorkerPool(1) as pool:
+        paths = [tmp_path / "near.npz", tmp_path / "far.npz"]
+        near, none = plan_all(paths, ["lower box"], "panda-suction", executor=pool, check=False)
+    assert isinstance(near, Plan) and near.steps[0].segments == found.steps[0].segments
+    assert isinstance(none, NoSafePlan) and none.certificate
 
 
 def test_each_step_starts_where_the_last_one_ended(found: Plan) -> None:

@@ -10,7 +10,7 @@ from topple.planner.transfer.transfer import Transfer, TransferFailure, after, p
 from topple.robots.catalog import robot
 from topple.robots.shapes.boxes import box, can
 from topple.topology.errors import UnknownObject
-from topple.topology.rule.relate import relate
+from topple.topology.relations import relate
 from topple.topology.scene import Scene
 from topple.topology.situation import Situation
 from topple.topology.sixim.table import Relation

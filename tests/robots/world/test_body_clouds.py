@@ -7,7 +7,7 @@ from topple.robots import shapes
 from topple.robots.world.body_clouds import Piece, shell, smoothed, solid
 from topple.topology.arrays import FloatArray
 from topple.topology.geometry.thin import voxel_means
-from topple.topology.upright import SPACING
+from topple.topology.tolerances import VOXEL
 
 
 def _holds(pieces: list[Piece], point: list[float]) -> bool:
@@ -18,7 +18,7 @@ def _holds(pieces: list[Piece], point: list[float]) -> bool:
 def _cloud(name: str, noise: float = 0.0) -> FloatArray:
     rng = np.random.default_rng(0)
     cloud = getattr(shapes, name)().surface(6000, rng) + rng.normal(0.0, noise, (6000, 3))
-    return voxel_means(cloud, SPACING)
+    return voxel_means(cloud, VOXEL)
 
 
 def test_a_shell_leaves_its_hollow_free_and_has_a_floor() -> None:
@@ -51,7 +51,7 @@ def test_a_wall_seen_from_one_side_grows_away_from_the_camera() -> None:
 def test_smoothing_keeps_a_face_where_it_is() -> None:
     rng = np.random.default_rng(1)
     face = np.column_stack([rng.uniform(-0.05, 0.05, (2000, 2)), rng.normal(0.0, 0.001, 2000)])
-    after = smoothed(voxel_means(face, SPACING))
+    after = smoothed(voxel_means(face, VOXEL))
     assert after[:, 2].std() < 0.0007
     assert abs(after[:, 2].mean()) < 3e-4
 
