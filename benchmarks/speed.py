@@ -265,10 +265,8 @@ def _dask() -> Generator[Executor, None, None]:
         from distributed import Client, LocalCluster
     except ImportError as error:
         raise NotInstalled("a cluster needs dask", "dask") from error
-    with (
-        LocalCluster(n_workers=WORKERS, threads_per_worker=1, dashboard_address=None) as cluster,
-        Client(cluster) as client,
-    ):
+    size: dict[str, Any] = {"n_workers": WORKERS, "threads_per_worker": 1, "dashboard_address": None}
+    with LocalCluster(**size) as cluster, Client(cluster) as client:
         yield client.get_executor()
 
 
