@@ -144,7 +144,7 @@ class Counts:
             where, one = VIEWS[view], [c.planned and not c.holds for c in each]
             two, calm = [c.planned for c in each], [c.planned and c.calm for c in each]
             alone = [c.calm and planned for c, planned in zip(each, one, strict=True)]
-            held = [c for c in each if c.holds and c.planned]
+            held = [c for c in each if c.holds]  # by as many hands as are named
             what = f"cleared where something is held ({len(held)}), {where}"
             found += [
                 _row(f"an order for two hands, {where}", two, "one hand", one),

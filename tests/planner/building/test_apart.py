@@ -47,6 +47,21 @@ def test_what_is_held_is_let_go_where_it_stands_by_itself() -> None:
     assert (hold.since, hold.until) == found.order[:2]
 
 
+def test_with_a_number_of_hands_each_step_is_asked_about_as_things_are_by_then() -> None:
+    scene = on_table(
+        (box("pier", (0.06, 0.12, 0.1)), (0.0, 0.0, 0.0)),
+        (box("plank", (0.3, 0.12, 0.02)), (0.08, 0.0, 0.1)),
+        (box("one", (0.05, 0.05, 0.06)), (-0.04, -0.03, 0.12)),
+        (box("two", (0.05, 0.05, 0.06)), (-0.04, 0.03, 0.12)),
+    ).weighed({"plank": 0.2, "one": 0.8, "two": 0.8})
+    assert order(scene).groups == (), "either of the two weights is enough"
+    found = order(scene, hands=1)
+    (hold,) = found.holds
+    assert (hold.object, hold.since, hold.until) == ("plank", found.order[1], "plank")
+    assert {*found.order[:2]} == {"one", "two"}
+    assert found.unresolved == ((found.order[1], "plank"),)
+
+
 def test_one_hand_does_not_part_them_and_is_told_what_to_hold() -> None:
     found = order(cards(), hands=1)
     assert found.unresolved == found.groups
