@@ -5,9 +5,10 @@ from typing import TYPE_CHECKING
 from topple.topology.lazy_names import lazy_names
 
 if TYPE_CHECKING:
-    from topple.planner.building.build import BuildOrder, Hold, build_order
+    from topple.planner.building.build import BuildOrder, build_order
     from topple.planner.decide.arrange import Order, arrange
     from topple.planner.decide.dependency import Dependency, DependencyGraph, dependencies
+    from topple.planner.decide.hold import Hold
     from topple.planner.errors import NoSafePlan
     from topple.planner.execution.demo import demo
     from topple.planner.execution.look import Observer
@@ -64,9 +65,10 @@ __all__ = [
 __getattr__ = lazy_names(
     __name__,
     {
-        "building.build": "BuildOrder Hold build_order",
+        "building.build": "BuildOrder build_order",
         "decide.arrange": "Order arrange",
         "decide.dependency": "Dependency DependencyGraph dependencies",
+        "decide.hold": "Hold",
         "errors": "NoSafePlan",
         "execution.demo": "demo",
         "execution.look": "Observer",

@@ -374,10 +374,8 @@ class ClosedLoop:
         if outcome.success:
             self._done.append((name, str(chosen.action)))
             self.followed.append(chosen)
-            if (
-                chosen.action is not Action.PLACE
-            ):  # one that is put where it shall be and does not stay is tried again
-                self._attempts[name] = 0
+            if chosen.action is not Action.PLACE:  # what shall stay there and does not is tried again
+                self._attempts.clear()  # what could not be taken may be now that this is out of its way
             return []
         if outcome.stuck:
             return [outcome.text]

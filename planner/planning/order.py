@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from topple.planner.building.apart import taking_apart
 from topple.planner.decide.arrange import Order, arrange
 from topple.planner.decide.assumptions import assumptions as assumed
 from topple.planner.decide.beliefs import Beliefs
@@ -42,6 +43,7 @@ def order(
     removal_risk: float | None = None,
     beliefs: Beliefs | None = None,
     check_gravity: bool = True,
+    hands: int | None = None,
 ) -> Order:
     """Find the order that frees the targets with the fewest removals, or with the least risk.
 
@@ -61,6 +63,9 @@ def order(
             what by this one.
         check_gravity: Whether a scene is refused that would stand with another `up`. In one that is planned
             on, things may hang.
+        hands: How many hands there are, one that takes and those that hold meanwhile. With it every step is
+            asked about as things are by then, and what takes more hands is `unresolved`. Without it `holds`
+            names what would take the groups apart.
 
     Returns:
         The order. What must go before a target is what has a path to it in the dependency graph,
@@ -68,9 +73,11 @@ def order(
 
     Raises:
         InvalidInput: The scene has no `up`, or hangs in the air with it and would stand with another; nothing
-            in it can move, or a target is fixed.
+            in it can move, a target is fixed, or there is no hand.
         UnknownObject: A target is not in the scene.
     """
+    if hands is not None and hands < 1:
+        raise InvalidInput(f"hands is {hands}: expected how many there are, 1 or more")
     started = time.monotonic()
     situation = Situation.of(scene, relations)
     scene = situation.scene
@@ -95,7 +102,8 @@ def order(
     tops = {name: _top(statics.surfaces[name]) for name in full.names}
     edges = {(edge.first, edge.then) for edge in full.dependencies}
     risked = (beliefs or Beliefs()).weighed(chance, edges)
-    found = arrange(full.reduced(), wanted, tops, situation.supports, said, risked, removal_risk)
+    apart = taking_apart(situation, full, hands)
+    found = arrange(full.reduced(), wanted, tops, situation.supports, said, risked, removal_risk, apart)
     checked = verify and not notes["budget_exhausted"]
     found = replace(found, verified=checked, chances=FrozenDict(chance), notes=FrozenDict(notes))
     return found if robot is None else _with_access(found, situation, robot)

@@ -10,7 +10,14 @@ from topple.planner.report.html import table
 from topple.planner.report.limits import LIMITS
 from topple.planner.report.palette import css, relation_colour
 from topple.planner.report.view import is_inferred
-from topple.planner.report.words import listed, millimetres, order_in_words, said, sentences
+from topple.planner.report.words import (
+    holds_in_words,
+    listed,
+    millimetres,
+    order_in_words,
+    said,
+    sentences,
+)
 from topple.topology.sixim.table import Relation
 
 Document = Mapping[str, Any]
@@ -114,6 +121,8 @@ def _certificates(order: Document, index: Mapping[str, int]) -> str:
     for group in order.get("groups", ()):
         names = [object_name(str(name), index) for name in group]
         html += f'<p class="certificate">Held or taken together: {listed(names)}.</p>'
+    for words in holds_in_words(order):
+        html += f'<p class="certificate">With a second hand, {escape(words)}.</p>'
     for cycle in order.get("unresolved", ()):
         members = [cycle] if isinstance(cycle, str) else list(cycle)
         names = [object_name(str(name), index) for name in members]
