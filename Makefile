@@ -43,7 +43,7 @@ peers: | python
 film: .venv/dev.stamp
 	$(BIN)/python docs/figures/film.py docs/dishes.webp
 
-# docs/plan.schema.json is what the structs of planner/formats/plan_format.py say; a test holds it to that.
+# docs/plan.schema.json is what the structs of planner/formats/plan_structs.py say; a test holds it to that.
 schema: .venv/dev.stamp
 	$(BIN)/python -c 'import json; from topple.planner.formats.plan_format import plan_schema; print(json.dumps(plan_schema(), indent=1))' > docs/plan.schema.json
 

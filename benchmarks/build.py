@@ -13,6 +13,9 @@ The baselines are given the same clouds and hold nothing:
 - plain 6IM + height: of two objects that are not disjoint by the paper's rule, the lower mean first,
 - random topological: any order in which what carries comes before what it carries, by topple's supports.
 
+The same arrangements are then cleared in the order that topple gives two hands, by ideal lifts: what is to be
+held is kept still while others are taken. One hand clears those of them in which nothing is to be held.
+
 Shares have Wilson's 95 % intervals. Seeds from `FIRST` on chose nothing.
 """
 
@@ -31,7 +34,9 @@ from topple.benchmarks.piles import Pile, observe
 from topple.benchmarks.row import Progress, Row
 from topple.benchmarks.scores import share_interval
 from topple.planner.building.build import BuildOrder, build_order
-from topple.planner.simulate.lifts import set_friction
+from topple.planner.decide.hold import Hold
+from topple.planner.planning.order import order
+from topple.planner.simulate.lifts import set_friction, take_away
 from topple.planner.simulate.tolerances import SPEED, WATCHED
 from topple.planner.tolerances import DISTURBED, TURNED
 from topple.robots.poses import angle_between
@@ -77,8 +82,9 @@ def rows(quick: bool, seed: int, progress: Progress, *, minutes: float | None = 
             found = build_order(scene)
             seconds.append(perf_counter() - started)
             counts.add(view, "topple", kind, trial.stands(found.order, found), bool(found.holds))
-            for name, order in _baselines(scene, one).items():
-                counts.add(view, name, kind, trial.stands(order), bool(found.holds))
+            for name, baseline in _baselines(scene, one).items():
+                counts.add(view, name, kind, trial.stands(baseline), bool(found.holds))
+            counts.clear(view, scene, trial)
     found = [*counts.rows(), Row("build_order, median, wall time", median(seconds), "s")]
     return [row.to_json() for row in [Row("arrangements", len(counts.built[0, "topple"]), ""), *found]]
 
@@ -108,6 +114,7 @@ class Counts:
     )
     built: dict[tuple[int, str], list[bool]] = field(default_factory=dict[tuple[int, str], list[bool]])
     free: dict[tuple[int, str], list[bool]] = field(default_factory=dict[tuple[int, str], list[bool]])
+    cleared: "dict[int, list[Cleared]]" = field(default_factory=lambda: {})
 
     def add(self, view: int, who: str, kind: str, prefixes: Sequence[bool], held: bool) -> None:
         """Count one arrangement."""
@@ -115,6 +122,37 @@ class Counts:
         self.built.setdefault((view, who), []).append(all(prefixes))
         if not held:
             self.free.setdefault((view, who), []).extend(prefixes)
+
+    def clear(self, view: int, scene: Scene, trial: "Trial") -> None:
+        """Count one arrangement that is cleared."""
+        found = order(scene, hands=2)
+        calm = trial.cleared(found.order, found.holds)
+        self.cleared.setdefault(view, []).append(
+            Cleared(
+                holds=bool(found.holds),
+                planned=not found.unresolved,
+                calm=calm,
+                unheld=trial.cleared(found.order) if found.holds else calm,
+                unasked=trial.cleared(order(scene).order),
+            )
+        )
+
+    def cleared_rows(self) -> list[Row]:
+        """What one hand clears, and two."""
+        found: list[Row] = []
+        for view, each in self.cleared.items():
+            where, one = VIEWS[view], [c.planned and not c.holds for c in each]
+            two, calm = [c.planned for c in each], [c.planned and c.calm for c in each]
+            alone = [c.calm and planned for c, planned in zip(each, one, strict=True)]
+            held = [c for c in each if c.holds]  # by as many hands as are named
+            what = f"cleared where something is held ({len(held)}), {where}"
+            found += [
+                _row(f"an order for two hands, {where}", two, "one hand", one),
+                _row(f"cleared by two hands, {where}", calm, "one hand", alone),
+                _row(f"cleared by two hands, {where}", calm, "without --hands", [c.unasked for c in each]),
+                _row(what, [c.calm for c in held], "nothing held", [c.unheld for c in held]),
+            ]
+        return found
 
     def rows(self) -> list[Row]:
         """The figures, topple's beside each baseline's."""
@@ -135,7 +173,7 @@ class Counts:
             if mine := self.stood.get((0, "topple", kind)):
                 what = f"prefixes that stand, {kind}, {VIEWS[0]}"
                 found.append(_row(what, mine, "height", self.stood[0, "height", kind]))
-        return found
+        return found + self.cleared_rows()
 
     def _all(self, view: int, who: str) -> list[bool]:
         return [one for kind in KINDS for one in self.stood.get((view, who, kind), ())]
@@ -150,6 +188,25 @@ def _percent(each: Sequence[bool]) -> float:
     return 100.0 * sum(each) / max(len(each), 1)
 
 
+@dataclass(frozen=True)
+class Cleared:
+    """How an arrangement is cleared with two hands.
+
+    Attributes:
+        holds: Whether something is held.
+        planned: Whether two hands are enough.
+        calm: Whether all others stay in place, lift by lift, with what is to be held kept still.
+        unheld: The same where nothing is held.
+        unasked: The same of the order that says nothing of hands, nothing held.
+    """
+
+    holds: bool
+    planned: bool
+    calm: bool
+    unheld: bool
+    unasked: bool
+
+
 class Trial:
     """An arrangement that is put together in simulation; what was seen of a prefix is kept."""
 
@@ -157,6 +214,7 @@ class Trial:
         self._pile = pile
         self._bodies = {body.name: body for body in pile.bodies}
         self._known: dict[tuple[Names, Names, str | None], bool] = {}
+        self._lifts: dict[tuple[Names, Names, str], bool] = {}
 
     def stands(self, order: Sequence[str], found: BuildOrder | None = None) -> list[bool]:
         """Whether each prefix of an order stands, with the holds of a build order."""
@@ -175,6 +233,38 @@ class Trial:
             verdicts.append(calm and self._still(there, after, None))
         return verdicts
 
+    def cleared(self, order: Sequence[str], holds: Sequence[Hold] = ()) -> bool:
+        """Whether nothing else moves while things are taken in an order, some of them held meanwhile."""
+        at = {name: k for k, name in enumerate(order)}
+        spans = [(hold.object, at[hold.since], at[hold.until]) for hold in holds]
+        for k, name in enumerate(order):
+            there = frozenset(order[k:])
+            held = frozenset(n for n, first, last in spans if first <= k <= last and n != name)
+            kept = frozenset(n for n, first, last in spans if first <= k < last)
+            if not self._calm(there, held, name) or (
+                kept < held and not self._still(there - {name}, kept, None)
+            ):
+                return False
+        return True
+
+    def _calm(self, there: Names, held: Names, going: str) -> bool:
+        """Whether all others stay in place while one is lifted away."""
+        if (there, held, going) not in self._lifts:
+            with self._world(there, held) as world:
+                moves = take_away(world, going)
+            calm = not any(moves[n].beyond(DISTURBED, np.degrees(TURNED)) for n in moves.keys() - held)
+            self._lifts[there, held, going] = calm
+        return self._lifts[there, held, going]
+
+    def _world(self, there: Names, held: Names) -> World:
+        """Some of the things in place, some of them kept still."""
+        world = World()
+        world.add_table(size=(0.8, 0.8))
+        for name in sorted(there):
+            world.add(self._bodies[name], self._pile.poses[name], fixed=name in held)
+        set_friction(world, 0.5, 0.6, dict.fromkeys(held, float(np.sqrt(0.5))))
+        return world
+
     def _still(self, there: Names, held: Names, coming: str | None) -> bool:
         key = there, held, coming
         if key not in self._known:
@@ -184,11 +274,7 @@ class Trial:
     def _watch(self, there: Names, held: Names, coming: str | None) -> bool:
         """Whether all stay in place while one of them is lowered, or where none is, for a while."""
         poses = self._pile.poses
-        with World() as world:
-            world.add_table(size=(0.8, 0.8))
-            for name in sorted(there):
-                world.add(self._bodies[name], poses[name], fixed=name in held)
-            set_friction(world, 0.5, 0.6, dict.fromkeys(held, float(np.sqrt(0.5))))
+        with self._world(there, held) as world:
             if coming is None:
                 for _ in range(round(WATCHED / world.time_step / 24)):
                     world.step(24)

@@ -5,6 +5,7 @@ With `--counts FILE` the count is written as `topple demo` tells it, with the se
 """
 
 from collections.abc import Sequence
+from concurrent.futures import Executor
 from importlib.metadata import version
 from pathlib import Path
 from typing import Any
@@ -30,6 +31,7 @@ def rows(
     journal: Path = JOURNAL,
     minutes: float | None = None,
     counts: Path | None = None,
+    executor: Executor | None = None,
 ) -> list[dict[str, Any]]:
     """Play what is not in the journal yet, and count.
 
@@ -40,6 +42,7 @@ def rows(
         journal: Where endings are kept, line by line; that of `topple bench run` will do.
         minutes: After this time no further episode is begun; the figures are of what was played.
         counts: Where the count is written, as JSON.
+        executor: Whose workers play; None for a process a core.
 
     Returns:
         The bench's rows.
@@ -51,7 +54,7 @@ def rows(
     seeds = range(seed, seed + (1 if quick else SEEDS))
     episodes = {name: [Episode(name, one, CAMERAS) for one in seeds] for name in SCENARIOS}
     wanted = list(in_turn(list(episodes.values())))
-    known = collected(wanted, progress, journal, minutes)
+    known = collected(wanted, progress, journal, minutes, executor)
     found = {name: count_of([known[e] for e in some if e in known]) for name, some in episodes.items()}
     counted = {name: count for name, count in found.items() if count is not None}
     if place is not None:

@@ -17,9 +17,7 @@ for such a machine.
 import json
 import time
 from collections.abc import Iterator, Mapping, Sequence
-from concurrent.futures import ProcessPoolExecutor, as_completed
 from dataclasses import asdict, dataclass, field
-from multiprocessing import active_children, get_context
 from pathlib import Path
 from typing import Any
 
@@ -30,9 +28,9 @@ from topple.benchmarks.document import machine
 from topple.benchmarks.frozen_cases import Case, Item, cases
 from topple.benchmarks.row import Progress, Row
 from topple.planner.files import check_writable, write_whole
-from topple.planner.workers import serve
 from topple.topology.errors import InvalidInput
 from topple.topology.io.strict_json import read_json
+from topple.topology.workers import Lost, WorkerLost, WorkerPool, mapped, serve
 
 FILE = Path(__file__).with_name("frozen.json")
 FORMAT, FORMAT_VERSION = "topple.frozen", 1
@@ -220,15 +218,15 @@ def _computed(wanted: Sequence[Case], progress: Progress) -> Frozen:
 
 
 def _as_done(wanted: Sequence[Case]) -> Iterator[tuple[Case, tuple[Item, ...]]]:
-    pool = ProcessPoolExecutor(PROCESSES, get_context("spawn"), initializer=_begin)
-    try:
-        asked = {pool.submit(case.items): case for case in wanted}
-        for done in as_completed(asked):
-            yield asked[done], done.result()
-    finally:  # on Ctrl-C what still runs is dropped
-        pool.shutdown(wait=False, cancel_futures=True)
-        for process in active_children():
-            process.terminate()
+    with WorkerPool(PROCESSES, _begin) as pool:
+        for done in mapped(_items, wanted, pool, in_turn=False):
+            if isinstance(done, Lost):
+                raise WorkerLost(f"{done.task.what}: the process that computed it was lost twice")
+            yield done
+
+
+def _items(case: Case) -> tuple[Case, tuple[Item, ...]]:
+    return case, case.items()
 
 
 def _begin() -> None:

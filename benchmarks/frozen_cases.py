@@ -20,7 +20,7 @@ from topple.robots.scenarios import scenario_called
 from topple.topology.errors import InvalidInput, UnknownObject
 from topple.topology.io.load import load_scene
 from topple.topology.io.sequence import load_sequence
-from topple.topology.rule.relate import relate
+from topple.topology.relations import relate
 from topple.topology.scene import Scene
 
 EPISODES = (

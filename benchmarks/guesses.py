@@ -9,8 +9,7 @@ import numpy as np
 
 from topple.planner.planning.support_tree import support_tree
 from topple.topology.arrays import FloatArray
-from topple.topology.relations import Relations
-from topple.topology.rule.relate import relate
+from topple.topology.relations import Relations, relate
 from topple.topology.scene import Scene
 from topple.topology.sixim.table import Relation
 

@@ -34,7 +34,7 @@ from topple.benchmarks.clouds import crowd, frame, household
 from topple.benchmarks.plain_numpy import plain_numpy
 from topple.benchmarks.row import Progress, Row, faster, longer
 from topple.topology.image import DepthImage
-from topple.topology.rule.relate import relate
+from topple.topology.relations import relate
 from topple.topology.scene import Scene
 from topple.topology.sixim.table import classify
 from topple.topology.tolerances import TOLERANCES

@@ -4,7 +4,6 @@ A run that a fault spoils counts as survived only where its report names the fau
 nothing else was disturbed.
 """
 
-import os
 from collections.abc import Callable, Iterator, Sequence
 from functools import partial
 from typing import Any, TypeVar
@@ -16,8 +15,8 @@ from topple.benchmarks.row import Progress, Row
 from topple.benchmarks.sabotages.caught import CASES, catch
 from topple.benchmarks.scores import share_interval
 from topple.benchmarks.soak import side_by_side, soaked
-from topple.planner.workers import worker_pool
 from topple.topology.errors import InvalidInput
+from topple.topology.workers import all_of, opened
 
 INPUTS = 100_000  # broken files, shared out among the readers
 QUICK_INPUTS = 2000
@@ -56,8 +55,8 @@ def _spread(
     work: Callable[[Task], Result], tasks: Sequence[Task], told: Callable[[Result], str], progress: Progress
 ) -> Iterator[Result]:
     """Do tasks on all cores, and give what comes of them in their order."""
-    with worker_pool(os.cpu_count() or 1) as pool:
-        for number, found in enumerate(pool.map(work, tasks), start=1):
+    with opened(None) as pool:
+        for number, found in enumerate(all_of(work, tasks, pool), start=1):
             progress(f"{number} of {len(tasks)}: {told(found)}")
             yield found
 

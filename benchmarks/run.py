@@ -16,14 +16,11 @@ intervals. A sitting of half an hour shows whether anything leaks or breaks: its
 crashes.
 """
 
-import os
 import time
 from collections import Counter
 from collections.abc import Iterator, Mapping, Sequence
-from concurrent.futures import FIRST_COMPLETED, Future, wait
-from concurrent.futures.process import BrokenProcessPool
+from concurrent.futures import Executor
 from dataclasses import dataclass
-from multiprocessing import active_children
 from pathlib import Path
 from statistics import median
 from typing import Any
@@ -36,7 +33,7 @@ from topple.benchmarks.row import Progress, Row
 from topple.benchmarks.rules import RULES
 from topple.benchmarks.scores import share_interval
 from topple.planner.fallbacks import FALLBACKS
-from topple.planner.workers import worker_pool
+from topple.topology.workers import Lost, mapped, opened
 
 JOURNAL = Path("topple-bench-run.jsonl")
 LEAST_THIRD = 5  # episodes: with fewer in a third a process's memory says nothing
@@ -124,6 +121,7 @@ def rows(
     minutes: float | None = None,
     data: Path | None = None,
     meshes: Path | None = None,
+    executor: Executor | None = None,
 ) -> list[dict[str, Any]]:
     """Play what is not in the journal yet, and count.
 
@@ -135,6 +133,7 @@ def rows(
         minutes: After this time no further episode is begun; the figures are of what was played.
         data: A folder with annotated camera frames, to be acted out too.
         meshes: A folder with models that the piles of another generator are made of, besides its own shapes.
+        executor: Whose workers play, and see the same folders; None for a process a core.
 
     Returns:
         The bench's rows.
@@ -153,7 +152,7 @@ def rows(
         kept = frames[:1] if quick else frames
         series = (*series, Series("real frames", len(kept), bar=70, folder=data, frames=kept))
     wanted = list(in_turn([one.episodes(seed) for one in series]))
-    known = collected(wanted, progress, journal, minutes)
+    known = collected(wanted, progress, journal, minutes, executor)
     found = {one: [known[e] for e in one.episodes(seed) if e in known] for one in series}
     missing = sum(episode not in known for episode in wanted)
     rows = [Row("episodes left to play", missing, f"of {len(wanted)}"), *figures(found)]
@@ -164,7 +163,11 @@ def rows(
 
 
 def collected(
-    wanted: Sequence[Episode], progress: Progress, journal: Path, minutes: float | None = None
+    wanted: Sequence[Episode],
+    progress: Progress,
+    journal: Path,
+    minutes: float | None = None,
+    executor: Executor | None = None,
 ) -> Mapping[Episode, Ending]:
     """Play what is not in a journal yet, and keep it there.
 
@@ -173,24 +176,29 @@ def collected(
         progress: Called as episodes end.
         journal: Where endings are kept, line by line.
         minutes: After this time no further episode is begun.
+        executor: Whose workers play; None for a process a core.
 
     Returns:
         Everything that the journal has of today's behaviour, wanted or not, in the order in which it was
         played.
     """
     with Journal(journal) as book:
-        return _kept(wanted, progress, book, minutes)
+        return _kept(wanted, progress, book, minutes, executor)
 
 
 def _kept(
-    wanted: Sequence[Episode], progress: Progress, book: Journal, minutes: float | None
+    wanted: Sequence[Episode],
+    progress: Progress,
+    book: Journal,
+    minutes: float | None,
+    executor: Executor | None,
 ) -> Mapping[Episode, Ending]:
     if book.stale:
         progress(f"{book.stale} results of another version of behaviour are left out")
     known = {ending.episode: ending for ending in map(Ending.from_json, book.entries)}
     left = [episode for episode in wanted if episode not in known]
     until = None if minutes is None else time.monotonic() + 60 * minutes
-    for ending in _played(left, until):
+    for ending in _played(left, until, executor):
         known[ending.episode] = ending
         book.add(ending.to_json())
         progress(f"{sum(e in known for e in wanted)} of {len(wanted)} episodes: {ending}")
@@ -205,52 +213,19 @@ def in_turn(lists: Sequence[Sequence[Episode]]) -> Iterator[Episode]:
         yield from (one[number] for one in lists if number < len(one))
 
 
-def _played(episodes: Sequence[Episode], until: float | None) -> Iterator[Ending]:
-    """Endings as they come, from one process a core; a process that dies is a crash, and is replaced."""
+def _played(episodes: Sequence[Episode], until: float | None, executor: Executor | None) -> Iterator[Ending]:
+    """Endings as they come; a process that dies is a crash, and the next episode has another one.
+
+    One process plays one episode after the other: its memory shows whether anything leaks.
+    """
     waiting = (e for e in episodes if until is None or time.monotonic() < until)
-    lanes = [_Lane() for _ in range(os.cpu_count() or 1)]
-    try:
-        for lane in lanes:
-            lane.begin(next(waiting, None))
-        while busy := [lane for lane in lanes if lane.future is not None]:
-            wait([lane.future for lane in busy if lane.future is not None], return_when=FIRST_COMPLETED)
-            for lane in busy:
-                if lane.future is not None and lane.future.done():
-                    yield lane.end()
-                    lane.begin(next(waiting, None))
-    finally:  # on Ctrl-C what still runs is dropped; what ended is in the journal
-        for lane in lanes:
-            lane.close()
-        for process in active_children():
-            process.terminate()
+    with opened(executor) as pool:
+        for answer in mapped(play, waiting, pool, in_turn=False, tries=1):
+            yield answer if isinstance(answer, Ending) else _crashed(answer)
 
 
-class _Lane:
-    """One process that plays one episode after the other: its memory shows whether anything leaks."""
-
-    def __init__(self) -> None:
-        self._pool = worker_pool(1)
-        self._episode: Episode | None = None
-        self.future: Future[Ending] | None = None
-
-    def begin(self, episode: Episode | None) -> None:
-        """Start an episode, or rest where there is none."""
-        self._episode = episode
-        self.future = None if episode is None else self._pool.submit(play, episode)
-
-    def end(self) -> Ending:
-        """How the episode went that is over."""
-        assert self.future is not None
-        assert self._episode is not None
-        try:
-            return self.future.result()
-        except BrokenProcessPool as error:
-            self._pool = worker_pool(1)
-            return Ending(self._episode, "crash", (str(error),))
-
-    def close(self) -> None:
-        """Take nothing more."""
-        self._pool.shutdown(wait=False, cancel_futures=True)
+def _crashed(lost: Lost[Episode]) -> Ending:
+    return Ending(lost.task, "crash", ("the process that played it was lost",))
 
 
 def figures(found: Mapping[Series, Sequence[Ending]]) -> list[Row]:

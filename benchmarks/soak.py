@@ -15,10 +15,10 @@ from topple.benchmarks.sabotages.caught import BASE, GOALS, scene_for
 from topple.planner.execution.rehearsal import Rehearsal
 from topple.planner.planning.order import order
 from topple.planner.planning.plan import plan
-from topple.planner.workers import worker_pool
 from topple.robots.catalog import robot
 from topple.robots.engine import pybullet
 from topple.topology.scene import Scene
+from topple.topology.workers import WorkerPool
 
 PLANS = 10  # orders and worlds for each plan, which takes as long as ten of them
 CLIENTS = 64  # numbers of simulations that are looked at
@@ -85,7 +85,7 @@ def soaked(rounds: int, progress: Progress) -> Held:
         progress: Called once.
     """
     progress(f"{rounds} rounds of orders, plans and worlds in one process")
-    with worker_pool(1) as pool:
+    with WorkerPool(1) as pool:
         return pool.submit(soak, rounds).result()
 
 
@@ -104,7 +104,7 @@ def side_by_side(copies: int, progress: Progress) -> tuple[int, int]:
     serial = [_ordered(goal) for goal in goals]
     with ThreadPoolExecutor(THREADS) as threads:
         in_threads = list(threads.map(_ordered, goals))
-    with worker_pool(PROCESSES) as processes:
+    with WorkerPool(PROCESSES) as processes:
         in_processes = list(processes.map(_ordered, goals))
     differ: Callable[[list[dict[str, Any]]], int] = partial(_differences, serial)
     return 2 * len(serial), differ(in_threads) + differ(in_processes)

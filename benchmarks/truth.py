@@ -11,8 +11,7 @@ from typing import Any
 
 from topple.benchmarks.row import Progress, Row
 from topple.topology.io import load_scene, load_sequence
-from topple.topology.relations import Relations
-from topple.topology.rule.relate import relate
+from topple.topology.relations import Relations, relate
 from topple.topology.sixim.table import Relation
 
 FIRST_FRAME = 2

@@ -5,9 +5,10 @@ from typing import TYPE_CHECKING
 from topple.topology.lazy_names import lazy_names
 
 if TYPE_CHECKING:
-    from topple.planner.building.build import BuildOrder, Hold, build_order
+    from topple.planner.building.build import BuildOrder, build_order
     from topple.planner.decide.arrange import Order, arrange
     from topple.planner.decide.dependency import Dependency, DependencyGraph, dependencies
+    from topple.planner.decide.hold import Hold
     from topple.planner.errors import NoSafePlan
     from topple.planner.execution.demo import demo
     from topple.planner.execution.look import Observer
@@ -17,8 +18,8 @@ if TYPE_CHECKING:
     from topple.planner.grasp.foreign import ForeignGrasps, grasps_from_array, read_grasps
     from topple.planner.grasp.rank import rank_all, rank_grasps
     from topple.planner.planning.next_view import next_view
-    from topple.planner.planning.order import order
-    from topple.planner.planning.plan import plan
+    from topple.planner.planning.order import order, order_all
+    from topple.planner.planning.plan import plan, plan_all
     from topple.planner.rearranging.arrangement import Arrangement
     from topple.planner.rearranging.rearrange import Rearrangement, rearrange
     from topple.planner.rearranging.task import ArrangementTask, DescribedTask, SameShapesTask
@@ -49,7 +50,9 @@ __all__ = [
     "grasps_from_array",
     "next_view",
     "order",
+    "order_all",
     "plan",
+    "plan_all",
     "plan_page",
     "rank_all",
     "rank_grasps",
@@ -62,9 +65,10 @@ __all__ = [
 __getattr__ = lazy_names(
     __name__,
     {
-        "building.build": "BuildOrder Hold build_order",
+        "building.build": "BuildOrder build_order",
         "decide.arrange": "Order arrange",
         "decide.dependency": "Dependency DependencyGraph dependencies",
+        "decide.hold": "Hold",
         "errors": "NoSafePlan",
         "execution.demo": "demo",
         "execution.look": "Observer",
@@ -74,8 +78,8 @@ __getattr__ = lazy_names(
         "grasp.foreign": "ForeignGrasps grasps_from_array read_grasps",
         "grasp.rank": "rank_all rank_grasps",
         "planning.next_view": "next_view",
-        "planning.order": "order",
-        "planning.plan": "plan",
+        "planning.order": "order order_all",
+        "planning.plan": "plan plan_all",
         "rearranging.arrangement": "Arrangement",
         "rearranging.rearrange": "Rearrangement rearrange",
         "rearranging.task": "SameShapesTask DescribedTask ArrangementTask",

@@ -1,7 +1,9 @@
 """Clouds of bodies on a table, seen from all around, for tests that need a scene and no camera."""
 
 import numpy as np
+from scipy.spatial.transform import Rotation
 
+from topple.robots.shapes import box
 from topple.robots.world.bodies import Body
 from topple.topology.arrays import FloatArray
 from topple.topology.scene import Scene
@@ -25,3 +27,23 @@ def on_table(
     clouds = {"table": table(half, x=x)}
     clouds |= {body.name: body.surface(points, rng) + np.array(place) for body, place in things}
     return Scene(clouds, fixed=["table"], up=[0, 0, 1])
+
+
+def cards() -> Scene:
+    """Two boards that lean on each other."""
+    clouds, rng = dict(on_table().clouds), np.random.default_rng(0)
+    for name, side in (("left", -1), ("right", 1)):
+        turn = Rotation.from_euler("y", -side * 0.3).as_matrix()
+        points = box(name, (0.01, 0.08, 0.1)).surface(3000, rng) @ turn.T
+        inner = (side * points[:, 0]).min()
+        clouds[name] = points - [side * inner, 0.0, points[:, 2].min()]
+    return Scene(clouds, fixed=["table"], up=[0, 0, 1])
+
+
+def balance() -> Scene:
+    """A plank far past the edge of a pier, kept there by a weight."""
+    return on_table(
+        (box("plank", (0.3, 0.06, 0.02)), (0.11, 0.0, 0.1)),
+        (box("pier", (0.06, 0.1, 0.1)), (0.0, 0.0, 0.0)),
+        (box("weight", (0.05, 0.05, 0.06)), (-0.01, 0.0, 0.12)),
+    ).weighed({"plank": 0.1, "weight": 1.0})

@@ -11,8 +11,8 @@ from topple.topology import load_scene
 EXAMPLES = Path(__file__).resolve().parents[1] / "examples"
 FRAMES = EXAMPLES.parents[1] / "shared" / "data" / "rgbd"
 SCRIPTS = (
-    "dishes.py", "foreign_grasps.py", "learn.py", "lemon.py", "look.py", "order_clouds.py", "own_world.py",
-    "pack.py", "pile.py", "real_frame.py", "restack.py", "set_table.py", "sort.py", "swap.py",
+    "dishes.py", "foreign_grasps.py", "hold.py", "learn.py", "lemon.py", "look.py", "order_clouds.py",
+    "own_world.py", "pack.py", "pile.py", "real_frame.py", "restack.py", "set_table.py", "sort.py", "swap.py",
     "tower.py", "track.py", "write_bag.py", "write_bop.py",
 )  # fmt: skip
 
@@ -129,6 +129,15 @@ def test_in_a_foreign_world_the_counterweight_is_found_and_a_stack_taken_apart(t
     assert any("weight and plank hold each other" in line for line in lines)
     assert [line.split(":")[0] for line in lines[-3:]] == ["remove high", "free low", "free low"]
     assert lines[-1] == "free low: reached"
+
+
+def test_two_cards_come_apart_with_a_second_hand(tmp_path: Path) -> None:
+    lines = _output(tmp_path, "hold.py")
+    assert "with more hands, hold " in lines[0]
+    first, held = lines[1].removeprefix("take ").partition(";")[0].split(", ")
+    assert f"hold {held} while {first} is taken" in lines[1]
+    turns = [float(line.split()[-2]) for line in lines[-2:]]
+    assert turns[0] > 1.0 and turns[1] == 0.0
 
 
 @pytest.mark.slow

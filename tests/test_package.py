@@ -1,3 +1,4 @@
+import ast
 import re
 import subprocess
 import sys
@@ -107,3 +108,32 @@ def test_the_floor_plan_names_every_room() -> None:
     layers = ("topology", "robots", "planner")
     rooms = [room.parent.name for layer in layers for room in (ROOT / layer).glob("*/__init__.py")]
     assert len(rooms) > 20 and sorted(drawn) == sorted(rooms)
+
+
+@pytest.mark.parametrize(("layer", "most"), [("topology", 36), ("robots", 49), ("planner", 69)])
+def test_thresholds_stand_in_the_tolerances(layer: str, most: int) -> None:
+    files = [path for path in (ROOT / layer).rglob("*.py") if path.name != "tolerances.py"]
+    found = [f"{path.relative_to(ROOT)}: {name}" for path in files for name in _numbers(TEXTS[path])]
+    assert len(found) <= most, "\n".join(["move to the tolerances what decides anything:", *found])
+
+
+def _numbers(code: str) -> list[str]:
+    """The constants of a module that are a number or several: sizes of blocks, data sheets, colours."""
+    given = [node for node in ast.parse(code).body if isinstance(node, (ast.Assign, ast.AnnAssign))]
+    named = [(target, node.value) for node in given for target in _targets(node) if node.value is not None]
+    return [target.id for target, value in named if target.id.isupper() and _is_number(value)]
+
+
+def _targets(node: ast.Assign | ast.AnnAssign) -> list[ast.Name]:
+    targets = node.targets if isinstance(node, ast.Assign) else [node.target]
+    return [target for target in targets if isinstance(target, ast.Name)]
+
+
+def _is_number(value: ast.expr) -> bool:
+    if isinstance(value, ast.Tuple):
+        return any(map(_is_number, value.elts))
+    if isinstance(value, ast.BinOp):
+        return _is_number(value.left) or _is_number(value.right)
+    if isinstance(value, ast.UnaryOp):
+        return _is_number(value.operand)
+    return isinstance(value, ast.Constant) and type(value.value) in (int, float)

@@ -15,10 +15,10 @@ if TYPE_CHECKING:
     from topple.topology.io.objects import scene_from_objects, scene_from_points
     from topple.topology.merging.merge import MergedViews, merge_views
     from topple.topology.pair import PairRelation
-    from topple.topology.relations import Relations
-    from topple.topology.rule.relate import relate, relate_all
+    from topple.topology.relations import Relations, relate, relate_all
     from topple.topology.scene import Mesh, Scene
     from topple.topology.sixim.table import Relation, classify
+    from topple.topology.workers import WorkerLost, WorkerPool
 
 __all__ = [
     "DepthImage",
@@ -34,6 +34,8 @@ __all__ = [
     "Scene",
     "ToppleError",
     "UnknownObject",
+    "WorkerLost",
+    "WorkerPool",
     "classify",
     "load_scene",
     "load_sequence",
@@ -59,9 +61,9 @@ __getattr__ = lazy_names(
         "io.objects": "scene_from_objects scene_from_points",
         "merging.merge": "MergedViews merge_views",
         "pair": "PairRelation",
-        "relations": "Relations",
-        "rule.relate": "relate relate_all",
+        "relations": "Relations relate relate_all",
         "scene": "Mesh Scene",
         "sixim.table": "Relation classify",
+        "workers": "WorkerLost WorkerPool",
     },
 )

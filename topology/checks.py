@@ -5,10 +5,7 @@ from numpy.typing import ArrayLike
 
 from topple.topology.arrays import FloatArray, bounds, frozen
 from topple.topology.errors import InvalidInput
-
-_LARGEST_EXTENT = 20.0  # [m] no object on a table, nor the table, is longer; millimetres always are
-_FARTHEST = 1e8  # [m] beyond it float64 cannot tell a hundredth of a millimetre; no map's frame goes so far
-_RIGID = 1e-3  # rotations stored as float32 or printed to four digits are off by less
+from topple.topology.tolerances import FARTHEST, LARGEST_EXTENT, RIGID
 
 
 def numeric(values: ArrayLike, what: str) -> FloatArray:
@@ -34,10 +31,10 @@ def numeric(values: ArrayLike, what: str) -> FloatArray:
         raise InvalidInput(f"{what} holds {_kind(array)}, expected real numbers")
     with np.errstate(invalid="ignore"):  # a signalling NaN is a NaN like any other
         read = array.astype(np.float64, copy=False)
-        beyond = bool((np.abs(read) > _FARTHEST).any()) and bool(np.isfinite(read).all())
+        beyond = bool((np.abs(read) > FARTHEST).any()) and bool(np.isfinite(read).all())
     if beyond:
         raise InvalidInput(
-            f"{what} has a number of {float(np.abs(read).max()):.3g}, beyond {_FARTHEST:g}: there "
+            f"{what} has a number of {float(np.abs(read).max()):.3g}, beyond {FARTHEST:g}: there "
             "millimetres are lost; expected metres near the objects"
         )
     return read
@@ -76,9 +73,9 @@ def as_points(points: ArrayLike, what: str) -> FloatArray:
         )
     lower, upper = bounds(array)
     extent = float((upper - lower).max())
-    if extent > _LARGEST_EXTENT:
+    if extent > LARGEST_EXTENT:
         raise InvalidInput(
-            f"{what} extends over {extent:.4g} m, more than {_LARGEST_EXTENT:g} m: it looks like millimetres "
+            f"{what} extends over {extent:.4g} m, more than {LARGEST_EXTENT:g} m: it looks like millimetres "
             "or another unit; topple takes metres, so scale it (millimetres: points / 1000)"
         )
     return frozen(array)
@@ -179,12 +176,12 @@ def as_pose(pose: ArrayLike, what: str) -> FloatArray:
         raise InvalidInput(f"{what} has shape {matrix.shape}: expected a 4x4 transform")
     if not np.isfinite(matrix).all():
         raise InvalidInput(f"{what} holds NaN or infinity: expected a finite 4x4 transform")
-    if np.abs(matrix[3] - [0.0, 0.0, 0.0, 1.0]).max() > _RIGID:
+    if np.abs(matrix[3] - [0.0, 0.0, 0.0, 1.0]).max() > RIGID:
         raise InvalidInput(
             f"{what} ends in the row {_listed(matrix[3])}: expected 0 0 0 1; transpose it if it is"
         )
     rotation = matrix[:3, :3]
-    if np.abs(rotation @ rotation.T - np.eye(3)).max() > _RIGID:
+    if np.abs(rotation @ rotation.T - np.eye(3)).max() > RIGID:
         raise InvalidInput(
             f"{what} is not rigid: its rotation scales or shears; expected orthonormal columns: "
             "scale the points instead, and leave rotation and translation here"

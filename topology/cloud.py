@@ -8,18 +8,7 @@ from scipy.spatial import KDTree
 from topple.topology.arrays import FloatArray
 from topple.topology.geometry.normals import patch_planes
 from topple.topology.scene import Scene
-from topple.topology.tolerances import TOLERANCES
-
-NEIGHBOURS = 12
-"""Points of a local plane: enough to fit one, few enough to stay on one face."""
-REGION = 20000
-"""Points of a dense cloud that are looked at, all from one place: noise hardly varies over an object."""
-PROBES = 300
-"""Points per cloud at which spacing and noise are measured."""
-STRAY = 2.5
-"""Usual distances that make a neighbour too far: sides seen at 80 degrees are 2.4 times as sparse."""
-MOST_STRAYS = 0.1
-"""Share of a cloud that strays are at most: cameras leave up to 3 % of them."""
+from topple.topology.tolerances import MOST_STRAYS, NEIGHBOURS, PROBES, REGION, STRAY, TOLERANCES
 
 
 def noise_and_spacing(points: FloatArray) -> tuple[float, float]:

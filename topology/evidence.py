@@ -1,12 +1,10 @@
 """Evidence: one relation that a conclusion rests on."""
 
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
+from topple.topology.pair import PairRelation
 from topple.topology.sixim.table import Relation
-
-if TYPE_CHECKING:
-    from topple.topology.pair import PairRelation
 
 
 @dataclass(frozen=True)
@@ -31,7 +29,7 @@ class Evidence:
     swept: bool = False
 
     @staticmethod
-    def of(pair: "PairRelation") -> "Evidence":
+    def of(pair: PairRelation) -> "Evidence":
         """The evidence a pair is, as it lies."""
         return Evidence(pair.a, pair.b, pair.relation, float(pair.gap), pair.observed and not pair.inferred)
 

@@ -9,9 +9,8 @@ from numpy.typing import NDArray
 from topple.topology.arrays import BoolArray, FloatArray, IntArray, frozen, frozen_int, whole_numbers
 from topple.topology.checks import as_intrinsics, as_name, as_pose, numeric
 from topple.topology.errors import InvalidInput
+from topple.topology.tolerances import FARTHEST_DEPTH
 from topple.topology.values import ByValue, FrozenDict
-
-_FARTHEST = 20.0  # [m] beyond the reach of any depth camera; a depth in millimetres is far above
 
 
 @dataclass(frozen=True, eq=False)
@@ -164,9 +163,9 @@ def _as_depth(depth: FloatArray) -> FloatArray:
         raise InvalidInput(
             f"depth is negative in {int((array < 0).sum())} pixels: expected metres, 0 where there is none"
         )
-    if array.max() > _FARTHEST:
+    if array.max() > FARTHEST_DEPTH:
         raise InvalidInput(
-            f"depth reaches {array.max():.4g}, more than {_FARTHEST:g} m: it looks like millimetres; "
+            f"depth reaches {array.max():.4g}, more than {FARTHEST_DEPTH:g} m: it looks like millimetres; "
             "topple takes metres, so divide by 1000"
         )
     return frozen(array)

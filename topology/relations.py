@@ -1,206 +1,49 @@
-"""What `relate` answers: one relation for every unordered pair of objects."""
+"""What `relate` answers: broad phase, then a closer look at the pairs that are near, by one rule of many."""
 
-from collections.abc import Collection, Iterator, Mapping, Sequence
-from dataclasses import dataclass, field, replace
-from functools import cached_property
-from importlib import import_module
-from itertools import combinations
-from typing import TYPE_CHECKING, Any, Protocol
+import os
+from collections.abc import Callable, Iterable, Mapping
+from concurrent.futures import Executor
+from functools import partial
+from typing import Any
 
 import numpy as np
 
-from topple.topology.arrays import FloatArray
-from topple.topology.errors import InvalidInput, UnknownObject
+from topple.topology.errors import InvalidInput
+from topple.topology.geometry.broadphase import near_pairs
+from topple.topology.io.load import as_scene
+from topple.topology.io.relations import deviation_of, told_in
 from topple.topology.notebook import in_cell
 from topple.topology.pair import PairRelation
-from topple.topology.sixim.table import Relation
-from topple.topology.values import same
+from topple.topology.plugins import Table, expected
+from topple.topology.relation_table import Extent, RelationTable, Rule, box_distance
+from topple.topology.rule.tolerances import MOST_OBJECTS, NEAR_EACH
+from topple.topology.scene import Scene
+from topple.topology.tolerances import TOLERANCES
+from topple.topology.workers import all_of
 
-if TYPE_CHECKING:
-    from topple.topology.scene import Scene
+RULES: Table[Callable[[Scene, float | None], Rule]] = Table(
+    "topple.relations",
+    "rule",
+    {
+        "robust": "topple.topology.rule.robust:robust",
+        "plain": "topple.topology.sixim.fast.rule:plainly",
+        "9im": "topple.topology.nineim.rule:nine",
+        "features": "topple.topology.rule.features:features",
+    },
+)
+"""What makes each rule for a scene, by the rule's name; the deviation [m] is None where it is not given."""
 
-FORMAT = "topple.relations"
-FORMAT_VERSION = 1
-
-
-def _relation_called(name: "Relation | str") -> Relation:
-    try:
-        return Relation(name)
-    except ValueError as error:
-        raise InvalidInput(f"{name!r} is no relation: expected {', '.join(Relation)}") from error
-
-
-class Prepared(Protocol):
-    """What a rule derives from one cloud, once, for all of its pairs."""
-
-    @property
-    def lower(self) -> FloatArray:
-        """(3,) least corner of the box [m]."""
-        ...
-
-    @property
-    def upper(self) -> FloatArray:
-        """(3,) greatest corner of the box [m]."""
-        ...
-
-    @property
-    def size(self) -> int:
-        """Number of points."""
-        ...
+__all__ = ["RULES", "PairRelation", "Relations", "box_distance", "relate", "relate_all"]
 
 
-def box_distance(a: Prepared, b: Prepared) -> float:
-    """Distance of two clouds' axis-aligned boxes [m], 0 where they overlap: no points are closer."""
-    return float(np.linalg.norm(np.maximum(np.maximum(a.lower - b.upper, b.lower - a.upper), 0.0)))
-
-
-class Rule(Protocol):
-    """A way to relate two clouds."""
-
-    @property
-    def deviation(self) -> float:
-        """The deviation factor δ [m]."""
-        ...
-
-    @property
-    def reach(self) -> float:
-        """Pairs whose boxes are further apart than this are disjoint without a closer look [m]."""
-        ...
-
-    def prepare(self, name: str, cloud: FloatArray) -> Any:
-        """Derive what the rule needs of one cloud (N, 3); the result is a `Prepared`."""
-        ...
-
-    def relate(self, a: Any, b: Any) -> PairRelation:
-        """Relate two prepared clouds."""
-        ...
-
-    def after(self, scene: "Scene", changed: Collection[str], looked_again: bool) -> "Rule":
-        """The rule for the same objects where some have other clouds, and cameras may have looked again."""
-        ...
-
-    def look_again(self, pair: PairRelation, a: Any, b: Any) -> PairRelation:
-        """A pair whose clouds are the same, when others have changed or cameras have looked again."""
-        ...
-
-    def conclude(self, scene: "Scene", relations: "Relations") -> "Relations":
-        """Add what follows from all pairs together."""
-        ...
-
-
-@dataclass(frozen=True, eq=False)
-class Relations:
-    """The relations of all pairs of a scene.
+class Relations(RelationTable):
+    """The relations of all pairs of a scene, as `relate` found them or another program told them.
 
     Pairs whose boxes are far apart are not stored: they are made when asked for.
-
-    Attributes:
-        objects: Names, in the scene's order.
-        rule: The rule that was used.
-        near: Pairs that were looked at closely, under their positions (i, j) in `objects`, i < j.
-        prepared: What the rule derived from each cloud, in the order of `objects`.
-        scene: What was related.
     """
 
-    objects: tuple[str, ...]
-    rule: Rule
-    near: Mapping[tuple[int, int], PairRelation]
-    prepared: tuple[Prepared, ...] = field(repr=False)
-    scene: "Scene" = field(repr=False)
-
-    @property
-    def deviation(self) -> float:
-        """The deviation factor δ [m] all pairs were related with."""
-        return self.rule.deviation
-
-    @cached_property
-    def pairs(self) -> tuple[PairRelation, ...]:
-        """Every unordered pair once, "a relation b", a before b in `objects`."""
-        return tuple(self._pair(i, j) for i, j in combinations(range(len(self.objects)), 2))
-
-    @cached_property
-    def _index(self) -> dict[str, int]:
-        return {name: i for i, name in enumerate(self.objects)}
-
-    @cached_property
-    def _around(self) -> dict[int, list[tuple[int, int]]]:
-        """The keys of `near` in which each position occurs."""
-        around: dict[int, list[tuple[int, int]]] = {}
-        for key in self.near:
-            for position in key:
-                around.setdefault(position, []).append(key)
-        return around
-
-    def __iter__(self) -> Iterator[PairRelation]:
-        return iter(self.pairs)
-
-    def __len__(self) -> int:
-        """Number of unordered pairs."""
-        return len(self.objects) * (len(self.objects) - 1) // 2
-
-    def between(self, a: str, b: str) -> PairRelation:
-        """The pair of two objects, told from `a`: "a relation b".
-
-        Args:
-            a: Name of one object.
-            b: Name of another.
-
-        Raises:
-            UnknownObject: A name is not in the scene.
-            InvalidInput: Both names are the same.
-        """
-        i, j = self._position(a), self._position(b)
-        if i == j:
-            raise InvalidInput(f"{a!r} has no relation to itself: give two different objects")
-        return self._pair(i, j) if i < j else self._pair(j, i).converse
-
-    def of(self, name: str) -> Iterator[PairRelation]:
-        """The pairs of one object that were looked at closely, each told from it.
-
-        Args:
-            name: Name of the object.
-
-        Raises:
-            UnknownObject: The name is not in the scene.
-        """
-        wanted = self._position(name)
-        for i, j in self._around.get(wanted, ()):
-            pair = self.near[i, j]
-            yield pair if wanted == i else pair.converse
-
-    @cached_property
-    def meeting(self) -> frozenset[frozenset[str]]:
-        """The pairs that are in contact or in each other: every one that is not disjoint."""
-        return frozenset(
-            frozenset((pair.a, pair.b))
-            for pair in self.near.values()
-            if pair.relation is not Relation.DISJOINT
-        )
-
-    def with_relation(self, a: str, b: str, relation: Relation | str) -> "Relations":
-        """Copy in which one pair has another relation, as somebody knows better; its matrix stays as counted.
-
-        Args:
-            a: Name of one object.
-            b: Name of another.
-            relation: "a relation b", one of the seven.
-
-        Raises:
-            UnknownObject: A name is not in the scene.
-            InvalidInput: There is no such relation, or both names are the same.
-        """
-        return self.with_pair(
-            replace(
-                self.between(a, b),
-                relation=_relation_called(relation),
-                kind=None,
-                inferred=False,
-                reason="as given",
-            )
-        )
-
     @staticmethod
-    def from_json(document: Mapping[str, Any], scene: "Scene") -> "Relations":
+    def from_json(document: Mapping[str, Any], scene: Scene) -> "Relations":
         """Read relations that were written as JSON, by `to_json` or by another program.
 
         Args:
@@ -217,122 +60,129 @@ class Relations:
                 that is none.
             UnknownObject: A pair names an object that is not in the scene.
         """
-        read: Any = import_module("topple.topology.io.relations")  # it relates what is not told
-        found: Relations = read.relations_from(document, scene)
-        return found
-
-    def with_pair(self, pair: PairRelation) -> "Relations":
-        """Copy with one pair replaced.
-
-        Args:
-            pair: The new relation of two objects of the scene, told from either.
-
-        Raises:
-            UnknownObject: A name is not in the scene.
-        """
-        i, j = self._position(pair.a), self._position(pair.b)
-        key, pair = ((i, j), pair) if i < j else ((j, i), pair.converse)
-        return replace(self, near={**self.near, key: pair})
-
-    def updated(self, name: str, cloud: FloatArray) -> "Relations":
-        """Relations of the scene in which one object's cloud changed, as `relate` would find them.
-
-        Only the object's own pairs are related again, those that were inferred from gravity, and whether
-        the gaps of the others are still in sight. The deviation stays.
-
-        Args:
-            name: Name of the object.
-            cloud: (N, 3) its new points [m].
-
-        Raises:
-            UnknownObject: The name is not in the scene.
-            InvalidInput: The cloud is no cloud.
-        """
-        self._position(name)
-        return self._moved(self.scene.with_cloud(name, cloud), [name])
-
-    def followed(self, scene: "Scene") -> "Relations":
-        """Relations of the next frame of a tracked scene: only what changed is looked at again.
-
-        Args:
-            scene: The frame, with the same objects; a cloud that is the very same array did not change.
-
-        Raises:
-            InvalidInput: The frame has other objects: relate it anew.
-        """
-        if scene.names != self.objects:
-            raise InvalidInput(f"the frame has {', '.join(scene.names)}, expected {', '.join(self.objects)}")
-        changed = [name for name, cloud in scene.clouds.items() if cloud is not self.scene.clouds[name]]
-        again = len(scene.images) != len(self.scene.images) or not np.array_equal(
-            scene.viewpoints, self.scene.viewpoints
-        )
-        again = again or any(new is not old for new, old in zip(scene.images, self.scene.images, strict=True))
-        return self._moved(scene, changed, again) if changed or again else self
-
-    def _moved(self, scene: "Scene", names: Sequence[str], looked_again: bool = False) -> "Relations":
-        """Relations of a scene of the same objects in which some have other clouds."""
-        rule, prepared = self.rule.after(scene, names, looked_again), list(self.prepared)
-        for name in names:
-            prepared[self._position(name)] = rule.prepare(name, scene.clouds[name])
-        moved = {self._position(name) for name in names}
-        again = {key for key, pair in self.near.items() if pair.inferred and moved.isdisjoint(key)}
-        near = {
-            (i, j): rule.look_again(pair, prepared[i], prepared[j])
-            for (i, j), pair in self.near.items()
-            if moved.isdisjoint((i, j)) and (i, j) not in again
-        }
-        lower = np.array([other.lower for other in prepared]) - rule.reach
-        upper = np.array([other.upper for other in prepared]) + rule.reach
-        for one in moved:
-            meeting = ((lower <= prepared[one].upper) & (upper >= prepared[one].lower)).all(axis=1)
-            again |= {(min(one, other), max(one, other)) for other in np.flatnonzero(meeting).tolist()}
-        for i, j in sorted(again):
-            if i != j:
-                near[i, j] = rule.relate(prepared[i], prepared[j])
-        related = replace(self, rule=rule, near=near, prepared=tuple(prepared), scene=scene)
-        return rule.conclude(scene, related)
+        return told_in(document, relate(scene, deviation_of(document)))
 
     def _repr_html_(self) -> str | None:
         """What a notebook shows."""
         return in_cell(self)
 
-    def __eq__(self, other: object) -> bool:
-        """Compare the scenes and what is said of every pair."""
-        if not isinstance(other, Relations):
-            return NotImplemented
-        if self is other:
-            return True
-        alike = self.deviation == other.deviation and same(self.near, other.near)
-        return alike and self.scene == other.scene
 
-    def __hash__(self) -> int:
-        """Hash the names."""
-        return hash(self.objects)
+def relate(
+    scene: Scene,
+    deviation: float | None = None,
+    plain: bool = False,
+    most_objects: int | None = None,
+    rule: str | None = None,
+) -> Relations:
+    """Decide the spatial relation of every pair of objects of a scene.
 
-    def to_json(self) -> dict[str, Any]:
-        """The relations as plain JSON data: format "topple.relations", version 1."""
-        return {
-            "format": FORMAT,
-            "format_version": FORMAT_VERSION,
-            "deviation": self.deviation,
-            "objects": list(self.objects),
-            "relations": [pair.to_json() for pair in self.pairs],
-        }
+    Args:
+        scene: The objects' clouds.
+        deviation: The deviation factor δ [m]: points this close to a boundary lie on it. Estimated from
+            the clouds' noise and spacing where not given; 0.002 for the plain rule, of which the paper says
+            that it is "usually equal to the deviation of point clouds".
+        plain: Use the paper's rule to the letter of Table 1 instead of the one that withstands noise,
+            hidden surfaces and hollow objects.
+        most_objects: How many objects the scene may have, `MOST_OBJECTS` where None, since the work grows
+            with the square of it; of the pairs `NEAR_EACH` times as many may be near each other.
+        rule: One of `RULES`: "robust", "plain", "9im", "features", or what another package adds.
 
-    def _position(self, name: str) -> int:
-        if name not in self._index:
-            raise UnknownObject(name, self.objects)
-        return self._index[name]
+    Returns:
+        One relation per unordered pair.
 
-    def _pair(self, i: int, j: int) -> PairRelation:
-        if (i, j) in self.near:
-            return self.near[i, j]
-        a, b = self.prepared[i], self.prepared[j]
-        return PairRelation(
-            a=self.objects[i],
-            b=self.objects[j],
-            relation=Relation.DISJOINT,
-            counts=np.array([[0, 0, a.size], [0, 0, b.size]], dtype=np.int64),
-            distance=box_distance(a, b),
-            gap_exact=False,
+    Raises:
+        InvalidInput: The deviation is no positive length below the size of the objects, there are more
+            objects or near pairs than is allowed, or there is no such rule.
+    """
+    most = MOST_OBJECTS if most_objects is None else most_objects
+    _check_count(len(scene.clouds), "objects", most)
+    if deviation is not None:
+        _check_deviation(scene, deviation)
+    name = rule or ("plain" if plain else "robust")
+    if plain and name != "plain":
+        raise InvalidInput(f"the rule is plain and {name!r}: expected one of the two")
+    with RULES.blamed(name):
+        chosen = RULES[name](scene, None if deviation is None else float(deviation))
+        return chosen.conclude(scene, _relate_by(chosen, scene, NEAR_EACH * most))
+
+
+def relate_all(
+    scenes: Iterable[Scene | str | os.PathLike[str]],
+    deviation: float | None = None,
+    plain: bool = False,
+    executor: Executor | None = None,
+    most_objects: int | None = None,
+    rule: str | None = None,
+) -> list[Relations]:
+    """Relate many scenes, on the workers of an executor where one is given.
+
+    Args:
+        scenes: Scenes, or paths of their files: the workers then read these, and clouds do not travel.
+        deviation: As for `relate`.
+        plain: As for `relate`.
+        executor: Any executor of `concurrent.futures`, or that of a dask client; a worker that is lost costs
+            its scene a second try.
+        most_objects: As for `relate`.
+        rule: As for `relate`.
+
+    Returns:
+        The relations of each scene, in order.
+
+    Raises:
+        InvalidInput: As `relate` and `load_scene`.
+        WorkerLost: The worker of a scene was lost twice.
+    """
+    each = partial(relate, deviation=deviation, plain=plain, most_objects=most_objects, rule=rule)
+    if executor is None:
+        return [each(as_scene(one)) for one in scenes]
+    given = list(scenes)
+    found = all_of(partial(_told, each), given, executor)
+    make = RULES[rule or ("plain" if plain else "robust")]
+    return [_of_scene(as_scene(one), told, make) for one, told in zip(given, found, strict=True)]
+
+
+_Told = tuple[float, Mapping[tuple[int, int], PairRelation], tuple[Extent, ...]]
+"""What comes back from a worker: deviation, near pairs, boxes; the rest follows from the scene."""
+
+
+def _told(each: Callable[[Scene], Relations], source: Scene | str | os.PathLike[str]) -> _Told:
+    found = each(as_scene(source))
+    return found.deviation, found.near, tuple(map(Extent.of, found.extents))
+
+
+def _of_scene(scene: Scene, told: _Told, make: Callable[[Scene, float | None], Rule]) -> Relations:
+    deviation, near, extents = told
+    return Relations(tuple(scene.clouds), make(scene, deviation), near, extents, scene)
+
+
+def _check_deviation(scene: Scene, deviation: float) -> None:
+    judged = scene.movable or scene.names  # a table is larger than any mistake
+    largest = max(float(np.ptp(scene.clouds[name], axis=0).max()) for name in judged)
+    if not np.isfinite(deviation) or deviation <= 0:
+        raise InvalidInput(f"deviation {deviation} is no length: give metres > 0, 0.002 for a depth camera")
+    if deviation > max(largest, TOLERANCES.greatest_deviation):  # what noise alone may reach is no mistake
+        raise InvalidInput(
+            f"deviation {deviation:g} m is larger than every object (the largest measures {largest:.3g} m): "
+            "give metres, 0.002 for a depth camera"
         )
+
+
+def _check_count(count: int, what: str, most: int) -> None:
+    if count > most:
+        raise InvalidInput(
+            f"the scene has {count} {what}, and {most} are allowed: leave out what is far from the targets, "
+            "or allow more with --max-objects of topple relate and order (Python: relate(..., most_objects=) "
+            "and order(..., relations=))"
+        )
+
+
+def _relate_by(rule: Rule, scene: Scene, most_pairs: int) -> Relations:
+    prepared = tuple(rule.prepare(name, cloud) for name, cloud in scene.clouds.items())
+    lower = np.array([one.lower for one in prepared]).reshape(-1, 3)
+    upper = np.array([one.upper for one in prepared]).reshape(-1, 3)
+    near: dict[tuple[int, int], PairRelation] = {}
+    pairs = near_pairs(lower, upper, rule.reach)
+    _check_count(len(pairs), "pairs of objects near each other", most_pairs)
+    for i, j in pairs.tolist():
+        near[i, j] = expected(rule.relate(prepared[i], prepared[j]), PairRelation)
+    return Relations(tuple(scene.clouds), rule, near, prepared, scene, prepared)

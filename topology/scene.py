@@ -15,13 +15,10 @@ from topple.topology.errors import InvalidInput, UnknownObject
 from topple.topology.geometry.plane import TABLE, table_by_name, up_from_fixed
 from topple.topology.image import DepthImage
 from topple.topology.notebook import in_cell
+from topple.topology.tolerances import FEWEST_SEEN, LARGEST_HELD, SMALLEST_SEEN
 from topple.topology.values import ByValue, FrozenDict
 
 _Value = TypeVar("_Value")
-
-_LARGEST_HELD = 2.0  # [m] no arm takes a longer thing; what is fixed may be as large as a hall
-_SMALLEST_SEEN = 0.001  # [m] no scene is of things all smaller than a grain of rice
-_FEWEST_SEEN = 4  # points: fewer pixels than this span no solid, and are as likely a mask's edge as an object
 
 
 @dataclass(frozen=True, eq=False)
@@ -193,9 +190,9 @@ class Scene(ByValue):
         notes = [
             f"{name!r} is left out: only {len(points)} of its points were seen"
             for name, points in clouds.items()
-            if len(points) < _FEWEST_SEEN
+            if len(points) < FEWEST_SEEN
         ]
-        clouds = {name: points for name, points in clouds.items() if len(points) >= _FEWEST_SEEN}
+        clouds = {name: points for name, points in clouds.items() if len(points) >= FEWEST_SEEN}
         viewpoints = np.array([image.viewpoint for image in images]).reshape(-1, 3)
         fixed = [fixed] if isinstance(fixed, str) else list(fixed)
         if table == "auto" and not fixed and clouds:
@@ -329,20 +326,20 @@ def _check_unit(movable: Mapping[str, FloatArray]) -> None:
     """
     if not movable:
         return
-    seen = {name: points for name, points in movable.items() if len(points) > _FEWEST_SEEN}
+    seen = {name: points for name, points in movable.items() if len(points) > FEWEST_SEEN}
     widths = {name: float(np.ptp(points, axis=0).max()) for name, points in seen.items()}
-    if 0.0 < max(widths.values(), default=0.0) < _SMALLEST_SEEN:  # points in one place tell no unit
+    if 0.0 < max(widths.values(), default=0.0) < SMALLEST_SEEN:  # points in one place tell no unit
         name = max(widths, key=widths.__getitem__)
         raise InvalidInput(
-            f"no object is larger than {1e3 * _SMALLEST_SEEN:g} mm, {name!r} has {1e3 * widths[name]:.3g}: "
+            f"no object is larger than {1e3 * SMALLEST_SEEN:g} mm, {name!r} has {1e3 * widths[name]:.3g}: "
             "too small; topple takes metres, so scale the scene (kilometres: points * 1000)"
         )
     ends = {name: np.quantile(points, (0.05, 0.95), axis=0) for name, points in movable.items()}  # no strays
     extents = {name: float((high - low).max()) for name, (low, high) in ends.items()}
     name = sorted(extents, key=extents.__getitem__)[(len(extents) - 1) // 4]
-    if extents[name] > _LARGEST_HELD:
+    if extents[name] > LARGEST_HELD:
         raise InvalidInput(
-            f"most objects are longer than {_LARGEST_HELD:g} m, {name!r} {extents[name]:.4g} m: centimetres? "
+            f"most objects are longer than {LARGEST_HELD:g} m, {name!r} {extents[name]:.4g} m: centimetres? "
             "topple takes metres, so scale the scene (centimetres: points / 100); what never moves may be "
             "larger: name it with --fixed"
         )

@@ -4,7 +4,6 @@ from collections.abc import Collection, Mapping
 from dataclasses import dataclass, field, replace
 from functools import cached_property
 from itertools import pairwise
-from typing import TYPE_CHECKING
 
 import networkx as nx
 import numpy as np
@@ -16,16 +15,13 @@ from topple.topology.bodies.surfaces import carry_over
 from topple.topology.bodies.tolerances import GRAIN
 from topple.topology.evidence import Evidence
 from topple.topology.geometry.samples import sampled
-from topple.topology.relations import Relations
-from topple.topology.rule.relate import relate
+from topple.topology.relations import Relations, relate
+from topple.topology.scene import Scene
 from topple.topology.sixim.table import classify
 from topple.topology.statics.contact import Contact
 from topple.topology.statics.rest import Statics
 from topple.topology.statics.support import Support, supports
 from topple.topology.statics.sweep import overlap, swept_matrix
-
-if TYPE_CHECKING:
-    from topple.topology.scene import Scene
 
 
 @dataclass(frozen=True, eq=False)
@@ -43,7 +39,7 @@ class Situation:
         origin: What it came of by taking objects away or moving them: the other bodies are those still.
     """
 
-    scene: "Scene"
+    scene: Scene
     known_relations: Relations | None = None
     known_solids: Solids | None = field(default=None, repr=False)
     known_completed: Solids | None = field(default=None, repr=False)

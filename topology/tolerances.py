@@ -47,3 +47,66 @@ class Tolerances:
 
 
 TOLERANCES = Tolerances()
+
+DEPTH_NOISE = 0.006
+"""How far [m] noise of a depth camera puts points off their surface: three sigmas of a Kinect at 1 m."""
+
+
+# -- checks
+
+LARGEST_EXTENT = 20.0
+"""Longest object and table [m]: no object on a table, nor the table, is longer; millimetres always are."""
+
+FARTHEST = 1e8
+"""Largest coordinate [m]: beyond it float64 cannot tell a hundredth of a millimetre; no map's frame goes so
+far."""
+
+RIGID = 1e-3
+"""How far a rotation may be from a rigid one: those stored as float32 or printed to four
+digits are off by less."""
+
+
+# -- cloud
+
+NEIGHBOURS = 12
+"""Points of a local plane: enough to fit one, few enough to stay on one face."""
+
+REGION = 20000
+"""Points of a dense cloud that are looked at, all from one place: noise hardly varies over an object."""
+
+PROBES = 300
+"""Points per cloud at which spacing and noise are measured."""
+
+STRAY = 2.5
+"""Usual distances that make a neighbour too far: sides seen at 80 degrees are 2.4 times as sparse."""
+
+MOST_STRAYS = 0.1
+"""Share of a cloud that strays are at most: cameras leave up to 3 % of them."""
+
+
+# -- image
+
+FARTHEST_DEPTH = 20.0
+"""Greatest depth [m]: beyond the reach of any depth camera; a depth in millimetres is far above."""
+
+
+# -- scene
+
+LARGEST_HELD = 2.0
+"""Longest thing that may move [m]: no arm takes a longer one; what is fixed may be as large as a hall."""
+
+SMALLEST_SEEN = 0.001
+"""Largest of a scene's things at least [m]: no scene is of things all smaller than a grain of rice."""
+
+FEWEST_SEEN = 4
+"""Points of an object at least: fewer pixels span no solid, and are as likely a mask's edge as an object."""
+
+
+# -- upright
+
+VOXEL = 0.003
+"""Voxel edge [m]: half the thickness of a spoon's bowl, and fine enough that what is found hangs little on
+where the cells begin."""
+
+KEPT_AROUND = 0.06
+"""Fixed surfaces are kept this far [m] around the objects: further ones carry nothing."""

@@ -2,7 +2,6 @@
 
 from collections.abc import Collection, Mapping
 from dataclasses import dataclass, field, replace
-from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -13,20 +12,12 @@ from topple.topology.errors import InvalidInput
 from topple.topology.geometry.axes import level_axes
 from topple.topology.geometry.outline import least_rectangle
 from topple.topology.geometry.thin import voxel_means
+from topple.topology.scene import Scene
+from topple.topology.tolerances import KEPT_AROUND, VOXEL
 from topple.topology.values import FrozenDict
-
-if TYPE_CHECKING:
-    from topple.topology.scene import Scene
 
 _Box = tuple[FloatArray, FloatArray]
 """Least and greatest corner, (3,) each [m]."""
-
-SPACING = 0.003
-"""Voxel edge [m]: half the thickness of a spoon's bowl, and fine enough that what is found hangs little on
-where the cells begin."""
-
-REACH = 0.06
-"""Fixed surfaces are kept this far [m] around the objects: further ones carry nothing."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -36,7 +27,7 @@ class Upright:
     Attributes:
         rotation: (3, 3) rows are the frame's axes in the scene's frame, so `p @ rotation.T` turns a
             scene point upright and `q @ rotation` turns it back.
-        clouds: name -> (N, 3) points [m], one per voxel of `SPACING`, the mean of what lay in it.
+        clouds: name -> (N, 3) points [m], one per voxel of `VOXEL`, the mean of what lay in it.
         fixed: Names that never move.
         viewpoints: (k, 3) camera centres, or None where the clouds are not said to be partial.
         floor: Height [m] of the surface everything stands on: of several tops the lowest one in use.
@@ -76,7 +67,7 @@ class Upright:
         return max(found, default=self.floor)
 
     @staticmethod
-    def of(scene: "Scene", rotation: FloatArray | None = None) -> "Upright":
+    def of(scene: Scene, rotation: FloatArray | None = None) -> "Upright":
         """Turn a scene upright.
 
         Args:
@@ -99,14 +90,14 @@ class Upright:
         rotation = _axes(scene, scene.up) if rotation is None else rotation
         turned = {name: np.asarray(cloud) @ rotation.T for name, cloud in scene.clouds.items()}
         movable = [name for name in turned if name not in scene.fixed]
-        clouds = {name: voxel_means(turned[name], SPACING) for name in movable}
+        clouds = {name: voxel_means(turned[name], VOXEL) for name in movable}
         near = _surroundings(list(clouds.values()))
         tops: dict[str, tuple[FloatArray, ...]] = {}
         rest: dict[str, FloatArray] = {}
         for name in turned:
             if name in scene.fixed:
                 cut = _cut(turned[name], near)
-                clouds[name] = cut if len(cut) else voxel_means(turned[name], 2 * SPACING)
+                clouds[name] = cut if len(cut) else voxel_means(turned[name], 2 * VOXEL)
                 tops[name], rest[name] = _taken_apart(turned[name], clouds[name], near)
         lowest = min((float(clouds[name][:, 2].min()) for name in movable), default=np.inf)
         views = None if len(scene.viewpoints) == 0 else scene.viewpoints @ rotation.T
@@ -122,7 +113,7 @@ class Upright:
         )
 
 
-def _axes(scene: "Scene", up: FloatArray) -> FloatArray:
+def _axes(scene: Scene, up: FloatArray) -> FloatArray:
     """(3, 3) upright axes that turn with the scene: x is along a side of the widest fixed thing.
 
     Of the four sides it is the one towards the longer tail of its points. What is fixed tells whatever else
@@ -141,12 +132,12 @@ def _axes(scene: "Scene", up: FloatArray) -> FloatArray:
 
 
 def _surroundings(clouds: list[FloatArray]) -> list[_Box]:
-    """Boxes around clouds near each other, grown by `REACH`; all there is where there is no cloud."""
+    """Boxes around clouds near each other, grown by `KEPT_AROUND`; all there is where there is no cloud."""
     if not clouds:
         return [(np.full(3, -np.inf), np.full(3, np.inf))]
     found: list[_Box] = []
     for lower, upper in map(bounds, clouds):
-        lower, upper = lower - REACH, upper + REACH
+        lower, upper = lower - KEPT_AROUND, upper + KEPT_AROUND
         while meeting := [box for box in found if _meet(box, (lower, upper))]:
             found = [box for box in found if all(box is not other for other in meeting)]
             lower = np.min([lower, *(box[0] for box in meeting)], axis=0)
@@ -165,7 +156,7 @@ def _meet(one: _Box, other: _Box) -> bool:
 def _cut(points: FloatArray, boxes: list[_Box]) -> FloatArray:
     """The points inside of boxes, thinned in each by itself: what is far away moves no cell."""
     inside = [points[((points >= lower) & (points <= upper)).all(axis=1)] for lower, upper in boxes]
-    return np.concatenate([voxel_means(part, 2 * SPACING) for part in inside])
+    return np.concatenate([voxel_means(part, 2 * VOXEL) for part in inside])
 
 
 def _taken_apart(

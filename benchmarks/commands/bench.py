@@ -3,16 +3,18 @@
 import argparse
 import os
 from collections.abc import Mapping, Sequence
+from contextlib import ExitStack
 from pathlib import Path
 from typing import Any
 
 from topple.benchmarks.document import BENCHES, bench, options_of
-from topple.benchmarks.markdown import markdown_table
-from topple.planner.cli.arguments import COMMON, add, positive
+from topple.benchmarks.markdown import markdown_table, replaced_table
+from topple.planner.cli.arguments import COMMON, add, add_jobs, count, positive
 from topple.planner.cli.console import complain, print_json, print_table, print_text
 from topple.planner.cli.main import DONE
+from topple.planner.cli.many import executor_at
 from topple.planner.cli.progress import Progress
-from topple.planner.files import make_folder
+from topple.planner.files import check_writable, make_folder, write_whole
 from topple.topology.errors import InvalidInput
 
 MISSED = 1
@@ -29,11 +31,12 @@ _WITH_VALUES = (
     ("--meshes", "DIR", "run: models that piles of another generator are made of"),
     ("--models", "DIR", "paper: YCB models, as 011_banana (procedural)"),
     ("--scenes", "DIR", "paper: write its scenes there, for other commands"),
-    ("--journal", "FILE", "run, demo: keep what ended there, and go on (topple-bench-run.jsonl)"),
+    ("--journal", "FILE", "run, demo, engines: keep what ended there, and go on (topple-bench-run.jsonl)"),
     ("--counts", "FILE", "demo: write what `topple demo` tells of its seeds"),
     ("--file", "FILE", "frozen: compare with that file (the package's own)"),
     ("--part", "PART", "reliability: readers, sabotages, faults, kills or soak alone"),
     ("--baseline", "DIR", "speed: compare with a checkout of an older tree"),
+    ("--page", "FILE", "put the table of one bench into a page, between its marks"),
 )
 _SWITCHES = (
     ("--quick", "smaller and fewer cases: below two minutes"),
@@ -52,15 +55,17 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         nargs="?",
         metavar="NAME",
         help="relate, order, build, rearrange, motion, paper, run or demo (all of these, one by one), "
-        "or frozen, reliability or speed",
+        "or engines, frozen, reliability or speed",
     )
     for option, metavar, purpose in _WITH_VALUES:
         parser.add_argument(option, metavar=metavar, help=purpose)
     for option, purpose in _SWITCHES:
         parser.add_argument(option, action="store_true", help=purpose)
     parser.add_argument(
-        "--minutes", type=positive, metavar="M", help="run, demo, build: begin nothing after that time"
+        "--minutes", type=positive, metavar="M", help="run, demo, engines, build: begin nothing after it"
     )
+    add_jobs(parser)
+    parser.add_argument("--seeds", type=count, metavar="N", help="engines: seeds of each scene (40)")
     add(parser, *COMMON)
 
 
@@ -70,11 +75,22 @@ def execute(args: argparse.Namespace) -> int:
         complain("--fixed and --up are ignored: a bench makes its own scenes")
     for variable in _THREADS:  # one thread on both sides: CPU times of idle ones would count as work
         os.environ.setdefault(variable, "1")
+    names = BENCHES if args.name is None else (args.name,)
+    if args.page:
+        if args.name is None:
+            raise InvalidInput("--page takes the table of one bench: name it before --page FILE")
+        replaced_table(_page(args.page), args.name, [])  # refused now, not after hours
     code = DONE
-    for name in BENCHES if args.name is None else (args.name,):
+    for name in names:
         options = _options(args, name)
-        with Progress(f"bench {name}") as progress:
+        with ExitStack() as stack:
+            if "executor" in options_of(name):
+                spread = executor_at(args.cluster, args.jobs or os.cpu_count() or 1)
+                options["executor"] = stack.enter_context(spread)
+            progress = stack.enter_context(Progress(f"bench {name}"))
             document = bench(name, quick=args.quick, seed=args.seed, progress=progress, **options)
+        if args.page:
+            write_whole(args.page, replaced_table(_page(args.page), name, markdown(document)))
         if args.json:
             print_json(document)
         elif args.markdown:
@@ -88,7 +104,7 @@ def execute(args: argparse.Namespace) -> int:
 
 def _options(args: argparse.Namespace, name: str) -> dict[str, Any]:
     """Of the options, those that were given and that a bench takes."""
-    given = {key: getattr(args, key) for key in options_of(name)}
+    given = {key: getattr(args, key) for key in options_of(name) if key != "executor"}
     found = {key: value for key, value in given.items() if value is not None}
     for key in found.keys() & {"data", "piles", "models", "meshes", "baseline"}:
         found[key] = _folder(found[key])
@@ -97,6 +113,13 @@ def _options(args: argparse.Namespace, name: str) -> dict[str, Any]:
     for key in found.keys() & {"journal", "counts", "file"}:
         found[key] = Path(found[key])
     return found
+
+
+def _page(path: str) -> str:
+    try:
+        return check_writable(path).read_text("utf-8")
+    except (OSError, UnicodeDecodeError) as error:
+        raise InvalidInput(f"{path} is no page that can be read: {error}") from error
 
 
 def _folder(text: str) -> Path:

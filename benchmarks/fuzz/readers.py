@@ -16,7 +16,8 @@ from topple.benchmarks.fuzz.reader import Parts, Reader
 from topple.benchmarks.fuzz.scenes import SCENES, cloud, npy
 from topple.benchmarks.journal import Journal
 from topple.planner.decide.goal import Goal, parse_goal
-from topple.planner.formats.plan_format import (
+from topple.planner.formats.plan_format import Plan, plan_from_json, plan_to_json
+from topple.planner.formats.plan_structs import (
     AttachmentData,
     DependencyData,
     GraspData,
@@ -24,19 +25,15 @@ from topple.planner.formats.plan_format import (
     Motion,
     ObjectData,
     PlacementData,
-    Plan,
     SegmentData,
     Step,
-    plan_from_json,
-    plan_to_json,
 )
 from topple.planner.grasp.foreign import ForeignGrasps, read_grasps
 from topple.robots.arm.gripper_file import read_gripper
 from topple.robots.arm.urdf import Model, read_urdf
 from topple.topology.errors import InvalidInput
 from topple.topology.io.strict_json import read_json
-from topple.topology.relations import Relations
-from topple.topology.rule.relate import relate
+from topple.topology.relations import Relations, relate
 from topple.topology.scene import Scene
 from topple.topology.sixim.table import Relation
 

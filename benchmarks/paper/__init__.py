@@ -16,9 +16,8 @@ and partial contain are the same. A pair of an object that was not seen counts a
 over the variants, with 95 % intervals of the mean.
 """
 
-import os
 from collections.abc import Iterator, Sequence
-from concurrent.futures import ProcessPoolExecutor
+from concurrent.futures import Executor
 from pathlib import Path
 from typing import Any
 
@@ -28,8 +27,8 @@ from topple.benchmarks.paper.summary import report
 from topple.benchmarks.paper.things import Things
 from topple.benchmarks.paper.truth import SCENES
 from topple.benchmarks.row import Progress
-from topple.planner.workers import worker_pool
 from topple.topology.errors import InvalidInput
+from topple.topology.workers import all_of, opened
 
 VARIANTS = 10
 """Jittered variants of every scene."""
@@ -40,7 +39,12 @@ QUICK_PILES = 6
 
 
 def rows(
-    quick: bool, seed: int, progress: Progress, models: Path | None = None, scenes: Path | None = None
+    quick: bool,
+    seed: int,
+    progress: Progress,
+    models: Path | None = None,
+    scenes: Path | None = None,
+    executor: Executor | None = None,
 ) -> list[dict[str, Any]]:
     """Measure.
 
@@ -50,6 +54,7 @@ def rows(
         progress: Called before each part.
         models: Folder of YCB models, one folder each; None: procedural things.
         scenes: Where the scenes are written to, as `.npz` the other commands read.
+        executor: Whose workers take the variants, and see the same folders; None for a process a core.
 
     Returns:
         The bench's rows.
@@ -63,12 +68,13 @@ def rows(
     things = Things(models)
     if things.absent:
         progress(f"no model of {', '.join(things.absent)}: procedural")
-    with worker_pool(os.cpu_count() or 1) as pool:
+    with opened(executor) as pool:
         learned = None
         if learning.available():
             progress("learning from piles")
             first = learning.FIRST_PILE + 1000 * seed
-            piles = pool.map(learning.examples_of, range(first, first + (QUICK_PILES if quick else PILES)))
+            last = first + (QUICK_PILES if quick else PILES)
+            piles = all_of(learning.examples_of, range(first, last), pool)
             learned = learning.train([example for examples in piles for example in examples])
         tasks = [
             Task(number, variant, seed, things, learned, scenes)
@@ -80,7 +86,7 @@ def rows(
     return [row.to_json() for row in found]
 
 
-def _solved(pool: ProcessPoolExecutor, tasks: Sequence[Task], progress: Progress) -> Iterator[Outcome]:
-    for done, outcomes in enumerate(pool.map(solve, tasks)):
+def _solved(pool: Executor, tasks: Sequence[Task], progress: Progress) -> Iterator[Outcome]:
+    for done, outcomes in enumerate(all_of(solve, tasks, pool)):
         progress(f"scene {tasks[done].number}, variant {tasks[done].variant + 1}: {done + 1} of {len(tasks)}")
         yield from outcomes

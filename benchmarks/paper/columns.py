@@ -11,8 +11,8 @@ import numpy as np
 
 from topple.topology.arrays import FloatArray
 from topple.topology.cloud import clean, estimate_deviation
+from topple.topology.relations import relate
 from topple.topology.rule.features import support_features
-from topple.topology.rule.relate import relate
 from topple.topology.scene import Scene
 from topple.topology.sixim.table import Relation, classify
 from topple.topology.tolerances import TOLERANCES

@@ -1,20 +1,22 @@
 """Build order: how a finished arrangement is put together, base first, so that every part of it stands."""
 
 import math
-from collections.abc import Collection, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
+from functools import partial
 from typing import TYPE_CHECKING, Any
 
 import networkx as nx
 
-from topple.planner.building.prefixes import Falling, Prefixes, fewest_holds
-from topple.planner.building.standing import falling_in
+from topple.planner.building.apart import held
+from topple.planner.building.prefixes import Falling, Names, fewest_holds, in_units
+from topple.planner.building.standing import falling_in, meeting_in
 from topple.planner.decide.arrange import Order
 from topple.planner.decide.assumptions import assumptions
 from topple.planner.decide.chances import reasoned
 from topple.planner.decide.dependency import Dependency, DependencyGraph, Reason, dependencies
+from topple.planner.decide.hold import Hold
 from topple.topology.errors import InvalidInput
-from topple.topology.evidence import Evidence
 from topple.topology.situation import Situation
 from topple.topology.statics.gravity import check_up
 from topple.topology.statics.rest import Statics
@@ -47,51 +49,19 @@ class Footing(Dependency):
         return Footing(first, then, removal.reason, removal.confidence, removal.evidence, removal.lies)
 
 
-@dataclass(frozen=True)
-class Hold:
-    """An object that stands only when it is held until a later one is there.
-
-    Attributes:
-        object: What is held.
-        since: What is put down as the hold begins: the object itself, or what it could not carry alone.
-        until: What has to be down before it is let go.
-        because: Why, in words.
-        evidence: The relations this rests on.
-    """
-
-    object: str
-    since: str
-    until: str
-    because: str
-    evidence: tuple[Evidence, ...] = ()
-
-    def to_json(self) -> dict[str, Any]:
-        """The hold as the JSON of `topple order --build` has it."""
-        evidence = [each.to_json() for each in self.evidence]
-        return {
-            "object": self.object, "since": self.since, "until": self.until,
-            "because": self.because, "evidence": evidence,
-        }  # fmt: skip
-
-
 @dataclass(frozen=True, eq=False)
 class BuildOrder(Order):
     """An order to put things down in, base first; its dependencies are `Footing`s.
 
     Attributes:
-        holds: What has to be held meanwhile.
-        proven: Whether no order needs fewer holds.
         footings: What the order keeps, also what follows from the direct ones of `graph`.
     """
 
-    holds: tuple[Hold, ...] = ()
-    proven: bool = True
     footings: tuple[Footing, ...] = ()
 
     def to_json(self) -> dict[str, Any]:
         """The object that `topple order --build --json` prints."""
-        holds = [hold.to_json() for hold in self.holds]
-        return {**super().to_json(), "build": True, "holds": holds, "fewest_holds_proven": self.proven}
+        return {**super().to_json(), "build": True}
 
 
 def build_order(scene: "Scene | Situation", *, relations: "Relations | None" = None) -> BuildOrder:
@@ -117,23 +87,23 @@ def build_order(scene: "Scene | Situation", *, relations: "Relations | None" = N
         raise InvalidInput("nothing in the scene can move: every object is fixed")
     check_up(scene, statics)
     full = dependencies(situation, direct=False)
-    over = [(e.then, e.first) for e in full.dependencies if any(each.swept for each in e.evidence)]
-    meeting: nx.Graph[str] = nx.Graph()
-    meeting.add_nodes_from(scene.movable)
-    meeting.add_edges_from((c.a, c.b) for c in statics.contacts if {c.a, c.b} <= meeting.nodes)
-    falling = falling_in(statics)
+    over = [(then, first) for first, then in full.swept()]
+    meeting, falling = meeting_in(statics), falling_in(statics)
+    low = {name: float(statics.surfaces[name][:, 2].min()) for name in scene.movable}
     parts = nx.connected_components(nx.Graph([*meeting.edges, *over, *((n, n) for n in meeting)]))
     steps: list[str] = []
     holds: list[Hold] = []
     groups: list[tuple[str, ...]] = []
     proven = True
     for part in sorted(parts, key=lambda names: min(map(scene.movable.index, names))):
-        units, found = _ordered(part, over, statics, falling, meeting)
+        units, before = in_units(part, over, lambda name: (round(low[name], 2), name))
+        others = frozenset(scene.movable) - part
+        found = fewest_holds(units, before, partial(_standing_beside, falling, others), meeting)
         chosen = [units[k] for k in found.path]
         steps += [name for unit in chosen for name in unit]
         groups += [unit for unit in chosen if len(unit) > 1]
         holds += [
-            _hold(name, chosen[first][-1], chosen[last][-1], full, situation)
+            held(name, chosen[first][-1], chosen[last][-1], chosen[last][-1], full, situation)
             for name, (first, last) in sorted(found.held.items(), key=lambda each: each[1])
         ]
         proven = proven and found.proven
@@ -158,37 +128,9 @@ def build_order(scene: "Scene | Situation", *, relations: "Relations | None" = N
     )
 
 
-def _ordered(
-    part: Collection[str],
-    over: Sequence[tuple[str, str]],
-    statics: Statics,
-    falling: Falling,
-    meeting: "nx.Graph[str]",
-) -> tuple[list[tuple[str, ...]], Prefixes]:
-    """The units of what hangs together, the lowest first, and the best order of them."""
-    below: nx.DiGraph[str] = nx.DiGraph()
-    below.add_nodes_from(part)
-    below.add_edges_from((a, b) for a, b in over if a in part)
-    low = {name: float(statics.surfaces[name][:, 2].min()) for name in part}
-    condensed = nx.condensation(below)
-    units = {c: tuple(sorted(condensed.nodes[c]["members"], key=lambda n: (low[n], n))) for c in condensed}
-    ranked = sorted(units, key=lambda c: (round(low[units[c][0]], 2), units[c]))
-    place = {c: k for k, c in enumerate(ranked)}
-    before = [frozenset(place[p] for p in condensed.predecessors(c)) for c in ranked]
-    others = frozenset(statics.upright.movable) - frozenset(part)
-    ordered = [units[c] for c in ranked]
-    return ordered, fewest_holds(
-        ordered, before, lambda placed, held: placed & frozenset(falling(placed | others, held)), meeting
-    )
-
-
-def _hold(name: str, since: str, until: str, removals: DependencyGraph, situation: Situation) -> Hold:
-    """A hold with its reason: what would move if `until` were taken away again."""
-    edge = removals.between(name, until)
-    if edge is None:
-        why = f"it does not stand safely without {until}"
-        return Hold(name, since, until, why, situation.chain(name, until))
-    return Hold(name, since, until, edge.sentence(), edge.evidence)
+def _standing_beside(falling: Falling, others: Names, placed: Names, held: Names) -> Names:
+    """What falls of a part while all that it does not hang together with is there."""
+    return placed & frozenset(falling(placed | others, held))
 
 
 def _unsteady(statics: Statics) -> tuple[str, ...]:

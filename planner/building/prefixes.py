@@ -7,6 +7,7 @@ end while the number of holds is searched for; afterwards each is made as short 
 from collections.abc import Callable, Collection, Mapping, Sequence
 from dataclasses import dataclass
 from heapq import heapify, heappop, heappush
+from typing import Any
 
 import networkx as nx
 import numpy as np
@@ -15,6 +16,9 @@ from topple.planner.building.tolerances import MOST_STATES
 from topple.topology.arrays import FloatArray
 
 Names = frozenset[str]
+
+Units = tuple[list[tuple[str, ...]], list[frozenset[int]]]
+"""Names that are put down together, and the positions of the units that must be down before each."""
 
 Falling = Callable[[Names, Names], Collection[str]]
 """(placed, held) -> those of the placed that do not stand while the held are kept still."""
@@ -94,6 +98,29 @@ def fewest_holds(
         for unit, needed in enumerate(before):
             if unit not in down and needed <= down:
                 heappush(queue, (cost((*path, unit), held), ((*path, unit), held)))
+
+
+def in_units(part: Collection[str], over: Collection[tuple[str, str]], rank: Callable[[str], Any]) -> Units:
+    """What has to be put down together, and what before it.
+
+    Args:
+        part: Names.
+        over: (below, above): the first of each pair has to be down before the second.
+        rank: Smaller for names to be preferred.
+
+    Returns:
+        The units, those to be preferred first, and the positions of those that must be down before each.
+        Pairs that close a cycle make one unit.
+    """
+    below: nx.DiGraph[str] = nx.DiGraph()
+    below.add_nodes_from(part)
+    below.add_edges_from((a, b) for a, b in over if a in part and b in part)
+    condensed = nx.condensation(below)
+    units = {c: tuple(sorted(condensed.nodes[c]["members"], key=rank)) for c in condensed}
+    ranked = sorted(units, key=lambda c: rank(units[c][0]))
+    place = {c: k for k, c in enumerate(ranked)}
+    before = [frozenset(place[p] for p in condensed.predecessors(c)) for c in ranked]
+    return [units[c] for c in ranked], before
 
 
 def names_of(units: Sequence[Sequence[str]], path: Collection[int]) -> Names:

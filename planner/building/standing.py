@@ -3,6 +3,8 @@
 from dataclasses import replace
 from functools import cache
 
+import networkx as nx
+
 from topple.planner.building.prefixes import Falling, Names, aside
 from topple.planner.building.tolerances import OFF_CENTRE
 from topple.robots.world.bodies import Body
@@ -40,6 +42,19 @@ def falling_in(statics: Statics) -> Falling:
         return frozenset(name for each in shaken for name in each.unsteady_without(away, held))
 
     return falling
+
+
+def meeting_in(statics: Statics) -> "nx.Graph[str]":
+    """Which movable objects are in contact.
+
+    Args:
+        statics: The finished arrangement at rest.
+    """
+    movable = statics.upright.movable
+    meeting: nx.Graph[str] = nx.Graph()
+    meeting.add_nodes_from(movable)
+    meeting.add_edges_from((c.a, c.b) for c in statics.contacts if {c.a, c.b} <= meeting.nodes)
+    return meeting
 
 
 def _centre(name: str, statics: Statics) -> FloatArray:

@@ -168,6 +168,12 @@ def add_jobs(parser: argparse.ArgumentParser) -> None:
         where.add_argument(name, **OPTIONS[name])
 
 
+def add_kept(parser: argparse.ArgumentParser) -> None:
+    """Add where answers to many scenes are kept."""
+    words = "write a line of JSON for each scene there; the same command goes on where it was stopped"
+    parser.add_argument("-o", "--output", metavar="FILE", help=words)
+
+
 def add_robot(parser: argparse.ArgumentParser) -> None:
     """Add the arm and its place."""
     add(parser, "--robot", default="panda", help="panda, panda-suction, iiwa, xarm6 or FILE.urdf (panda)")

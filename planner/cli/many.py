@@ -2,18 +2,23 @@
 
 import argparse
 import os
-from collections.abc import Callable, Iterator
-from contextlib import ExitStack
+from collections.abc import Callable, Generator, Iterator, Mapping
+from contextlib import contextmanager, nullcontext
 from dataclasses import dataclass
 from functools import partial
-from typing import Any, TypeVar
+from pathlib import Path
+from typing import TYPE_CHECKING, Any, TypeVar
 
-from topple.planner.cli.console import complain
+from topple.planner.cli.console import complain, print_text
 from topple.planner.cli.main import WRONG_USE
 from topple.planner.cli.options import scene_paths
 from topple.planner.cli.progress import Progress
-from topple.planner.workers import Lost, mapped, worker_pool
+from topple.planner.json_lines import JsonLines
 from topple.topology.errors import InvalidInput, NotInstalled
+from topple.topology.workers import Lost, WorkerPool, mapped
+
+if TYPE_CHECKING:
+    from concurrent.futures import Executor
 
 Answer = TypeVar("Answer")
 
@@ -27,6 +32,7 @@ def for_each_scene(
     show: Callable[[str, Answer], int],
     progress: Progress,
     processes: bool = True,
+    kept: "Kept | None" = None,
 ) -> int:
     """Do the same to every scene, on all cores where there are many.
 
@@ -38,23 +44,23 @@ def for_each_scene(
         show: Takes path and answer, prints it, returns the exit code.
         progress: Where to say what is going on.
         processes: False where the work takes all cores by itself.
+        kept: Answers that are there from before, to scenes that are left out here.
 
     Returns:
         The greatest exit code of all.
     """
-    paths = scene_paths(args)
-    workers = min(os.cpu_count() or 1, len(paths) // SCENES_A_WORKER) if processes else 1
-    workers = workers if args.jobs is None else min(args.jobs, len(paths))
-    codes = [0]
-    with ExitStack() as stack:
-        answers: Iterator[Answer | _Refused | Lost[str]] = map(partial(_attempt, work), paths)
-        if args.cluster is not None:
-            client = stack.enter_context(_cluster(args.cluster))
-            count = max(1, len(client.scheduler_info()["workers"]))
-            answers = mapped(partial(_attempt, work), paths, client.get_executor, count)
-        elif workers > 1:
-            answers = mapped(partial(_attempt, work), paths, partial(worker_pool, workers), workers)
-        for number, path in enumerate(paths, 1):
+    paths, before = scene_paths(args), {} if kept is None else kept.codes
+    left = [path for path in paths if path not in before]
+    workers = min(os.cpu_count() or 1, len(left) // SCENES_A_WORKER) if processes else 1
+    workers = workers if args.jobs is None else min(args.jobs, len(left))
+    codes = [0, *(before[path] for path in paths if path in before)]
+    alone = args.cluster is None and workers <= 1
+    with nullcontext() if alone else executor_at(args.cluster, workers) as executor:
+        attempt = partial(_attempt, work)
+        answers: Iterator[Answer | _Refused | Lost[str]] = (
+            map(attempt, left) if executor is None else mapped(attempt, left, executor)
+        )
+        for number, path in enumerate(left, len(paths) - len(left) + 1):
             progress(f"{path} ({number} of {len(paths)})" if len(paths) > 1 else path)
             answer = next(answers)
             progress.clear()
@@ -68,27 +74,95 @@ def for_each_scene(
                 codes.append(WRONG_USE)
             else:
                 codes.append(show(path, answer))
+    if kept is not None and not args.json:
+        print_text(f"{kept.path} has answers to {len(kept.codes)} scenes.")
     return max(codes)
 
 
-def _cluster(address: str) -> Any:
-    """A client of a dask scheduler; while it is open its workers take tasks.
+@contextmanager
+def executor_at(address: str | None, processes: int) -> "Generator[Executor]":
+    """An executor, which ends with the context.
+
+    Args:
+        address: Of a dask scheduler, whose workers take the tasks; None for processes of this machine.
+        processes: How many of these.
+
+    Yields:
+        The executor.
 
     Raises:
         NotInstalled: There is no dask.
         InvalidInput: Nobody answers at that address.
     """
+    if address is None:
+        with WorkerPool(processes) as pool:
+            yield pool
+        return
     try:
         from distributed import Client
     except ImportError as error:
         raise NotInstalled("--cluster needs dask", "dask") from error
     try:
-        return Client(address, timeout=10)
+        client = Client(address, timeout=10)
     except (OSError, ValueError) as error:
         raise InvalidInput(
             f"no dask scheduler answers at {address}: give the address it printed as it started, "
             "such as tcp://host:8786"
         ) from error
+    with client:
+        yield client.get_executor()
+
+
+class Kept(JsonLines):
+    """Answers in a file (`-o`), a line for each scene: the same command leaves out what is there.
+
+    Args:
+        path: The file; see `JsonLines`.
+        args: The parsed arguments: answers to other ones are refused.
+        code_of: The exit code of an answer.
+
+    Attributes:
+        codes: Scenes whose answers are there, each with its exit code.
+    """
+
+    def __init__(
+        self, path: Path, args: argparse.Namespace, code_of: Callable[[Mapping[str, Any]], int]
+    ) -> None:
+        given = {key: value for key, value in vars(args).items() if key not in _NOT_ASKED}
+        self._asked = {key: value for key, value in given.items() if value != args.parser.get_default(key)}
+        self._code_of, self.codes = code_of, dict[str, int]()
+        super().__init__(path, f"answer of this topple {args.command}", '{"scene": "')
+
+    def __enter__(self) -> "Kept":
+        return self
+
+    def _take(self, entry: Any) -> None:
+        if not isinstance(entry, dict) or not isinstance(entry.get("scene"), str):
+            raise InvalidInput('it is no answer, expected {"scene": ...}')
+        if entry.get("asked") != self._asked:
+            raise InvalidInput(f"it was asked with {entry.get('asked')}, expected {self._asked}")
+        self.codes[entry["scene"]] = self._code_of(entry)
+
+    def add(self, entry: Mapping[str, Any]) -> None:
+        """Append the answer to a scene; see `JsonLines.add`."""
+        super().add({**entry, "asked": self._asked})
+        self.codes[entry["scene"]] = self._code_of(entry)
+
+
+@contextmanager
+def kept_in(
+    args: argparse.Namespace, code_of: Callable[[Mapping[str, Any]], int]
+) -> Generator["Kept | None"]:
+    """Where `-o` keeps answers, open as long as the context; None where it is not given."""
+    if args.output is None:
+        yield None
+        return
+    with Kept(Path(args.output), args, code_of) as kept:
+        yield kept
+
+
+_NOT_ASKED = ("parser", "command", "scenes", "output", "jobs", "cluster", "json")
+"""Arguments that say where scenes are answered, and how that is shown."""
 
 
 @dataclass(frozen=True)

@@ -27,7 +27,7 @@ def rule_of(args: argparse.Namespace) -> "Callable[[Scene], Relations] | None":
     """
     if args.rule is None:
         return None
-    from topple.topology.rule.relate import RULES, relate
+    from topple.topology.relations import RULES, relate
 
     _ = RULES[args.rule]  # refused before anything is read
     return partial(relate, rule=args.rule)
@@ -136,7 +136,8 @@ def read_plan(path: str) -> "Plan":
         InvalidInput: There is no plan, or it is larger than a file may be.
     """
     from topple.planner.formats.plan_format import plan_from_json
-    from topple.topology.io.limits import MOST_BYTES, check_size
+    from topple.topology.io.limits import check_size
+    from topple.topology.io.tolerances import MOST_BYTES
 
     if path == "-":
         data, name = sys.stdin.buffer.read(MOST_BYTES + 1), "stdin"

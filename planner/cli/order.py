@@ -1,15 +1,15 @@
 """`topple order`: which object to take next, and why."""
 
 import argparse
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from functools import partial
 from typing import TYPE_CHECKING, Any
 
-from topple.planner.cli.arguments import COMMON, GRIPPER, add, add_jobs, add_scenes, positive
+from topple.planner.cli.arguments import COMMON, GRIPPER, add, add_jobs, add_kept, add_scenes, count, positive
 from topple.planner.cli.console import complain, print_json
 from topple.planner.cli.main import DONE, NO_SAFE_PLAN
-from topple.planner.cli.many import for_each_scene
+from topple.planner.cli.many import Kept, for_each_scene, kept_in
 from topple.planner.cli.options import Reading, orderer_of, rule_of, scene_paths
 from topple.planner.cli.progress import Progress
 from topple.planner.cli.robot_options import arm_of
@@ -31,6 +31,7 @@ if TYPE_CHECKING:
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Add the options; see `topple.planner.cli.main`."""
     add_jobs(parser)
+    add_kept(parser)
     add_scenes(parser, "SCENE...")
     add(parser, "--target", "--max-objects", "--rule", "--orderer", *COMMON)
     parser.add_argument(
@@ -48,6 +49,12 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         help="say what bars the gripper's way: panda, panda-suction, iiwa, xarm6 or FILE.urdf",
     )
     add(parser, *GRIPPER)
+    parser.add_argument(
+        "--hands",
+        type=count,
+        metavar="N",
+        help="how many hands there are: where things hold each other, 1 has no safe order, and 2 or more may",
+    )
     parser.add_argument(
         "--next-view",
         action="store_true",
@@ -73,19 +80,27 @@ def execute(args: argparse.Namespace) -> int:
     if args.gripper is not None and not args.robot:
         args.parser.error("--gripper is what the robot holds with: give both or neither")
     whole = "--build" if args.build else "--to"
-    if (args.build or args.to) and (args.target or args.verify or args.robot or (args.build and args.to)):
-        others = "--target, --verify, --robot and --to" if args.build else "--target, --verify and --robot"
+    of_some = args.target or args.verify or args.robot or args.hands
+    if (args.build or args.to) and (of_some or (args.build and args.to)):
+        others = "--target, --verify, --robot" + (", --hands and --to" if args.build else " and --hands")
         args.parser.error(f"{whole} is about the whole arrangement: leave {others} out")
-    if args.orderer is not None and (args.verify or args.robot or args.next_view or args.build or args.to):
-        others = "--verify, --robot, --next-view, --build and --to"
+    own = args.verify or args.robot or args.hands or args.next_view or args.build or args.to
+    if args.orderer is not None and own:
+        others = "--verify, --robot, --hands, --next-view, --build and --to"
         args.parser.error(f"{others} are about topple's own order: leave out --orderer")
     orderer, relating = orderer_of(args), rule_of(args)
     if args.max_objects is not None:
-        from topple.topology.rule.relate import relate
+        from topple.topology.relations import relate
 
         relating = partial(relating or relate, most_objects=args.max_objects)
     arm = arm_of(args) if args.robot else None
-    options = {"seed": args.seed, "verify": args.verify, "budget": args.budget, "robot": arm}
+    options = {
+        "seed": args.seed,
+        "verify": args.verify,
+        "budget": args.budget,
+        "robot": arm,
+        "hands": args.hands,
+    }
     scene_paths(args)  # which may be among the names of --fixed and --target
     reading = Reading.of(args)
     ask: _Ask = partial(_ordered, args.target, args.next_view, options)
@@ -97,8 +112,8 @@ def execute(args: argparse.Namespace) -> int:
         ask = partial(_ordered_by, orderer, args.target, args.seed)
     work = partial(_answer, reading, relating, ask)
     by_scenes = not (args.verify or args.robot)  # those take all cores, and import what prints when imported
-    with Progress("order") as progress:
-        return for_each_scene(args, work, partial(_show, args.json), progress, processes=by_scenes)
+    with kept_in(args, _code) as kept, Progress("order") as progress:
+        return for_each_scene(args, work, partial(_show, args.json, kept), progress, by_scenes, kept)
 
 
 @dataclass(frozen=True)
@@ -107,7 +122,7 @@ class _Answer:
 
     document: dict[str, Any]
     movable: int
-    unresolved: tuple[tuple[str, ...], ...]
+    certificate: tuple[str, ...] = ()
 
 
 _Ask = Callable[["Situation"], _Answer]
@@ -135,7 +150,7 @@ def _ordered(
     if look:
         view = next_view(situation, target, found=found)
         document["next_view"] = None if view is None else view.to_json()
-    return _Answer(document, len(situation.movable), tuple(found.unresolved))
+    return _Answer(document, len(situation.movable), found.certificate)
 
 
 def _ordered_by(orderer: "Orderer", target: list[str] | None, seed: int, situation: "Situation") -> _Answer:
@@ -143,15 +158,14 @@ def _ordered_by(orderer: "Orderer", target: list[str] | None, seed: int, situati
     from topple.planner.planning.step import order_by
 
     found = order_by(orderer, situation.scene, target, situation.known_relations, seed)
-    return _Answer(found.to_json(), len(situation.movable), tuple(found.unresolved))
+    return _Answer(found.to_json(), len(situation.movable), found.certificate)
 
 
 def _built(situation: "Situation") -> _Answer:
     """The order in which things are put down."""
     from topple.planner.building.build import build_order
 
-    found = build_order(situation)
-    return _Answer(found.to_json(), len(situation.movable), tuple(found.unresolved))
+    return _Answer(build_order(situation).to_json(), len(situation.movable))
 
 
 def _moved(reading: Reading, goal: str, match: str, situation: "Situation") -> _Answer:
@@ -163,11 +177,17 @@ def _moved(reading: Reading, goal: str, match: str, situation: "Situation") -> _
         moves = rearrange(situation, described(goal, situation).situation)
     else:
         moves = rearrange(situation, reading.scene(goal), match=match)
-    return _Answer(moves.to_json(), len(situation.movable), ())
+    return _Answer(moves.to_json(), len(situation.movable))
 
 
-def _show(as_json: bool, path: str, answer: _Answer) -> int:
-    if as_json:
+def _code(document: Mapping[str, Any]) -> int:
+    return NO_SAFE_PLAN if document.get("unresolved") else DONE
+
+
+def _show(as_json: bool, kept: Kept | None, path: str, answer: _Answer) -> int:
+    if kept is not None:
+        kept.add({"scene": path, **answer.document})
+    elif as_json:
         print_json({"scene": path, **answer.document})
     elif answer.document.get("build"):
         print_build(path, answer.document)
@@ -180,6 +200,6 @@ def _show(as_json: bool, path: str, answer: _Answer) -> int:
         if "next_view" in answer.document:
             print_next_view(answer.document["next_view"])
         print_assumptions(answer.document["assumptions"])
-    for cycle in answer.unresolved:
-        complain(f"{path}: no safe order: {' -> '.join([*cycle, cycle[0]])} is a cycle, each has to go first")
-    return NO_SAFE_PLAN if answer.unresolved else DONE
+    for words in answer.certificate:
+        complain(f"{path}: no safe order: each has to go first, {words}")
+    return _code(answer.document)

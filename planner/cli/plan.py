@@ -15,7 +15,8 @@ from topple.planner.cli.tables import print_assumptions
 from topple.planner.files import write_whole
 
 if TYPE_CHECKING:
-    from topple.planner.formats.plan_format import Plan, Step
+    from topple.planner.formats.plan_format import Plan
+    from topple.planner.formats.plan_structs import Step
     from topple.planner.formats.verification import Verification
 
 

@@ -4,10 +4,10 @@ import argparse
 from functools import partial
 from typing import Any
 
-from topple.planner.cli.arguments import COMMON, add, add_jobs, add_scenes
+from topple.planner.cli.arguments import COMMON, add, add_jobs, add_kept, add_scenes
 from topple.planner.cli.console import print_json
 from topple.planner.cli.main import DONE
-from topple.planner.cli.many import for_each_scene
+from topple.planner.cli.many import Kept, for_each_scene, kept_in
 from topple.planner.cli.options import Reading, rule_of, scene_paths
 from topple.planner.cli.progress import Progress
 from topple.planner.cli.tables import print_assumptions, print_relations
@@ -16,6 +16,7 @@ from topple.planner.cli.tables import print_assumptions, print_relations
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Add the options; see `topple.planner.cli.main`."""
     add_jobs(parser)
+    add_kept(parser)
     add_scenes(parser, "SCENE...")
     add(parser, "--max-objects", "--rule", *COMMON)
     parser.add_argument(
@@ -41,21 +42,23 @@ def execute(args: argparse.Namespace) -> int:
         "deviation": args.deviation, "plain": args.plain, "most_objects": args.max_objects, "rule": args.rule
     }  # fmt: skip
     work = partial(_document, Reading.of(args), options)
-    with Progress("relate") as progress:
-        return for_each_scene(args, work, partial(_show, args.json), progress)
+    with kept_in(args, lambda answer: DONE) as kept, Progress("relate") as progress:
+        return for_each_scene(args, work, partial(_show, args.json, kept), progress, kept=kept)
 
 
 def _document(reading: Reading, options: dict[str, Any], path: str) -> dict[str, Any]:
     """The relations of a scene file, and what was assumed."""
-    from topple.topology.rule.relate import relate
+    from topple.topology.relations import relate
 
     scene = reading.scene(path)
     relations = relate(scene, **options)
     return {**relations.to_json(), "assumptions": list(scene.assumptions)}
 
 
-def _show(as_json: bool, path: str, document: dict[str, Any]) -> int:
-    if as_json:
+def _show(as_json: bool, kept: Kept | None, path: str, document: dict[str, Any]) -> int:
+    if kept is not None:
+        kept.add({"scene": path, **document})
+    elif as_json:
         print_json({"scene": path, **document})
     else:
         print_relations(path, document)

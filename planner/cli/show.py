@@ -37,7 +37,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 def execute(args: argparse.Namespace) -> int:
     """Draw the scene's clouds, hulls, relations and, where up is known, its order."""
-    from topple.topology.rule.relate import relate
+    from topple.topology.relations import relate
 
     (path,) = scene_paths(args, many=False)
     place = _output(args.output, path, ".gif" if args.gif else ".html")

@@ -55,7 +55,7 @@ def print_order(title: str, document: Document, movable: int | None = None) -> N
         document: A `topple.order` document.
         movable: Number of objects that could be taken, where it is to be told.
     """
-    from topple.planner.report.words import listed, order_in_words
+    from topple.planner.report.words import holds_in_words, listed, order_in_words
 
     steps = order_in_words(document)
     targets, risk = document["targets"], document["risk"]
@@ -70,6 +70,8 @@ def print_order(title: str, document: Document, movable: int | None = None) -> N
         print_table(("supporter", "supported", "kind", "confidence", ""), rows, right=(3,))
     for group in document["groups"]:
         print_text(f"{listed(group)} hold each other: take them together, or hold the others.")
+    for words in holds_in_words(document):
+        print_text(f"With a second hand, {words}.")
     for bar in document.get("access", ()):
         print_text(f"{bar['reason']}: it has to go before a hand gets there.")
 

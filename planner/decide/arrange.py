@@ -1,19 +1,42 @@
 """The safest order that a dependency graph allows, and what is said of it."""
 
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Collection, Mapping, Sequence
 from dataclasses import dataclass, field
+from itertools import groupby
 from typing import Any
 
 import networkx as nx
 import numpy as np
 
 from topple.planner.decide.dependency import DependencyGraph
+from topple.planner.decide.hold import Hold
 from topple.planner.decide.sequence import safest
 from topple.topology.arrays import FloatArray
 from topple.topology.notebook import in_cell
 from topple.topology.statics.support import Support
 from topple.topology.values import ByValue, FrozenDict
+
+
+@dataclass(frozen=True)
+class Apart:
+    """How what an order takes comes apart with a second hand.
+
+    Attributes:
+        order: The names, first to take first.
+        holds: What has to be held meanwhile.
+        proven: Whether no order needs fewer holds.
+        unresolved: What as many hands as there are cannot take apart; None where nobody said how many.
+    """
+
+    order: tuple[str, ...]
+    holds: tuple[Hold, ...] = ()
+    proven: bool = True
+    unresolved: tuple[tuple[str, ...], ...] | None = None
+
+
+TakeApart = Callable[[Sequence[str], Sequence[Sequence[str]]], Apart]
+"""(order to be preferred, its groups) -> how it comes apart."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -26,7 +49,7 @@ class Order(ByValue):
         graph: Dependencies among all movable objects.
         supports: What carries what.
         groups: Objects of one cycle that must be taken together or held.
-        unresolved: Cycles for which no group was found; empty where every cycle became one.
+        unresolved: What as many hands as there are cannot take apart; empty where nobody said how many.
         risk: name -> chance, 0..1, that taking it at its turn moves something that is still there.
         access: With a robot, what bars the gripper's way: mappings with first, then, reason.
         assumptions: What was assumed and not seen, in sentences.
@@ -34,6 +57,8 @@ class Order(ByValue):
         verified: True where simulation has checked the order.
         chances: (first, then) -> chance that taking `then` moves `first`, as this scene shows it.
         notes: More entries of the JSON object.
+        holds: What a second hand has to hold so that it comes apart.
+        proven: Whether no order of the groups needs fewer holds.
     """
 
     targets: tuple[str, ...]
@@ -49,10 +74,21 @@ class Order(ByValue):
     verified: bool = False
     chances: Mapping[tuple[str, str], float] = field(default_factory=lambda: FrozenDict({}))
     notes: Mapping[str, Any] = field(default_factory=lambda: FrozenDict({}))
+    holds: tuple[Hold, ...] = ()
+    proven: bool = True
 
     def _repr_html_(self) -> str | None:
         """What a notebook shows."""
         return in_cell(self)
+
+    @property
+    def certificate(self) -> tuple[str, ...]:
+        """Why there is no safe order: each unresolved cycle, and what would have to be held."""
+        return tuple(
+            " before ".join([*cycle, cycle[0]])
+            + "".join(f"; with more hands, {h.sentence(self.order)}" for h in self.holds if h.object in cycle)
+            for cycle in self.unresolved
+        )
 
     def to_json(self) -> dict[str, Any]:
         """The object that `topple order --json` prints."""
@@ -64,6 +100,8 @@ class Order(ByValue):
             "dependencies": [edge.to_json() for edge in self.graph.dependencies],
             "supports": [support.to_json() for support in self.supports],
             "groups": [list(group) for group in self.groups],
+            "holds": [hold.to_json() for hold in self.holds],
+            "fewest_holds_proven": self.proven,
             "unresolved": [list(cycle) for cycle in self.unresolved],
             "risk": {name: round(risk, 3) for name, risk in self.risk.items()},
             "access": [dict(entry) for entry in self.access],
@@ -82,6 +120,7 @@ def arrange(
     assumptions: tuple[str, ...] = (),
     chances: Mapping[tuple[str, str], float] | None = None,
     removal_risk: float | None = None,
+    take_apart: TakeApart | None = None,
 ) -> Order:
     """Order the objects of a dependency graph.
 
@@ -95,6 +134,8 @@ def arrange(
         chances: (first, then) -> chance that there is a dependency, whatever the graph says: of all orders
             that the graph allows, the safest is taken.
         removal_risk: See `order`.
+        take_apart: Says how groups come apart with a second hand. Without it a group begins where its edges
+            are the least certain.
 
     Returns:
         The order with fewest removals: the targets and their ancestors, cycles as groups; or, where
@@ -125,18 +166,27 @@ def arrange(
         removal_risk or 0.0,
     )
     units = [members[ranked[i]] for i in chosen]
-    steps = [name for unit in units for name in unit]
-    groups = tuple(tuple(unit) for unit in units if len(unit) > 1)
+    unit_of = {name: number for number, unit in enumerate(units) for name in unit}
+    found = Apart(tuple(unit_of))
+    if take_apart is not None:
+        found = take_apart(found.order, [unit for unit in units if len(unit) > 1])
+    steps = found.order
+    sure = () if found.unresolved is None else found.holds
+    kept = {(hold.object, name) for hold in sure for name in hold.meanwhile(steps)}
+    groups = tuple(tuple(sorted(unit, key=steps.index)) for unit in units if len(unit) > 1)
+    units = [list(unit) for _, unit in groupby(steps, unit_of.__getitem__)]
     return Order(
         targets=tuple(targets),
-        order=tuple(steps),
+        order=steps,
         graph=graph,
         supports=carried,
         groups=groups,
-        unresolved=(),
-        risk=FrozenDict(_risks(units, graph, chances)),
+        unresolved=found.unresolved or (),
+        risk=FrozenDict(_risks(units, graph, chances, kept)),
         assumptions=assumptions,
-        explanation=_explain(steps, groups, graph, set(wanted), chances),
+        explanation=_explain(steps, groups, graph, set(wanted), chances, found.holds),
+        holds=found.holds,
+        proven=found.proven,
     )
 
 
@@ -157,9 +207,19 @@ def _least_bad(cycle: "nx.DiGraph[str]", heights: Mapping[str, float]) -> list[s
 
 
 def _risks(
-    units: Sequence[Sequence[str]], graph: DependencyGraph, chances: Mapping[tuple[str, str], float]
+    units: Sequence[Sequence[str]],
+    graph: DependencyGraph,
+    chances: Mapping[tuple[str, str], float],
+    kept: Collection[tuple[str, str]],
 ) -> dict[str, float]:
-    """Chance that a step moves something that is still there, what is held with it apart from the others."""
+    """Chance that a step moves something that is still there, its group apart from the others.
+
+    Args:
+        units: What is taken, groups at once.
+        graph: What must go before what.
+        chances: (first, then) -> chance that taking `then` moves `first`.
+        kept: The same pairs where a hand keeps `first` still.
+    """
     risk: dict[str, float] = {}
     left = set(graph.names)
     moved: dict[str, dict[str, float]] = {}
@@ -169,9 +229,11 @@ def _risks(
         left -= set(unit)
         for number, name in enumerate(unit, start=1):
             some = moved.get(name, {})
-            safe = math.prod(1.0 - chance for other, chance in some.items() if other in left)
-            held = unit[number:]
-            against = [e.confidence for e in graph.dependencies if e.then == name and e.first in held]
+            safe = math.prod(
+                1.0 - chance for other, chance in some.items() if other in left and (other, name) not in kept
+            )
+            rest = [other for other in unit[number:] if (other, name) not in kept]
+            against = [e.confidence for e in graph.dependencies if e.then == name and e.first in rest]
             risk[name] = max(1.0 - safe, *against, 0.0)
     return risk
 
@@ -182,6 +244,7 @@ def _explain(
     graph: DependencyGraph,
     wanted: set[str],
     chances: Mapping[tuple[str, str], float],
+    holds: Sequence[Hold] = (),
 ) -> tuple[str, ...]:
     """One sentence per step: what it frees, and why it had to go."""
     sentences: list[str] = []
@@ -198,19 +261,20 @@ def _explain(
             doubted = max(sorted(later), key=lambda other: chances.get((name, other), 0.0))
             say += f": taking {doubted} might move it ({chances.get((name, doubted), 0.0):.2f})"
         if group is not None and name == group[0]:
-            say += f" ({_held(group, graph)})"
+            say += f" ({_held(group, graph, [h.sentence(steps) for h in holds if h.object in group])})"
         sentences.append(say)
     return tuple(sentences)
 
 
-def _held(group: Sequence[str], graph: DependencyGraph) -> str:
+def _held(group: Sequence[str], graph: DependencyGraph, holds: Sequence[str]) -> str:
     """A cycle in words: what holds what, the edge one would rather doubt, and what to do."""
     inside = [e for e in graph.dependencies if e.first in group and e.then in group]
     weakest = min(inside, key=lambda e: (e.confidence, e.first, e.then))
     members: nx.DiGraph[str] = nx.DiGraph([(e.first, e.then) for e in inside])
     ring = [edge[0] for edge in nx.find_cycle(members, group[0])]
     return (
-        f"{' and '.join(group)} hold each other: take them together, or hold the others; the cycle is "
+        f"{' and '.join(group)} hold each other: take them together, or "
+        f"{' and '.join(holds) or 'hold the others'}; the cycle is "
         f"{' before '.join([*ring, ring[0]])}, and the least certain part of it that {weakest.sentence()} "
         f"({weakest.confidence:.2f})"
     )

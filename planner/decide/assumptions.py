@@ -5,7 +5,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from topple.planner.decide.tolerances import BELOW, DEEP, SHARE, SUNK
+from topple.planner.decide.tolerances import BELOW, DEEP, LEAST, SHARE, SUNK
 from topple.topology.arrays import FloatArray, bounds
 from topple.topology.bodies.complete import is_hollow
 from topple.topology.geometry.broadphase import near_both_ways
@@ -16,10 +16,6 @@ from topple.topology.statics.tolerances import DENSEST, DENSITY, FRICTION
 
 if TYPE_CHECKING:
     from topple.topology.scene import Scene
-
-
-LEAST = 1e-5
-"""Volume [m³] of what is reckoned with at least: of thin things little more than a face may be seen."""
 
 
 def assumptions(scene: "Scene", statics: Statics) -> tuple[str, ...]:

@@ -1,6 +1,6 @@
 """What must go first: a directed graph whose every edge has a reason and the relations it rests on."""
 
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Collection, Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from itertools import combinations
 from typing import TYPE_CHECKING, Any
@@ -167,6 +167,11 @@ class DependencyGraph(ByValue):
         found = [sorted(c, key=rank.__getitem__) for c in nx.strongly_connected_components(self.graph())]
         return tuple(tuple(c) for c in sorted((c for c in found if len(c) > 1), key=lambda c: rank[c[0]]))
 
+    def swept(self) -> tuple[tuple[str, str], ...]:
+        """(first, then) of every pair in which the lift of `then` meets `first`."""
+        edges = (e for e in self.dependencies if any(each.swept for each in e.evidence))
+        return tuple((e.first, e.then) for e in edges)
+
     def between(self, first: str, then: str) -> Dependency | None:
         """The dependency of an ordered pair, or None."""
         for edge in self.dependencies:
@@ -199,7 +204,7 @@ def dependencies(
     situation = Situation.of(scene, relations)
     statics, names = situation.statics, situation.movable
     touching = _touching(statics)
-    hanging, lost = _hanging(statics), _lost(situation, touching)
+    hanging, lost = _hanging(statics), _lost(situation)
     found = [_lifted(first, then, over, touching, situation) for (first, then), over in hanging.items()]
     found += [_falls(first, then, missing, touching) for (first, then), missing in lost.items()]
     # The reason with the wider margin is given; how far it is believed has been counted.
@@ -230,7 +235,7 @@ def ways_found(situation: Situation) -> dict[tuple[str, str], int]:
         (first, then) -> position in `topple.planner.decide.rates.Found`, for every pair that it finds.
     """
     statics = situation.statics
-    return _ways(_hanging(statics), _lost(situation, _touching(statics)))
+    return _ways(_hanging(statics), _lost(situation))
 
 
 def _ways(
@@ -241,12 +246,12 @@ def _ways(
     return {pair: way_found(push, pair in lost) for pair, push in pushes.items()}
 
 
-def _lost(situation: Situation, touching: Mapping[tuple[str, str], float]) -> dict[tuple[str, str], float]:
+def _lost(situation: Situation) -> dict[tuple[str, str], float]:
     """(first, then) -> by how much first falls without then, for those that do and hang together with it."""
     return {
         (first, then): missing
         for then in situation.movable
-        for first, missing in _fallen(then, touching, situation.statics).items()
+        for first, missing in fallen_without(situation.statics, [then]).items()
         if situation.hang_together(first, then)
     }
 
@@ -270,17 +275,27 @@ def _lies(edge: Dependency, situation: Situation) -> str:
     return "on" if np.diff(angles, append=angles[0] + 2 * np.pi).max() < np.pi else ""
 
 
-def _fallen(then: str, touching: Mapping[tuple[str, str], float], statics: Statics) -> dict[str, float]:
-    """What falls without an object, and by how much more than what just counts (or the share of its weight).
+def fallen_without(statics: Statics, away: Collection[str], held: Collection[str] = ()) -> dict[str, float]:
+    """What falls once objects are gone.
 
     Whole surfaces tell how far something falls; where half of a body is a guess, only that it may. That a
     body falls once a weight is taken off it is believed where no forces hold it, either: sparse feet tilt.
+
+    Args:
+        statics: The scene at rest.
+        away: Names taken out of it.
+        held: Names that a hand keeps still.
+
+    Returns:
+        name -> by how much more it falls than what just counts, or the share of its weight nothing holds.
     """
     if statics.sight is not None:
-        return statics.unsteady_without([then])
-    lost = {name: far - 1.0 for name, far in statics.fallen_without([then]).items()}
-    freed = [name for name in lost if touching.get((then, name), 0.0) < PRESSED]
-    unheld = statics.unsteady_without([then]) if freed else {}
+        return statics.unsteady_without(away, held)
+    lost = {name: far - 1.0 for name, far in statics.fallen_without(away, held).items()}
+    touching = _touching(statics)
+    normals = {name: [touching[gone, name] for gone in away if (gone, name) in touching] for name in lost}
+    freed = [name for name in lost if max(normals[name], default=0.0) < PRESSED]
+    unheld = statics.unsteady_without(away, held) if freed else {}
     return {name: far for name, far in lost.items() if name not in freed or name in unheld}
 
 

@@ -5,15 +5,8 @@ from math import log
 
 import numpy as np
 
-from topple.planner.decide.tolerances import SURE
+from topple.planner.decide.tolerances import EFFORT, LEAST_KEPT, SURE
 from topple.topology.arrays import IntArray
-
-EFFORT = 2400
-"""Continuations looked at per step: with 300 partial orders all there are of eight objects."""
-
-LEAST = 30
-"""Partial orders that are kept of however many objects."""
-
 
 Pairs = Mapping[tuple[str, str], float]
 """(first, then) -> a value of the ordered pair."""
@@ -75,7 +68,7 @@ def safest(
                 key = (taken | 1 << j, j)
                 if key not in longer or found < longer[key]:
                     longer[key] = found
-        best = sorted(longer.items(), key=lambda each: each[1])[: max(LEAST, EFFORT // len(units))]
+        best = sorted(longer.items(), key=lambda each: each[1])[: max(LEAST_KEPT, EFFORT // len(units))]
         kept = {key: (risked, gone, (*path, j)) for key, (risked, gone, path, j) in best}
 
 

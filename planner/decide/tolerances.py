@@ -14,6 +14,9 @@ BELOW = 0.01
 SUNK = 0.02
 """Depth [m] to which an object reaches below the table's surface that is said: noise reaches half of it."""
 
+LEAST = 1e-5
+"""Volume [m³] of what is reckoned with at least: of thin things little more than a face may be seen."""
+
 
 # -- chances
 
@@ -46,6 +49,12 @@ CERTAIN = 0.98
 
 SURE = 0.99
 """No chance counts for more than this: what is certain must not hide all else."""
+
+EFFORT = 2400
+"""Continuations looked at per step: with 300 partial orders all there are of eight objects."""
+
+LEAST_KEPT = 30
+"""Partial orders that are kept of however many objects."""
 
 
 # -- turn

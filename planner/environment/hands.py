@@ -2,15 +2,11 @@
 
 import numpy as np
 
+from topple.planner.environment.tolerances import CLEARANCE, FALLEN, NEAR, SETTLE
 from topple.planner.simulate.lifts import Move, move_between, take_away
 from topple.planner.tolerances import DISTURBED, TURNED
 from topple.robots.world.world import World
 from topple.topology.arrays import FloatArray
-
-FALLEN = -0.1  # [m] below the table's top: off its edge, and nobody's any more
-NEAR = 0.05  # [m] about the middle of a container: what lies there is below what is put into it
-CLEARANCE = 0.005  # [m] above it, from where it is let go: a hand opens as low as it can
-SETTLE = 3.0  # [s] at most until all is at rest
 
 
 def take(world: World, name: str) -> tuple[str, ...]:

@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 
 from topple.planner.decide.goal import Goal, parse_goal
 from topple.planner.environment.hands import put, take
+from topple.planner.environment.tolerances import EFFORT
 from topple.planner.environment.view import Observation, seen, space_of
 from topple.planner.execution.attained import truly_unmet
 from topple.planner.execution.look import Observer
@@ -23,8 +24,6 @@ from topple.topology.situation import Situation
 SLOTS = 12  # more than any built-in scene has objects
 SAMPLES, TABLE_SAMPLES = 1500, 10_000  # points of a whole surface, as fine as cameras see them
 SEEDS = 2**31
-EFFORT = 0.05
-"""What taking a thing costs: twenty needless takes are as bad as one thing that is disturbed."""
 
 
 class Picking(gymnasium.Env[Observation, np.int64]):

@@ -7,11 +7,10 @@ import gymnasium
 import numpy as np
 
 from topple.planner.decide.dependency import dependencies
+from topple.planner.environment.tolerances import FARTHEST
 from topple.topology.arrays import bounds
 from topple.topology.situation import Situation
 from topple.topology.sixim.table import Relation
-
-FARTHEST = 5.0  # [m] from the middle of the table: nothing is
 
 Observation = dict[str, Any]  # of arrays
 

@@ -24,7 +24,6 @@ from topple.planner.rearranging.task import ArrangementTask
 from topple.planner.report.rerun_file import RATE as RERUN_RATE
 from topple.planner.report.rerun_file import rerun_file
 from topple.planner.report.run_page import run_page
-from topple.planner.workers import serve
 from topple.robots.catalog import robot as robot_named
 from topple.robots.engines import BULLET, arm_in
 from topple.robots.scenarios import Scenario, scenario_called
@@ -32,6 +31,7 @@ from topple.robots.world.acting_arm import ActingArm
 from topple.robots.world.camera import Camera
 from topple.robots.world.film import filmed
 from topple.robots.world.recorded import recorded
+from topple.topology.workers import serve
 
 Progress = Callable[[str], None]
 

@@ -7,16 +7,13 @@ from typing import Any
 
 import numpy as np
 
-from topple.planner.execution.tolerances import SOLVED
+from topple.planner.execution.tolerances import POSES, SOLVED, STATES
 from topple.planner.execution.trial import Trial, trial
 from topple.planner.motion.collision import Checker
 from topple.robots.arm.arm import Arm
 from topple.robots.arm.gripper import ParallelJaw
 from topple.robots.arm.home import reach_of
 from topple.topology.errors import ToppleError
-
-STATES = 2000  # drawn within the joint limits: the share free of self-collision is known to a percent
-POSES = 1000  # reached in such states, asked of inverse kinematics: 0.5 % are five of them
 
 
 @dataclass(frozen=True)

@@ -11,6 +11,7 @@ from topple.planner.execution.tolerances import (
     LETTING_GO,
     NOTHING,
     OFF_COURSE,
+    PATH_SAMPLES,
     RESUMED,
     SHALLOW,
     SHUT,
@@ -43,7 +44,6 @@ TOUCHED: dict[str, float] = {
     ToolName.FINGERS: 2.0,
     ToolName.SUCTION: 8.0,
 }  # [N] moves no can yet; seats a cup's lip
-SAMPLES = 40  # of the tool's path per segment, for pictures
 
 
 TAKEN, LET_GO, MISSED = "taken", "let go", "missed"
@@ -266,7 +266,7 @@ def _tool_path(done: list[Segment], robot: Driver) -> FloatArray:
     for segment in done:
         if segment.trajectory is not None:
             q = segment.trajectory.positions
-            chosen = q[np.unique(np.linspace(0, len(q) - 1, SAMPLES).astype(int))]
+            chosen = q[np.unique(np.linspace(0, len(q) - 1, PATH_SAMPLES).astype(int))]
             base = robot.arm.tool_pose(chosen, segment.tool)[:, :3, 3]
             pieces.append(transformed(base, robot.pose_base_to_world))
     return np.vstack(pieces)

@@ -6,12 +6,10 @@ import numpy as np
 from scipy.spatial import KDTree
 from scipy.spatial.transform import Rotation
 
-from topple.planner.execution.tolerances import ITSELF, ROUGH, STEPS_ROUND
+from topple.planner.execution.tolerances import ITSELF, POINTS, ROUGH
+from topple.planner.tolerances import STEPS_ROUND
 from topple.robots.world.physical_world import PhysicalWorld
 from topple.topology.arrays import FloatArray
-
-POINTS = 20000
-"""Spread over a body: on a plate 2 mm apart."""
 
 
 def off_goal_poses(

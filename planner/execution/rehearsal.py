@@ -1,11 +1,10 @@
 """A world rebuilt from a scene: bodies from the observed clouds, a table, and cameras to look again."""
 
 from dataclasses import dataclass, replace
-from types import TracebackType
 
 import numpy as np
 
-from topple.planner.execution.tolerances import EDGE, SAGGED
+from topple.planner.execution.tolerances import EDGE, RELAX, RELAX_STEPS, SAGGED
 from topple.planner.placement.base import choose_base
 from topple.planner.report.palette import object_colours
 from topple.planner.simulate.rebuild import Rebuilt, rebuild
@@ -26,9 +25,6 @@ from topple.topology.statics.rest import Statics
 
 Z = np.array([0.0, 0.0, 1.0])
 """Up in a world."""
-
-RELAX = 40  # rounds of relaxing: what overlaps by millimetres is apart after a quarter of a second
-STEPS = 2  # simulation steps a round, after which everything is brought to a halt: nothing flies
 
 
 @dataclass(frozen=True, eq=False)
@@ -54,9 +50,7 @@ class Rehearsal:
     def __enter__(self) -> "Rehearsal":
         return self
 
-    def __exit__(
-        self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
-    ) -> None:
+    def __exit__(self, *_: object) -> None:
         self.world.close()
 
     def notes(self) -> tuple[str, ...]:
@@ -131,7 +125,7 @@ def _coloured(rebuilt: Rebuilt, scene: Scene) -> Rebuilt:
 def relax(world: PhysicalWorld) -> None:
     """Lets overlapping bodies part slowly, without the speed that parting gives them, then settle."""
     for _ in range(RELAX):
-        world.step(STEPS)
+        world.step(RELAX_STEPS)
         for name in world.movable:
             world.place(name, world.pose(name))
     world.settle(3.0)

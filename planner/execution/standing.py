@@ -12,6 +12,8 @@ from topple.planner.execution.tolerances import (
     ARM_SHIFTED,
     ARM_SPACING,
     BESIDE,
+    ROUNDS,
+    STEADY,
 )
 from topple.robots.driver import Driver
 from topple.topology.arrays import FloatArray
@@ -20,9 +22,6 @@ from topple.topology.geometry.samples import sampled_with_normals
 from topple.topology.geometry.thin import thinned
 from topple.topology.image import DepthImage
 from topple.topology.scene import Scene
-
-ROUNDS = 15  # of matching points with the nearest surface and shifting: it settles in half as many
-STEADY = 0.02  # share of the points by which a direction that none of them shows is held back
 
 
 def shift_of(robot: Driver, images: Sequence[DepthImage], scene: Scene) -> FloatArray | None:

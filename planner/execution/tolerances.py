@@ -47,6 +47,15 @@ AT_HOME = 0.01
 SPEED = 0.5
 """Share of the joints' velocity limits on the way home."""
 
+PATH_SAMPLES = 40
+"""Samples of the tool's path per segment, for pictures."""
+
+
+# -- goal_poses
+
+POINTS = 20000
+"""Points spread over a body: on a plate 2 mm apart."""
+
 
 # -- look
 
@@ -82,6 +91,13 @@ SAGGED = 0.01
 
 EDGE = 0.02
 """[m] a table reaches beyond what was seen of it."""
+
+RELAX = 40
+"""Rounds of relaxing: what overlaps by millimetres is apart after a quarter of a second."""
+
+RELAX_STEPS = 2
+"""Simulation steps a round, after which everything is brought to a halt: nothing flies."""
+
 
 # -- second_look
 
@@ -150,11 +166,23 @@ ARM_FITS = 0.006
 ARM_SHIFTED = 0.015
 """[m] aside from where it should be that an arm is seen and not believed: twice what the fit is off by."""
 
+ROUNDS = 15
+"""Rounds of matching points with the nearest surface and shifting: it settles in half as many."""
+
+STEADY = 0.02
+"""Share of the points by which a direction that none of them shows is held back."""
+
 
 # -- examine
 
 SOLVED = 0.995
 """Share of the poses that are reached in some state for which inverse kinematics has to find one."""
+
+STATES = 2000
+"""States drawn within the joint limits: the share free of self-collision is known to a percent."""
+
+POSES = 1000
+"""Poses reached in such states, asked of inverse kinematics: 0.5 % are five of them."""
 
 
 # -- trial
@@ -186,11 +214,17 @@ TRIAL_OVER = 0.12
 POST = 0.002
 """A point this much nearer to a post [m] than to the body that the post holds up is the post's."""
 
+TRIAL_TURNS = 8
+"""Turns of the hand about the vertical that are tried."""
+
+TRIAL_SEEDS = 16
+"""Random starts of inverse kinematics for each of them."""
+
+TRIAL_SPACING = 0.004
+"""Spacing [m] of the points of the clouds: about a depth camera's at a metre."""
+
 
 # -- places
-
-STEPS_ROUND = 72
-"""Turns about an axis that are looked at: 5 degrees apart, half of what counts as turned."""
 
 ITSELF = 1.5
 """A body turned onto itself has its points that far from others, in units of how far those are apart."""

@@ -12,19 +12,18 @@ from topple.planner.execution.tolerances import (
     TRIAL_HEIGHTS,
     TRIAL_MASS,
     TRIAL_OVER,
+    TRIAL_SEEDS,
     TRIAL_SHARE,
     TRIAL_SHARES,
+    TRIAL_SPACING,
     TRIAL_TABLE,
+    TRIAL_TURNS,
 )
 from topple.planner.motion.collision import Checker
 from topple.robots.arm.arm import Arm
 from topple.robots.arm.gripper import ParallelJaw
 from topple.robots.arm.home import level_of, reach_of, shoulder_of
 from topple.topology.scene import Scene
-
-TURNS = 8  # of the hand about the vertical
-SEEDS = 16  # random starts of inverse kinematics for each
-SPACING = 0.004  # [m] of the points of the clouds
 
 
 @dataclass(frozen=True)
@@ -46,13 +45,13 @@ class Trial:
     def scene(self) -> Scene:
         """Cloud of the cube and of the table top, seen from everywhere."""
         x, y, z = self.place
-        ticks = np.arange(-self.side / 2, self.side / 2 + 1e-9, self.side / round(self.side / SPACING))
+        ticks = np.arange(-self.side / 2, self.side / 2 + 1e-9, self.side / round(self.side / TRIAL_SPACING))
         grid = np.array(list(product(ticks, ticks)))
         ends = np.full(len(grid), self.side / 2)
         faces = [np.insert(grid, axis, sign * ends, axis=1) for axis in range(3) for sign in (-1.0, 1.0)]
         middle = np.array([x, y, z + self.side / 2])
         cube = np.unique(np.concatenate(faces).round(6), axis=0) + middle
-        along = np.arange(-TRIAL_TABLE / 2, TRIAL_TABLE / 2, 2 * SPACING)
+        along = np.arange(-TRIAL_TABLE / 2, TRIAL_TABLE / 2, 2 * TRIAL_SPACING)
         table = np.array([[x + a, y + b, z] for a, b in product(along, along)])
         clouds = {"table": table, self.name: cube}
         return Scene(clouds, fixed=["table"], up=(0.0, 0.0, 1.0), masses={self.name: self.mass})
@@ -93,13 +92,13 @@ def _reached(arm: Arm, tool: str, tried: Trial) -> bool:
     if not checker.free(arm.home)[0]:
         return False
     for across, above in ((0.0, 0.0), (0.0, TRIAL_OVER), (TRIAL_BESIDE, 0.0), (-TRIAL_BESIDE, 0.0)):
-        poses = np.tile(np.diag([1.0, -1.0, -1.0, 1.0]), (TURNS, 1, 1))
-        angle = 2.0 * np.pi * np.arange(TURNS) / TURNS
+        poses = np.tile(np.diag([1.0, -1.0, -1.0, 1.0]), (TRIAL_TURNS, 1, 1))
+        angle = 2.0 * np.pi * np.arange(TRIAL_TURNS) / TRIAL_TURNS
         poses[:, 0, 0], poses[:, 0, 1] = np.cos(angle), np.sin(angle)
         poses[:, 1, 0], poses[:, 1, 1] = np.sin(angle), -np.cos(angle)
         x, y, z = tried.place
         poses[:, :3, 3] = x, y + across, z + tried.side + above
-        states = np.concatenate(arm.inverse(poses, tool, seeds=SEEDS))
+        states = np.concatenate(arm.inverse(poses, tool, seeds=TRIAL_SEEDS))
         if not len(states) or not checker.free(states).any():
             return False
     return True

@@ -2,7 +2,8 @@
 
 import xml.etree.ElementTree as ElementTree
 
-from topple.planner.formats.plan_format import Plan, SegmentData, Step
+from topple.planner.formats.plan_format import Plan
+from topple.planner.formats.plan_structs import SegmentData, Step
 
 ACTIONS = {
     "move": ("FollowTrajectory", ("step", "segment", "holding")),

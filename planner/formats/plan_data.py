@@ -5,7 +5,7 @@ from collections.abc import Mapping, Sequence
 import numpy as np
 
 from topple.planner.decide.dependency import Dependency
-from topple.planner.formats.plan_format import (
+from topple.planner.formats.plan_structs import (
     AttachmentData,
     DependencyData,
     GraspData,

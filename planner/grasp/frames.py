@@ -6,10 +6,8 @@ from dataclasses import dataclass
 import numpy as np
 
 from topple.planner.grasp.surface import Surface
-from topple.planner.grasp.tolerances import ALIKE, CENTRAL, FRAMES_FLAT, LEANING
+from topple.planner.grasp.tolerances import ALIKE, CENTRAL, ENOUGH, FRAMES_FLAT, LEANING
 from topple.topology.arrays import FloatArray
-
-ENOUGH = 2000  # normals tell the sides of a body: a share of a fifth is then off by two percent at most
 
 
 @dataclass(frozen=True, eq=False)

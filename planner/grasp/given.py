@@ -11,7 +11,7 @@ from topple.planner.grasp.hand import HandShape
 from topple.planner.grasp.rank import RankedGrasp, in_the_way
 from topple.planner.grasp.reach import reachable
 from topple.planner.grasp.room import Room
-from topple.planner.grasp.tolerances import GRASP_TOLERANCES, OUTER, PAST_PADS
+from topple.planner.grasp.tolerances import GRASP_TOLERANCES, MOST_GIVEN, OUTER, PAST_PADS
 from topple.robots.arm.arm import Arm
 from topple.robots.arm.gripper import ToolName
 from topple.topology.arrays import FloatArray
@@ -23,8 +23,6 @@ OwnGrasps = Sequence[Grasp | RankedGrasp] | Mapping[str, Sequence[Grasp | Ranked
 """Grasps with their objects, as `rank_grasps` gives them or one's own, or those of each object."""
 
 GraspsByObject = Mapping[str, Sequence[Grasp]]
-
-MOST = 60  # of an object's grasps that a step may try: as many as a search of our own finds
 
 
 def own_grasps(grasps: OwnGrasps, scene: Scene, arm: Arm) -> dict[str, list[Grasp]]:
@@ -78,7 +76,7 @@ def doable(grasps: Sequence[Grasp], scene: Scene, arm: Arm, pose_base_to_world: 
     roomy = [grasp for grasp, words in zip(grasps, met, strict=True) if not words]
     reached = reachable(roomy, arm, pose_base_to_world)
     best = [grasp for grasp, yes in zip(roomy, reached, strict=True) if yes]
-    return [_complete(grasp, room) for grasp in varied(best or roomy or list(grasps), MOST)]
+    return [_complete(grasp, room) for grasp in varied(best or roomy or list(grasps), MOST_GIVEN)]
 
 
 def _plain(entry: Grasp | RankedGrasp) -> Grasp:

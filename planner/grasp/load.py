@@ -5,12 +5,10 @@ from scipy.special import ndtr
 
 from topple.planner.grasp.hand import HandShape
 from topple.planner.grasp.suction import CupShape
-from topple.planner.grasp.tolerances import HOLD_SPREAD, STRONGEST, WEIGHT_SPREAD
+from topple.planner.grasp.tolerances import GRAVITY, HOLD_SPREAD, STRONGEST, WEIGHT_SPREAD
 from topple.robots.arm.gripper import vacuum_load
 from topple.topology.arrays import FloatArray
 from topple.topology.statics.tolerances import DENSITY
-
-GRAVITY = 9.81  # [m/s2]
 
 
 def weight_of(volume: float, mass: float | None = None) -> float:

@@ -5,10 +5,8 @@ from dataclasses import dataclass
 import numpy as np
 
 from topple.planner.grasp.hand import HandShape
-from topple.planner.grasp.tolerances import EDGE, NORMAL_BIAS, SLOPE_LENGTH, SLOPED, GraspTolerances
+from topple.planner.grasp.tolerances import EDGE, NORMAL_BIAS, SLICES, SLOPE_LENGTH, SLOPED, GraspTolerances
 from topple.topology.arrays import BoolArray, FloatArray, IntArray
-
-SLICES = 4  # of an outline along the pads
 
 
 @dataclass(frozen=True, eq=False)

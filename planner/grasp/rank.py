@@ -1,5 +1,6 @@
 """Grasps of any pipeline ranked for clutter: safe order first, then what can be done, then their score."""
 
+import os
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from concurrent.futures import Executor
 from dataclasses import dataclass, replace
@@ -11,7 +12,7 @@ import numpy as np
 from scipy.spatial import KDTree
 
 from topple.planner.decide.dependency import dependencies
-from topple.planner.grasp.foreign import ForeignGrasps, grasps_from_array
+from topple.planner.grasp.foreign import ForeignGrasps, grasps_from_array, read_grasps
 from topple.planner.grasp.grasp import Grasp, GraspKind
 from topple.planner.grasp.reach import reachable
 from topple.planner.grasp.room import Room
@@ -23,9 +24,11 @@ from topple.topology.arrays import FloatArray
 from topple.topology.bodies.solids import up_of
 from topple.topology.checks import as_pose
 from topple.topology.errors import InvalidInput, UnknownObject
+from topple.topology.io.load import as_scene
 from topple.topology.scene import Scene
 from topple.topology.statics.gravity import check_up
 from topple.topology.values import ByValue
+from topple.topology.workers import all_of
 
 GivenGrasps = ForeignGrasps | Sequence[Grasp] | FloatArray
 """Grasps of `read_grasps`, of this project, or an (N, 4, 4) or (N, 17) array."""
@@ -122,8 +125,8 @@ def rank_grasps(
 
 
 def rank_all(
-    scenes: Iterable[Scene],
-    grasps: Iterable[GivenGrasps],
+    scenes: Iterable[Scene | str | os.PathLike[str]],
+    grasps: Iterable[GivenGrasps | str | os.PathLike[str]],
     robot: Arm | str | None = None,
     *,
     executor: Executor | None = None,
@@ -132,10 +135,10 @@ def rank_all(
     """Rank the grasps of many scenes, on the workers of an executor where one is given.
 
     Args:
-        scenes: The scenes.
-        grasps: The grasps of each, in its frame.
+        scenes: Scenes, or paths of their files, which the workers then read.
+        grasps: The grasps of each, in its frame; or paths, for `read_grasps`.
         robot: As for `rank_grasps`; each arm stands where its scene has `robot_base`.
-        executor: Any executor of `concurrent.futures`, or one with the same `map`; `reach` then has to be a
+        executor: Any executor of `concurrent.futures`, or that of a dask client; `reach` then has to be a
             function that can go to another process.
         reach: As for `rank_grasps`.
 
@@ -144,19 +147,24 @@ def rank_all(
 
     Raises:
         InvalidInput: As `rank_grasps`, or there are more scenes than grasps or the other way round.
+        WorkerLost: The worker of a scene was lost twice.
     """
     pairs = list(zip_longest(scenes, grasps))
     short = [number for number, pair in enumerate(pairs) if any(part is None for part in pair)]
     if short:
         raise InvalidInput(f"scenes and grasps differ in number from {short[0]} on: expected one for each")
     each = partial(_rank_pair, robot=robot, reach=reach)
-    return list(map(each, pairs) if executor is None else executor.map(each, pairs))
+    return list(all_of(each, pairs, executor))
 
 
 def _rank_pair(
-    pair: tuple[Scene, GivenGrasps], robot: Arm | str | None, reach: Reach | None
+    pair: tuple[Scene | str | os.PathLike[str], GivenGrasps | str | os.PathLike[str]],
+    robot: Arm | str | None,
+    reach: Reach | None,
 ) -> list[RankedGrasp]:
-    return rank_grasps(*pair, robot, reach=reach)
+    scene, grasps = pair
+    given = read_grasps(os.fspath(grasps)) if isinstance(grasps, (str, os.PathLike)) else grasps
+    return rank_grasps(as_scene(scene), given, robot, reach=reach)
 
 
 def _key(ranked: RankedGrasp) -> tuple[float, bool, float, int]:

@@ -7,6 +7,7 @@ from topple.planner.grasp.hand import HandShape
 from topple.planner.grasp.surface import Surface
 from topple.planner.grasp.surroundings import Dropped
 from topple.planner.grasp.tolerances import (
+    DIRECTIONS,
     FEWEST,
     GRASP_TOLERANCES,
     LEANS,
@@ -16,8 +17,6 @@ from topple.planner.grasp.tolerances import (
     GraspTolerances,
 )
 from topple.topology.arrays import FloatArray
-
-DIRECTIONS = 16  # around the object: with 8 a plate among four neighbours may have none between two of them
 
 
 def rim_frames(

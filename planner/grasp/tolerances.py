@@ -75,11 +75,17 @@ ALIKE = 0.2
 FRAMES_FLAT = 0.2
 """Share of the steep surface that a flat side makes up: of a can's it is an eighth."""
 
+ENOUGH = 2000
+"""Normals that tell the sides of a body: a share of a fifth is then off by two percent at most."""
+
 
 # -- given
 
 OUTER = 0.02
 """Share of the points at either end that says nothing of how wide a thing is: flying pixels."""
+
+MOST_GIVEN = 60
+"""Grasps of an object that a step may try, of those given: as many as a search of our own finds."""
 
 
 # -- hand
@@ -105,6 +111,9 @@ HOLD_SPREAD = 0.2
 STRONGEST = 0.8
 """Friction of rubber pads on an untried surface, at most."""
 
+GRAVITY = 9.81
+"""Acceleration [m/s2] of what falls freely."""
+
 
 # -- pads
 
@@ -119,6 +128,9 @@ SLOPE_LENGTH = 0.01
 
 EDGE = 0.003
 """From the outermost point, what a pad touches first [m]."""
+
+SLICES = 4
+"""Slices of an outline along the pads."""
 
 
 # -- pinch
@@ -150,6 +162,9 @@ STEEPEST = 0.6
 FEWEST = 8
 """Points a slope is taken from."""
 
+DIRECTIONS = 16
+"""Directions around the object: with 8 a plate among four neighbours may have none between two of them."""
+
 
 # -- room
 
@@ -173,6 +188,9 @@ SUCTION_BRUSH = 0.006
 
 SUCTION_TIGHT = 0.4
 """The clearance term where something brushes the lip that close."""
+
+LEAST_INSIDE = 12
+"""Points of an eighth of what is within the lip: the median of as many is good to 0.5 mm of noisy depth."""
 
 RING = (0.8, 1.4)
 """Of the lip's radius: where it lies, and the 2 mm around it that rubber spreads over."""

@@ -10,7 +10,7 @@ from topple.planner.motion.broad import BroadPhase
 from topple.planner.motion.exact import ExactPhase
 from topple.planner.motion.model import Attachment, CollisionModel
 from topple.planner.motion.obstacles import Obstacle
-from topple.planner.motion.tolerances import EDGE_STEP
+from topple.planner.motion.tolerances import EDGE_STEP, ROUNDED
 from topple.robots.arm.arm import Arm
 from topple.robots.arm.gripper import ToolState
 from topple.robots.collision.separation import Candidates, Float32Array, Frames, gaps
@@ -20,7 +20,6 @@ BATCH = 1024  # states per batch: the arrays of one batch stay within the proces
 SMALL = 96  # states that cost little more than a few: such a batch is not divided
 FEW = 64  # open pairs that python-fcl settles sooner than another round of separating directions
 FAR = 1e3  # [m] where nothing is
-ROUNDED = 5e-5  # [m] less than a state has is wanted near it: what is equal is not proven
 
 
 @dataclass(frozen=True)

@@ -6,15 +6,14 @@ from typing import Any
 
 import numpy as np
 
+from topple.planner.motion.tolerances import PARTS, SAMPLES
+from topple.robots.arm.shapes import prism
 from topple.topology.arrays import FloatArray
 from topple.topology.bodies.parts import convex_parts
 from topple.topology.errors import InvalidInput
 from topple.topology.geometry.rigid import transformed
 from topple.topology.scene import Mesh
 
-SIDES = 24  # a prism of 24 sides around a cylinder is 0.9 % wider than it
-PARTS = 48  # parts of a concave mesh: a tube as wide as it is high then keeps nine tenths of its bore
-SAMPLES = 6000  # points on a concave mesh's surface: 2 mm apart on something as large as a plate
 NO_VIEWPOINTS = np.empty((0, 3))  # tells `convex_parts` that nothing of the surface is missing
 
 
@@ -70,7 +69,7 @@ def parts_of(name: str, obstacle: Obstacle) -> Sequence[FloatArray]:
         return (transformed(corners * half, obstacle.pose_to_world),)
     if isinstance(obstacle, Cylinder):
         _refuse_without_extent(name, np.array([obstacle.radius, obstacle.length]))
-        return (transformed(_prism(obstacle.radius, obstacle.length), obstacle.pose_to_world),)
+        return (transformed(prism(obstacle.radius, obstacle.length), obstacle.pose_to_world),)
     if isinstance(obstacle, Ball):
         import trimesh
 
@@ -94,13 +93,6 @@ def _of_mesh(mesh: Mesh) -> Sequence[FloatArray]:
     sampled: Any = trimesh.sample.sample_surface(whole, SAMPLES, seed=0)
     points = np.concatenate([mesh.vertices, np.asarray(sampled[0], dtype=float)])
     return convex_parts(points, viewpoints=NO_VIEWPOINTS, most=PARTS, finest=len(points))
-
-
-def _prism(radius: float, length: float) -> FloatArray:
-    angles = np.arange(SIDES) * (2 * np.pi / SIDES)
-    outer = radius / np.cos(np.pi / SIDES)
-    ring = np.stack([outer * np.cos(angles), outer * np.sin(angles)], axis=1)
-    return np.concatenate([np.column_stack([ring, np.full(SIDES, z)]) for z in (-length / 2, length / 2)])
 
 
 def _refuse_without_extent(name: str, sizes: FloatArray) -> None:

@@ -5,11 +5,8 @@ from itertools import pairwise
 
 import numpy as np
 
-from topple.planner.motion.tolerances import SHORTCUT_ROUNDS
+from topple.planner.motion.tolerances import POINTS, SHORTCUT_ROUNDS, TRIES
 from topple.topology.arrays import BoolArray, FloatArray
-
-POINTS = 16  # points a path is divided into; 24 give paths 2 % shorter in twice the time
-TRIES = 32  # alternatives checked with the best path in one batch: mostly one batch is then enough
 
 EdgesFree = Callable[[FloatArray, FloatArray], BoolArray]
 

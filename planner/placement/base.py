@@ -9,7 +9,7 @@ from topple.planner.motion.collision import Checker
 from topple.planner.placement.free_space import FreeSpace, free_spaces
 from topple.planner.placement.placement import reachable
 from topple.planner.placement.resting import PLACEMENT_TOLERANCES
-from topple.planner.placement.tolerances import DISTANCES, FOOT, HOVER, STEP
+from topple.planner.placement.tolerances import DIRECTIONS, DISTANCES, FOOT, HOVER, SEEDS, STEP
 from topple.robots.arm.arm import Arm
 from topple.topology.arrays import FloatArray
 from topple.topology.bodies.tops import lowest_in_use, tops_of
@@ -18,9 +18,6 @@ from topple.topology.geometry.axes import level_axes
 from topple.topology.geometry.thin import voxel_means
 from topple.topology.scene import Scene
 from topple.topology.situation import Situation
-
-DIRECTIONS = 16
-SEEDS = 6
 
 
 class NoBase(ToppleError):

@@ -14,15 +14,13 @@ from topple.planner.placement.resting import (
     about,
     resting_poses,
 )
-from topple.planner.placement.tolerances import BARRING, PLACEMENT_SPARE
+from topple.planner.placement.tolerances import BARRING, KEPT, PLACEMENT_SPARE
 from topple.topology.arrays import BoolArray, FloatArray, frozen
 from topple.topology.errors import UnknownObject
 from topple.topology.geometry.axes import level_axes
 from topple.topology.geometry.thin import voxel_means
 from topple.topology.scene import Scene
 from topple.topology.situation import Situation
-
-KEPT = 80  # best places of each attitude and heading that are compared
 
 
 @dataclass(frozen=True, eq=False)

@@ -14,7 +14,7 @@ from topple.planner.placement.resting import (
     about,
     resting_poses,
 )
-from topple.planner.placement.tolerances import CELL, CONTACT, HEADINGS, INSET, SPOT
+from topple.planner.placement.tolerances import CELL, CONTACT, HEADINGS, INSET, SPOT, YAWS
 from topple.topology.arrays import FloatArray, IntArray
 from topple.topology.bodies.solids import hull_vertices
 from topple.topology.bodies.tops import tops_of
@@ -26,7 +26,6 @@ from topple.topology.geometry.thin import voxel_means
 from topple.topology.scene import Scene
 from topple.topology.situation import Situation
 
-YAWS = 8
 DROPS = {
     PlaceRelation.WITHIN: (0.005, 0.02, 0.04, 0.08)
 }  # into a container also from higher up: hands need room beside [m]

@@ -14,6 +14,12 @@ HOVER = 0.10
 STEP = 0.02
 """What rises less above the level the arm stands on is no hindrance to its foot [m]."""
 
+DIRECTIONS = 16
+"""Directions from which an arm's base is tried."""
+
+SEEDS = 6
+"""Random starts of inverse kinematics for each."""
+
 
 # -- drops
 
@@ -43,6 +49,9 @@ BARRING = 0.1
 
 PLACEMENT_SPARE = 3
 """Places of each attitude that comes off worse: a hand may not get down in the better ones."""
+
+KEPT = 80
+"""Best places of each attitude and heading that are compared."""
 
 
 # -- proof
@@ -91,3 +100,6 @@ HEADINGS = 4
 
 GENTLE = 0.04
 """Falls up to here do no harm: what falls deeper bounces [m]."""
+
+YAWS = 8
+"""Headings that are tried."""

@@ -122,7 +122,8 @@ class StepChooser:
             return step
         explained = tuple(self.transfers.explained(failure) for failure in failures)
         waiting = f"each of {', '.join(chosen.order)} has to go before another one"
-        words = tuple(str(failure) for failure in explained) or (waiting,)
+        held = (f"with a second hand, {hold.sentence(chosen.order)}" for hold in chosen.holds)
+        words = (*(tuple(str(failure) for failure in explained) or (waiting,)), *held)
         raise NoSafePlan("; ".join(words), words, explained)
 
     def _in_turn(
@@ -140,7 +141,8 @@ class StepChooser:
                 is_target = name in targets
                 reason = (why or "nothing has to go before it") if is_target else why_first(name, chosen)
                 role = action if is_target else Action.REMOVE
-                said = "; ".join([reason, *map(str, failures)])
+                held = [hold.sentence(chosen.order) for hold in chosen.holds if hold.since == name]
+                said = "; ".join([reason, *held, *map(str, failures)])
                 fallbacks = (Fallback.ANOTHER_FIRST,) if failures else ()
                 return NextStep(found, role, said, chosen, fallbacks=fallbacks)
             failures.append(found)
@@ -237,7 +239,7 @@ class StepChooser:
         situation = self._loaded(targets)
         chosen = self.context.ask(situation, targets)
         if chosen.unresolved:
-            cycles = tuple("cycle: " + " before ".join([*cycle, cycle[0]]) for cycle in chosen.unresolved)
+            cycles = tuple(f"cycle: {words}" for words in chosen.certificate)
             raise NoSafePlan(f"no safe order frees {', '.join(targets)}: {cycles[0]}", cycles)
         self._needed.update(chosen.order)
         return chosen

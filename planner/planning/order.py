@@ -1,13 +1,16 @@
 """In which order to take things: the fewest removals that free the targets, and why."""
 
+import os
 import time
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterable, Sequence
+from concurrent.futures import Executor
 from dataclasses import replace
 from functools import partial
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from topple.planner.building.apart import taking_apart
 from topple.planner.decide.arrange import Order, arrange
 from topple.planner.decide.assumptions import assumptions as assumed
 from topple.planner.decide.beliefs import Beliefs
@@ -16,9 +19,11 @@ from topple.planner.decide.dependency import DependencyGraph, dependencies
 from topple.planner.planning.tolerances import REMOVAL_RISK, TOP
 from topple.topology.arrays import FloatArray
 from topple.topology.errors import InvalidInput, UnknownObject
+from topple.topology.io.load import as_scene
 from topple.topology.situation import Situation
 from topple.topology.statics.gravity import check_up
 from topple.topology.values import FrozenDict
+from topple.topology.workers import all_of
 
 if TYPE_CHECKING:
     from topple.robots.arm.arm import Arm
@@ -38,6 +43,7 @@ def order(
     removal_risk: float | None = None,
     beliefs: Beliefs | None = None,
     check_gravity: bool = True,
+    hands: int | None = None,
 ) -> Order:
     """Find the order that frees the targets with the fewest removals, or with the least risk.
 
@@ -57,6 +63,9 @@ def order(
             what by this one.
         check_gravity: Whether a scene is refused that would stand with another `up`. In one that is planned
             on, things may hang.
+        hands: How many hands there are, one that takes and those that hold meanwhile. With it every step is
+            asked about as things are by then, and what takes more hands is `unresolved`. Without it `holds`
+            names what would take the groups apart.
 
     Returns:
         The order. What must go before a target is what has a path to it in the dependency graph,
@@ -64,9 +73,11 @@ def order(
 
     Raises:
         InvalidInput: The scene has no `up`, or hangs in the air with it and would stand with another; nothing
-            in it can move, or a target is fixed.
+            in it can move, a target is fixed, or there is no hand.
         UnknownObject: A target is not in the scene.
     """
+    if hands is not None and hands < 1:
+        raise InvalidInput(f"hands is {hands}: expected how many there are, 1 or more")
     started = time.monotonic()
     situation = Situation.of(scene, relations)
     scene = situation.scene
@@ -91,10 +102,45 @@ def order(
     tops = {name: _top(statics.surfaces[name]) for name in full.names}
     edges = {(edge.first, edge.then) for edge in full.dependencies}
     risked = (beliefs or Beliefs()).weighed(chance, edges)
-    found = arrange(full.reduced(), wanted, tops, situation.supports, said, risked, removal_risk)
+    apart = taking_apart(situation, full, hands)
+    found = arrange(full.reduced(), wanted, tops, situation.supports, said, risked, removal_risk, apart)
     checked = verify and not notes["budget_exhausted"]
     found = replace(found, verified=checked, chances=FrozenDict(chance), notes=FrozenDict(notes))
     return found if robot is None else _with_access(found, situation, robot)
+
+
+def order_all(
+    scenes: "Iterable[Scene | str | os.PathLike[str]]",
+    targets: Sequence[str] | str | None = None,
+    *,
+    executor: Executor | None = None,
+    **options: Any,
+) -> list[Order]:
+    """Order many scenes, on the workers of an executor where one is given.
+
+    Args:
+        scenes: Scenes, or paths of their files: the workers then read these, and clouds do not travel.
+        targets: Names to free, each in every scene; none clears everything.
+        executor: Any executor of `concurrent.futures`, or that of a dask client; a worker that is lost costs
+            its scene a second try.
+        **options: As for `order`; they pickle.
+
+    Returns:
+        The order of each scene.
+
+    Raises:
+        InvalidInput: As `order` and `load_scene`.
+        WorkerLost: The worker of a scene was lost twice.
+    """
+    return list(all_of(partial(_order_of, targets, options), scenes, executor))
+
+
+def _order_of(
+    targets: Sequence[str] | str | None,
+    options: dict[str, Any],
+    source: "Scene | str | os.PathLike[str]",
+) -> Order:
+    return order(as_scene(source), targets, **options)
 
 
 def _top(surface: FloatArray) -> FloatArray:

@@ -1,9 +1,13 @@
 """The whole sequence before anything moves: order, grasps, placements and motions, step by step."""
 
+import os
 import time
 from collections import Counter
-from collections.abc import Callable, Collection, Sequence
+from collections.abc import Callable, Collection, Iterable, Sequence
+from concurrent.futures import Executor
 from dataclasses import dataclass, field, replace
+from functools import partial
+from typing import Any
 
 import numpy as np
 
@@ -11,8 +15,9 @@ from topple.planner.decide.goal import Goal
 from topple.planner.decide.tolerances import LIKELY
 from topple.planner.errors import NoSafePlan
 from topple.planner.formats.plan_data import DIGITS, dependency_data, objects_data, step_data
-from topple.planner.formats.plan_format import DependencyData, Plan, Step
+from topple.planner.formats.plan_format import Plan
 from topple.planner.formats.plan_robot import arm_data
+from topple.planner.formats.plan_structs import DependencyData, Step
 from topple.planner.formats.verification import BROKEN
 from topple.planner.grasp.given import GraspsByObject, OwnGrasps, own_grasps
 from topple.planner.grasp.grasp import Grasp
@@ -29,10 +34,12 @@ from topple.robots.catalog import robot as robot_named
 from topple.robots.catalog.own_arm import check_tool
 from topple.topology.arrays import FloatArray
 from topple.topology.errors import InvalidInput
+from topple.topology.io.load import as_scene
 from topple.topology.relations import Relations
 from topple.topology.scene import Scene
 from topple.topology.situation import Situation
 from topple.topology.statics.gravity import check_up
+from topple.topology.workers import all_of
 
 Progress = Callable[[str], None]
 UNPROVEN = "placements were not let go in simulation: PyBullet is not installed"
@@ -128,6 +135,46 @@ def plan(
             progress(f"checking the plan by other means (steps: {len(found.steps)})")
         _hold(found, scene, arm, orderer is ordered and relations is None)
     return found
+
+
+def plan_all(
+    scenes: Iterable[Scene | str | os.PathLike[str]],
+    goal: str | Sequence[str] | Task,
+    robot: Arm | str,
+    *,
+    executor: Executor | None = None,
+    **options: Any,
+) -> list[Plan | NoSafePlan]:
+    """Plan in many scenes, on the workers of an executor where one is given.
+
+    Args:
+        scenes: Scenes, or paths of their files: the workers then read these, and clouds do not travel.
+        goal: As for `plan`, the same in every scene.
+        robot: The arm, or its name.
+        executor: Any executor of `concurrent.futures`, or that of a dask client; a worker that is lost costs
+            its scene a second try.
+        **options: As for `plan`; they pickle.
+
+    Returns:
+        The plan for each scene, or why there is none.
+
+    Raises:
+        InvalidInput: As `plan` and `load_scene`.
+        WorkerLost: The worker of a scene was lost twice.
+    """
+    return list(all_of(partial(_plan_of, goal, robot, options), scenes, executor))
+
+
+def _plan_of(
+    goal: str | Sequence[str] | Task,
+    robot: Arm | str,
+    options: dict[str, Any],
+    source: Scene | str | os.PathLike[str],
+) -> Plan | NoSafePlan:
+    try:
+        return plan(as_scene(source), goal, robot, **options)
+    except NoSafePlan as error:
+        return error
 
 
 def _hold(found: Plan, scene: Scene, arm: Arm, order_too: bool) -> None:

@@ -15,6 +15,7 @@ import numpy as np
 
 from topple.planner.decide.arrange import Order, arrange
 from topple.planner.decide.dependency import Dependency, DependencyGraph, Reason
+from topple.planner.planning.tolerances import SURE
 from topple.topology.bodies.solids import up_of
 from topple.topology.rule.features import support_features
 from topple.topology.situation import Situation
@@ -22,8 +23,6 @@ from topple.topology.sixim.table import Relation
 
 if TYPE_CHECKING:
     from topple.topology.scene import Scene
-
-SURE = 0.5  # the tree knows no degrees
 
 
 def support_tree(scene: "Scene | Situation", targets: Sequence[str], /, **_: Any) -> Order:

@@ -22,11 +22,8 @@ from scipy.sparse.csgraph import dijkstra
 
 from topple.planner.errors import NoSafePlan
 from topple.planner.rearranging.problem import Act, Event, Move, Problem, To
-from topple.planner.rearranging.tolerances import SECONDS
+from topple.planner.rearranging.tolerances import HARD, SECONDS
 from topple.topology.arrays import FloatArray
-
-_HARD = 1e-4
-"""Weight of what has to happen before what, where passing an object's two events in one moment weighs 1."""
 
 
 @dataclass(frozen=True)
@@ -152,10 +149,10 @@ class Buffers:
         weights = np.zeros((len(events), len(events)))
         for name in {name for _, name in events}:
             take, put = at[Act.TAKE, name], at[Act.PUT, name]
-            weights[take, put] = _HARD
+            weights[take, put] = HARD
             weights[put, take] = 0.0 if name in chosen else 1.0
         for a, b in pairs:
-            weights[a, b] = _HARD
+            weights[a, b] = HARD
         far, previous = dijkstra(weights, return_predecessors=True)
         found: dict[frozenset[int], None] = {}
         for a, b in pairs:

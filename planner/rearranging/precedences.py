@@ -17,11 +17,12 @@ from topple.planner.rearranging.steady import steadied
 from topple.planner.tolerances import DISTURBED
 from topple.topology.arrays import FloatArray, bounds
 from topple.topology.evidence import Evidence
+from topple.topology.geometry.axes import around
 from topple.topology.situation import Situation
 from topple.topology.sixim.table import classify
 from topple.topology.statics.sweep import swept_matrix
 
-SIDES = DISTURBED * np.array([[np.cos(a), np.sin(a), 0.0] for a in np.arange(8) * np.pi / 4])
+SIDES = DISTURBED * np.column_stack([around(8), np.zeros(8)])
 """Pushes [m] that do not count as a move."""
 
 

@@ -7,6 +7,9 @@ import numpy as np
 SECONDS = 30.0
 """[s] after which the best moves so far are taken, with the bound proven by then."""
 
+HARD = 1e-4
+"""Weight of what has to happen before what, where passing an object's two events in one moment weighs 1."""
+
 
 # -- registration
 
@@ -51,9 +54,6 @@ SYMMETRIC = 0.0035
 
 ROUND = 0.004
 """[m] by which a round thing may be, at most of its headings: a can of which one side was guessed is by 4."""
-
-STEPS_ROUND = 72
-"""Headings of a round thing: 5 degrees apart, half of what counts as turned."""
 
 BARELY = (-0.035, -0.023, 0.023, 0.035)
 """[rad] turns that no shape shows, by which its points are told how far apart they are."""

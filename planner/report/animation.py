@@ -9,6 +9,7 @@ import numpy as np
 
 from topple.planner.report.drawing import Drawing, DrawnObject
 from topple.planner.report.figure import FINE, caption
+from topple.planner.report.limits import LIMITS
 from topple.planner.report.pen import PAPER
 from topple.planner.report.raster import Projection, render_clouds
 from topple.planner.report.view import Document, Documented, document
@@ -27,8 +28,6 @@ HIGH = 0.9
 """How far it rises, in radii of the scene."""
 WAITS = (1400, 70, 2200)
 """How long a picture stands: before something is taken, while it rises, and at the end [ms]."""
-POINTS = 20_000
-"""Drawn of the scene: a third of a page's, since there are thirty pictures."""
 COLOURS = 128
 """In the picture's palette."""
 
@@ -50,7 +49,7 @@ def order_gif(
         InvalidInput: The order takes nothing.
     """
     told = order_in_words(document(order))
-    drawing = Drawing.of(scene, POINTS)
+    drawing = Drawing.of(scene, LIMITS.picture_points)
     if not told:
         raise InvalidInput("the order takes nothing, so there is nothing to animate: give a target")
     pictures: list[Image.Image] = []

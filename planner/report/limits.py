@@ -15,6 +15,10 @@ class Limits:
         page_points: Points drawn on one page. At 6 bytes each, 8 in base64, this is about 0.6 MB, and
             a laptop redraws it in some 10 ms without a graphics card.
         cell_points: Points drawn in a notebook's cell: 0.2 MB, so that a notebook of fifty stays small.
+        picture_points: Points drawn of a scene in a moving picture: a third of a page's, there are thirty.
+        live_points: Points of the whole scene in a browser of its own: what a laptop's graphics draw at once.
+        look_points: Points of a look in a Rerun file: one may zoom into twenty of them.
+        rows: Rows of a live table of relations: more push the sliders out of sight.
         run_points: Points drawn in a whole run report, shared by its steps.
         least_points: Points an object keeps however many objects share the budget: fewer no longer
             look like a surface.
@@ -43,6 +47,10 @@ class Limits:
 
     page_points: int = 72_000
     cell_points: int = 20_000
+    picture_points: int = 20_000
+    live_points: int = 150_000
+    look_points: int = 30_000
+    rows: int = 40
     run_points: int = 160_000
     least_points: int = 150
     fixed_share: float = 0.3

@@ -10,22 +10,20 @@ import numpy as np
 
 from topple.planner.planning.order import order
 from topple.planner.report.drawing import Drawing
+from topple.planner.report.limits import LIMITS
 from topple.planner.report.palette import relation_colour
 from topple.planner.report.plan_page import check_scene
 from topple.planner.report.view import is_inferred
 from topple.topology.arrays import FloatArray
 from topple.topology.errors import NotInstalled
-from topple.topology.relations import Relations
-from topple.topology.rule.relate import relate
+from topple.topology.relations import Relations, relate
 from topple.topology.scene import Scene
 from topple.topology.sixim.table import Relation
 
 if TYPE_CHECKING:
     from topple.planner.formats.plan_format import Plan
 
-POINTS = 150_000  # of the whole scene: what a laptop's graphics draw at once
 LEAST, MOST = 0.5, 12.0  # [mm] of the deviation: below any camera's noise, and above the worst
-ROWS = 40  # of the table of relations: more push the sliders out of sight
 
 
 class LivePage:
@@ -55,7 +53,7 @@ class LivePage:
         viser = _viser()
         self.scene, self.relations, self.step = scene, relate(scene), 0
         self.moves = _moves(scene, self.relations, plan)
-        self._drawing = Drawing.of(scene, POINTS)
+        self._drawing = Drawing.of(scene, LIMITS.live_points)
         with redirect_stdout(io.StringIO()):  # its banner: what is said, the caller says
             self._server: Any = viser.ViserServer(host=host, port=port, label="topple", verbose=False)
         self._host = host
@@ -152,8 +150,11 @@ class LivePage:
             )
             for number, pair in enumerate(meeting)
         ]
-        rows = [f"| {_cell(p.a)} | {p.relation} | {_cell(p.b)} | {1e3 * p.gap:.1f} |" for p in meeting[:ROWS]]
-        more = f"\n\n{len(meeting) - ROWS} more" if len(meeting) > ROWS else ""
+        rows = [
+            f"| {_cell(p.a)} | {p.relation} | {_cell(p.b)} | {1e3 * p.gap:.1f} |"
+            for p in meeting[: LIMITS.rows]
+        ]
+        more = f"\n\n{len(meeting) - LIMITS.rows} more" if len(meeting) > LIMITS.rows else ""
         self._table.content = "\n".join(["| a | relation | b | gap mm |", "|---|---|---|---|", *rows]) + more
         self.show_step(self.step)
 

@@ -21,7 +21,8 @@ from topple.topology.scene import Scene
 
 if TYPE_CHECKING:
     from topple.planner.decide.arrange import Order
-    from topple.planner.formats.plan_format import Plan, Step
+    from topple.planner.formats.plan_format import Plan
+    from topple.planner.formats.plan_structs import Step
     from topple.planner.formats.run_record import RunRecord
     from topple.topology.relations import Relations
 

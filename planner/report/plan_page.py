@@ -8,11 +8,12 @@ import numpy as np
 from msgspec import to_builtins
 
 from topple.planner.formats.arm_motion import ArmMotion, Carry, Drive
-from topple.planner.formats.plan_format import Plan, Step
+from topple.planner.formats.plan_format import Plan
 from topple.planner.formats.plan_robot import arm_from
+from topple.planner.formats.plan_structs import Step
 from topple.planner.formats.verification import Verification
 from topple.planner.report.drawing import Drawing
-from topple.planner.report.html import page, viewer
+from topple.planner.report.html import page, table, viewer
 from topple.planner.report.played import arm_shape, motion_json
 from topple.planner.report.show import dependency_section, photo_section
 from topple.planner.report.tables import proof_rows, relation_table, sentence_list
@@ -54,7 +55,7 @@ def plan_page(
         InvalidInput: The plan names what is not in the scene, or its arm is not here.
     """
     if relations is None:
-        from topple.topology.rule.relate import relate
+        from topple.topology.relations import relate
 
         relations = relate(scene)
     check_scene(plan, scene)
@@ -199,12 +200,8 @@ class _PlanPage:
             f"<tr><td>{escape(what)}</td><td>{escape(means)}</td><td>{escape(steps)}</td></tr>"
             for what, means, steps in proof_rows(found)
         )
-        return (
-            f"{html}<details><summary>What is shown by which means</summary>"
-            '<div class="scroll" tabindex="0"><table><thead><tr><th>what</th><th>by</th>'
-            "<th>steps</th></tr></thead>"
-            f"<tbody>{rows}</tbody></table></div></details>"
-        )
+        shown = table(("what", "by", "steps"), rows)
+        return f"{html}<details><summary>What is shown by which means</summary>{shown}</details>"
 
 
 def _how(step: Step) -> str:

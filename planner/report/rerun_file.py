@@ -13,6 +13,7 @@ import numpy as np
 from topple.planner.formats.pictures import picture, png
 from topple.planner.formats.run_record import RunRecord, StepRecord
 from topple.planner.report.drawing import Drawing, DrawnObject
+from topple.planner.report.limits import LIMITS
 from topple.planner.report.words import order_in_words
 from topple.robots.collision.convex import hull_of
 from topple.topology.arrays import FloatArray
@@ -25,7 +26,6 @@ if TYPE_CHECKING:
     from topple.robots.world.recording import Recording
 
 RATE = 20.0  # samples of every pose a second of simulated time: motion is smooth, and a run stays small
-POINTS = 30_000  # of a look: a page's worth is not needed where one may zoom into twenty looks
 ARM = (205, 208, 214)  # light grey, apart from every object's colour
 MILLIMETRE = 1000.0  # steps of a stored depth image in a metre, as Kinects have it
 
@@ -132,7 +132,7 @@ def _log_scene(rr: Any, stream: Any, scene: Scene, known: set[str]) -> None:
     for name in known - set(scene.names):
         stream.log(rr.new_entity_path(["world", "seen", name]), rr.Clear(recursive=True))
     known |= set(scene.names)
-    for thing in Drawing.of(scene, POINTS).objects:
+    for thing in Drawing.of(scene, LIMITS.look_points).objects:
         _log_object(rr, stream, thing)
     for number, image in enumerate(scene.images, start=1):
         _log_camera(rr, stream, f"world/cameras/{number}", image)

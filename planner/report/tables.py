@@ -6,10 +6,18 @@ from html import escape
 from typing import Any
 
 from topple.planner.formats.verification import Verification
+from topple.planner.report.html import table
 from topple.planner.report.limits import LIMITS
 from topple.planner.report.palette import css, relation_colour
 from topple.planner.report.view import is_inferred
-from topple.planner.report.words import listed, millimetres, order_in_words, said, sentences
+from topple.planner.report.words import (
+    holds_in_words,
+    listed,
+    millimetres,
+    order_in_words,
+    said,
+    sentences,
+)
 from topple.topology.sixim.table import Relation
 
 Document = Mapping[str, Any]
@@ -52,11 +60,7 @@ def relation_table(relations: Document, index: Mapping[str, int]) -> str:
 
 def _pair_table(pairs: Sequence[Mapping[str, Any]], index: Mapping[str, int]) -> str:
     rows = "".join(_pair_row(pair, index) for pair in pairs)
-    return (
-        '<div class="scroll" tabindex="0"><table><thead><tr><th>A</th><th>relation</th><th>B</th>'
-        "<th class=number>gap</th><th>evidence</th></tr></thead>"
-        f"<tbody>{rows}</tbody></table></div>"
-    )
+    return table(("A", "relation", "B", "gap", "evidence"), rows, numbers=("gap",))
 
 
 def _pair_row(pair: Mapping[str, Any], index: Mapping[str, int]) -> str:
@@ -117,6 +121,8 @@ def _certificates(order: Document, index: Mapping[str, int]) -> str:
     for group in order.get("groups", ()):
         names = [object_name(str(name), index) for name in group]
         html += f'<p class="certificate">Held or taken together: {listed(names)}.</p>'
+    for words in holds_in_words(order):
+        html += f'<p class="certificate">With a second hand, {escape(words)}.</p>'
     for cycle in order.get("unresolved", ()):
         members = [cycle] if isinstance(cycle, str) else list(cycle)
         names = [object_name(str(name), index) for name in members]

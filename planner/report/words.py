@@ -3,6 +3,7 @@
 from collections.abc import Mapping, Sequence
 from typing import Any
 
+from topple.planner.decide.hold import Hold
 from topple.planner.report.limits import LIMITS
 from topple.topology.rounded import rounded
 
@@ -90,6 +91,15 @@ def order_in_words(order: Document) -> list[tuple[str, str]]:
         told.append((name, f"{why}."))
         done.add(name)
     return told
+
+
+def holds_in_words(order: Document) -> list[str]:
+    """What to hold while an order is carried out, a sentence each, of a `topple.order` document."""
+    holds = [
+        Hold(str(hold["object"]), str(hold["since"]), str(hold["until"]), str(hold["because"]))
+        for hold in order.get("holds", ())
+    ]
+    return [hold.sentence(order["order"]) for hold in holds]
 
 
 def _sentence(

@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from topple.planner.simulate.tolerances import DOWNWARD, LIFT, SETTLE, SPEED, STILL, WATCHED
+from topple.planner.simulate.tolerances import DOWNWARD, LIFT, SETTLE, SLOW, SPEED, STILL, WATCHED
 from topple.robots.engine import pybullet
 from topple.robots.poses import angle_between
 from topple.robots.world.world import World
@@ -14,10 +14,6 @@ from topple.topology.arrays import FloatArray
 
 if TYPE_CHECKING:
     from topple.planner.simulate.rebuild import Rebuilt
-
-
-SLOW = 48
-"""Steps at the start in which every speed is taken away: overlaps dissolve, nothing is thrown."""
 
 
 @dataclass(frozen=True)

@@ -25,6 +25,7 @@ from topple.planner.simulate.tolerances import (
 from topple.robots.collision.convex import hull_of
 from topple.robots.world.body_clouds import Piece
 from topple.topology.arrays import BoolArray, FloatArray, IntArray
+from topple.topology.geometry.axes import around
 from topple.topology.geometry.sides import inset
 from topple.topology.views.free_space import FreeSpace
 
@@ -110,14 +111,8 @@ def _normals(piece: Piece) -> FloatArray:
     return normals[np.unique(np.round(normals, 1), axis=0, return_index=True)[1]]
 
 
-def _around() -> FloatArray:
-    """Up, down and sixteen level directions, in which things usually stand apart."""
-    angle = np.arange(16) * np.pi / 8
-    level = np.stack([np.cos(angle), np.sin(angle), np.zeros(16)], axis=1)
-    return np.concatenate([[[0.0, 0, 1], [0.0, 0, -1]], level])
-
-
-_DIRECTIONS = _around()
+_DIRECTIONS = np.concatenate([[[0.0, 0, 1], [0.0, 0, -1]], np.column_stack([around(16), np.zeros(16)])])
+"""Up, down and sixteen level directions, in which things usually stand apart."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -201,7 +196,7 @@ def seat(
     for owner in np.unique(under.owner[chosen & ~near]):
         index = np.flatnonzero(chosen & ~near & (under.owner == owner))
         # Legs at the outermost places: a hull over all of them would reach into what stands between.
-        for i in np.unique(index[np.argmax(under.cells[index] @ _AROUND.T, axis=0)]):
+        for i in np.unique(index[np.argmax(under.cells[index] @ around(8).T, axis=0)]):
             shape.append(_leg(under.cells[i], float(under.top[i]), float(under.bottom[i])))
     carriers = tuple(list(every)[k] for k in np.unique(under.owner[chosen]) if k >= 0)
     return Seat(centre, under.cells[chosen], carriers)
@@ -279,8 +274,6 @@ def _outside(point: FloatArray, cells: FloatArray) -> float:
     corners = (cells[:, None] + _CORNERS).reshape(-1, 2)
     return float(-inset(corners, point[None])[0])
 
-
-_AROUND = np.stack([np.cos(np.arange(8) * np.pi / 4), np.sin(np.arange(8) * np.pi / 4)], axis=1)
 
 _CORNERS = np.array([[-1, -1], [-1, 1], [1, -1], [1, 1]]) * 1e-3
 """A single cell has an outline, too."""

@@ -23,6 +23,9 @@ WATCHED = 2.0
 FRICTIONS = ((0.5, 0.6), (0.4, 0.4), (0.75, 0.75))
 """Friction between objects and with the table, in each of which the question is asked."""
 
+SLOW = 48
+"""Steps at the start in which every speed is taken away: overlaps dissolve, nothing is thrown."""
+
 
 # -- rebuild
 

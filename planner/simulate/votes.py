@@ -14,8 +14,8 @@ from topple.planner.decide.rates import posterior, rates_for
 from topple.planner.simulate.lifts import Move, Stage, Trial
 from topple.planner.simulate.rebuild import rebuild
 from topple.planner.simulate.tolerances import BUDGET, FRICTIONS, NOISE, RESERVE, TRUSTED
-from topple.planner.workers import serve
 from topple.topology.statics.rest import Statics
+from topple.topology.workers import serve
 
 
 @dataclass(frozen=True, eq=False)

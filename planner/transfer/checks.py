@@ -9,15 +9,13 @@ from topple.planner.grasp.grasp import Grasp
 from topple.planner.motion.collision import Checker
 from topple.planner.motion.model import Attachment
 from topple.planner.placement.placement import Placement
-from topple.planner.transfer.tolerances import CONTACT, RELEASE_GAP
+from topple.planner.transfer.tolerances import CONTACT, OPENING_STEP, RELEASE_GAP
 from topple.robots.arm.arm import Arm
 from topple.robots.arm.gripper import ToolName, ToolState
 from topple.robots.collision.fcl_bodies import apart
 from topple.topology.arrays import FloatArray
 from topple.topology.bodies.solids import Solids, moved
 from topple.topology.situation import Situation
-
-OPENING_STEP = 0.005  # openings are rounded up to it, so that grasps share their checks [m]
 
 
 class Checks:

@@ -13,11 +13,10 @@ from topple.planner.placement.placement import Placement
 from topple.planner.transfer.checks import Checks
 from topple.planner.transfer.segments import SegmentKind
 from topple.planner.transfer.stages import Stage
+from topple.planner.transfer.tolerances import SEEDS
 from topple.robots.arm.gripper import ToolName
 from topple.robots.poses import inverse
 from topple.topology.arrays import FloatArray
-
-SEEDS = 24  # random starts of inverse kinematics for each pose: finds nearly all that are reachable
 
 
 @dataclass(frozen=True, eq=False)

@@ -11,6 +11,15 @@ RELEASE_GAP = 0.01
 CONTACT = 0.006
 """Bodies this close touch: noise of two clouds [m]."""
 
+OPENING_STEP = 0.005
+"""Openings are rounded up to it [m], so that grasps share their checks."""
+
+
+# -- handling
+
+SEEDS = 24
+"""Random starts of inverse kinematics for each pose: finds nearly all that are reachable."""
+
 
 # -- stages
 

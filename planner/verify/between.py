@@ -4,7 +4,7 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
-from topple.planner.formats.plan_format import Plan
+from topple.planner.formats.plan_structs import PlanData
 from topple.planner.motion.certificate import Certifier
 from topple.planner.motion.collision import Checker
 from topple.planner.motion.model import Attachment
@@ -26,7 +26,7 @@ class BetweenCheck:
         open: By index of a step, the motions of which nothing is proven, and what comes too close.
     """
 
-    plan: Plan
+    plan: PlanData
     arm: Arm
     clearance: dict[int, float] = field(default_factory=dict[int, float])
     open: dict[int, str] = field(default_factory=dict[int, str])

@@ -2,13 +2,13 @@
 
 import numpy as np
 
-from topple.planner.formats.plan_format import Plan
+from topple.planner.formats.plan_structs import PlanData
 from topple.robots.arm.arm import Arm
 from topple.robots.poses import angle_between
 from topple.topology.arrays import FloatArray
 
 
-def tool_poses(arm: Arm, plan: Plan, tool: str, states: FloatArray) -> FloatArray:
+def tool_poses(arm: Arm, plan: PlanData, tool: str, states: FloatArray) -> FloatArray:
     """Poses (m, 4, 4) of a tool in the world."""
     return np.matmul(np.array(plan.pose_base_to_world), arm.tool_pose(states, tool))
 
@@ -18,11 +18,11 @@ def off_by(a: FloatArray, b: FloatArray) -> float:
     return max(float(np.linalg.norm(a[:3, 3] - b[:3, 3])), angle_between(a, b) / 10.0)
 
 
-def parts_of(plan: Plan) -> dict[str, list[FloatArray]]:
+def parts_of(plan: PlanData) -> dict[str, list[FloatArray]]:
     """Convex parts (V, 3) of every object, where it was when the plan began [m]."""
     return {thing.name: [np.array(part) for part in thing.parts] for thing in plan.objects}
 
 
-def completed_of(plan: Plan) -> dict[str, list[FloatArray]]:
+def completed_of(plan: PlanData) -> dict[str, list[FloatArray]]:
     """The same with the hidden sides [m]."""
     return {thing.name: [np.array(part) for part in thing.whole or thing.parts] for thing in plan.objects}

@@ -5,7 +5,7 @@ from typing import Any
 
 import numpy as np
 
-from topple.planner.formats.plan_format import Plan
+from topple.planner.formats.plan_structs import PlanData
 from topple.planner.formats.verification import Residual, Worst
 from topple.planner.verify.bodies import parts_of, tool_poses
 from topple.planner.verify.replay import SegmentReplay
@@ -42,7 +42,7 @@ class FclCheck:
         arm: The arm.
     """
 
-    plan: Plan
+    plan: PlanData
     arm: Arm
     touching: Worst = field(default_factory=lambda: Worst("collisions (python-fcl)", "m", BY_FCL_SLACK))
     states: int = 0

@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from topple.planner.formats.plan_format import Plan
+from topple.planner.formats.plan_structs import PlanData
 from topple.planner.formats.verification import Residual, Worst
 from topple.planner.grasp.grasp import KINDS, GraspKind
 from topple.planner.grasp.score import score_of
@@ -12,7 +12,7 @@ from topple.topology.geometry.sides import beyond, joggled_sides
 from topple.topology.situation import Situation
 
 
-def check_claims(plan: Plan) -> tuple[Residual, ...]:
+def check_claims(plan: PlanData) -> tuple[Residual, ...]:
     """Check what can be checked of a plan by itself.
 
     Args:
@@ -40,7 +40,7 @@ def check_claims(plan: Plan) -> tuple[Residual, ...]:
     return scores.residual(), upright.residual(), order.residual()
 
 
-def check_scene(plan: Plan, situation: Situation) -> tuple[Residual, ...]:
+def check_scene(plan: PlanData, situation: Situation) -> tuple[Residual, ...]:
     """Check whether a plan is of a scene.
 
     Args:

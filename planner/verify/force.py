@@ -4,7 +4,7 @@ from collections.abc import Mapping
 
 import numpy as np
 
-from topple.planner.formats.plan_format import Plan
+from topple.planner.formats.plan_structs import PlanData
 from topple.planner.grasp.hand import hand_shape
 from topple.planner.grasp.load import cup_load, jaw_load, weight_of
 from topple.planner.grasp.suction import cup_shape
@@ -27,7 +27,7 @@ class ForceCheck:
         masses: In [kg], of what was weighed; the others are guessed from their volume.
     """
 
-    def __init__(self, plan: Plan, arm: Arm, masses: Mapping[str, float]) -> None:
+    def __init__(self, plan: PlanData, arm: Arm, masses: Mapping[str, float]) -> None:
         self.arm, self._up, self._masses, self._parts = arm, np.array(plan.up), masses, parts_of(plan)
         self.loads: dict[int, float] = {}
         """By index of a step, the share of what pads or cup resist; above 1 what is held slips or turns."""

@@ -4,7 +4,7 @@ from collections.abc import Mapping
 
 import numpy as np
 
-from topple.planner.formats.plan_format import Plan, Step
+from topple.planner.formats.plan_structs import PlanData, Step
 from topple.planner.grasp.grasp import KINDS, GraspKind
 from topple.planner.verify.bodies import parts_of
 from topple.planner.verify.tolerances import CLOSED, FEWEST_BETWEEN, LIP, OPENED, REACHED, SPACING
@@ -27,7 +27,7 @@ class Grip:
         arm: The arm.
     """
 
-    def __init__(self, plan: Plan, arm: Arm) -> None:
+    def __init__(self, plan: PlanData, arm: Arm) -> None:
         self.arm, self._up = arm, np.array(plan.up)
         self._parts = parts_of(plan)
 

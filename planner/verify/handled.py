@@ -4,7 +4,7 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
-from topple.planner.formats.plan_format import Plan
+from topple.planner.formats.plan_structs import PlanData
 from topple.planner.formats.verification import Residual, Worst
 from topple.planner.verify.bodies import off_by, parts_of, tool_poses
 from topple.planner.verify.grip import distance
@@ -26,7 +26,7 @@ class HandCheck:
         arm: The arm.
     """
 
-    plan: Plan
+    plan: PlanData
     arm: Arm
     grasp: Worst = field(default_factory=lambda: Worst("tool at the grasp", "m", OFF))
     reach: Worst = field(default_factory=lambda: Worst("object at the tool", "m", REACHED))

@@ -2,14 +2,14 @@
 
 import numpy as np
 
-from topple.planner.formats.plan_format import Plan, SegmentData
+from topple.planner.formats.plan_structs import PlanData, SegmentData
 from topple.planner.formats.verification import Residual, Worst
 from topple.planner.verify.tolerances import AT_REST, DRIFT, JUMP, OVER
 from topple.robots.arm.arm import Arm
 from topple.topology.arrays import FloatArray
 
 
-def check_motions(plan: Plan, arm: Arm) -> tuple[Residual, ...]:
+def check_motions(plan: PlanData, arm: Arm) -> tuple[Residual, ...]:
     """Check every motion of a plan against the arm's limits.
 
     Args:

@@ -8,7 +8,7 @@ from scipy.spatial import KDTree
 
 from topple.planner.decide.goal import parse_goal
 from topple.planner.decide.tolerances import LIKELY
-from topple.planner.formats.plan_format import Plan
+from topple.planner.formats.plan_structs import PlanData
 from topple.planner.formats.verification import BROKEN, OFF_PLACE, Residual, Worst
 from topple.planner.tolerances import DISTURBED
 from topple.planner.verify.bodies import parts_of
@@ -22,7 +22,7 @@ from topple.topology.situation import Situation
 
 
 def check_precedence(
-    plan: Plan, taken: Sequence[tuple[int, str]], situation: Situation | None
+    plan: PlanData, taken: Sequence[tuple[int, str]], situation: Situation | None
 ) -> tuple[Residual, ...]:
     """Check that nothing is taken before what has to go first.
 
@@ -75,7 +75,7 @@ def check_precedence(
 
 
 def check_goal(
-    plan: Plan, poses: Mapping[str, FloatArray], taken: Sequence[tuple[int, str]], scene: Scene
+    plan: PlanData, poses: Mapping[str, FloatArray], taken: Sequence[tuple[int, str]], scene: Scene
 ) -> Residual:
     """Check the goal's relations on the clouds where the actions leave them.
 
@@ -102,7 +102,7 @@ def check_goal(
     return worst.residual()
 
 
-def check_poses(plan: Plan, poses: Mapping[str, FloatArray]) -> Residual:
+def check_poses(plan: PlanData, poses: Mapping[str, FloatArray]) -> Residual:
     """Check that what shall lie in a certain way does, where the actions leave it.
 
     Args:

@@ -4,7 +4,7 @@ from collections.abc import Collection, Sequence
 from dataclasses import replace
 from typing import NamedTuple
 
-from topple.planner.formats.plan_format import Plan, Step
+from topple.planner.formats.plan_structs import PlanData, Step
 from topple.planner.formats.verification import BROKEN, OFF_PLACE, Proof, Residual, StepProofs
 from topple.planner.grasp.grasp import GraspKind
 from topple.planner.verify.between import BetweenCheck
@@ -127,7 +127,7 @@ class Proofs:
 
     def __init__(
         self,
-        plan: Plan,
+        plan: PlanData,
         between: BetweenCheck,
         force: ForceCheck,
         weighed: Collection[str],

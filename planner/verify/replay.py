@@ -9,7 +9,7 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
-from topple.planner.formats.plan_format import Plan, SegmentData, Step
+from topple.planner.formats.plan_structs import PlanData, SegmentData, Step
 from topple.planner.formats.verification import Residual, Worst
 from topple.planner.transfer.segments import SegmentKind
 from topple.planner.verify.bodies import off_by, tool_poses
@@ -49,6 +49,11 @@ class SegmentReplay:
         return f"step {self.index + 1} ({self.step.object}), {self.segment.kind}"
 
     @property
+    def at_rest(self) -> int:
+        """The state in which what is held lies where it lay or is to lie: the last of a way down."""
+        return -1 if self.segment.kind == SegmentKind.PLACE else 0
+
+    @property
     def hand(self) -> ToolState:
         """How the hand stands."""
         return ToolState(self.segment.hand.opening, self.segment.hand.cup_extension)
@@ -70,7 +75,7 @@ class Replay:
         taken: Objects that were taken and let go again, with the indices of the steps, in order.
     """
 
-    plan: Plan
+    plan: PlanData
     arm: Arm
     step: float
     taken: list[tuple[int, str]] = field(default_factory=list[tuple[int, str]])

@@ -5,7 +5,7 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from topple.planner.decide.goal import PlaceRelation
-from topple.planner.formats.plan_format import Plan
+from topple.planner.formats.plan_structs import PlanData
 from topple.planner.formats.verification import Residual, Worst
 from topple.planner.placement.drops import Drops
 from topple.planner.placement.proof import settled
@@ -30,7 +30,7 @@ class RestCheck:
         allowed: What falls as its step says, in sentences.
     """
 
-    plan: Plan
+    plan: PlanData
     shift: Worst = field(default_factory=lambda: Worst("shift after letting go", "m", SHIFT))
     turn: Worst = field(default_factory=lambda: Worst("turn after letting go", "rad", TURN))
     out: Worst = field(default_factory=lambda: Worst("outside of its container after letting go", "m"))
@@ -74,7 +74,7 @@ class RestCheck:
         return *(worst.residual() for worst in found), _around(self.plan)
 
 
-def _around(plan: Plan) -> Residual:
+def _around(plan: PlanData) -> Residual:
     """How far what was seen of the objects sticks out of the bodies that are taken for whole."""
     worst = Worst("bodies outside of their wholes", "m", ROUNDED)
     for thing in plan.objects:

@@ -29,6 +29,10 @@ FILLED = 0.012
 SHARE = 0.98
 """Of the points that have to."""
 
+EVERY = 10
+"""States of which one is looked at: a hand among neighbours moves less than a millimetre from one to the
+next."""
+
 
 # -- handled
 
@@ -102,6 +106,9 @@ SPACING = 0.002
 
 STEP = 0.002
 """[rad] between the states that python-fcl looks at."""
+
+COARSE = 5
+"""States of which PyBullet looks at one: every 0.01 rad."""
 
 
 # -- outcome

@@ -4,8 +4,8 @@ from dataclasses import replace
 
 import numpy as np
 
-from topple.planner.formats.plan_format import Plan
 from topple.planner.formats.plan_robot import arm_from
+from topple.planner.formats.plan_structs import PlanData
 from topple.planner.formats.verification import BROKEN, Residual, Verification, not_evaluated
 from topple.planner.verify.between import BetweenCheck
 from topple.planner.verify.by_fcl import FclCheck
@@ -18,19 +18,18 @@ from topple.planner.verify.outcome import check_goal, check_poses, check_precede
 from topple.planner.verify.proofs import UNASKED, Proofs
 from topple.planner.verify.replay import Replay, SegmentReplay
 from topple.planner.verify.rest import RestCheck
-from topple.planner.verify.tolerances import STEP
+from topple.planner.verify.tolerances import COARSE, STEP
 from topple.robots.arm.arm import Arm
 from topple.robots.catalog import robot as robot_named
 from topple.topology.errors import InvalidInput
 from topple.topology.scene import Scene
 from topple.topology.situation import Situation
 
-COARSE = 5  # PyBullet looks at every fifth of them: 0.01 rad
 NO_SCENE = "no scene was given"
 
 
 def verify(
-    plan: Plan,
+    plan: PlanData,
     scene: Scene | Situation | None = None,
     robot: Arm | str | None = None,
     *,
@@ -133,7 +132,7 @@ def _thinned(piece: SegmentReplay) -> SegmentReplay:
     return replace(piece, states=piece.states[index])
 
 
-def _arm(plan: Plan, robot: Arm | str | None) -> Arm:
+def _arm(plan: PlanData, robot: Arm | str | None) -> Arm:
     if isinstance(robot, Arm):
         arm = robot
     elif robot is None and plan.arm is not None:
@@ -152,7 +151,7 @@ def _arm(plan: Plan, robot: Arm | str | None) -> Arm:
     return arm
 
 
-def _check_names(plan: Plan, scene: Scene) -> None:
+def _check_names(plan: PlanData, scene: Scene) -> None:
     ours, theirs = {thing.name for thing in plan.objects}, set(scene.names)
     if ours != theirs:
         odd = ", ".join(sorted(ours ^ theirs))

@@ -12,12 +12,12 @@ from topple.robots.arm.gripper import ParallelJaw, SuctionCup, Tool, ToolName, T
 from topple.robots.arm.gripper_file import Gripper
 from topple.robots.arm.inverse import distinct, solve
 from topple.robots.arm.kinematics import Chain, joint_value, pose_of_joint
+from topple.robots.arm.tolerances import STARTS
 from topple.robots.arm.urdf import Joint, Model, read_urdf
 from topple.topology.arrays import BoolArray, FloatArray, frozen
 from topple.topology.errors import InvalidInput
 
 CHUNK = 512  # targets asked about at once: their states and frames are some 100 MB
-ROUNDS = (2, 8)  # starts after which targets that have a state are left alone: most have one by then
 
 
 @dataclass(frozen=True, eq=False)
@@ -320,7 +320,7 @@ class Arm:
             some = flanges[first : first + CHUNK]
             starts = self._starts(len(some) * ways, seeds, self.home, rng).reshape(len(some), ways, seeds, -1)
             left = np.flatnonzero((np.linalg.norm(some[..., :3, 3], axis=2) <= self.chain.reach).any(axis=1))
-            for begin, end in pairwise((0, *(count for count in ROUNDS if count < seeds), seeds)):
+            for begin, end in pairwise((0, *(count for count in STARTS if count < seeds), seeds)):
                 if len(left) == 0:
                     break
                 tries = starts[left, :, begin:end].reshape(len(left) * ways, end - begin, -1)

@@ -14,13 +14,11 @@ from scipy.spatial.transform import Rotation
 from topple.robots.arm.elements import number, numbers, origin_of
 from topple.robots.arm.gripper_file import ArmPart
 from topple.robots.arm.srdf import Group, Semantics
+from topple.robots.arm.tolerances import SERIES
 from topple.robots.arm.tree import Edge, Tree
 from topple.robots.arm.urdf import DRIVABLE
 from topple.topology.arrays import FloatArray
 from topple.topology.errors import InvalidInput
-
-SERIES = 4
-"""Moving joints one after the other from which a branch is an arm: fingers and heads have at most three."""
 
 
 @dataclass(frozen=True)

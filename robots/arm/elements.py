@@ -7,8 +7,7 @@ import numpy as np
 
 from topple.topology.arrays import FloatArray
 from topple.topology.errors import InvalidInput
-
-FARTHEST = 1e8  # [m] or [rad]: what squares overflow for is no place on an arm
+from topple.topology.tolerances import FARTHEST
 
 
 def number(text: str | None, default: float | None, where: str) -> float:

@@ -10,7 +10,7 @@ import msgspec
 import numpy as np
 
 from topple.robots.arm.elements import pose_from_xyz_rpy
-from topple.robots.arm.tolerances import CUP_FRICTION
+from topple.robots.arm.tolerances import CUP_FRICTION, MOST_BYTES
 from topple.robots.arm.urdf import Model
 from topple.topology.arrays import FloatArray
 from topple.topology.errors import InvalidInput
@@ -18,9 +18,6 @@ from topple.topology.errors import InvalidInput
 EXAMPLE = (
     '[cup] with link = "LINK", offset = [0, 0, 0.1] and radius = 0.015, or [jaw] with joints = ["JOINT"]'
 )
-
-MOST_BYTES = 1 << 15
-"""Of a gripper's file, which has a page: parsers take the square of a key's length."""
 
 
 class Jaw(msgspec.Struct, frozen=True, forbid_unknown_fields=True, kw_only=True):

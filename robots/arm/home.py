@@ -7,13 +7,20 @@ import numpy as np
 
 from topple.robots.arm.arm import Arm
 from topple.robots.arm.self_collision import colliding_pairs, parts_in_frames
-from topple.robots.arm.tolerances import ABOVE, ASIDE, BELOW, CLEAR, HEIGHTS, SHARES, TALL
+from topple.robots.arm.tolerances import (
+    ABOVE,
+    ASIDE,
+    BELOW,
+    CLEAR,
+    DRAWN,
+    HEIGHTS,
+    SEEDS,
+    SHARES,
+    TALL,
+    TURNS,
+)
 from topple.robots.collision.separation import Candidates, Frames, gaps
 from topple.topology.arrays import FloatArray, frozen
-
-TURNS = 4  # of the hand about the vertical
-SEEDS = 48
-DRAWN = 4096  # states drawn where inverse kinematics finds none: arms of fewer than six joints
 
 
 def home_of(arm: Arm, tool: str | None) -> FloatArray:

@@ -6,10 +6,9 @@ from functools import cached_property
 
 import numpy as np
 
+from topple.robots.arm.tolerances import ROUNDING
 from topple.robots.arm.urdf import Joint
 from topple.topology.arrays import BoolArray, FloatArray, frozen
-
-ROUNDING = 1e-4  # [m] more than a solution's residual
 
 
 @dataclass(frozen=True, eq=False)

@@ -15,7 +15,7 @@ import numpy as np
 
 from topple.robots.arm.compose import stored
 from topple.robots.arm.shapes import find_mesh
-from topple.robots.arm.tolerances import DENSITY, TORQUE, TURNING
+from topple.robots.arm.tolerances import DENSITY, EFFORT, SPEED, TORQUE, TURNING
 from topple.robots.arm.urdf import Model, model_of
 from topple.robots.collision.convex import hull_of
 from topple.topology.arrays import FloatArray, IntArray
@@ -23,8 +23,6 @@ from topple.topology.geometry.rigid import transformed
 
 SHOWN = (".obj", ".stl", ".dae")  # visual meshes that PyBullet draws
 LIGHTEST, HEAVIEST = 0.01, 20.0  # [kg] of such a link
-EFFORT = {"prismatic": 200.0}  # [N] of a joint without an effort
-SPEED = {"prismatic": 0.25}  # [m/s] of a joint without a velocity limit
 
 
 def prepared(

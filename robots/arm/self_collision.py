@@ -6,11 +6,9 @@ from itertools import combinations
 import numpy as np
 
 from topple.robots.arm.kinematics import Chain
-from topple.robots.arm.tolerances import ALWAYS, NEAR
+from topple.robots.arm.tolerances import ALWAYS, NEAR, SAMPLES
 from topple.robots.collision.separation import Candidates, ConvexSets, Frames, gaps
 from topple.topology.arrays import BoolArray, FloatArray
-
-SAMPLES = 4096  # a pair that meets in 0.1 % of the states is then missed once in sixty
 
 
 def colliding_pairs(

@@ -10,11 +10,10 @@ from typing import Any
 import numpy as np
 
 from topple.robots.arm.elements import number, numbers
+from topple.robots.arm.tolerances import CYLINDER_SIDES
 from topple.robots.collision.pieces import convex_pieces
 from topple.topology.arrays import FloatArray
 from topple.topology.errors import InvalidInput, NotInstalled
-
-CYLINDER_SIDES = 24  # a prism of 24 sides around the cylinder is 0.9 % wider, which is on the safe side
 
 
 def geometry_parts(
@@ -43,7 +42,7 @@ def geometry_parts(
         return [np.array([[x, y, z] for x in (-1, 1) for y in (-1, 1) for z in (-1, 1)]) * half]
     if shape.tag in ("cylinder", "capsule"):
         radius, length = _radius(shape, where), number(shape.get("length"), None, where)
-        return [_prism(radius, length + (2 * radius if shape.tag == "capsule" else 0.0))]
+        return [prism(radius, length + (2 * radius if shape.tag == "capsule" else 0.0))]
     if shape.tag == "sphere":
         import trimesh
 
@@ -104,16 +103,22 @@ def find_mesh(name: str, path: Path) -> Path | None:
     return next((candidate for candidate in candidates if candidate.is_file()), None)
 
 
-def _radius(shape: ElementTree.Element, where: str) -> float:
-    radius = number(shape.get("radius"), None, where)
-    if radius <= 0.0:
-        raise InvalidInput(f"{where}: expected a radius above 0, found {shape.get('radius')!r}")
-    return radius
+def prism(radius: float, length: float) -> FloatArray:
+    """Corners (2n, 3) [m] of a prism around a cylinder whose axis is z, about its middle.
 
-
-def _prism(radius: float, length: float) -> FloatArray:
+    Args:
+        radius: Radius of the cylinder [m].
+        length: Its length [m].
+    """
     angles = np.arange(CYLINDER_SIDES) * (2 * np.pi / CYLINDER_SIDES)
     outer = radius / np.cos(np.pi / CYLINDER_SIDES)
     ring = np.stack([outer * np.cos(angles), outer * np.sin(angles)], axis=1)
     ends = [np.column_stack([ring, np.full(len(ring), z)]) for z in (-length / 2, length / 2)]
     return np.concatenate(ends)
+
+
+def _radius(shape: ElementTree.Element, where: str) -> float:
+    radius = number(shape.get("radius"), None, where)
+    if radius <= 0.0:
+        raise InvalidInput(f"{where}: expected a radius above 0, found {shape.get('radius')!r}")
+    return radius

@@ -1,9 +1,30 @@
 """Thresholds of arm, each with its unit and reason, by the module that asks them."""
 
+import math
+
+# -- arm
+
+STARTS = (2, 8)
+"""Starts of inverse kinematics after which targets that have a state are left alone: most have one by
+then."""
+
+
+# -- arm_chain
+
+SERIES = 4
+"""Moving joints one after the other from which a branch is an arm: fingers and heads have at most three."""
+
+
 # -- gripper
 
 CUP_FRICTION = 0.5
 """Of a cup on dry wood, metal, glass or stone; 0.2 to 0.3 where they are wet (Schmalz)."""
+
+
+# -- gripper_file
+
+MOST_BYTES = 1 << 15
+"""Bytes of a gripper's file, which has a page: parsers take the square of a key's length."""
 
 
 # -- home
@@ -31,6 +52,34 @@ CLEAR = (0.01, -0.004)
 ABOVE = -0.01
 """[m] nothing that moves is deeper below the foot of the base."""
 
+TURNS = 4
+"""Turns of the hand about the vertical that are tried."""
+
+SEEDS = 48
+"""Random starts of inverse kinematics: a ready pose is looked for once for an arm."""
+
+DRAWN = 4096
+"""States drawn where inverse kinematics finds none: arms of fewer than six joints."""
+
+
+# -- kinematics
+
+ROUNDING = 1e-4
+"""Added to every reach [m]: more than a solution's residual."""
+
+
+# -- own_arm
+
+ACCELERATION = {"prismatic": 2.0}
+"""Acceleration [m/s2] of a joint by its kind, which URDF cannot say; `ANGULAR_ACCELERATION` for the
+others."""
+
+ANGULAR_ACCELERATION = 10.0
+"""Acceleration [rad/s2]: moderate for arms that lift 3 to 10 kg."""
+
+SHORTEST_ROD = 0.005
+"""Rod [m] of a cup whose lip stands on the link itself."""
+
 
 # -- prepared
 
@@ -43,6 +92,12 @@ TORQUE = 150.0
 TURNING = 1.0
 """[rad/s] likewise: a third of what arms of this size do."""
 
+EFFORT = {"prismatic": 200.0}
+"""Effort [N] of a joint without one, by its kind; `TORQUE` for the others."""
+
+SPEED = {"prismatic": 0.25}
+"""Speed [m/s] of a joint without a velocity limit, by its kind; `TURNING` for the others."""
+
 
 # -- self_collision
 
@@ -51,3 +106,24 @@ NEAR = 0.005
 
 ALWAYS = 0.9
 """Share of states above which two links overlap by construction of their hulls."""
+
+SAMPLES = 4096
+"""States drawn: a pair that meets in 0.1 % of them is then missed once in sixty."""
+
+
+# -- shapes
+
+CYLINDER_SIDES = 24
+"""Sides of the prism around a cylinder: it is 0.9 % wider, which is on the safe side."""
+
+
+# -- urdf
+
+MOST_BODIES = 2000
+"""Links and their shapes: a humanoid with both hands has three hundred."""
+
+LONGEST = 1e3
+"""Farthest vertex of a shape [m]: no arm is a kilometre long; hulls of far larger numbers are none."""
+
+FULL_TURN = 2 * math.pi
+"""How far [rad] a continuous joint may turn either way: cables and hoses allow no more."""

@@ -4,7 +4,6 @@ pybullet loads the same files but silently skips missing meshes, ignores `<mimic
 planner that promises collision-free motion has to refuse such a file, and say which element is at fault.
 """
 
-import math
 import re
 import xml.etree.ElementTree as ElementTree
 from collections.abc import Mapping
@@ -17,16 +16,14 @@ from scipy.spatial import QhullError
 
 from topple.robots.arm.elements import number, numbers, origin_of
 from topple.robots.arm.shapes import geometry_parts
+from topple.robots.arm.tolerances import FULL_TURN, LONGEST, MOST_BODIES
 from topple.robots.collision.convex import hull_of
 from topple.topology.arrays import FloatArray, frozen
 from topple.topology.errors import InvalidInput
 from topple.topology.geometry.rigid import transformed
 
 DRIVABLE = ("revolute", "continuous", "prismatic")
-MOST_BODIES = 2000  # links and their shapes: a humanoid with both hands has three hundred
 UNBOUND_PREFIX = expat.errors.codes[expat.errors.XML_ERROR_UNBOUND_PREFIX]
-LONGEST = 1e3  # [m] no arm is a kilometre long; hulls of far larger numbers are none
-FULL_TURN = 2 * math.pi  # a continuous joint may turn so far either way: cables and hoses allow no more
 
 
 @dataclass(frozen=True)

@@ -32,25 +32,6 @@ ROBOTS: Table[Callable[[], Arm]] = Table(
 )
 """What makes each arm, by the arm's name; other packages add theirs."""
 
-# Franka Emika Panda data sheet: joint limits, velocities, accelerations
-PANDA_LOWER = (-2.8973, -1.7628, -2.8973, -3.0718, -2.8973, -0.0175, -2.8973)  # [rad]
-PANDA_UPPER = (2.8973, 1.7628, 2.8973, -0.0698, 2.8973, 3.7525, 2.8973)  # [rad]
-PANDA_VELOCITY = (2.175, 2.175, 2.175, 2.175, 2.61, 2.61, 2.61)  # [rad/s]
-PANDA_ACCELERATION = (15.0, 7.5, 10.0, 12.5, 15.0, 20.0, 20.0)  # [rad/s2]
-PANDA_HOME = (0.0, -0.785, 0.0, -2.356, 0.0, 1.571, 0.785)  # [rad] the maker's ready pose
-PANDA_PADS_IN_HAND = 0.1034  # [m] hand origin to the middle between the finger pads
-
-# KUKA LBR iiwa 7 R800 data sheet: velocities; accelerations are not published, 10 rad/s2 is moderate for the
-# class
-IIWA_VELOCITY = (1.71, 1.71, 1.75, 2.27, 2.44, 3.14, 3.14)  # [rad/s]
-IIWA_ACCELERATION = 10.0  # [rad/s2]
-IIWA_HOME = (0.0, 0.3, 0.0, -1.7, 0.0, 1.14, 0.0)  # [rad] hand down, in front
-IIWA_FLANGE = 0.045  # [m] mounting face on the last link
-# UFACTORY xArm6 with gripper: largest acceleration of the manual; links and pads from the URDF
-XARM_ACCELERATION = 20.0  # [rad/s2]
-XARM_HOME = (0.0, -0.5, -0.9, 0.0, 1.4, 0.0)  # [rad] hand down, in front
-XARM_PAD = 0.026  # [m] inner face of a finger from its joint
-XARM_PADS = 0.148  # [m] gripper base to the middle of the half open pads; they move 6 mm either way
 XARM_JOINTS = (
     "drive_joint",
     "left_finger_joint",
@@ -128,7 +109,7 @@ def _panda_jaw() -> ParallelJaw:
 
 def _panda_fingers() -> Tool:
     jaw = _panda_jaw()
-    pose = _translation(PANDA_PADS_IN_HAND)
+    pose = _translation(0.1034)  # hand origin to the middle between the finger pads
     return Tool(ToolName.FINGERS, "panda_hand", pose, jaw, jaw.links, ToolState(jaw.max_opening))
 
 
@@ -153,15 +134,17 @@ def panda_suction() -> Arm:
 
 
 def _panda_arm(name: str, urdf: Path, tools: dict[str, Tool]) -> Arm:
-    return Arm.from_urdf(
+    lower = (-2.8973, -1.7628, -2.8973, -3.0718, -2.8973, -0.0175, -2.8973)
+    upper = (2.8973, 1.7628, 2.8973, -0.0698, 2.8973, 3.7525, 2.8973)
+    return Arm.from_urdf(  # limits, velocities, accelerations and the ready pose of Franka's data sheet
         urdf,
         "panda_hand",
         tools,
         name=name,
-        limits=(PANDA_LOWER, PANDA_UPPER),
-        velocity=PANDA_VELOCITY,
-        acceleration=PANDA_ACCELERATION,
-        home=PANDA_HOME,
+        limits=(lower, upper),
+        velocity=(2.175, 2.175, 2.175, 2.175, 2.61, 2.61, 2.61),
+        acceleration=(15.0, 7.5, 10.0, 12.5, 15.0, 20.0, 20.0),
+        home=(0.0, -0.785, 0.0, -2.356, 0.0, 1.571, 0.785),
         source=data_path() / "franka_panda" / "panda.urdf",
     )
 
@@ -169,16 +152,17 @@ def _panda_arm(name: str, urdf: Path, tools: dict[str, Tool]) -> Arm:
 def iiwa() -> Arm:
     """KUKA's LBR iiwa 7 with a WSG50 hand."""
     source = data_path() / "kuka_iiwa" / "model.urdf"
-    urdf = composed(source, "iiwa", wsg50_xml(data_path(), "lbr_iiwa_link_7", IIWA_FLANGE))
+    flange = 0.045  # [m] mounting face on the last link
+    urdf = composed(source, "iiwa", wsg50_xml(data_path(), "lbr_iiwa_link_7", flange))
     fingers = wsg50_fingers()
     return Arm.from_urdf(
         urdf,
         fingers.link,
         {ToolName.FINGERS: fingers},
         name="iiwa",
-        velocity=IIWA_VELOCITY,
-        acceleration=IIWA_ACCELERATION,
-        home=IIWA_HOME,
+        velocity=(1.71, 1.71, 1.75, 2.27, 2.44, 3.14, 3.14),  # of the data sheet
+        acceleration=10.0,  # not published: moderate for the class
+        home=(0.0, 0.3, 0.0, -1.7, 0.0, 1.14, 0.0),  # hand down, in front
         source=source,
     )
 
@@ -187,7 +171,7 @@ def xarm6() -> Arm:
     """UFACTORY's xArm6 with its gripper."""
     angle = np.linspace(0.85, 0.0, 18)  # of the drive joint: shut to open
     # the outer knuckle swings the finger on a circle, and the finger turns back: its pad stays upright
-    pad = 0.035 + 0.035465 * np.cos(angle) - 0.042039 * np.sin(angle) - XARM_PAD
+    pad = 0.035 + 0.035465 * np.cos(angle) - 0.042039 * np.sin(angle) - 0.026  # its joint to its inner face
     jaw = ParallelJaw(
         joints=XARM_JOINTS,
         links=("left_finger", "right_finger"),
@@ -199,14 +183,13 @@ def xarm6() -> Arm:
     )
     hand = ("left_outer_knuckle", "right_outer_knuckle", "left_inner_knuckle", "right_inner_knuckle")
     ready = ToolState(jaw.max_opening)
-    tool = Tool(
-        ToolName.FINGERS, "xarm_gripper_base_link", _translation(XARM_PADS), jaw, (*jaw.links, *hand), ready
-    )
+    pads = _translation(0.148)  # gripper base to the middle of the half open pads, which move 6 mm either way
+    tool = Tool(ToolName.FINGERS, "xarm_gripper_base_link", pads, jaw, (*jaw.links, *hand), ready)
     return Arm.from_urdf(
         data_path() / "xarm" / "xarm6_with_gripper.urdf",
         "xarm_gripper_base_link",
         {ToolName.FINGERS: tool},
         name="xarm6",
-        acceleration=XARM_ACCELERATION,
-        home=XARM_HOME,
+        acceleration=20.0,  # the largest of the manual
+        home=(0.0, -0.5, -0.9, 0.0, 1.4, 0.0),  # hand down, in front
     )

@@ -24,6 +24,7 @@ from topple.robots.arm.gripper_file import (
 from topple.robots.arm.home import home_of
 from topple.robots.arm.prepared import prepared
 from topple.robots.arm.srdf import Semantics, read_srdf, srdf_beside
+from topple.robots.arm.tolerances import ACCELERATION, ANGULAR_ACCELERATION, SHORTEST_ROD
 from topple.robots.arm.tree import Tree
 from topple.robots.arm.urdf import Model, model_of, urdf_root
 from topple.robots.catalog.data import data_path
@@ -33,10 +34,6 @@ from topple.robots.hands.mounted import WSG50, flange_of, mount
 from topple.robots.hands.suction_hand import CUP_JOINT, CUP_LINK, CupDesign, cup_xml
 from topple.robots.hands.tolerances import FORCE
 from topple.topology.errors import InvalidInput
-
-ACCELERATION = {"prismatic": 2.0}  # [m/s2]; URDF cannot say it
-TURNING = 10.0  # [rad/s2] likewise, moderate for arms that lift 3 to 10 kg
-SHORTEST_ROD = 0.005  # [m] of a cup whose lip stands on the link itself
 
 
 def arm_from_file(
@@ -88,7 +85,7 @@ def arm_from_file(
     made, estimated = prepared(robot, path, {} if fingers is None else rigid_groups(model, fingers))
     frame = _tool_frame(model, fingers, wanted)
     kinds = [joint.kind for joint in model.path_to(frame) if joint.kind != "fixed"]
-    acceleration = [ACCELERATION.get(kind, TURNING) for kind in kinds]
+    acceleration = [ACCELERATION.get(kind, ANGULAR_ACCELERATION) for kind in kinds]
     assumed += (*estimated, _accelerations(path.name), *_guessed_force(model, fingers, wanted))
     arm = Arm.from_urdf(made, frame, tools, name=model.name, acceleration=acceleration, source=path)
     if wanted.arm is not None:
@@ -234,7 +231,7 @@ def _tool_frame(model: Model, fingers: Fingers | None, gripper: Gripper) -> str:
 
 
 def _accelerations(name: str) -> str:
-    limits = f"{TURNING:g} rad/s2 and {ACCELERATION['prismatic']:g} m/s2"
+    limits = f"{ANGULAR_ACCELERATION:g} rad/s2 and {ACCELERATION['prismatic']:g} m/s2"
     return f"{name} states no accelerations, as no URDF does: {limits} assumed"
 
 

@@ -12,12 +12,9 @@ from functools import cached_property
 import numpy as np
 
 from topple.robots.collision.convex import hull_of
-from topple.robots.collision.tolerances import GAIN, IN_PLANE, MOST
+from topple.robots.collision.tolerances import GAIN, IN_PLANE, MOST, PLACES, SAMPLE
 from topple.topology.arrays import FloatArray
 from topple.topology.geometry.sides import hull_volume
-
-PLACES = 5  # where an axis is cut, at the vertices nearest to them: steps have vertices
-SAMPLE = 300  # triangles that a cut is judged by, which takes a millisecond; all of them are cut
 
 
 @dataclass(frozen=True, eq=False)

@@ -13,11 +13,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from topple.robots.collision.convex import bounding_sphere, padded, reduced
+from topple.robots.collision.tolerances import ROUNDING
 from topple.topology.arrays import FloatArray, IntArray
 
 Float32Array = NDArray[np.float32]
-
-ROUNDING = 1e-5  # [m] what single precision may lose on coordinates of a few metres
 
 
 @dataclass(frozen=True, eq=False)

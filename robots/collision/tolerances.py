@@ -16,3 +16,15 @@ GAIN = 0.2
 
 IN_PLANE = 1e-6
 """[m] a face this near to a plane is a side of what is behind it, whose other faces meet it."""
+
+PLACES = 5
+"""Places where an axis is cut, at the vertices nearest to them: steps have vertices."""
+
+SAMPLE = 300
+"""Triangles that a cut is judged by, which takes a millisecond; all of them are cut."""
+
+
+# -- separation
+
+ROUNDING = 1e-5
+"""What single precision may lose [m] on coordinates of a few metres."""

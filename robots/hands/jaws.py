@@ -21,6 +21,8 @@ from topple.robots.hands.tolerances import (
     LEAST_STROKE,
     LONGEST_PAD,
     OVERLAP,
+    SAMPLES,
+    SNAP,
     STRONGEST,
     TIP,
     USUAL_PAD,
@@ -29,9 +31,6 @@ from topple.robots.poses import inverse
 from topple.topology.arrays import FloatArray
 from topple.topology.errors import InvalidInput
 from topple.topology.geometry.rigid import transformed
-
-SAMPLES = 17  # joint values at which the distance of the pads is measured: linkages are not linear
-SNAP = np.cos(np.radians(20.0))  # a hand points along an axis of its mounting link, if one is this near
 
 
 def measured_jaw(model: Model, fingers: Fingers, given: Jaw | None = None) -> Tool | None:

@@ -1,5 +1,7 @@
 """Thresholds of hands, each with its unit and reason, by the module that asks them."""
 
+import numpy as np
+
 # -- jaws
 
 LEAST_STROKE = 0.005
@@ -28,3 +30,9 @@ FORCE = 40.0
 
 STRONGEST = 100.0
 """[N] of a jaw whose URDF states more: efforts of simulations are often made up."""
+
+SAMPLES = 17
+"""Joint values at which the distance of the pads is measured: linkages are not linear."""
+
+SNAP = np.cos(np.radians(20.0))
+"""Cosine of the angle within which a hand points along an axis of its mounting link."""

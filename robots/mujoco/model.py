@@ -12,7 +12,7 @@ from topple.robots.arm.arm import Arm
 from topple.robots.arm.elements import number, origin_of
 from topple.robots.arm.urdf import urdf_root
 from topple.robots.mujoco.engine import mujoco
-from topple.robots.mujoco.tolerances import FINGER_ROTOR, GRIP, HARD, NO_SLIP, ROTOR, STIFF
+from topple.robots.mujoco.tolerances import FINGER_ROTOR, GRIP, HARD, NO_SLIP, ROTOR, SQUARE, STIFF
 from topple.robots.poses import position_and_quaternion
 from topple.robots.world.bodies import Body
 from topple.robots.world.physical_world import Physics, principal_axes
@@ -21,8 +21,6 @@ from topple.topology.arrays import FloatArray
 
 SEEN, TOUCHING, FLOOR = 2, 3, 4
 """Groups of shapes: what cameras see, what collides, and the floor, which does but is not seen."""
-
-SQUARE = 1e-6  # [m] by which the corners of a box may be off
 
 
 @dataclass(frozen=True)
@@ -222,8 +220,7 @@ def _add_arm(spec: Any, arm: Arm, pose_base_to_world: FloatArray) -> list[Shape]
         for name in jaw.joints:
             motor = spec.add_actuator(name=f"robot {name}", target=f"robot {name}")
             motor.trntype = mujoco.mjtTrn.mjTRN_JOINT
-            motor.set_to_velocity(kv=1.0)
-            motor.forcelimited, motor.forcerange = True, [-1.0, 1.0]
+            motor.set_to_velocity(kv=1.0)  # no limit: a force that is cut off is not implicit, and shakes
     return shapes
 
 

@@ -4,12 +4,12 @@ import numpy as np
 from scipy.spatial.transform import Rotation
 
 from topple.robots.scenarios.scenario import Scenario, Unlucky, overlap, pose_at, settle, settled, touching
+from topple.robots.scenarios.tolerances import RIM
 from topple.robots.shapes import can, fork, plate, spoon
 from topple.robots.world.physical_world import PhysicalWorld
 from topple.topology.arrays import FloatArray
 
 CUTLERY = ("spoon_1", "spoon_2", "fork")
-RIM = 0.022  # [m] height of the plate's rim
 
 
 def dishes(seed: int = 0) -> Scenario:

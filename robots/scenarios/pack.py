@@ -4,6 +4,7 @@ import numpy as np
 from scipy.spatial.transform import Rotation
 
 from topple.robots.scenarios.scenario import Scenario, Unlucky, lay, pose_at, to_copy
+from topple.robots.scenarios.tolerances import HAND_BETWEEN
 from topple.robots.shapes import box, can, tray
 from topple.robots.world.bodies import Body
 from topple.robots.world.physical_world import PhysicalWorld
@@ -11,7 +12,6 @@ from topple.topology.arrays import FloatArray
 
 TRAY = (0.34, 0.24, 0.03)  # [m]
 FLAT = (0.14, 0.065, 0.035)  # [m] a carton of tea, lying
-GAP = 0.12  # [m] between things: a hand goes between them
 ASIDE = 0.17  # [m] from the middle of the tray to the nearest thing beside it
 
 
@@ -64,7 +64,7 @@ def _strewn(taken: list[FloatArray], side: float, rng: np.random.Generator) -> F
     for _ in range(200):
         x, y = rng.uniform(-0.16, 0.12), -side * rng.uniform(-0.05, 0.26)
         pose = pose_at(x, y, 0.0, Rotation.from_euler("z", rng.uniform(0, np.pi)))
-        if all(np.linalg.norm((pose - other)[:2, 3]) > GAP for other in taken):
+        if all(np.linalg.norm((pose - other)[:2, 3]) > HAND_BETWEEN for other in taken):
             taken.append(pose)
             return pose
     raise Unlucky("no room for another thing")

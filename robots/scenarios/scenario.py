@@ -3,13 +3,13 @@
 from collections.abc import Callable, Mapping, Sequence
 from contextlib import ExitStack
 from dataclasses import dataclass
-from types import TracebackType
 
 import numpy as np
 from scipy.spatial.transform import Rotation
 
 from topple.robots.engines import new_world
 from topple.robots.poses import angle_between
+from topple.robots.scenarios.tolerances import ATTEMPTS, CREEP, OVERLAP, REACHED, SLID, TURN, WATCHED
 from topple.robots.world.bodies import Body
 from topple.robots.world.camera import Camera
 from topple.robots.world.physical_world import PhysicalWorld
@@ -23,19 +23,9 @@ BASE = (
     0.0,
     0.0,
 )  # [m] of the robot, facing +x: what lies about the origin is well within a Panda's reach
-REACHED = (
-    0.25,
-    0.38,
-)  # [m] from the origin along x and y: farther things are out of the arm's comfortable reach
-WATCHED = 8.0  # [s] for which a settled scene is watched: what stands on an edge takes some to begin to fall
-CREEP = 0.001  # [m] that nothing may move in that time
-TURN = 0.02  # [rad] nor turn
-OVERLAP = 5e-4  # [m] that what is laid out by hand may be in each other: facets of round things
-SLID = 0.02  # [m] that a thing may slide as it settles
 CAMERAS = 3
 DISTANCE = 0.62  # [m] of the cameras from what they look at, along the table
 HEIGHT = 0.60  # [m] of the cameras above the table
-ATTEMPTS = 60  # layouts tried for one seed: one in three works out where most does go wrong
 
 
 @dataclass(frozen=True, eq=False)
@@ -71,9 +61,7 @@ class Scenario:
     def __enter__(self) -> "Scenario":
         return self
 
-    def __exit__(
-        self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
-    ) -> None:
+    def __exit__(self, *_: object) -> None:
         self.world.close()
         if self.finished is not None:
             self.finished.close()

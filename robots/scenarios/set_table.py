@@ -4,11 +4,11 @@ import numpy as np
 from scipy.spatial.transform import Rotation
 
 from topple.robots.scenarios.scenario import Scenario, Unlucky, lay, pose_at, to_copy, touching
+from topple.robots.scenarios.tolerances import RIM
 from topple.robots.shapes import bowl, fork, mug, plate, spoon
 from topple.robots.world.physical_world import PhysicalWorld
 from topple.topology.arrays import FloatArray
 
-RIM = 0.022  # [m] height of the plate's rim
 WELL = 0.0065  # [m] height of what lies in the plate
 BESIDE = 0.045  # [m] from the plate's edge to the cutlery: a hand gets down between them
 

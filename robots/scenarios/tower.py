@@ -4,12 +4,12 @@ import numpy as np
 from scipy.spatial.transform import Rotation
 
 from topple.robots.scenarios.scenario import Scenario, Unlucky, pose_at, settle, settled
+from topple.robots.scenarios.tolerances import HAND_BETWEEN
 from topple.robots.shapes import block
 from topple.robots.world.bodies import Color
 from topple.robots.world.physical_world import PhysicalWorld
 
 SIDE = 0.05  # [m] a toy block; a Panda's hand opens 8 cm
-APART = 0.12  # [m] between stacks: a hand goes between them
 COLORS: dict[str, Color] = {
     "red": (0.8, 0.15, 0.12, 1.0),
     "green": (0.15, 0.6, 0.2, 1.0),
@@ -58,7 +58,7 @@ def _free_place(taken: list[np.ndarray], rng: np.random.Generator) -> np.ndarray
     """(2,) a place on the table away from the others; it is noted in `taken`."""
     for _ in range(200):
         place = rng.uniform([-0.12, -0.22], [0.15, 0.22])
-        if all(np.linalg.norm(place - other) > APART for other in taken):
+        if all(np.linalg.norm(place - other) > HAND_BETWEEN for other in taken):
             taken.append(place)
             return place
     raise Unlucky("no room for another stack")

@@ -9,14 +9,13 @@ from numpy.typing import ArrayLike
 
 from topple.robots.engine import pybullet
 from topple.robots.tolerances import TOLERANCES
-from topple.robots.world.tolerances import AROUND, CELLS, DEEPEST, LARGEST
+from topple.robots.world.tolerances import AROUND, CELLS, DEEPEST, LARGEST, STEP
 from topple.topology.arrays import FloatArray
 from topple.topology.errors import InvalidInput, UnknownObject
 from topple.topology.scene import Scene
 from topple.topology.statics.matter import ROUGHEST
 
 RAYS = 16_000  # a call: PyBullet takes at most 16384
-STEP = 2e-4  # [m] behind a surface where the ray goes on
 NAMELESS = frozenset(("", "baseLink", "base_link", "base", "link0"))  # what anything is called
 DIRECTIONS = np.array([d for d in itertools.product((-1, 0, 1), repeat=3) if 0 < np.abs(d).sum() < 3], float)
 

@@ -6,7 +6,7 @@ import pytest
 from topple.benchmarks.arrangements import KINDS, arrangement
 from topple.benchmarks.build import Trial
 from topple.benchmarks.piles import Pile, observe
-from topple.planner import build_order
+from topple.planner import build_order, order
 from topple.robots.scenarios.scenario import pose_at
 from topple.robots.shapes import box
 
@@ -29,6 +29,14 @@ def test_a_plank_falls_without_its_counterweight_unless_it_is_held(balance: Pile
     trial = Trial(balance)
     assert trial.stands(("pier", "plank", "weight")) == [True, False, True]
     assert trial.stands(found.order, found) == [True, True, True]
+
+
+def test_a_plank_falls_as_its_counterweight_is_lifted_unless_it_is_held(balance: Pile) -> None:
+    found = order(observe(balance, 0, 0))
+    assert [(hold.object, hold.since) for hold in found.holds] == [("plank", "weight")]
+    trial = Trial(balance)
+    assert not trial.cleared(found.order)
+    assert trial.cleared(found.order, found.holds)
 
 
 def test_what_comes_from_above_may_not_pass_what_stands(balance: Pile) -> None:

@@ -16,7 +16,7 @@ from topple.planner.cli.main import main
 from topple.planner.formats.plan_format import Plan
 from topple.planner.planning.order import order
 from topple.topology.errors import InvalidInput
-from topple.topology.rule.relate import relate
+from topple.topology.relations import relate
 from topple.topology.scene import Scene
 
 

@@ -26,7 +26,7 @@ from topple.robots.scenarios import SCENARIOS, scenario_called
 from topple.topology import InvalidInput, load_scene
 from topple.topology.io.load import READERS
 from topple.topology.plugins import Table
-from topple.topology.rule.relate import RULES, relate, relate_all
+from topple.topology.relations import RULES, relate, relate_all
 from topple.topology.scene import Scene
 
 if sys.version_info >= (3, 11):

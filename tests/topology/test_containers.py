@@ -8,7 +8,7 @@ from topple.robots.world.bodies import Body
 from topple.robots.world.camera import Camera
 from topple.robots.world.world import World
 from topple.topology.arrays import FloatArray
-from topple.topology.rule.relate import relate
+from topple.topology.relations import relate
 from topple.topology.scene import Scene
 from topple.topology.sixim.table import Relation
 

@@ -1,12 +1,17 @@
 """Many scenes on the workers of an executor give what one after the other gives."""
 
+import pickle
+from collections.abc import Callable
 from concurrent.futures import Executor, ProcessPoolExecutor, ThreadPoolExecutor
+from functools import partial
 from multiprocessing import get_context
+from pathlib import Path
 
 import numpy as np
 import pytest
 
-from topple.topology import Scene, relate, relate_all
+from topple.planner import order, order_all
+from topple.topology import Scene, WorkerPool, load_scene, relate, relate_all
 
 
 def scenes(count: int = 3) -> list[Scene]:
@@ -25,28 +30,57 @@ def scenes(count: int = 3) -> list[Scene]:
     return found
 
 
-def check(executor: Executor) -> None:
-    for plain in (False, True):
-        together = relate_all(scenes(), plain=plain, executor=executor)
-        alone = [relate(scene, plain=plain) for scene in scenes()]
-        assert [each.to_json() for each in together] == [each.to_json() for each in alone]
-        cloud = scenes()[0].clouds["one"] + [0.0, 0.1, 0.0]
+BOUND = 10_000
+"""Bytes that may come back of one scene: half of what one of its clouds has."""
+
+
+class Weighed(ThreadPoolExecutor):
+    """Threads, whose answers are weighed as processes would send them."""
+
+    def submit(self, fn, /, *args):  # type: ignore[no-untyped-def, override]
+        return super().submit(_sent, fn, *args)
+
+
+def _sent(fn, *args):  # type: ignore[no-untyped-def]
+    sent = pickle.dumps(fn(*args))
+    assert len(sent) < BOUND
+    return pickle.loads(sent)
+
+
+def check(executor: Executor, folder: Path) -> None:
+    paths = [folder / f"{number}.npz" for number in range(3)]
+    for path, scene in zip(paths, scenes(), strict=True):
+        np.savez(path, **scene.clouds, fixed=["table"], up=[0, 0, 1], viewpoints=[[0.0, -0.5, 0.5]])
+    seen = [load_scene(path) for path in paths]
+    for rule in ("robust", "plain"):
+        alone = [relate(scene, rule=rule) for scene in seen]
+        for given in (seen, paths):
+            together = relate_all(given, rule=rule, executor=executor)
+            assert together == alone
+            assert [each.to_json() for each in together] == [each.to_json() for each in alone]
+        cloud = seen[0].clouds["one"] + [0.0, 0.1, 0.0]
         assert together[0].updated("one", cloud).to_json() == alone[0].updated("one", cloud).to_json()
+    assert order_all(paths, executor=executor) == [order(scene) for scene in seen]
 
 
-@pytest.mark.parametrize("pool", ["threads", pytest.param("processes", marks=pytest.mark.slow)])
-def test_a_pool_of_two_relates_like_one_after_the_other(pool: str) -> None:
-    if pool == "threads":
-        with ThreadPoolExecutor(2) as threads:
-            check(threads)
-    else:
-        with ProcessPoolExecutor(2, mp_context=get_context("spawn")) as processes:
-            check(processes)
+@pytest.mark.parametrize(
+    "pool",
+    [
+        partial(ThreadPoolExecutor, 2),
+        partial(Weighed, 2),
+        pytest.param(partial(WorkerPool, 2), marks=pytest.mark.slow),
+        pytest.param(partial(ProcessPoolExecutor, 2, get_context("spawn")), marks=pytest.mark.slow),
+    ],
+    ids=["threads", "weighed", "ours", "processes"],
+)
+def test_a_pool_of_two_answers_like_one_after_the_other(pool: Callable[[], Executor], tmp_path: Path) -> None:
+    with pool() as executor:
+        check(executor, tmp_path)
 
 
 @pytest.mark.slow
 @pytest.mark.filterwarnings("default")  # those of the cluster's start and end are not topple's
-def test_a_dask_cluster_of_two_workers_relates_like_one_after_the_other() -> None:
+def test_a_dask_cluster_of_two_workers_answers_like_one_after_the_other(tmp_path: Path) -> None:
     distributed = pytest.importorskip(
         "distributed", reason="dask is not installed: pip install 'topple-planner[dask]'"
     )
@@ -55,4 +89,4 @@ def test_a_dask_cluster_of_two_workers_relates_like_one_after_the_other() -> Non
         distributed.Client(cluster) as client,
     ):
         assert len(client.scheduler_info()["workers"]) == 2
-        check(client.get_executor())
+        check(client.get_executor(), tmp_path)

@@ -7,8 +7,8 @@ import pytest
 from scipy.spatial.transform import Rotation
 
 from topple.topology.geometry.hull import Hull
+from topple.topology.relations import relate
 from topple.topology.rule.cavity import roofed, surrounded
-from topple.topology.rule.relate import relate
 from topple.topology.rule.surface import SurfaceCloud
 from topple.topology.scene import Scene
 from topple.topology.sixim.table import Relation, classify

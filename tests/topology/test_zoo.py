@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from topple.topology.pair import PairRelation
-from topple.topology.rule.relate import relate
+from topple.topology.relations import relate
 from topple.topology.scene import Scene
 from topple.topology.sixim.table import ONE_SIDED_CONTACT, Relation, classify, converse_matrix
 

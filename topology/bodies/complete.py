@@ -13,8 +13,10 @@ from topple.topology.bodies.tolerances import (
     LARGEST,
     MOUTH,
     OUTSIDE,
+    PLACES,
     REFUTED,
     ROUND_REFUTED,
+    TILE,
 )
 from topple.topology.geometry.axes import perpendiculars
 from topple.topology.geometry.normals import patch_planes
@@ -22,17 +24,12 @@ from topple.topology.geometry.outline import least_rectangle
 from topple.topology.geometry.round import flattest_side, round_body
 from topple.topology.geometry.sides import beyond, sides_of
 from topple.topology.geometry.thin import cell_keys, voxel_means
-from topple.topology.upright import SPACING, Upright
+from topple.topology.tolerances import VOXEL
+from topple.topology.upright import Upright
 from topple.topology.views.free_space import FreeSpace
 
 BLOCK = 1 << 16
 """Pairs of a cell and a triangle looked at at once (0.5 MB)."""
-
-SAMPLES = 400
-"""Places on a hull that are looked at: a mouth of a tenth of its surface is 40 of them."""
-
-TILE = 0.04
-"""Edge [m] of the squares of a plan view whose cells are looked at with the triangles over them alone."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -133,7 +130,7 @@ def bounding_box(points: FloatArray, upright_only: bool = False) -> Box:
     best: tuple[float, Box] | None = None
     for k, up in enumerate(_candidate_axes(points, upright_only)):
         box = _box_along(points, up)
-        extent = np.maximum(box.upper - box.lower, SPACING)
+        extent = np.maximum(box.upper - box.lower, VOXEL)
         cost = float(np.prod(extent)) * (0.9 if k == 0 else 1.0)
         if best is None or cost < best[0]:
             best = cost, box
@@ -187,7 +184,7 @@ def _as_round(points: FloatArray, box: Box, sight: FreeSpace | None, floor: floa
     # what a camera sees of a body is turned to it: the inside of a bowl is round as well, and is no ball
     if fit is None or (sight is not None and sight.facing(points, fit.outward(points)).mean() <= OUTSIDE):
         return points[:0]
-    surface = fit.surface(SPACING)
+    surface = fit.surface(VOXEL)
     surface[:, 2] = np.maximum(surface[:, 2], floor)
     return _believable(surface, points, sight, refuted=ROUND_REFUTED)
 
@@ -217,8 +214,8 @@ def _believable(
     """
     if len(guess) == 0:
         return guess
-    guess = voxel_means(guess, SPACING)
-    near = 1.5 * SPACING
+    guess = voxel_means(guess, VOXEL)
+    near = 1.5 * VOXEL
     distance, _ = KDTree(known).query(guess, distance_upper_bound=np.nextafter(near, np.inf))
     guess = guess[distance > near]
     if sight is None or len(guess) == 0:
@@ -238,14 +235,14 @@ def _underside(points: FloatArray, hull: ConvexHull) -> FloatArray:
 def _roof(points: FloatArray) -> FloatArray:
     """The upper side where something hid it: heights interpolated between the seen ones."""
     flat = points[:, :2]
-    keys = cell_keys(flat, *bounds(flat), SPACING)
+    keys = cell_keys(flat, *bounds(flat), VOXEL)
     order = np.lexsort((-points[:, 2], keys))
     tops = points[order[np.unique(keys[order], return_index=True)[1]]]
     if len(tops) < 4:
         return points[:0]
     lower, upper = tops[:, :2].min(axis=0), tops[:, :2].max(axis=0)
     cells = _grid(lower, upper)
-    taken = KDTree(tops[:, :2]).query(cells)[0] < 2 * SPACING
+    taken = KDTree(tops[:, :2]).query(cells)[0] < 2 * VOXEL
     cells = _over(tops[:, :2], cells[~taken])
     heights = _interpolated(tops, cells)
     inside = np.isfinite(heights)
@@ -323,9 +320,9 @@ def _lower_height(hull: ConvexHull, cells: FloatArray) -> FloatArray:
 
 
 def _grid(lower: FloatArray, upper: FloatArray) -> FloatArray:
-    """(N, 2) centres of cells of `SPACING` over a rectangle."""
-    x = np.arange(lower[0] + SPACING / 2, upper[0] + SPACING / 2, SPACING)
-    y = np.arange(lower[1] + SPACING / 2, upper[1] + SPACING / 2, SPACING)
+    """(N, 2) centres of cells of `VOXEL` over a rectangle."""
+    x = np.arange(lower[0] + VOXEL / 2, upper[0] + VOXEL / 2, VOXEL)
+    y = np.arange(lower[1] + VOXEL / 2, upper[1] + VOXEL / 2, VOXEL)
     return np.stack(np.meshgrid(x, y, indexing="ij"), axis=-1).reshape(-1, 2)
 
 
@@ -343,17 +340,17 @@ def _is_closed(points: FloatArray, hull: ConvexHull) -> bool:
     if len(underside) == 0:
         return True
     distance, _ = KDTree(points).query(underside)
-    return bool((distance < 2.5 * SPACING).mean() > COMPLETE_CLOSED)
+    return bool((distance < 2.5 * VOXEL).mean() > COMPLETE_CLOSED)
 
 
 def _mouth_share(points: FloatArray, hull: ConvexHull, sight: FreeSpace | None) -> float:
     """Share of the hull's surface that is a mouth: no points near it, and seen through if anybody looked."""
     corners = points[hull.simplices]
     areas = np.linalg.norm(np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0]), axis=1)
-    which = np.searchsorted(np.cumsum(areas) / areas.sum(), (np.arange(SAMPLES) + 0.5) / SAMPLES)
+    which = np.searchsorted(np.cumsum(areas) / areas.sum(), (np.arange(PLACES) + 0.5) / PLACES)
     # A low-discrepancy sequence: the same places for the same hull, without a seed.
-    u = (np.arange(SAMPLES) * 0.7548776662466927) % 1.0
-    v = (np.arange(SAMPLES) * 0.5698402909980532) % 1.0
+    u = (np.arange(PLACES) * 0.7548776662466927) % 1.0
+    v = (np.arange(PLACES) * 0.5698402909980532) % 1.0
     flip = u + v > 1
     u, v = np.where(flip, 1 - u, u)[:, None], np.where(flip, 1 - v, v)[:, None]
     first, second, third = corners[np.minimum(which, len(corners) - 1)].transpose(1, 0, 2)

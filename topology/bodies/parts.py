@@ -12,16 +12,16 @@ import numpy as np
 from scipy.spatial import KDTree
 
 from topple.topology.arrays import BoolArray, FloatArray
-from topple.topology.bodies.tolerances import FRACTIONS, PARTS_FEWEST, SECTION
+from topple.topology.bodies.tolerances import (
+    FACE_SAMPLES,
+    FRACTIONS,
+    OUTLINE,
+    PARTS_FEWEST,
+    SEARCHED,
+    SECTION,
+)
 from topple.topology.geometry.hull import Hull
 from topple.topology.geometry.thin import thinned
-
-SEARCHED = 300
-"""Points that judge a cut: its hulls then take half a millisecond."""
-FACE_SAMPLES = 96
-"""Places on a hull that are compared with the cloud: a bare mouth covers a good part of them."""
-OUTLINE = 400
-"""Points of the whole object that tell whether it goes on beyond a cut."""
 
 
 @dataclass(frozen=True, eq=False)

@@ -7,9 +7,7 @@ from scipy.spatial import KDTree
 
 from topple.topology.arrays import BoolArray, FloatArray, IntArray
 from topple.topology.bodies.parts import convex_parts
-from topple.topology.bodies.tolerances import AROUND, LINKED, PLATES_FEWEST, PLATES_LEAST, THICK
-
-TRIES = 150  # points that a plate is looked for at: a wall with a twentieth of all points is not missed
+from topple.topology.bodies.tolerances import AROUND, LINKED, PLATES_FEWEST, PLATES_LEAST, THICK, TRIES
 
 
 def plates_of(cloud: FloatArray, tolerance: float, seed: int = 0) -> tuple[FloatArray, ...]:

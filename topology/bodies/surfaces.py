@@ -2,18 +2,15 @@
 
 from collections.abc import Collection, Mapping
 from functools import cached_property
-from typing import TYPE_CHECKING
 from weakref import WeakKeyDictionary, ref
 
 import numpy as np
 
 from topple.topology.arrays import FloatArray
 from topple.topology.bodies.complete import complete
+from topple.topology.scene import Scene
 from topple.topology.upright import Upright
 from topple.topology.views.free_space import FreeSpace
-
-if TYPE_CHECKING:
-    from topple.topology.scene import Scene
 
 
 class Surfaces:
@@ -21,7 +18,7 @@ class Surfaces:
 
     def __init__(
         self,
-        scene: "Scene",
+        scene: Scene,
         like: "Surfaces | None" = None,
         kept: Collection[str] = (),
         moved: Mapping[str, FloatArray] | None = None,
@@ -82,17 +79,17 @@ class Surfaces:
         return found
 
 
-_COMPLETED: WeakKeyDictionary["Scene", Surfaces] = WeakKeyDictionary()
+_COMPLETED: WeakKeyDictionary[Scene, Surfaces] = WeakKeyDictionary()
 """Of the scenes there are: relations that infer contacts, orders and placements ask of the same one."""
 
 
-def surfaces_of(scene: "Scene") -> Surfaces:
+def surfaces_of(scene: Scene) -> Surfaces:
     """The completed bodies of a scene."""
     known = _COMPLETED.get(scene)
     return _COMPLETED.setdefault(scene, Surfaces(scene)) if known is None else known
 
 
-def carry_over(scene: "Scene", before: "Scene", moved: Mapping[str, FloatArray] | None = None) -> None:
+def carry_over(scene: Scene, before: Scene, moved: Mapping[str, FloatArray] | None = None) -> None:
     """Say of a scene that it came of another one: bodies whose clouds are the same ones are completed once.
 
     Args:
@@ -104,7 +101,7 @@ def carry_over(scene: "Scene", before: "Scene", moved: Mapping[str, FloatArray] 
     _COMPLETED.setdefault(scene, Surfaces(scene, surfaces_of(before), kept, moved))
 
 
-def whole_surfaces(scene: "Scene") -> dict[str, FloatArray]:
+def whole_surfaces(scene: Scene) -> dict[str, FloatArray]:
     """The surface of every object that can move, guessed sides included, as orders and placements see it.
 
     Args:

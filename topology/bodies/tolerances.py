@@ -17,9 +17,6 @@ STANDS = 0.03
 OVER = 0.8
 """Share of the objects that must lie over the plane; one or two may stand past its edge, lower."""
 
-ON = 0.02
-"""Distance [m] from its plane that a seen table strays: depth noise and a board that bends."""
-
 VOXEL = 0.05
 """Edge [m] of the cells in which the table's extent hangs together: what is thin hides less of it."""
 
@@ -48,6 +45,12 @@ ROUND_REFUTED = 0.25
 OUTSIDE = 0.8
 """Share of the seen points that are on the outside of a round body: noise turns some at its outline."""
 
+PLACES = 400
+"""Places on a hull that are looked at: a mouth of a tenth of its surface is 40 of them."""
+
+TILE = 0.04
+"""Edge [m] of the squares of a plan view whose cells are looked at with the triangles over them alone."""
+
 
 # -- completed
 
@@ -75,6 +78,15 @@ PARTS_FEWEST = 12
 SECTION = 0.9
 """Cosine above which a face by a cut is the cut's own section, where a solid has no surface."""
 
+SEARCHED = 300
+"""Points that judge a cut: its hulls then take half a millisecond."""
+
+FACE_SAMPLES = 96
+"""Places on a hull that are compared with the cloud: a bare mouth covers a good part of them."""
+
+OUTLINE = 400
+"""Points of the whole object that tell whether it goes on beyond a cut."""
+
 
 # -- plates
 
@@ -92,6 +104,9 @@ LINKED = 0.015
 
 PLATES_FEWEST = 12
 """Points of a piece that counts: fewer are noise."""
+
+TRIES = 150
+"""Points that a plate is looked for at: a wall with a twentieth of all points is not missed."""
 
 
 # -- solids
@@ -111,9 +126,6 @@ BOARD = 0.02
 SKIN = 0.01
 """Points of a slab's faces and edges lie this close to it: depth noise [m]."""
 
-HOVER = 0.006
-"""A gap below an object up to this is depth noise, above it a side nobody saw [m]."""
-
 SOLIDS_CELL = 0.01
 """Grid on which what lies below an object is looked up [m]."""
 
@@ -132,11 +144,8 @@ TOPS_LEVEL = 0.9
 VOTE = 0.003
 """Points this close to a plane speak for it: more would count both faces of a thin board [m]."""
 
-BAND = 0.006
-"""Points of one level lie within this of its plane: three sigmas of depth noise [m]."""
-
 WIDEST_BAND = 0.01
-"""The same where the noise is larger [m]."""
+"""Points of one level lie within this of its plane at most, where noise is larger than `DEPTH_NOISE` [m]."""
 
 FACES = 0.003
 """The faces of a board are at least this far apart: a thinner one is a sheet [m]."""
@@ -182,3 +191,12 @@ RAISED = 0.03
 
 SUNK = 0.02
 """An object's lowest point may lie this far below the top that carries it: noise of both [m]."""
+
+MANY = 40_000
+"""Points among which neighbours are looked for."""
+
+MOST_CELLS = 400
+"""Cells along each axis of a board's plan: 4 m of a shelf at 1 cm; a larger one has larger cells."""
+
+ROUNDS = 10
+"""Rounds of fitting a plane to the points about it: it settles in half as many."""

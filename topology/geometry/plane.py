@@ -6,15 +6,8 @@ import numpy as np
 
 from topple.topology.arrays import FloatArray
 from topple.topology.geometry.normals import patch_planes
-
-_DRAWS = 200  # a plane holding 40 % of the points is missed by all draws with probability 1e-6
-_LEVEL_DRAWS = 4000  # draws of which the level ones vote: one in thirty is on one of a shelf's boards
-_LEVEL = (
-    0.97  # cosine of the largest angle of a level plane with the horizontal one: up is known to 14 degrees
-)
-_SAMPLE = 4000  # points that vote; more change the answer by less than the noise
-_INLIER = 0.006  # [m] three sigmas of a Kinect at 1 m
-_FLAT_SHARE = 0.4  # a table seen past its clutter is above 0.9, a bowl or a shelf of boards below 0.4
+from topple.topology.geometry.tolerances import DRAWS, ENOUGH, FLAT_SHARE, LEVEL, LEVEL_DRAWS
+from topple.topology.tolerances import DEPTH_NOISE
 
 TABLE = "table"
 """Name of a table that was not given as an object."""
@@ -23,7 +16,7 @@ _TABLE_NAMES = (TABLE, "ground", "floor", "shelf")
 
 
 def fit_plane(
-    points: FloatArray, *, inlier: float = _INLIER, seed: int = 0, up: FloatArray | None = None
+    points: FloatArray, *, inlier: float = DEPTH_NOISE, seed: int = 0, up: FloatArray | None = None
 ) -> tuple[FloatArray, float]:
     """Find the plane that holds most points, whatever the others do (RANSAC, then least squares).
 
@@ -38,17 +31,17 @@ def fit_plane(
         `inlier` of it, in 0..1; the share is 0 where the points span no plane.
     """
     rng = np.random.default_rng(seed)
-    some = points if len(points) <= _SAMPLE else points[rng.choice(len(points), _SAMPLE, replace=False)]
+    some = points if len(points) <= ENOUGH else points[rng.choice(len(points), ENOUGH, replace=False)]
     none = np.array([0.0, 0.0, 1.0, 0.0])
     if len(some) < 3:
         return none, 0.0
-    first, second, third = some[rng.integers(len(some), size=(3, _DRAWS if up is None else _LEVEL_DRAWS))]
+    first, second, third = some[rng.integers(len(some), size=(3, DRAWS if up is None else LEVEL_DRAWS))]
     normals = np.cross(second - first, third - first)
     lengths = np.linalg.norm(normals, axis=1)
     usable = lengths > 1e-12
     if up is not None:
-        usable &= np.abs(normals @ up) > _LEVEL * lengths
-    usable = np.flatnonzero(usable)[:_DRAWS]
+        usable &= np.abs(normals @ up) > LEVEL * lengths
+    usable = np.flatnonzero(usable)[:DRAWS]
     if len(usable) == 0:
         return none, 0.0
     normals = normals[usable] / lengths[usable, None]
@@ -96,7 +89,7 @@ def up_from_fixed(
     names = list(fixed)
     for name in sorted(names, key=lambda name: (name.lower() not in _TABLE_NAMES, names.index(name))):
         plane, share = fit_plane(clouds[name])
-        if share < _FLAT_SHARE:
+        if share < FLAT_SHARE:
             continue
         others = [cloud for other, cloud in clouds.items() if other not in names]
         witnesses = np.concatenate([cloud.mean(axis=0)[None] for cloud in others] or [viewpoints])

@@ -13,6 +13,28 @@ FEWEST = 12
 """Points from which a circle is fitted."""
 
 
+# -- plane
+
+DRAWS = 200
+"""Planes drawn: one holding 40 % of the points is missed by all draws with probability 1e-6."""
+
+LEVEL_DRAWS = 4000
+"""Draws of which the level ones vote: one in thirty is on one of a shelf's boards."""
+
+LEVEL = 0.97
+"""Cosine of the largest angle of a level plane with the horizontal one: up is known to 14 degrees."""
+
+ENOUGH = 4000
+"""Points that tell a plane or how a cloud lies; more change the answer by less than the noise."""
+
+ON_PLANE = 0.02
+"""How far [m] a seen table strays from its plane: depth noise and a board that bends."""
+
+FLAT_SHARE = 0.4
+"""Share of its points on one plane that makes a thing flat: a table seen past its clutter is above 0.9, a
+bowl or a shelf of boards below 0.4."""
+
+
 # -- round
 
 STRAY = 0.02
@@ -41,6 +63,9 @@ BELOW_FLOOR = 0.25
 
 BETTER_THAN_BOX = 0.8
 """A round body has to explain the points with less than this share of the error that the best box leaves."""
+
+COARSE = 0.01
+"""Spacing [m] at which a fit's lowest point is looked for."""
 
 
 # -- thin

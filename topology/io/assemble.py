@@ -11,18 +11,19 @@ from topple.topology.checks import as_plane, as_points, as_viewpoints
 from topple.topology.errors import InvalidInput
 from topple.topology.geometry.axes import perpendiculars
 from topple.topology.geometry.plane import TABLE as _TABLE
+from topple.topology.geometry.tolerances import ON_PLANE
 from topple.topology.image import DepthImage
+from topple.topology.io.tolerances import (
+    FAR_SPACING,
+    MOST_TABLE_POINTS,
+    NARROWEST_TABLE,
+    ON_PLANE_SHARE,
+    TABLE_MARGIN,
+    TABLE_REACH,
+    TABLE_SPACING,
+    UNDER_SHARE,
+)
 from topple.topology.scene import Mesh, Scene, table_among
-
-_TABLE_MARGIN = 0.1  # [m] the table is seen this far beyond the objects on it: none hangs over its edge
-_TABLE_SPACING = 0.005  # [m] finer than the distance of two contact points of anything that stands
-_TABLE_REACH = 1.0  # [m] the plane goes on this far beyond the objects: an arm reaches 0.85
-_FAR_SPACING = 0.03  # [m] of the points out there, where nothing stands yet
-_MOST_TABLE_POINTS = 40_000  # a table of 1 m by 1 m at 5 mm
-_ON_PLANE = 0.02  # [m] a seen table strays this far from its plane: depth noise and a board that bends
-_ON_PLANE_SHARE = 0.8  # of a table's points; the rest is what the mask's edges add
-_NARROWEST_TABLE = 0.4  # [m] plates, trays and books lie as flat, and are narrower
-_UNDER_SHARE = 0.8  # of the other objects stand over the table; one or two may be seen past its edge
 
 
 @dataclass
@@ -119,7 +120,7 @@ def _place_table(
         return [*fixed, seen]
     clouds[_TABLE] = _flat_cloud(np.concatenate(list(clouds.values())), plane)
     notes.append(
-        f"{_TABLE!r} is a flat cloud laid into table_plane under all objects and {_TABLE_REACH:g} m beyond, "
+        f"{_TABLE!r} is a flat cloud laid into table_plane under all objects and {TABLE_REACH:g} m beyond, "
         "since a plane has no edge: not a measured one"
     )
     return list(dict.fromkeys([*fixed, _TABLE]))
@@ -128,17 +129,17 @@ def _place_table(
 def _is_table(name: str, clouds: dict[str, FloatArray], plane: FloatArray) -> bool:
     """Tell whether an object lies in the plane, and is wide enough to be under all the others."""
     points = clouds[name]
-    if float((np.abs(points @ plane[:3] + plane[3]) <= _ON_PLANE).mean()) < _ON_PLANE_SHARE:
+    if float((np.abs(points @ plane[:3] + plane[3]) <= ON_PLANE).mean()) < ON_PLANE_SHARE:
         return False
     middles = [cloud.mean(axis=0) for other, cloud in clouds.items() if other != name]
     if not middles:
         return False
     along = np.stack(perpendiculars(plane[:3]), axis=1)  # (3, 2)
     lower, upper = (points @ along).min(axis=0), (points @ along).max(axis=0)
-    if float((upper - lower).min()) < _NARROWEST_TABLE:
+    if float((upper - lower).min()) < NARROWEST_TABLE:
         return False
     flat = np.array(middles) @ along
-    return float(((flat >= lower) & (flat <= upper)).all(axis=1).mean()) >= _UNDER_SHARE
+    return float(((flat >= lower) & (flat <= upper)).all(axis=1).mean()) >= UNDER_SHARE
 
 
 def _flat_cloud(points: FloatArray, plane: FloatArray) -> FloatArray:
@@ -147,10 +148,10 @@ def _flat_cloud(points: FloatArray, plane: FloatArray) -> FloatArray:
     second, first = perpendiculars(normal)
     axes = np.stack([-first, second])
     flat = points @ axes.T
-    lower, upper = flat.min(axis=0) - _TABLE_MARGIN, flat.max(axis=0) + _TABLE_MARGIN
-    fine = _grid(lower, upper, _TABLE_SPACING)
-    beyond = _TABLE_REACH - _TABLE_MARGIN
-    coarse = _grid(lower - beyond, upper + beyond, _FAR_SPACING)
+    lower, upper = flat.min(axis=0) - TABLE_MARGIN, flat.max(axis=0) + TABLE_MARGIN
+    fine = _grid(lower, upper, TABLE_SPACING)
+    beyond = TABLE_REACH - TABLE_MARGIN
+    coarse = _grid(lower - beyond, upper + beyond, FAR_SPACING)
     coarse = coarse[~((coarse > lower) & (coarse < upper)).all(axis=1)]
     return np.concatenate([fine, coarse]) @ axes - offset * normal
 
@@ -161,8 +162,8 @@ def _grid(lower: FloatArray, upper: FloatArray, spacing: float) -> FloatArray:
     They are at most a spacing apart [m], or as near as so many may be: objects may be far from each other.
     """
     extent = upper - lower
-    spacing = max(spacing, float(np.sqrt(np.prod(extent) / _MOST_TABLE_POINTS)))
-    spacing = max(spacing, float(extent.max()) / _MOST_TABLE_POINTS)
+    spacing = max(spacing, float(np.sqrt(np.prod(extent) / MOST_TABLE_POINTS)))
+    spacing = max(spacing, float(extent.max()) / MOST_TABLE_POINTS)
     steps = np.ceil((upper - lower) / spacing).astype(np.int64) + 1
     along, across = np.meshgrid(*(np.linspace(lower[k], upper[k], steps[k]) for k in (0, 1)))
     return np.stack([along.ravel(), across.ravel()], axis=1)

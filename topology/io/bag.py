@@ -23,6 +23,7 @@ from topple.topology.io.limits import check_size
 from topple.topology.io.pcd import LABELS
 from topple.topology.io.picture import read_picture
 from topple.topology.io.rgbd import parts_from_rgbd
+from topple.topology.io.tolerances import APART
 
 _MAGIC = (b"\x89MCAP0\r\n", b"SQLite format 3\x00", b"#ROSBAG V2.0")
 _IMAGES = ("sensor_msgs/msg/Image", "sensor_msgs/msg/CompressedImage")
@@ -33,7 +34,6 @@ _ENCODINGS = {
 _FIELDS = {1: "i1", 2: "u1", 3: "i2", 4: "u2", 5: "i4", 6: "u4", 7: "f4", 8: "f8"}  # of PointField
 _COMPRESSED_DEPTH = struct.Struct("<iff")  # format and the two parameters of the quantised 32FC1
 _FIXED, _BASES = ("world", "map", "odom"), ("base_link", "base_footprint", "base")
-_APART = 0.1  # [s] between a depth image and its labels: three frames at 30 Hz
 _SECOND = 1_000_000_000  # [ns]
 
 
@@ -224,10 +224,10 @@ class _Bag:
             parts = parts_from_labelled(arrays)
         else:
             masks, apart = self._nearest(stream.labels, moment[0])
-            if apart > _APART:
+            if apart > APART:
                 raise InvalidInput(
                     f"{where}: the closest labels of {stream.labels.topic} are {apart:.2f} s away: expected "
-                    f"at most {_APART:g}; take a frame that has its own with --image N"
+                    f"at most {APART:g}; take a frame that has its own with --image N"
                 )
             told = self._nearest(stream.info, moment[0])[0]
             depth = _depth(message, where)

@@ -20,12 +20,12 @@ from topple.topology.io.geometry import read_geometry
 from topple.topology.io.picture import read_picture
 from topple.topology.io.strict_json import read_json
 from topple.topology.scene import Mesh
+from topple.topology.tolerances import FEWEST_SEEN
 
 _CAMERAS, _TRUTH = "scene_camera.json", "scene_gt.json"
 _MODELS = ("models", "models_cad", "models_fine", "models_reconst", "models_eval")
 _DEPTHS = (".png", ".tif", ".tiff")
 _MILLIMETRE = 1e-3  # [m]
-_FEWEST_SEEN = 4  # pixels: fewer span no solid
 
 
 def reads(path: Path) -> bool:
@@ -69,7 +69,7 @@ def read(path: Path, image: int | None = None, models: bool = False) -> Parts:
         parts = _placed(path, cast(list[Any], poses), names, to_world)
         parts.background = np.empty((0, 3)) if seen is None else seen.background()
     else:
-        clouds = {name: cloud for name, cloud in seen.clouds().items() if len(cloud) >= _FEWEST_SEEN}
+        clouds = {name: cloud for name, cloud in seen.clouds().items() if len(cloud) >= FEWEST_SEEN}
         notes += [
             f"{name!r} is left out: hardly a pixel of it was seen" for name in names if name not in clouds
         ]

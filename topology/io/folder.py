@@ -14,11 +14,11 @@ from topple.topology.io.assemble import Parts
 from topple.topology.io.geometry import SUFFIXES, is_cloud_text, read_geometry
 from topple.topology.io.limits import outside_allowed
 from topple.topology.io.strict_json import read_json
+from topple.topology.io.tolerances import MOST_LISTED
 from topple.topology.scene import Mesh
 
 _DESCRIPTION = "scene.json"
 _KEYS = ("up", "fixed", "viewpoints", "table_plane", "robot_base", "poses", "files", "masses", "friction")
-_MOST_LISTED = 5  # names in a sentence that people read
 _SILENT_KEYS = ("format", "format_version", "name", "comment")
 
 
@@ -138,8 +138,8 @@ def _unused(folder: Path, used: Iterable[Path]) -> list[str]:
     names = [place.name + "/" * place.is_dir() for place in left if not place.name.startswith(".")]
     if not names:
         return []
-    more = f" and {len(names) - _MOST_LISTED} more" if len(names) > _MOST_LISTED else ""
-    return [f"not used, being no cloud or mesh: {', '.join(names[:_MOST_LISTED])}{more}"]
+    more = f" and {len(names) - MOST_LISTED} more" if len(names) > MOST_LISTED else ""
+    return [f"not used, being no cloud or mesh: {', '.join(names[:MOST_LISTED])}{more}"]
 
 
 def _read_description(path: Path) -> dict[str, Any]:

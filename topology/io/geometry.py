@@ -14,6 +14,7 @@ from topple.topology.checks import as_points
 from topple.topology.errors import InvalidInput
 from topple.topology.io.limits import check_size
 from topple.topology.io.pcd import read_pcd
+from topple.topology.io.tolerances import MOST_PIECES, SAMPLE_SPACING
 
 SUFFIXES = (".ply", ".pcd", ".xyz", ".txt", ".obj", ".stl", ".glb")
 
@@ -21,8 +22,6 @@ _CORNERS = re.compile(r"[fv]([^A-Za-z].*)?")
 _WHOLE = re.compile(r"[-+]?[0-9]{1,18}")
 _SOUND = re.compile(r"(?:v(?: [-+.0-9eE]{1,30}){3,7}|f(?: [1-9][0-9]{0,17}(?:/[0-9]*){0,2}){3,9}) ?\r?\n?")
 """Lines of an OBJ as programs write them: most of a large file, told at a glance."""
-_SAMPLE_SPACING = 0.002  # [m] mean distance of a mesh's samples, about what a depth camera sees at 1 m
-_MOST_PIECES = 200  # materials or solids of one object: scans have a few; readers take the square of it
 _FEWEST_SAMPLES, _MOST_SAMPLES = 2_000, 20_000
 
 Geometry = tuple[FloatArray, IntArray | None, FloatArray]
@@ -188,8 +187,8 @@ def _check_stl(path: Path, what: str) -> None:
 
 
 def _check_pieces(count: int, what: str, of: str) -> None:
-    if count > _MOST_PIECES:
-        raise InvalidInput(f"{what} has more than {_MOST_PIECES} {of}: expected those of one object")
+    if count > MOST_PIECES:
+        raise InvalidInput(f"{what} has more than {MOST_PIECES} {of}: expected those of one object")
 
 
 _DECLARED: dict[str, Callable[[Path, str], None]] = {
@@ -207,7 +206,7 @@ def sampled_mesh(vertices: FloatArray, faces: IntArray) -> FloatArray:
     corners = vertices[np.unique(faces)]
     if area <= 0.0:
         return corners
-    count = int(np.clip(area / _SAMPLE_SPACING**2, _FEWEST_SAMPLES, _MOST_SAMPLES))
+    count = int(np.clip(area / SAMPLE_SPACING**2, _FEWEST_SAMPLES, _MOST_SAMPLES))
     # Systematic draws along the cumulated area: as many on each face as its area asks for, within one.
     rng = np.random.default_rng(0)
     chosen = np.searchsorted(np.cumsum(areas), (np.arange(count) + rng.random()) / count * area)

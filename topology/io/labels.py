@@ -7,7 +7,7 @@ import numpy as np
 from topple.topology.errors import InvalidInput
 from topple.topology.io.archive import Array
 from topple.topology.io.clouds import names_in
-from topple.topology.io.limits import MOST_OBJECTS
+from topple.topology.io.tolerances import MOST_OBJECTS
 
 NAMING = ("names", "ids")
 """Arrays that name the labels."""

@@ -5,13 +5,7 @@ from contextlib import contextmanager
 from contextvars import ContextVar
 
 from topple.topology.errors import InvalidInput
-
-MOST_BYTES = 1 << 28
-"""A quarter of a gigabyte, some ten million points: more than any frame of depth cameras. It is held up to
-four times over while it is checked, and read within five seconds."""
-
-MOST_OBJECTS = 10_000
-"""More labels are one a pixel, or noise: `relate` takes 500 objects unless more are asked for."""
+from topple.topology.io.tolerances import MOST_BYTES
 
 _most: ContextVar[int] = ContextVar("_most", default=MOST_BYTES)
 _outside: ContextVar[bool] = ContextVar("_outside", default=False)

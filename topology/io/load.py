@@ -99,6 +99,15 @@ def load_scene(
         raise
 
 
+def as_scene(source: Scene | str | os.PathLike[str]) -> Scene:
+    """A scene as it is, or read from a path; see `load_scene`.
+
+    Args:
+        source: Either.
+    """
+    return source if isinstance(source, Scene) else load_scene(source)
+
+
 def _read(path: Path, options: dict[str, Any]) -> Parts:
     if not path.exists():
         raise InvalidInput(

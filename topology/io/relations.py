@@ -4,38 +4,41 @@ from collections.abc import Mapping
 from dataclasses import replace
 from math import isfinite
 from types import NoneType
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 
 from topple.topology.errors import InvalidInput
 from topple.topology.pair import PairRelation
-from topple.topology.relations import FORMAT, Relations
-from topple.topology.rule.relate import relate
-
-if TYPE_CHECKING:
-    from topple.topology.scene import Scene
+from topple.topology.relation_table import FORMAT, AnyTable, RelationTable
 
 
-def relations_from(document: Mapping[str, Any], scene: "Scene") -> Relations:
-    """Relations of a scene as a document tells them.
+def deviation_of(document: Mapping[str, Any]) -> float | None:
+    """The deviation factor [m] with which a document says that its relations were found; None where not.
 
     Args:
         document: See `Relations.from_json`.
-        scene: What they are about.
 
-    Returns:
-        What the document says of its pairs, and what `relate` finds of the others.
+    Raises:
+        InvalidInput: It is none of relations, or its deviation is no number.
+    """
+    _entries(document)
+    deviation = document.get("deviation")
+    return None if deviation is None else _number(deviation, "deviation")
+
+
+def told_in(document: Mapping[str, Any], relations: AnyTable) -> AnyTable:
+    """Relations as a document tells them.
+
+    Args:
+        document: See `Relations.from_json`.
+        relations: What was found of the same scene: it stays where the document says nothing.
 
     Raises:
         InvalidInput: The document is not what it should be; says where.
         UnknownObject: A pair names an object that is not in the scene.
     """
-    entries = document.get("relations") if isinstance(document, Mapping) else None  # pyright: ignore
-    if not isinstance(entries, list) or document.get("format", FORMAT) != FORMAT:
-        raise InvalidInput(f"no relations: expected a {FORMAT!r} document with a list 'relations'")
-    deviation = document.get("deviation")
-    relations = relate(scene, None if deviation is None else _number(deviation, "deviation"))
+    entries = _entries(document)
     told: set[frozenset[str]] = set()
     for place, entry in enumerate(entries):
         where = f"relations[{place}]"
@@ -49,7 +52,14 @@ def relations_from(document: Mapping[str, Any], scene: "Scene") -> Relations:
     return relations
 
 
-def _pair(entry: Mapping[str, Any], relations: Relations, where: str) -> PairRelation:
+def _entries(document: Mapping[str, Any]) -> list[Any]:
+    entries = document.get("relations") if isinstance(document, Mapping) else None  # pyright: ignore
+    if not isinstance(entries, list) or document.get("format", FORMAT) != FORMAT:
+        raise InvalidInput(f"no relations: expected a {FORMAT!r} document with a list 'relations'")
+    return entries
+
+
+def _pair(entry: Mapping[str, Any], relations: RelationTable, where: str) -> PairRelation:
     """The pair as it is told; what is not told of it stays as it was found."""
     known = relations.with_relation(entry["a"], entry["b"], entry.get("relation", "")).between(
         entry["a"], entry["b"]

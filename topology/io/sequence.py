@@ -15,12 +15,10 @@ from topple.topology.io.assemble import Parts, assemble
 from topple.topology.io.bag import frames, reads
 from topple.topology.io.clouds import amounts_in
 from topple.topology.io.load import load_scene
+from topple.topology.io.tolerances import FAR_OUT, TABLE_STEP, UNIT
 from topple.topology.scene import Scene
 
 _POINTS, _ROWS = "_xyz_01mm", "_offsets"
-_UNIT = 1e-4  # [m] of whole numbers: a tenth of a millimetre, finer than any depth camera
-_FAR_OUT = 0.02  # share of the points on each side that may be stray; the table's margin makes up for it
-_TABLE_STEP = 50  # every so manieth point says where the table must reach: all frames at once
 
 
 def load_sequence(
@@ -75,7 +73,7 @@ def load_sequence(
     for frame in range(min(len(rows) for _, rows in tracks.values()) - 1):
         scene = whole
         for name, (points, rows) in tracks.items():
-            cloud = points[rows[frame] : rows[frame + 1]] * _UNIT
+            cloud = points[rows[frame] : rows[frame + 1]] * UNIT
             scene = scene.with_cloud(name, cloud) if len(cloud) else scene.without(name)
         yield scene
 
@@ -108,7 +106,7 @@ def _with_table(
 ) -> Scene:
     """All frames in one scene, with a table that reaches under all of them."""
     parts = Parts(
-        clouds={name: _usual(points[::_TABLE_STEP] * _UNIT) for name, (points, _) in tracks.items()},
+        clouds={name: _usual(points[::TABLE_STEP] * UNIT) for name, (points, _) in tracks.items()},
         fixed=[str(name) for name in np.ravel(arrays["fixed"])] if "fixed" in arrays else [],
         up=arrays.get("up"),
         viewpoints=arrays.get("viewpoints", np.zeros((1, 3))),
@@ -121,6 +119,6 @@ def _with_table(
 
 def _usual(points: FloatArray) -> FloatArray:
     """The points without those far out: stray ones would lay a table through the whole room."""
-    lower, upper = np.quantile(points, (_FAR_OUT, 1 - _FAR_OUT), axis=0)
+    lower, upper = np.quantile(points, (FAR_OUT, 1 - FAR_OUT), axis=0)
     inside = ((points >= lower) & (points <= upper)).all(axis=1)
     return points[inside] if np.count_nonzero(inside) > 1 else points

@@ -20,9 +20,7 @@ from topple.topology.geometry.rigid import transformed, turned_to
 from topple.topology.geometry.thin import voxel_means
 from topple.topology.image import DepthImage
 from topple.topology.merging.ground import Ground
-from topple.topology.merging.tolerances import TOLERANCES
-
-_MISPLACED = 2.0  # a point that was looked through counts as much as two that fit
+from topple.topology.merging.tolerances import MISPLACED, TOLERANCES
 
 
 @dataclass(frozen=True, eq=False)
@@ -166,7 +164,7 @@ def _searched(placed: Sequence[_View], view: _View, level: FloatArray, up: Float
         past += [view.image.depth_past(transformed(points, back)) for points in targets]
         each = np.concatenate(past)
         fits = np.maximum(1.0 - np.square(each[np.isfinite(each)] / same), 0.0).sum()
-        return float(fits) - _MISPLACED * int((each > through).sum())
+        return float(fits) - MISPLACED * int((each > through).sum())
 
     best = (0.0, 0.0, 0.0)
     for step, angle, count, same, through in TOLERANCES.steps:

@@ -79,3 +79,8 @@ class Tolerances:
 
 
 TOLERANCES = Tolerances()
+
+# -- register
+
+MISPLACED = 2.0
+"""A point that was looked through counts as much as two that fit."""

@@ -13,10 +13,7 @@ import numpy as np
 from topple.topology.arrays import FloatArray, IntArray
 from topple.topology.geometry.hull import Hull
 from topple.topology.geometry.samples import sampled
-
-SPACING = 0.004  # [m] of points on the surfaces: finer than the edge of any contact
-ACROSS = 40  # points across the longest side of a part: what is small beside a table brings points of its own
-OWN = 1e-6  # [m] deeper than this in another part of the same solid a point is not on its surface
+from topple.topology.rule.tolerances import ACROSS, OWN, SURFACE_SPACING
 
 RELATIONS: dict[str, str] = {
     "disjoint": "FFTFFTTTT",
@@ -63,7 +60,7 @@ class Solid:
         """(N, 3) points all over the surface [m], without those between two parts."""
         pieces: list[FloatArray] = []
         for own, hull in enumerate(self.hulls):
-            spacing = max(SPACING, float((hull.upper - hull.lower).max()) / ACROSS)
+            spacing = max(SURFACE_SPACING, float((hull.upper - hull.lower).max()) / ACROSS)
             points = np.vstack([hull.vertices, sampled([hull.vertices], spacing)])
             others = [other for number, other in enumerate(self.hulls) if number != own]
             inner = [other.facet_distance(points) < -OWN for other in others]

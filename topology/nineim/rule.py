@@ -8,7 +8,7 @@ from topple.topology.bodies.solids import parts_of, solids_of
 from topple.topology.cloud import estimate_deviation
 from topple.topology.nineim.matrix import NineIntersections, Solid, matrix_of, nine_intersections
 from topple.topology.pair import PairRelation
-from topple.topology.relations import Relations
+from topple.topology.relation_table import AnyTable
 from topple.topology.scene import Scene
 from topple.topology.sixim.table import Relation
 
@@ -65,7 +65,7 @@ class NineRule:
         """The same pair, for the same reason."""
         return pair
 
-    def conclude(self, scene: Scene, relations: Relations) -> Relations:
+    def conclude(self, scene: Scene, relations: AnyTable) -> AnyTable:
         """Nothing follows from all pairs together."""
         return relations
 

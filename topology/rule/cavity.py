@@ -4,10 +4,9 @@ import numpy as np
 
 from topple.topology.arrays import BoolArray, FloatArray, bounds
 from topple.topology.geometry.axes import perpendiculars
+from topple.topology.rule.tolerances import AZIMUTHS
 from topple.topology.tolerances import TOLERANCES
 
-AZIMUTHS = 24
-"""Directions in which a wall is looked for: one of them is 2 cm of a 16 cm bowl."""
 BLOCK = 1 << 14
 """Lines of sight looked along at once (1 MB): they stay in a core's own cache."""
 

@@ -18,27 +18,13 @@ from topple.topology.geometry.axes import perpendiculars
 from topple.topology.geometry.hull import Hull
 from topple.topology.geometry.thin import thinned
 from topple.topology.pair import PairRelation
-from topple.topology.relations import Relations
+from topple.topology.relation_table import AnyTable
+from topple.topology.rule.tolerances import CONTAINED, DROP, FEWEST, PARALLEL, REACH, SPACING
 from topple.topology.scene import Scene
 from topple.topology.sixim.fast.rule import PlainCloud, PlainRule
 from topple.topology.sixim.table import Relation
 from topple.topology.statics.contact import local_normals
-from topple.topology.tolerances import TOLERANCES
-
-REACH = 0.008
-"""Distance [m] of points that may belong to a contact: spacing and noise of a depth camera, twice over."""
-SPACING = 0.004
-"""Clouds are thinned to about this [m]."""
-FEWEST = 4
-"""Points that make a contact."""
-NEIGHBOURS = 12
-"""Points of a local plane."""
-CONTAINED = 0.3
-"""Share of a segment inside another's hull that makes it contained."""
-PARALLEL = 0.7
-"""Cosine of the angle of two surfaces up to which they face each other."""
-DROP = 0.08
-"""How far below [m] the support of a segment without one is looked for."""
+from topple.topology.tolerances import NEIGHBOURS, TOLERANCES
 
 
 def support_features(scene: Scene) -> dict[tuple[str, str], Relation]:
@@ -75,7 +61,7 @@ class FeatureRule(PlainRule):
         """The matrix and the gap of the paper's rule, which support features do not count."""
         return replace(super().relate(a, b), relation=Relation.DISJOINT, kind=None)
 
-    def conclude(self, scene: Scene, relations: Relations) -> Relations:
+    def conclude(self, scene: Scene, relations: AnyTable) -> AnyTable:
         """Say of every pair what its surfaces show, with a support for each object."""
         near = dict(relations.near)
         place = {name: number for number, name in enumerate(relations.objects)}

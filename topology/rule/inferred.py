@@ -12,7 +12,7 @@ from topple.topology.confidence import Evidence, confidence
 from topple.topology.geometry.axes import level_axes
 from topple.topology.geometry.outline import covers, outline
 from topple.topology.pair import PairRelation
-from topple.topology.relations import Relations
+from topple.topology.relation_table import AnyTable, RelationTable
 from topple.topology.rule.tolerances import CLOSE
 from topple.topology.scene import Scene
 from topple.topology.sixim.table import Relation
@@ -31,8 +31,8 @@ _HELD_BY = frozenset({Relation.WITHIN, Relation.PARTIAL_WITHIN, Relation.CROSS})
 
 
 def infer_contacts(
-    scene: Scene, relations: Relations, apart: Callable[[PairRelation], bool] = lambda pair: False
-) -> Relations:
+    scene: Scene, relations: AnyTable, apart: Callable[[PairRelation], bool] = lambda pair: False
+) -> AnyTable:
     """Add the hidden contacts that hold objects with nothing seen below them.
 
     Who holds them follows from static equilibrium and from the space the cameras saw to be empty. Where
@@ -73,7 +73,7 @@ def infer_contacts(
     return relations
 
 
-def _meeting_between_points(scene: Scene, relations: Relations) -> Relations:
+def _meeting_between_points(scene: Scene, relations: AnyTable) -> AnyTable:
     """Relations in which near misses touch whose surfaces meet between the points that show them.
 
     Points of a surface are further from another surface than its plane is: the planes through the points
@@ -94,7 +94,9 @@ def _meeting_between_points(scene: Scene, relations: Relations) -> Relations:
     return relations
 
 
-def _uppermost(name: str, below: Sequence["Support"], scene: Scene, relations: Relations) -> list["Support"]:
+def _uppermost(
+    name: str, below: Sequence["Support"], scene: Scene, relations: RelationTable
+) -> list["Support"]:
     """What may carry an object, without what lies under another that reaches below its middle already.
 
     Between the two lies the upper one, hidden as it may be: a bowl on two plates meets the upper plate.
@@ -112,7 +114,7 @@ def _uppermost(name: str, below: Sequence["Support"], scene: Scene, relations: R
     return [one for one in below if height[one.supporter] >= max(reaching, default=-np.inf)]
 
 
-def _hanging_together(names: Collection[str], scene: Scene, relations: Relations) -> frozenset[str]:
+def _hanging_together(names: Collection[str], scene: Scene, relations: RelationTable) -> frozenset[str]:
     """Some objects and the movable ones that meet them, or others that do: what gravity sees as one."""
     found = set(names)
     border = found - scene.fixed
@@ -123,7 +125,7 @@ def _hanging_together(names: Collection[str], scene: Scene, relations: Relations
     return frozenset(found)
 
 
-def floating_objects(scene: Scene, relations: Relations) -> frozenset[str]:
+def floating_objects(scene: Scene, relations: RelationTable) -> frozenset[str]:
     """Movable objects that are in nothing and that nothing lower they touch can carry alone.
 
     What is carried has its carriers below its middle; what leans has its middle beside what it leans on, and
@@ -137,7 +139,7 @@ def floating_objects(scene: Scene, relations: Relations) -> frozenset[str]:
     return frozenset(name for name in scene.movable if not _held(name, scene, relations, up))
 
 
-def _held(name: str, scene: Scene, relations: Relations, up: FloatArray) -> bool:
+def _held(name: str, scene: Scene, relations: RelationTable, up: FloatArray) -> bool:
     """Whether an object is in something, stands on what is fixed, or has its middle over what it touches."""
     holders = [pair for pair in relations.of(name) if _holds(pair, scene.clouds, up, scene.fixed)]
     if any(pair.relation in _HELD_BY or pair.b in scene.fixed for pair in holders):

@@ -14,21 +14,20 @@ import numpy as np
 from scipy.spatial import KDTree
 
 from topple.topology.arrays import BoolArray, FloatArray, IntArray
+from topple.topology.cloud import estimate_deviation
 from topple.topology.confidence import Evidence, confidence
 from topple.topology.pair import PairRelation
-from topple.topology.relations import Relations, box_distance
+from topple.topology.relation_table import AnyTable, box_distance
 from topple.topology.rule.cavity import roofed, surrounded
 from topple.topology.rule.facing import facing_seen
 from topple.topology.rule.inferred import infer_contacts
-from topple.topology.rule.surface import SurfaceCloud, closest, distances
-from topple.topology.rule.tolerances import CONTENT, WALL
+from topple.topology.rule.surface import Reaching, SurfaceCloud, closest, distances
+from topple.topology.rule.tolerances import CONTENT, RAYS, WALL
 from topple.topology.scene import Scene
 from topple.topology.sixim.table import Relation, classify, kind_of
 from topple.topology.tolerances import TOLERANCES
 from topple.topology.views.free_space import FreeSpace
 
-RAYS = 10_000
-"""Points of a cloud that end lines of sight, as far as no image shows them already: a table's every 5 mm."""
 CLOSE = "surfaces within the deviation"
 """Why two touch although no mean point of either is near the other: the contact lies between them."""
 APART = "surfaces further apart than the deviation"
@@ -65,7 +64,7 @@ class RobustRule:
         """Relate two prepared clouds."""
         near = closest(a, b)
         touching = near.gap <= self.deviation
-        one, other = self._counted(a, b), self._counted(b, a)
+        one, other = self._counted(a, b, near.of_a), self._counted(b, a, near.of_b)
         matrix = np.stack([one.counts, other.counts])
         relation = self._relation(one, other, touching)
         depth = max(one.depth(b), other.depth(a)) if relation is Relation.CROSS else 0.0
@@ -109,7 +108,7 @@ class RobustRule:
         confidence = self._confidence(pair.relation, pair.gap, pair.matrix, observed)
         return replace(pair, observed=observed, confidence=confidence)
 
-    def conclude(self, scene: Scene, relations: Relations) -> Relations:
+    def conclude(self, scene: Scene, relations: AnyTable) -> AnyTable:
         """Add the hidden contacts that gravity demands of the objects without their stray points."""
         kept = {one.name: one for one in relations.prepared if isinstance(one, SurfaceCloud)}
         for one in kept.values():
@@ -156,12 +155,16 @@ class RobustRule:
         _, axes = np.linalg.eigh(centred.T @ centred)
         return [sign * axis for axis in axes.T for sign in (1.0, -1.0)]
 
-    def _counted(self, a: SurfaceCloud, b: SurfaceCloud) -> "_Counted":
-        """Where the mean points of A lie in B."""
+    def _counted(self, a: SurfaceCloud, b: SurfaceCloud, known: Reaching | None) -> "_Counted":
+        """Where the mean points of A lie in B; how far they are from B's is known as far as that reaches."""
         interior = self._interior(a, b)
         rest = np.flatnonzero(~interior)
         reach = self.deviation + max(a.cell, b.cell)
-        exterior = rest[~(distances(a.coarse[rest], b, reach) <= reach)]
+        if known is not None and known.limit >= reach:
+            away = known.distances[rest]
+        else:
+            away = distances(a.coarse[rest], b, reach)
+        exterior = rest[~(away <= reach)]
         counts = np.array([a.size - len(rest), len(rest) - len(exterior), len(exterior)], dtype=np.int64)
         if counts[0] < _least(a.size):
             return _Counted(counts, False, True, a.coarse[:0])
@@ -189,6 +192,17 @@ class RobustRule:
         if relation is Relation.TOUCH:
             return confidence(Evidence.TOUCH, cameras, gap / self.deviation)
         return confidence(Evidence.INSIDE, cameras, inner_share(matrix))
+
+
+def robust(scene: Scene, deviation: float | None = None) -> RobustRule:
+    """The rule that withstands noise, hidden surfaces and hollow objects, for a scene.
+
+    Args:
+        scene: The scene.
+        deviation: The deviation factor δ [m]; estimated where None.
+    """
+    estimated = estimate_deviation(scene) if deviation is None else deviation
+    return RobustRule(deviation=estimated, up=scene.up, sight=seen_in(scene))
 
 
 def inner_share(matrix: IntArray) -> float:

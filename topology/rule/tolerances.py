@@ -1,5 +1,11 @@
 """Thresholds of rule, each with its unit and reason, by the module that asks them."""
 
+# -- cavity
+
+AZIMUTHS = 24
+"""Directions in which a wall is looked for: one of them is 2 cm of a 16 cm bowl."""
+
+
 # -- facing
 
 PLACES = 256
@@ -11,17 +17,57 @@ DEPTH = 0.015
 COVERED = 2.0
 """Spacings of a cloud within which a place of its hull has a seen surface."""
 
-NOISE = 0.006
-"""How far [m] noise of a depth camera puts points of one surface apart."""
-
 SETTLED = 0.95
 """Share of the facing places that must be settled: a stem or a foot takes a twentieth of an underside."""
+
+
+# -- features
+
+REACH = 0.008
+"""Distance [m] of points that may belong to a contact: spacing and noise of a depth camera, twice over."""
+
+SPACING = 0.004
+"""Clouds are thinned to about this [m]."""
+
+FEWEST = 4
+"""Points that make a contact."""
+
+CONTAINED = 0.3
+"""Share of a segment inside another's hull that makes it contained."""
+
+PARALLEL = 0.7
+"""Cosine of the angle of two surfaces up to which they face each other."""
+
+DROP = 0.08
+"""How far below [m] the support of a segment without one is looked for."""
 
 
 # -- inferred
 
 CLOSE = 0.02
 """Gap [m] from which objects carry each other no more: twice what a search for contacts allows."""
+
+
+# -- nineim.matrix
+
+SURFACE_SPACING = 0.004
+"""[m] of points on the surfaces: finer than the edge of any contact."""
+
+ACROSS = 40
+"""Points across the longest side of a part: what is small beside a table brings points of its own."""
+
+OWN = 1e-6
+"""[m] deeper than this in another part of the same solid a point is not on its surface."""
+
+
+# -- relate
+
+MOST_OBJECTS = 500
+"""More things than any shelf or bin holds: of so many there are 125,000 pairs to be told, a second's work."""
+
+NEAR_EACH = 20
+"""Others near each object on average: each such pair is looked at closely for some milliseconds. In a heap
+there are fifteen."""
 
 
 # -- robust
@@ -31,6 +77,9 @@ WALL = 600
 
 CONTENT = 400
 """Points of the content that are looked at: one in a hundred still shows."""
+
+RAYS = 10_000
+"""Points of a cloud that end lines of sight, as far as no image shows them already: a table's every 5 mm."""
 
 
 # -- surface
@@ -61,3 +110,15 @@ FEW = 5
 
 BREAK = 4.0
 """A gap of this many typical spacings separates two pieces."""
+
+PROBES = 32
+"""Points that bound the distance of two surfaces before all are looked at."""
+
+CANDIDATES = 400
+"""Points whose distance to the other surface is measured with planes, the nearest to its samples."""
+
+PATCH = 8
+"""Neighbours that make a local plane."""
+
+LINKS = 6
+"""Neighbours through which pieces of a cloud hang together."""

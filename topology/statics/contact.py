@@ -12,7 +12,8 @@ from topple.topology.geometry.thin import cell_keys, voxel_means
 from topple.topology.statics.grounds import Plane, planes_and_rest
 from topple.topology.statics.matter import friction_between
 from topple.topology.statics.tolerances import BELOW, FRICTION, SOLE
-from topple.topology.upright import SPACING, Upright
+from topple.topology.tolerances import VOXEL
+from topple.topology.upright import Upright
 
 
 @dataclass(frozen=True)
@@ -205,7 +206,7 @@ def _on_plane(ground: str, plane: Plane, name: str, points: FloatArray, reach: f
     low = points[near][np.argsort(heights[near], kind="stable")]
     feet = low[_first_of_cells(low, TOLERANCES.footprint)]
     # Only undersides say how the body stands: the inner side of a thin wall would blur the normal.
-    sole = _lowest(points[over & (heights < SOLE)], 2 * SPACING)
+    sole = _lowest(points[over & (heights < SOLE)], 2 * VOXEL)
     around = KDTree(sole).query_ball_point(feet, 1.5 * TOLERANCES.patch)
     normals, rough = local_normals(sole, list(around))
     leaning = np.arccos(np.minimum(1.0, np.abs(normals @ plane.normal)))

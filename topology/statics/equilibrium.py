@@ -9,10 +9,7 @@ from scipy.sparse import coo_array, csr_array
 
 from topple.topology.arrays import FloatArray
 from topple.topology.statics.contact import Contact
-from topple.topology.statics.tolerances import DENSITY
-
-CONE_EDGES = 6
-"""Edges of the pyramid inside the friction cone: six lose at most 13 % of the friction."""
+from topple.topology.statics.tolerances import CONE_EDGES, DENSITY
 
 
 @dataclass(frozen=True, eq=False)

@@ -18,9 +18,9 @@ from scipy.spatial import ConvexHull, QhullError
 
 from topple.topology.arrays import FloatArray
 from topple.topology.statics.contact import Contact
-from topple.topology.statics.equilibrium import CONE_EDGES, Weight, equations, islands, rising
+from topple.topology.statics.equilibrium import Weight, equations, islands, rising
 from topple.topology.statics.holding import Duals, is_held
-from topple.topology.statics.tolerances import FARTHEST, FREE, ROLL, SEATED, SUNK, TILTED, TURNED
+from topple.topology.statics.tolerances import CONE_EDGES, FARTHEST, FREE, ROLL, SEATED, SUNK, TILTED, TURNED
 
 
 @dataclass(frozen=True)

@@ -3,35 +3,26 @@
 from collections.abc import Iterator, Sequence
 from dataclasses import replace
 from operator import is_
-from typing import TYPE_CHECKING
 
 import numpy as np
 
 from topple.topology.arrays import FloatArray, bounds
 from topple.topology.errors import InvalidInput
 from topple.topology.geometry.plane import up_from_fixed
+from topple.topology.scene import Scene
 from topple.topology.statics.contact import Contact, find_contacts
 from topple.topology.statics.holding import deficits
 from topple.topology.statics.rest import Statics, within_reach
-from topple.topology.statics.tolerances import BETTER, HANGING
-from topple.topology.upright import SPACING
+from topple.topology.statics.tolerances import ALONG, APART, BETTER, HANGING
+from topple.topology.tolerances import VOXEL
 from topple.topology.values import FrozenDict
 
-if TYPE_CHECKING:
-    from topple.topology.scene import Scene
-
-
-APART = float(np.cos(np.radians(30.0)))
-"""Cosine of the angle from which a direction is another one: a table tilted by less is still a table."""
-
 _LEVEL = ("table", "ground", "floor")
-ALONG = float(np.cos(np.radians(3.0)))
-"""Cosine of the angle within which a direction found on noisy points is told as an axis of the frame."""
 
 _FLOOR = "\n"  # no object's name: names have printable characters only
 
 
-def check_up(scene: "Scene", statics: Statics | None = None) -> None:
+def check_up(scene: Scene, statics: Statics | None = None) -> None:
     """Refuse a scene that hangs in the air with its `up` and would stand with another.
 
     Bodies at rest are in equilibrium. Where much of their weight is carried by nothing with the direction
@@ -92,7 +83,7 @@ def _standing(statics: Statics) -> tuple[Contact, ...]:
         return statics.contacts
     lower, upper = np.array([bounds(points) for points in statics.surfaces.values()]).swapaxes(0, 1)
     low, high = lower.min(axis=0), upper.max(axis=0)
-    along, across = (np.arange(low[k], high[k] + SPACING, 2 * SPACING) for k in (0, 1))
+    along, across = (np.arange(low[k], high[k] + VOXEL, 2 * VOXEL) for k in (0, 1))
     plan = np.stack(np.meshgrid(along, across), axis=-1).reshape(-1, 2)
     floor = np.column_stack([plan, np.full(len(plan), low[2])])
     clouds = FrozenDict({**statics.upright.clouds, _FLOOR: floor})
@@ -113,7 +104,7 @@ def _pushing(contact: Contact, statics: Statics) -> Contact | None:
     return contact.only(beyond + contact.gaps > 0 if ground_first else beyond < 0)
 
 
-def _other_directions(scene: "Scene", up: FloatArray) -> Iterator[FloatArray]:
+def _other_directions(scene: Scene, up: FloatArray) -> Iterator[FloatArray]:
     """Directions that people mean when they give another one, each once, the likely ones first.
 
     What hangs on a wall lies on it as well as on a table: only with what is called a table, or by a mask's
@@ -134,7 +125,7 @@ def _is_level(name: str) -> bool:
     return name.isdigit() or name.lower() in _LEVEL
 
 
-def _contradiction(scene: "Scene", up: FloatArray, other: FloatArray, hanging: float) -> str:
+def _contradiction(scene: Scene, up: FloatArray, other: FloatArray, hanging: float) -> str:
     """The line that says what does not fit and what would."""
     what = f"up is {_listed(up)}, but then nothing carries {hanging:.0%} of the weight of the objects"
     fits = f"with up {_listed(other)} they stand"

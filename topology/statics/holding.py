@@ -15,16 +15,13 @@ from scipy.sparse import csc_array
 from topple.topology.arrays import FloatArray
 from topple.topology.statics.contact import Contact
 from topple.topology.statics.equilibrium import Weight, balance, demanded, force_columns, islands, rising
+from topple.topology.statics.tolerances import STEPS
 
 NOTHING = 1e-9
 """Share of the weights left over that is rounding."""
 
 SMALL = 1 << 15
 """Numbers in the equations of an island up to which they are solved one force at a time (0.25 MB)."""
-
-STEPS = 20
-"""Steps in which forces on a large island are found, or not at all: cold it takes some fifteen, and seven
-from those that held it before something was taken away."""
 
 Duals = dict[str, FloatArray]
 """name -> (6,) dual variables, one for each force and torque on an object: what a search begins with."""

@@ -3,15 +3,17 @@
 from collections.abc import Collection, Mapping
 from dataclasses import dataclass
 from functools import cached_property
-from typing import TYPE_CHECKING
 
 import numpy as np
 from scipy.spatial import KDTree
 
 from topple.topology.arrays import BoolArray, FloatArray, bounds
 from topple.topology.bodies.surfaces import surfaces_of
+from topple.topology.geometry.axes import around
 from topple.topology.geometry.sides import hull_volume
 from topple.topology.geometry.thin import voxel_means
+from topple.topology.relation_table import RelationTable
+from topple.topology.scene import Scene
 from topple.topology.sixim.table import Relation
 from topple.topology.statics.contact import TOLERANCES, Contact, closed, find_contacts
 from topple.topology.statics.equilibrium import Weight, islands
@@ -25,22 +27,16 @@ from topple.topology.statics.tolerances import (
     REACH,
     ROLL,
     SHELL_CELL,
+    TILT,
     UNSTEADY,
     WALL,
 )
-from topple.topology.upright import SPACING, Upright
+from topple.topology.tolerances import VOXEL
+from topple.topology.upright import Upright
 from topple.topology.values import FrozenDict
 from topple.topology.views.free_space import FreeSpace
 
-if TYPE_CHECKING:
-    from topple.topology.relations import Relations
-    from topple.topology.scene import Scene
-
-TILT = float(np.tan(np.radians(9.0)))
-"""Slope by which an object may sink towards a second support without having moved: a move is 10°."""
-
-
-AROUND = np.stack([np.cos(np.arange(12) * np.pi / 6), np.sin(np.arange(12) * np.pi / 6)], axis=1)
+AROUND = around(12)
 """Directions in which a flat patch keeps its outermost point."""
 
 
@@ -69,7 +65,7 @@ class Statics:
 
     @staticmethod
     def of(
-        scene: "Scene", among: Collection[str] | None = None, relations: "Relations | None" = None
+        scene: Scene, among: Collection[str] | None = None, relations: RelationTable | None = None
     ) -> "Statics":
         """Complete the bodies of a scene and find their contacts.
 
@@ -175,7 +171,7 @@ class Statics:
 
 
 def _closed(
-    relations: "Relations", upright: Upright, surfaces: Mapping[str, FloatArray], found: Collection[Contact]
+    relations: RelationTable, upright: Upright, surfaces: Mapping[str, FloatArray], found: Collection[Contact]
 ) -> list[Contact]:
     """The contacts of pairs that are said to touch though their surfaces are not seen to come near."""
     known = {frozenset((contact.a, contact.b)) for contact in found}
@@ -210,7 +206,7 @@ def weigh(points: FloatArray, mass: float | None = None) -> Weight:
 def volume_around(points: FloatArray) -> float:
     """Volume [m³] of the convex hull of points (N, 3); of flat ones that of their box, a voxel thick."""
     lower, upper = bounds(points)
-    return hull_volume(points) or float(np.prod(np.maximum(upper - lower, SPACING)))
+    return hull_volume(points) or float(np.prod(np.maximum(upper - lower, VOXEL)))
 
 
 def within_reach(contacts: Collection[Contact], movable: Collection[str]) -> list[Contact]:

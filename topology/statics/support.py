@@ -1,18 +1,16 @@
 """What carries what: contacts read with gravity."""
 
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 
 from topple.topology.confidence import Evidence, confidence
+from topple.topology.relation_table import RelationTable
 from topple.topology.sixim.table import Relation
 from topple.topology.statics.contact import Contact
 from topple.topology.statics.rest import Statics, within_reach
 from topple.topology.statics.tolerances import BESIDE, CANCELLED, LEAN
-
-if TYPE_CHECKING:
-    from topple.topology.relations import Relations
 
 
 @dataclass(frozen=True)
@@ -46,7 +44,7 @@ class Support:
         }
 
 
-def supports(statics: Statics, relations: "Relations") -> tuple[Support, ...]:
+def supports(statics: Statics, relations: RelationTable) -> tuple[Support, ...]:
     """Find what carries what.
 
     Args:
@@ -71,7 +69,7 @@ def supports(statics: Statics, relations: "Relations") -> tuple[Support, ...]:
     return tuple(sorted(found, key=lambda s: (order[s.supported], order[s.supporter])))
 
 
-def _read(contact: Contact, statics: Statics, relations: "Relations") -> Support | None:
+def _read(contact: Contact, statics: Statics, relations: RelationTable) -> Support | None:
     """The support a contact stands for: the side below its normals carries the other."""
     push = contact.normals.mean(axis=0)  # where only its rim was seen they point all around, and cancel
     up = float(push[2] / max(np.linalg.norm(push), CANCELLED))

@@ -6,9 +6,10 @@ import numpy as np
 from scipy.ndimage import maximum_filter
 
 from topple.topology.arrays import FloatArray, IntArray, bounds
+from topple.topology.geometry.axes import around
 from topple.topology.statics.tolerances import CLEAR, LIFT, SWEEP_CELL
 
-DIRECTIONS = np.stack([np.cos(np.arange(24) * np.pi / 12), np.sin(np.arange(24) * np.pi / 12)], axis=1)
+DIRECTIONS = around(24)
 
 
 @dataclass(frozen=True, eq=False)

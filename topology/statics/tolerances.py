@@ -11,6 +11,12 @@ BELOW = 0.01
 """Noise [m] by which the middle of something thin may lie below the top it stands on."""
 
 
+# -- equilibrium
+
+CONE_EDGES = 6
+"""Edges of the pyramid inside the friction cone: six lose at most 13 % of the friction."""
+
+
 # -- falling
 
 FARTHEST = 0.02
@@ -47,6 +53,12 @@ HANGING = 0.4
 BETTER = 0.3
 """By how much that share must fall with another direction for it to be the likely one."""
 
+APART = float(np.cos(np.radians(30.0)))
+"""Cosine of the angle from which a direction is another one: a table tilted by less is still a table."""
+
+ALONG = float(np.cos(np.radians(3.0)))
+"""Cosine of the angle within which a direction found on noisy points is told as an axis of the frame."""
+
 
 # -- grounds
 
@@ -73,6 +85,13 @@ LEVEL = 0.006
 
 CARRIED = 0.01
 """Share of its weight from which a hidden point counts as carrying."""
+
+
+# -- holding
+
+STEPS = 20
+"""Steps in which forces on a large island are found, or not at all: cold it takes some fifteen, and seven
+from those that held it before something was taken away."""
 
 
 # -- matter
@@ -104,6 +123,9 @@ LEVER = 0.03
 
 UNSTEADY = 0.1
 """Missing share of a weight beyond which something moves: contact points are known to millimetres."""
+
+TILT = float(np.tan(ROLL))
+"""Slope by which an object may sink towards a second support without having moved: a move is 10°."""
 
 
 # -- support

@@ -8,6 +8,7 @@ beside its picture: glass, soot and the sky return nothing, and so does a wall o
 from collections.abc import Mapping, Sequence
 from copy import copy
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 from scipy.spatial import KDTree
@@ -68,8 +69,7 @@ class FreeSpace:
         centres = np.array([image.viewpoint for image in images]) @ self._rotation.T if images else viewpoints
         self.viewpoints: FloatArray = np.asarray(centres).reshape(-1, 3)
         """(k, 3) centres of all cameras [m]."""
-        self._shown = {name: self._news(cloud) for name, cloud in clouds.items()}
-        self._rays = self._gathered()
+        self._clouds = dict(clouds)
 
     def replaced(self, clouds: Mapping[str, FloatArray]) -> "FreeSpace":
         """The free space once some objects have other clouds; images stay what they are.
@@ -78,8 +78,9 @@ class FreeSpace:
             clouds: Their new points (N, 3) [m] by name.
         """
         changed = copy(self)
+        changed._clouds = {**self._clouds, **clouds}
         changed._shown = {**self._shown, **{name: self._news(cloud) for name, cloud in clouds.items()}}
-        changed._rays = changed._gathered()
+        changed.__dict__.pop("_rays", None)
         return changed
 
     @property
@@ -132,7 +133,13 @@ class FreeSpace:
         world = cloud @ self._rotation
         return tuple(cloud[image.depth_past(world) > MARGIN] for image in self._images)
 
-    def _gathered(self) -> list[_Rays]:
+    @cached_property
+    def _shown(self) -> dict[str, tuple[FloatArray, ...]]:
+        """What each cloud adds."""
+        return {name: self._news(cloud) for name, cloud in self._clouds.items()}
+
+    @cached_property
+    def _rays(self) -> list[_Rays]:
         """The lines of sight of each camera to the points of the clouds that count for it."""
         return [
             _Rays.of(np.concatenate([news[number] for news in self._shown.values()]), centre)

@@ -5,23 +5,13 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from on_table import on_table
-from scipy.spatial.transform import Rotation
+from on_table import balance, cards, on_table
 
 from topple.planner import build_order
 from topple.planner.building.build import Footing
 from topple.planner.cli.main import main
 from topple.robots.shapes import box
-from topple.topology import InvalidInput, Scene
-
-
-def balance() -> Scene:
-    """A plank far past the edge of a pier, kept there by a weight."""
-    return on_table(
-        (box("plank", (0.3, 0.06, 0.02)), (0.11, 0.0, 0.1)),
-        (box("pier", (0.06, 0.1, 0.1)), (0.0, 0.0, 0.0)),
-        (box("weight", (0.05, 0.05, 0.06)), (-0.01, 0.0, 0.12)),
-    ).weighed({"plank": 0.1, "weight": 1.0})
+from topple.topology import InvalidInput
 
 
 def test_what_carries_is_put_down_before_what_it_carries() -> None:
@@ -63,13 +53,7 @@ def test_a_plank_that_stands_alone_is_held_only_while_its_first_load_would_tip_i
 
 
 def test_two_boards_that_lean_on_each_other_take_one_hold() -> None:
-    clouds, rng = dict(on_table().clouds), np.random.default_rng(0)
-    for name, side in (("left", -1), ("right", 1)):
-        turn = Rotation.from_euler("y", -side * 0.3).as_matrix()
-        points = box(name, (0.01, 0.08, 0.1)).surface(3000, rng) @ turn.T
-        inner = (side * points[:, 0]).min()
-        clouds[name] = points - [side * inner, 0.0, points[:, 2].min()]
-    found = build_order(Scene(clouds, fixed=["table"], up=[0, 0, 1]))
+    found = build_order(cards())
     (hold,) = found.holds
     assert (hold.object, hold.until) == found.order
 

@@ -7,6 +7,7 @@ import networkx as nx
 import numpy as np
 import pytest
 
+from topple.planner.building.apart import removals
 from topple.planner.building.prefixes import fewest_holds
 
 Names = frozenset[str]
@@ -142,3 +143,56 @@ def test_one_thing_is_held_that_steadies_two() -> None:
     before = [frozenset[int](), frozenset({0}), frozenset({0}), frozenset({1, 2})]
     found = fewest_holds(units, before, falling, nx.star_graph(["post", "left", "right", "last"]))
     assert found.held == {"post": (1, 3)}
+
+
+def by_every_removal(before: list[frozenset[int]], falling: Callable[[Names, Names], Names]) -> int:
+    """Holds of the best order of removals, whatever is held at each; taking hold again counts again."""
+    best = len(before)
+    for taken in permutations(range(best)):
+        if any(not before[unit] <= set(taken[k + 1 :]) for k, unit in enumerate(taken)):
+            continue
+        costs = {frozenset[str](): 0}
+        for k in range(len(taken)):
+            left = frozenset(str(unit) for unit in taken[k + 1 :])
+            standing = [held for held in subsets(left) if not falling(left, held)]
+            costs = {
+                held: min(cost + len(held - earlier) for earlier, cost in costs.items()) for held in standing
+            }
+        best = min(best, *costs.values())
+    return best
+
+
+def taken_apart(before: list[frozenset[int]], falling: Callable[[Names, Names], Names]) -> int:
+    """Number of holds, after every removal was looked at."""
+    names = [str(k) for k in range(len(before))]
+    over = [(str(low), str(high)) for high, lows in enumerate(before) for low in lows]
+    units, found = removals(names, over, falling, nx.complete_graph(names))
+    taken = [units[k] for k in found.path]
+    assert found.proven
+    assert sorted(taken) == [(name,) for name in names]
+    for k, (name,) in enumerate(taken):
+        left = frozenset(other for (other,) in taken[k + 1 :])
+        assert not {str(low) for low in before[int(name)]} - left, "what is lifted meets nothing"
+        held = frozenset(n for n, (since, until) in found.held.items() if since <= k < until)
+        assert held <= left
+        assert not falling(left, held)
+    return len(found.held)
+
+
+@pytest.mark.parametrize("seed", range(12))
+def test_no_order_of_five_removals_needs_fewer_holds(seed: int) -> None:
+    before, falling = world(seed, 3 + seed % 3)
+    assert taken_apart(before, falling) == by_every_removal(before, falling)
+
+
+@pytest.mark.parametrize("seed", range(12))
+def test_no_order_of_eight_removals_needs_fewer_holds(seed: int) -> None:
+    before, falling = world(1000 + seed, 6 + seed % 3)
+    assert taken_apart(before, falling) == by_every_set(before, falling)
+
+
+def test_what_hooks_into_each_other_is_taken_at_once() -> None:
+    units, found = removals(
+        ["a", "b", "c"], [("a", "b"), ("b", "a")], lambda *_: frozenset(), nx.complete_graph(["a", "b", "c"])
+    )
+    assert sorted(units[k] for k in found.path) == [("a", "b"), ("c",)]

@@ -1,7 +1,9 @@
 """`topple bench`: the contract's document, exit codes, and that small configurations run. Never a time."""
 
 import json
+import re
 from itertools import combinations
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -10,8 +12,9 @@ from topple.benchmarks import motion, order, relate
 from topple.benchmarks.clock import cpu_medians
 from topple.benchmarks.clouds import household
 from topple.benchmarks.commands.bench import markdown
-from topple.benchmarks.document import bench, machine
+from topple.benchmarks.document import BENCHES, CHECKS, bench, machine
 from topple.benchmarks.guesses import Guess, box_above, guesses, naive, top_height
+from topple.benchmarks.markdown import replaced_table
 from topple.benchmarks.plain_numpy import plain_numpy
 from topple.benchmarks.row import Row, faster, longer
 from topple.benchmarks.scores import Score, f1_interval, is_safe, score, share_interval
@@ -209,3 +212,26 @@ def test_a_table_for_the_docs_has_a_column_for_each_heading() -> None:
     assert cells[0] == "| orders \\| a second | 12.5 /s | plain | 5 /s | 2.5x | at least 2x | ok |"
     assert cells[1] == "| orders \\| a second | 12.5 /s [12, 13] |  |  |  |  |  |" and blank == ""
     assert source == "`topple bench order`: --quick, seed 3, a processor, 2 cores."
+
+
+def test_a_page_takes_a_table_between_its_marks(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    page = tmp_path / "page.md"
+    page.write_text("before\n<!-- table of topple bench speed -->\nold\n<!-- end of table -->\nafter\n")
+    assert main(["bench", "order", "--page", str(page)]) == 2
+    assert "expected '<!-- table of topple bench order -->'" in capsys.readouterr().err
+    new = replaced_table(page.read_text(), "speed", ["| a |", "| --- |"])
+    assert new.splitlines()[2:4] == ["| a |", "| --- |"] and "old" not in new
+    assert new.startswith("before\n<!--") and new.endswith("<!-- end of table -->\nafter\n")
+    assert replaced_table(new, "speed", ["| a |", "| --- |"]) == new
+    for wrong in (["bench", "--page", str(page)], ["bench", "speed", "--page", str(tmp_path)]):
+        assert main(wrong) == 2
+        assert capsys.readouterr().err.count("\n") == 1
+
+
+def test_tables_in_the_pages_are_of_benches_and_have_rows() -> None:
+    pages = "".join(path.read_text() for path in (Path(__file__).parents[3] / "benchmarks").glob("*.md"))
+    marks = r"<!-- table of topple bench (\w+) -->\n(.*?)\n<!-- end of table -->"
+    marked = re.findall(marks, pages, re.DOTALL)
+    assert len(marked) >= 4
+    assert {name for name, _ in marked} <= {*BENCHES, *CHECKS}
+    assert all(table.startswith("| what |") and table.count("\n") > 3 for _, table in marked)

@@ -1,5 +1,6 @@
 """Many scenes on several processes give what one after the other gives."""
 
+import json
 from pathlib import Path
 
 import numpy as np
@@ -32,3 +33,33 @@ def test_two_processes_print_what_one_does(tmp_path: Path, capsys: pytest.Captur
 def test_no_number_of_processes_is_refused(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     assert main(["relate", scene(tmp_path / "0.npz", 0.0), "--jobs", "0"]) == 2
     assert "a whole number from 1 on" in capsys.readouterr().err
+
+
+@pytest.mark.parametrize("command", ["relate", "order"])
+def test_what_was_kept_is_not_answered_again(
+    command: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    paths = [scene(tmp_path / f"{k}.npz", 0.01 * k) for k in range(3)]
+    whole, out = tmp_path / "whole.jsonl", tmp_path / "out.jsonl"
+    assert main([command, *paths, "-o", str(whole)]) == 0
+    assert capsys.readouterr().out == f"{whole} has answers to 3 scenes.\n"
+    assert main([command, *paths, "--json"]) == 0
+    printed = [json.loads(line) for line in capsys.readouterr().out.splitlines()]
+    lines = whole.read_text().splitlines(keepends=True)
+    assert [{**one, "asked": {}} for one in printed] == [json.loads(line) for line in lines]
+    out.write_text(lines[0] + lines[1][:40])  # killed as it wrote the second
+    Path(paths[0]).unlink()  # what is kept is not read again
+    assert main([command, *paths, "-o", str(out)]) == 0
+    assert out.read_text() == lines[0] + lines[1][:40] + "\n" + "".join(lines[1:])
+
+
+def test_answers_to_another_question_are_refused(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    path, out = scene(tmp_path / "0.npz", 0.0), tmp_path / "out.jsonl"
+    assert main(["order", path, "-o", str(out)]) == 0
+    assert main(["order", path, "-o", str(out), "--target", "one"]) == 2
+    said = capsys.readouterr().err
+    assert "line 1 is no answer of this topple order" in said
+    assert "expected {'target': ['one']}" in said
+    out.write_text("{}\n")
+    assert main(["order", path, "-o", str(out)]) == 2
+    assert "line 1" in capsys.readouterr().err

@@ -7,32 +7,27 @@ import msgspec
 import networkx as nx
 import numpy as np
 import pytest
+from on_table import BASE, on_table
 
 from topple.planner.errors import NoSafePlan
 from topple.planner.export import EXPORTERS, export
 from topple.planner.export.pddl import domain_and_problem
 from topple.planner.formats.plan_format import Plan, plan_from_json, plan_schema, plan_to_json
-from topple.planner.planning.plan import plan
+from topple.planner.planning.plan import plan, plan_all
 from topple.robots.catalog import robot
 from topple.robots.shapes.boxes import box
 from topple.topology.errors import InvalidInput, UnknownObject
 from topple.topology.scene import Scene
+from topple.topology.workers import WorkerPool
 
 ARM = robot("panda-suction")
-BASE = np.eye(4)
-BASE[0, 3] = -0.5
 
 
 def stacked() -> Scene:
-    rng = np.random.default_rng(0)
-    axis = np.arange(-0.45, 0.45, 0.008)
-    x, y = np.meshgrid(axis, axis)
-    clouds = {
-        "table": np.column_stack([x.ravel(), y.ravel(), np.zeros(x.size)]),
-        "lower box": box("lower", (0.06, 0.06, 0.06)).surface(3000, rng),
-        "upper": box("upper", (0.05, 0.05, 0.05)).surface(3000, rng) + np.array([0.0, 0.0, 0.0605]),
-    }
-    return Scene(clouds, fixed=["table"], up=[0, 0, 1])
+    return on_table(
+        (box("lower box", (0.06, 0.06, 0.06)), (0.0, 0.0, 0.0)),
+        (box("upper", (0.05, 0.05, 0.05)), (0.0, 0.0, 0.0605)),
+    )
 
 
 @pytest.fixture(scope="module")
@@ -48,6 +43,21 @@ def test_what_lies_on_top_is_removed_first(found: Plan) -> None:
     assert found.steps[1].after == [0]
     assert found.order == ["upper", "lower box"]
     assert any(edge.first == "upper" and edge.then == "lower box" for edge in found.dependencies)
+
+
+@pytest.mark.slow
+def test_many_scenes_are_planned_as_each_by_itself_and_one_without_a_plan_says_so(
+    found: Plan, tmp_path: Path
+) -> None:
+    far = BASE.copy()
+    far[0, 3] = -5.0
+    for name, base in (("near", BASE), ("far", far)):
+        np.savez(tmp_path / f"{name}.npz", **stacked().clouds, fixed=["table"], up=[0, 0, 1], robot_base=base)
+    with WorkerPool(1) as pool:
+        paths = [tmp_path / "near.npz", tmp_path / "far.npz"]
+        near, none = plan_all(paths, ["lower box"], "panda-suction", executor=pool, check=False)
+    assert isinstance(near, Plan) and near.steps[0].segments == found.steps[0].segments
+    assert isinstance(none, NoSafePlan) and none.certificate
 
 
 def test_each_step_starts_where_the_last_one_ended(found: Plan) -> None:

@@ -10,7 +10,7 @@ from topple.planner.planning.order import order
 from topple.planner.planning.plan import plan
 from topple.robots.catalog import robot
 from topple.topology.image import DepthImage
-from topple.topology.rule.relate import relate
+from topple.topology.relations import relate
 from topple.topology.scene import Scene
 
 NASTY = '</script><b>"it\'s" & <!--'

@@ -55,7 +55,8 @@ def test_it_serves_answers_its_sliders_and_closes(stack) -> None:
 
 
 def test_steps_of_a_plan_put_things_where_they_go(stack) -> None:
-    from topple.planner.formats.plan_format import GraspData, PlacementData, Plan, Step
+    from topple.planner.formats.plan_format import Plan
+    from topple.planner.formats.plan_structs import GraspData, PlacementData, Step
 
     aside = np.eye(4)
     aside[0, 3] = 0.3

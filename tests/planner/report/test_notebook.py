@@ -7,11 +7,12 @@ from html import unescape
 
 import pytest
 
-from topple.planner.formats.plan_format import DependencyData, ObjectData, Plan
+from topple.planner.formats.plan_format import Plan
+from topple.planner.formats.plan_structs import DependencyData, ObjectData
 from topple.planner.formats.run_record import RunRecord, StepRecord
 from topple.planner.planning.order import order
 from topple.topology import Scene
-from topple.topology.rule.relate import relate
+from topple.topology.relations import relate
 
 MOST = 700_000  # characters: fifty such cells are a notebook of 35 MB
 

@@ -12,7 +12,7 @@ from topple.planner.formats.run_record import RunRecord, StepRecord
 from topple.planner.report.run_page import run_page
 from topple.planner.report.tables import Change, relation_changes
 from topple.topology.errors import InvalidInput
-from topple.topology.rule.relate import relate
+from topple.topology.relations import relate
 
 
 def test_every_step_has_a_section_and_a_mark_on_the_timeline(run_record):

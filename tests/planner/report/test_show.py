@@ -24,7 +24,7 @@ from topple.planner.report.svg_file import graph_file
 from topple.planner.report.words import order_in_words
 from topple.topology.errors import InvalidInput
 from topple.topology.geometry.thin import voxel_means
-from topple.topology.rule.relate import relate
+from topple.topology.relations import relate
 from topple.topology.scene import Scene
 from topple.topology.sixim.table import Relation
 

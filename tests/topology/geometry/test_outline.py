@@ -2,7 +2,7 @@ import numpy as np
 import pytest
 
 from topple.topology.geometry.outline import covers, outline
-from topple.topology.rule.relate import relate
+from topple.topology.relations import relate
 from topple.topology.scene import Scene
 
 UP = np.array([0.0, 0.0, 1.0])

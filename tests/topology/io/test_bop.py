@@ -16,7 +16,7 @@ from topple.topology.errors import InvalidInput
 from topple.topology.geometry.hull import Hull
 from topple.topology.image import DepthImage
 from topple.topology.io import load_scene
-from topple.topology.rule.relate import relate
+from topple.topology.relations import relate
 
 EXAMPLE = Path(__file__).parents[3] / "examples" / "write_bop.py"
 PLATE, CAN, BLOCK = "obj_000001", "obj_000002", "obj_000003"

@@ -5,8 +5,8 @@ from topple.robots import shapes
 from topple.robots.world.camera import Camera
 from topple.robots.world.world import World
 from topple.topology.confidence import Evidence, confidence
+from topple.topology.relations import relate
 from topple.topology.rule.facing import settled_share
-from topple.topology.rule.relate import relate
 from topple.topology.rule.surface import SurfaceCloud
 from topple.topology.scene import Scene
 from topple.topology.sixim.table import Relation

@@ -6,8 +6,8 @@ import pytest
 
 from topple.topology.confidence import Evidence, confidence
 from topple.topology.io import load_scene
+from topple.topology.relations import relate
 from topple.topology.rule.inferred import floating_objects
-from topple.topology.rule.relate import relate
 from topple.topology.scene import Scene
 from topple.topology.situation import Situation
 from topple.topology.sixim.table import Relation

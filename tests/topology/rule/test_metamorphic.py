@@ -6,7 +6,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from topple.topology.rule.relate import relate
+from topple.topology.relations import relate
 
 sys.path.insert(0, str(Path(__file__).parents[1]))
 from made import CHANGES, pile, seen, told, whole

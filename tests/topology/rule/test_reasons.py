@@ -7,8 +7,8 @@ import numpy as np
 import pytest
 
 from topple.topology.pair import PairRelation
+from topple.topology.relations import relate
 from topple.topology.rule.inferred import FLOATS, MEET
-from topple.topology.rule.relate import relate
 from topple.topology.rule.robust import APART, CLOSE, FEW, HOLLOW
 from topple.topology.scene import Scene
 from topple.topology.sixim.table import Relation, classify

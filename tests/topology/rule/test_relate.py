@@ -10,7 +10,7 @@ from scipy.spatial.transform import Rotation
 
 from topple.topology.errors import InvalidInput, UnknownObject
 from topple.topology.geometry.broadphase import near_pairs
-from topple.topology.rule.relate import relate, relate_all
+from topple.topology.relations import relate, relate_all
 from topple.topology.scene import Scene
 from topple.topology.sixim.table import Relation
 

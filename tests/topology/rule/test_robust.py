@@ -6,7 +6,7 @@ import pytest
 
 from topple.topology.confidence import Evidence, confidence
 from topple.topology.io import load_scene
-from topple.topology.rule.relate import relate
+from topple.topology.relations import relate
 from topple.topology.rule.surface import SurfaceCloud, closest
 from topple.topology.scene import Scene
 from topple.topology.sixim.table import Relation

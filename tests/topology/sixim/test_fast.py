@@ -10,7 +10,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from topple.topology.geometry.hull import Hull
-from topple.topology.rule.relate import relate
+from topple.topology.relations import relate
 from topple.topology.scene import Scene
 from topple.topology.sixim.fast.regions import Regions
 from topple.topology.sixim.plain import counts, plain_relations

@@ -11,7 +11,7 @@ from topple.robots.world.world import World
 from topple.topology.bodies.complete import complete, is_hollow
 from topple.topology.confidence import Evidence, confidence
 from topple.topology.image import DepthImage
-from topple.topology.rule.relate import relate
+from topple.topology.relations import relate
 from topple.topology.scene import Scene
 from topple.topology.situation import Situation
 from topple.topology.sixim.table import Relation

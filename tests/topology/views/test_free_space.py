@@ -8,7 +8,7 @@ import pytest
 from scipy.spatial.transform import Rotation
 
 from topple.topology.image import DepthImage
-from topple.topology.rule.relate import relate
+from topple.topology.relations import relate
 from topple.topology.views.free_space import FreeSpace
 
 sys.path.insert(0, str(Path(__file__).parents[1]))

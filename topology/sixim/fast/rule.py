@@ -13,11 +13,12 @@ import numpy as np
 from topple.topology.arrays import FloatArray, IntArray
 from topple.topology.geometry.hull import Hull
 from topple.topology.pair import PairRelation
-from topple.topology.relations import Relations
+from topple.topology.relation_table import AnyTable
 from topple.topology.scene import Scene
 from topple.topology.sixim.fast.bracket import SLACK, Bracket
 from topple.topology.sixim.fast.regions import Regions, in_box
 from topple.topology.sixim.table import classify, kind_of
+from topple.topology.tolerances import TOLERANCES
 
 PROBES = 256
 """Points in the other's box that are looked at before all: most contacts show in a few."""
@@ -102,9 +103,19 @@ class PlainRule:
         """The same pair, for the same reason."""
         return pair
 
-    def conclude(self, scene: Scene, relations: Relations) -> Relations:
+    def conclude(self, scene: Scene, relations: AnyTable) -> AnyTable:
         """Nothing follows from all pairs together."""
         return relations
+
+
+def plainly(scene: Scene, deviation: float | None = None) -> PlainRule:
+    """The paper's rule to the letter of Table 1.
+
+    Args:
+        scene: Any scene: the rule looks at two clouds and nothing else.
+        deviation: The deviation factor δ [m]; 0.002 where None.
+    """
+    return PlainRule(TOLERANCES.plain_deviation if deviation is None else deviation)
 
 
 def pattern(a: PlainCloud, b: PlainCloud) -> list[list[bool]]:

@@ -10,16 +10,16 @@ import pytest
 
 POOL = """
 import os, time
-from topple.planner.workers import worker_pool
+from topple.topology.workers import WorkerPool
 if __name__ == "__main__":
-    pool = worker_pool(2)
+    pool = WorkerPool(2)
     print(*{pool.submit(os.getpid).result() for _ in range(2)}, flush=True)
     busy = pool.submit(time.sleep, 60)
     time.sleep(60)
 """
 FORKS = """
 import multiprocessing, os, time
-from topple.planner.workers import serve
+from topple.topology.workers import serve
 def work():
     serve()
     print(os.getpid(), flush=True)

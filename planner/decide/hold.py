@@ -1,0 +1,53 @@
+"""A hold: a second hand keeps an object still while others come or go."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Any
+
+from topple.topology.evidence import Evidence
+
+
+@dataclass(frozen=True)
+class Hold:
+    """An object that stands only when it is held while others are put down, or taken.
+
+    Attributes:
+        object: What is held.
+        since: What is put down or taken as the hold begins. Of a build: the object itself, or what it could
+            not carry alone. Of a removal: what it would not stand without.
+        until: What is down, or gone, when it is let go. Of a removal: the object itself, which is taken then,
+            or what it could not carry alone.
+        because: Why, in words.
+        evidence: The relations this rests on.
+    """
+
+    object: str
+    since: str
+    until: str
+    because: str
+    evidence: tuple[Evidence, ...] = ()
+
+    def to_json(self) -> dict[str, Any]:
+        """The hold as the JSON of `topple order` has it."""
+        evidence = [each.to_json() for each in self.evidence]
+        return {
+            "object": self.object, "since": self.since, "until": self.until,
+            "because": self.because, "evidence": evidence,
+        }  # fmt: skip
+
+    def meanwhile(self, order: Sequence[str]) -> tuple[str, ...]:
+        """What is put down or taken while it is held, of an order of names."""
+        begin, end = order.index(self.since), order.index(self.until)
+        return tuple(name for name in order[begin : end + 1] if name != self.object)
+
+    def sentence(self, order: Sequence[str]) -> str:
+        """What to do in an order of removals, and why."""
+        taken = self.meanwhile(order)
+        verb = "is" if len(taken) == 1 else "are"
+        return f"hold {self.object} while {' and '.join(taken)} {verb} taken: {self.because}"
+
+
+def hands_for(order: Sequence[str], holds: Sequence[Hold]) -> int:
+    """How many hands an order takes: one that takes or puts down, and those that hold meanwhile."""
+    held = [name for hold in holds for name in hold.meanwhile(order)]
+    return 1 + max((held.count(name) for name in held), default=0)

@@ -1,0 +1,34 @@
+"""Thresholds of scenarios, each with its unit and reason, by the module that asks them."""
+
+# -- several scenes
+
+HAND_BETWEEN = 0.12
+"""Distance [m] of things between which a hand goes down."""
+
+RIM = 0.022
+"""Height [m] of a plate's rim."""
+
+
+# -- scenario
+
+REACHED = (0.25, 0.38)
+"""How far [m] from the origin things lie, along x and y: farther ones are out of the arm's comfortable
+reach."""
+
+WATCHED = 8.0
+"""Time [s] for which a settled scene is watched: what stands on an edge takes some to begin to fall."""
+
+CREEP = 0.001
+"""How far [m] nothing may move in that time: a tenth of what counts as moved."""
+
+TURN = 0.02
+"""How far [rad] nothing may turn in that time: a ninth of what counts as turned."""
+
+OVERLAP = 5e-4
+"""How far [m] what is laid out by hand may be in each other: facets of round things."""
+
+SLID = 0.02
+"""How far [m] a thing may slide as it settles."""
+
+ATTEMPTS = 60
+"""Layouts tried for one seed: one in three works out where most does go wrong."""
