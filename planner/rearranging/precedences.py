@@ -7,10 +7,10 @@ from typing import Any
 
 import numpy as np
 
-from topple.planner.building.build import Hold
 from topple.planner.building.standing import falling_in
 from topple.planner.decide.arrange import Order
 from topple.planner.decide.dependency import Dependency, dependencies
+from topple.planner.decide.hold import Hold
 from topple.planner.rearranging.arrangement import Arrangement
 from topple.planner.rearranging.problem import Act, Move, Pair, Problem, To
 from topple.planner.rearranging.steady import steadied

@@ -7,8 +7,8 @@ from typing import TYPE_CHECKING, Any, overload
 import numpy as np
 from scipy.spatial import KDTree
 
-from topple.planner.building.build import Hold
 from topple.planner.decide.dependency import Dependency
+from topple.planner.decide.hold import Hold
 from topple.planner.planning.order import order
 from topple.planner.rearranging.arrangement import Arrangement
 from topple.planner.rearranging.moves import fewest_moves
