@@ -15,8 +15,8 @@ from topple.topology.errors import DISTRIBUTION, InvalidInput
 BENCHES = ("relate", "order", "build", "rearrange", "motion", "paper", "run", "demo")
 """Names; each is a module of this package with a function `rows(quick, seed, progress)`."""
 
-CHECKS = ("frozen", "reliability", "speed")
-"""Benches that compare topple with what it was or should be, not with others: run where they are named."""
+CHECKS = ("engines", "frozen", "reliability", "speed")
+"""Benches that compare topple with itself, not with others: run where they are named."""
 
 _LIBRARIES = (DISTRIBUTION, "numpy", "scipy", "pybullet", "python-fcl", "ompl")
 

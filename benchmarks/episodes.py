@@ -3,11 +3,13 @@
 import os
 import time
 from collections.abc import Mapping
-from dataclasses import asdict, dataclass
+from contextlib import ExitStack
+from dataclasses import asdict, dataclass, replace
 from pathlib import Path
 from typing import Any
 
 import msgspec
+import numpy as np
 
 from topple.benchmarks.other_piles import NAME as OTHER_PILE
 from topple.benchmarks.other_piles import other_pile
@@ -19,7 +21,9 @@ from topple.planner.execution.demo import loop_in
 from topple.planner.execution.judge import LIMITS
 from topple.planner.formats.run_record import RunRecord, StepRecord
 from topple.planner.planning.order import cautious
+from topple.robots.engines import BULLET, new_world, playing_on
 from topple.robots.scenarios import Scenario, scenario_called
+from topple.robots.world.physical_world import PhysicalWorld
 from topple.robots.world.world import in_bullet
 from topple.topology.errors import InvalidInput, ToppleError
 
@@ -31,6 +35,9 @@ TOPPLE = "topple"
 
 IDEAL = "any order, ideal lifts"
 """The rule of an episode that no arm plays: whether its target could be freed at all."""
+
+LATER = frozenset({"robot", "engine"})
+"""Keys that journals of before do not have: all their episodes are of the scene's own arm on PyBullet."""
 
 MOST = 1e15
 """Below it lies every number of an ending: no seed, time or memory [bytes] comes to that."""
@@ -64,6 +71,8 @@ class Episode:
         shuffle_labels: Whether names of objects are not kept between looks.
         wrist_camera: Whether the arm carries one more camera for a second look.
         meshes: Folder of the models that an other pile is made of; empty for shapes by formula alone.
+        robot: The arm; empty for the one that the scene is made for.
+        engine: What it is played on, one of `topple.robots.engines.ENGINES`; scenes settle on PyBullet.
     """
 
     scenario: str
@@ -75,6 +84,8 @@ class Episode:
     shuffle_labels: bool = False
     wrist_camera: bool = False
     meshes: str = ""
+    robot: str = ""
+    engine: str = BULLET
 
 
 @dataclass(frozen=True)
@@ -96,8 +107,8 @@ class Ending:
         process: Which process played it: those of one number came one after the other.
         used: Largest share of a limit that something which was not handled came to: of what it may move, turn
             or be pressed with; above 1 it was disturbed.
-        sagged: How far the body that moved most got while a rebuilt world came to rest [m]; None where the
-            world is not rebuilt.
+        sagged: How far the body that moved most got while a rebuilt world, or one on another engine than it
+            settled on, came to rest [m]; None where it is neither.
         fallbacks: What was tried to find a step where the plain way failed, and whether that step succeeded.
     """
 
@@ -168,7 +179,7 @@ def _check_keys(entry: Any, kind: type[Episode] | type[Ending], where: str) -> N
     """Refuse an entry that leaves keys out: defaults are for those who make one, not for those who read."""
     if not isinstance(entry, Mapping):
         raise InvalidInput(f"expected an object - at `{where}`")
-    missing = [key for key in kind.__dataclass_fields__ if key not in entry]
+    missing = [key for key in kind.__dataclass_fields__ if key not in entry and key not in LATER]
     if missing:
         raise InvalidInput(f"no {', '.join(missing)} - at `{where}`")
 
@@ -206,13 +217,17 @@ def _played(episode: Episode, begun: float) -> Ending:
             Path(episode.folder), episode.scenario, episode.seed, episode.cameras
         )
         return _ended(episode, record, begun, movable, sagged=sagged)
-    with _stage(episode) as stage:
+    with ExitStack() as stack:
+        stage, sagged = stack.enter_context(_stage(episode)), None
+        if episode.engine != BULLET:
+            world = stack.enter_context(_copied(stage.world, episode.engine))
+            stage, sagged = replace(stage, world=world), _sagged(world)
         if episode.rule == IDEAL:
             return _possible(episode, stage, begun)
         base = stage.pose_base_to_world
         orderer = cautious if episode.rule == TOPPLE else order_by(episode.rule, base)
         loop = loop_in(
-            stage, seed=episode.seed, cameras=episode.cameras, orderer=orderer,
+            stage, robot=episode.robot or None, seed=episode.seed, cameras=episode.cameras, orderer=orderer,
             mask_noise=episode.mask_noise, shuffle_labels=episode.shuffle_labels,
             wrist_camera=episode.wrist_camera,
         )  # fmt: skip
@@ -222,13 +237,30 @@ def _played(episode: Episode, begun: float) -> Ending:
         missing = len(truly_unmet(goal, stage.world, stage.up))
         movable = len(stage.world.movable)
     places = len(goal.places)
-    return _ended(episode, record, begun, movable, placed=max(places - missing, 0), places=places)
+    placed = max(places - missing, 0)
+    return _ended(episode, record, begun, movable, placed=placed, places=places, sagged=sagged)
 
 
 def _stage(episode: Episode) -> Scenario:
     if episode.scenario == OTHER_PILE:
         return other_pile(episode.seed, Path(episode.meshes) if episode.meshes else None)
     return scenario_called(episode.scenario, episode.seed)
+
+
+def _copied(world: PhysicalWorld, engine: str) -> PhysicalWorld:
+    """The bodies of a world where they lie, on an engine."""
+    with playing_on(engine):
+        copy = new_world()
+    for name in world.names:
+        copy.add(world.body(name), world.pose(name), fixed=name in world.fixed)
+    return copy
+
+
+def _sagged(world: PhysicalWorld) -> float:
+    """Let a world come to rest; returns how far the body that moved most got [m]."""
+    before = world.poses()
+    world.settle()
+    return max(float(np.linalg.norm((world.pose(name) - before[name])[:3, 3])) for name in world.movable)
 
 
 def _possible(episode: Episode, stage: Scenario, begun: float) -> Ending:

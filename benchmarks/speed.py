@@ -12,8 +12,10 @@ bar in x compares the two. Without it these bars are not judged.
   each action. The arm stands meanwhile: in wall time that is how long it waits for a decision.
 - A brick wall of whole noisy surfaces, every brick across two others: one island of contacts. Stacks of four,
   far from each other: how the time grows with their number (2 is quadratic).
+- Relations of many recorded scenes by two workers, processes and those of a dask cluster where there is dask,
+  against one after the other; the workers have done a scene each before.
 
-CPU times, but for the waiting and the run of the demo.
+CPU times, but for the waiting, the run of the demo and the two workers.
 """
 
 import json
@@ -22,7 +24,9 @@ import subprocess
 import sys
 import tempfile
 import time
-from collections.abc import Sequence
+from collections.abc import Callable, Generator, Sequence
+from concurrent.futures import Executor
+from contextlib import AbstractContextManager, ExitStack, contextmanager, suppress
 from dataclasses import dataclass
 from functools import partial
 from pathlib import Path
@@ -37,11 +41,15 @@ from topple.benchmarks.clock import cpu_medians, cpu_seconds
 from topple.benchmarks.clouds import brick_wall, frame, household, stacks_of_four
 from topple.benchmarks.row import Progress, Row, faster, longer
 from topple.planner.planning.order import order
-from topple.topology.errors import InvalidInput
-from topple.topology.relations import relate
+from topple.topology.errors import InvalidInput, NotInstalled
+from topple.topology.relations import relate, relate_all
 from topple.topology.scene import Scene
+from topple.topology.workers import WorkerPool
 
 LAYERS = ("topology", "robots", "planner")
+WORKERS = 2
+MANY = 60
+"""Recorded scenes that two workers relate."""
 FRAMES = 6
 """Of the recorded frames, so many are measured, evenly spread over the sorted names."""
 
@@ -99,6 +107,8 @@ def rows(
     with tempfile.TemporaryDirectory(prefix="topple-speed-") as scratch:
         trees = Trees(Path(scratch), baseline)
         found += _frames(trees, data, extent.repeats, seed, progress)
+        if extent.whole and data is not None:
+            found += many_rows(sorted(data.rglob("*.npz"))[:MANY], progress)
         if extent.whole:
             found += _whole(trees, extent.repeats, seed, progress)
     for bricks, seconds in extent.walls:
@@ -222,6 +232,48 @@ def _frames(trees: Trees, data: Path | None, repeats: int, seed: int, progress: 
         means = float(np.mean(ours)), None if theirs is None else float(np.mean(theirs))
         found.append(trees.row(f"{what}, {words}", *means, bar))
     return found
+
+
+def many_rows(paths: Sequence[Path], progress: Progress) -> list[Row]:
+    """How much sooner two workers relate scenes than one process does.
+
+    Args:
+        paths: The scenes.
+        progress: Called before each part.
+    """
+    progress(f"{len(paths)} scenes, one after the other")
+    alone = _wall(partial(relate_all, paths))
+    found: list[Row] = []
+    for name, pool in {"processes": _processes, "dask": _dask}.items():
+        with ExitStack() as stack, suppress(NotInstalled):
+            workers = stack.enter_context(pool())
+            relate_all(paths[:WORKERS], executor=workers)
+            progress(f"{len(paths)} scenes, two workers, {name}")
+            taken = _wall(partial(relate_all, paths, executor=workers))
+            what = f"relations of {len(paths)} scenes, two workers, {name}, wall"
+            found.append(faster(what, taken, "one after the other", alone, ">= 1.7x"))
+    return found
+
+
+def _processes() -> AbstractContextManager[Executor]:
+    return WorkerPool(WORKERS)
+
+
+@contextmanager
+def _dask() -> Generator[Executor, None, None]:
+    try:
+        from distributed import Client, LocalCluster
+    except ImportError as error:
+        raise NotInstalled("a cluster needs dask", "dask") from error
+    size: dict[str, Any] = {"n_workers": WORKERS, "threads_per_worker": 1, "dashboard_address": None}
+    with LocalCluster(**size) as cluster, Client(cluster) as client:
+        yield client.get_executor()
+
+
+def _wall(call: Callable[[], object]) -> float:
+    begun = time.perf_counter()
+    call()
+    return time.perf_counter() - begun
 
 
 def _whole(trees: Trees, repeats: int, seed: int, progress: Progress) -> list[Row]:

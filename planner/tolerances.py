@@ -9,3 +9,6 @@ than what topples a neighbour."""
 TURNED = float(np.radians(10.0))
 """[rad] from where on it counts as turned: what a hand does not feel as it lets go, and a spoon on a rim
 survives."""
+
+STEPS_ROUND = 72
+"""Turns about an axis that are looked at: 5 degrees apart, half of what counts as turned."""

@@ -48,6 +48,9 @@ class Tolerances:
 
 TOLERANCES = Tolerances()
 
+DEPTH_NOISE = 0.006
+"""How far [m] noise of a depth camera puts points off their surface: three sigmas of a Kinect at 1 m."""
+
 
 # -- checks
 

@@ -9,7 +9,7 @@ from typing import Any
 
 from topple.benchmarks.document import BENCHES, bench, options_of
 from topple.benchmarks.markdown import markdown_table, replaced_table
-from topple.planner.cli.arguments import COMMON, add, add_jobs, positive
+from topple.planner.cli.arguments import COMMON, add, add_jobs, count, positive
 from topple.planner.cli.console import complain, print_json, print_table, print_text
 from topple.planner.cli.main import DONE
 from topple.planner.cli.many import executor_at
@@ -31,7 +31,7 @@ _WITH_VALUES = (
     ("--meshes", "DIR", "run: models that piles of another generator are made of"),
     ("--models", "DIR", "paper: YCB models, as 011_banana (procedural)"),
     ("--scenes", "DIR", "paper: write its scenes there, for other commands"),
-    ("--journal", "FILE", "run, demo: keep what ended there, and go on (topple-bench-run.jsonl)"),
+    ("--journal", "FILE", "run, demo, engines: keep what ended there, and go on (topple-bench-run.jsonl)"),
     ("--counts", "FILE", "demo: write what `topple demo` tells of its seeds"),
     ("--file", "FILE", "frozen: compare with that file (the package's own)"),
     ("--part", "PART", "reliability: readers, sabotages, faults, kills or soak alone"),
@@ -55,16 +55,17 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         nargs="?",
         metavar="NAME",
         help="relate, order, build, rearrange, motion, paper, run or demo (all of these, one by one), "
-        "or frozen, reliability or speed",
+        "or engines, frozen, reliability or speed",
     )
     for option, metavar, purpose in _WITH_VALUES:
         parser.add_argument(option, metavar=metavar, help=purpose)
     for option, purpose in _SWITCHES:
         parser.add_argument(option, action="store_true", help=purpose)
     parser.add_argument(
-        "--minutes", type=positive, metavar="M", help="run, demo, build: begin nothing after that time"
+        "--minutes", type=positive, metavar="M", help="run, demo, engines, build: begin nothing after it"
     )
     add_jobs(parser)
+    parser.add_argument("--seeds", type=count, metavar="N", help="engines: seeds of each scene (40)")
     add(parser, *COMMON)
 
 

@@ -9,7 +9,7 @@ from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, TypeVar
 
-from topple.planner.cli.console import complain
+from topple.planner.cli.console import complain, print_text
 from topple.planner.cli.main import WRONG_USE
 from topple.planner.cli.options import scene_paths
 from topple.planner.cli.progress import Progress
@@ -74,6 +74,8 @@ def for_each_scene(
                 codes.append(WRONG_USE)
             else:
                 codes.append(show(path, answer))
+    if kept is not None and not args.json:
+        print_text(f"{kept.path} has answers to {len(kept.codes)} scenes.")
     return max(codes)
 
 
@@ -144,6 +146,7 @@ class Kept(JsonLines):
     def add(self, entry: Mapping[str, Any]) -> None:
         """Append the answer to a scene; see `JsonLines.add`."""
         super().add({**entry, "asked": self._asked})
+        self.codes[entry["scene"]] = self._code_of(entry)
 
 
 @contextmanager

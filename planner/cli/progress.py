@@ -4,7 +4,6 @@ import re
 import sys
 import threading
 import time
-from types import TracebackType
 
 _PATIENCE = 1.0  # [s] what takes less is not worth a line
 _WORK = 1.5  # [s] of the processor, in a log: a refusal takes less, and stays one line on a busy machine
@@ -52,9 +51,7 @@ class Progress:
         self._thread.start()
         return self
 
-    def __exit__(
-        self, kind: type[BaseException] | None, error: BaseException | None, traceback: TracebackType | None
-    ) -> None:
+    def __exit__(self, *_: object) -> None:
         """Stop, and wipe the line."""
         self._over.set()
         self._thread.join()

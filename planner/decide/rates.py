@@ -16,11 +16,13 @@ count. They stand in `rates.json` with what they were counted on; `python -m top
 them anew.
 """
 
-import json
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from dataclasses import dataclass
 from functools import cache
 from importlib.resources import files
+from typing import TypedDict
+
+import msgspec
 
 from topple.planner.decide.tolerances import CERTAIN, WIDE
 from topple.topology.confidence import view_of
@@ -63,21 +65,14 @@ def rates_for(cameras: int | None) -> Rates:
     return _counted()[view_of(cameras or 0)]
 
 
+class _Kept(TypedDict):
+    rates: dict[str, Rates]
+
+
 @cache
 def _counted() -> Mapping[str, Rates]:
-    told = json.loads(files("topple.planner.decide").joinpath("rates.json").read_text(encoding="utf-8"))[
-        "rates"
-    ]
-    return {
-        view: Rates(
-            _rows(rates["steady"]), _rows(rates["shaky"]), _rows(rates["overlooked"]), tuple(rates["found"])
-        )
-        for view, rates in told.items()
-    }
-
-
-def _rows(rows: Sequence[Sequence[float]]) -> tuple[tuple[float, float], ...]:
-    return tuple((first, second) for first, second in rows)
+    kept = files("topple.planner.decide").joinpath("rates.json").read_bytes()
+    return msgspec.json.decode(kept, type=_Kept)["rates"]
 
 
 def way_found(push: float | None, falls: bool) -> int:

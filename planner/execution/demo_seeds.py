@@ -8,7 +8,9 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from functools import cache
 from pathlib import Path
-from typing import Any
+from typing import Any, TypedDict
+
+import msgspec
 
 FILE = Path(__file__).with_name("demo_seeds.json")
 FORMAT, FORMAT_VERSION = "topple.demo_seeds", 1
@@ -42,7 +44,7 @@ class SeedCount:
 
 def counted_scenes() -> tuple[str, ...]:
     """Names of the scenes that were counted: all that are built in. Asking needs no simulation."""
-    return tuple(_document()["scenes"])
+    return tuple(_counts())
 
 
 def counted(name: str) -> SeedCount | None:
@@ -54,10 +56,7 @@ def counted(name: str) -> SeedCount | None:
     Returns:
         The count; None where it was never counted.
     """
-    entry = _document()["scenes"].get(name)
-    if entry is None:
-        return None
-    return SeedCount(tuple(entry["played"]), tuple(entry["reached"]), int(entry["default"]))
+    return _counts().get(name)
 
 
 def default_seed(name: str) -> int:
@@ -77,11 +76,8 @@ def document(counts: Mapping[str, SeedCount], made: Mapping[str, Any]) -> dict[s
         counts: By name of the scene.
         made: By what, of which version of behaviour.
     """
-    scenes = {
-        name: {"played": list(count.played), "reached": list(count.reached), "default": count.default}
-        for name, count in counts.items()
-    }
-    return {"format": FORMAT, "format_version": FORMAT_VERSION, **made, "scenes": scenes}
+    kept = {"format": FORMAT, "format_version": FORMAT_VERSION}
+    return {**kept, **made, "scenes": msgspec.to_builtins(counts)}
 
 
 def text(document: Mapping[str, Any]) -> str:
@@ -102,6 +98,10 @@ def _joined(lines: Sequence[str]) -> str:
     return "\n".join(found)
 
 
+class _Kept(TypedDict):
+    scenes: dict[str, SeedCount]
+
+
 @cache
-def _document() -> dict[str, Any]:
-    return json.loads(FILE.read_text(encoding="utf-8"))
+def _counts() -> Mapping[str, SeedCount]:
+    return msgspec.json.decode(FILE.read_bytes(), type=_Kept)["scenes"]

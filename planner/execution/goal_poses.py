@@ -6,7 +6,8 @@ import numpy as np
 from scipy.spatial import KDTree
 from scipy.spatial.transform import Rotation
 
-from topple.planner.execution.tolerances import ITSELF, POINTS, ROUGH, STEPS_ROUND
+from topple.planner.execution.tolerances import ITSELF, POINTS, ROUGH
+from topple.planner.tolerances import STEPS_ROUND
 from topple.robots.world.physical_world import PhysicalWorld
 from topple.topology.arrays import FloatArray
 

@@ -50,7 +50,7 @@ class RunLimits:
     """What ends a run that gets nowhere.
 
     Attributes:
-        attempts: Tries at one object before the run gives up on it.
+        attempts: Tries at one object before the run gives up on it, until another one was taken away.
         actions: Actions in all for each object of the scene.
         settle: Seconds of simulated time to wait after an action before looking.
     """
@@ -65,7 +65,7 @@ class ClosedLoop:
     """Reaches a goal with an arm, looking again after every action.
 
     The loop decides, acts and remembers, from what it perceives alone. It comes to an end: after so many
-    attempts at an object that is given up, and after so many actions the run.
+    attempts an object is given up until another one is out of its way, and after so many actions the run.
 
     Attributes:
         robot: The arm: simulated, or any other `topple.robots.driver.Driver`.
@@ -374,10 +374,8 @@ class ClosedLoop:
         if outcome.success:
             self._done.append((name, str(chosen.action)))
             self.followed.append(chosen)
-            if (
-                chosen.action is not Action.PLACE
-            ):  # one that is put where it shall be and does not stay is tried again
-                self._attempts[name] = 0
+            if chosen.action is not Action.PLACE:  # what shall stay there and does not is tried again
+                self._attempts.clear()  # what could not be taken may be now that this is out of its way
             return []
         if outcome.stuck:
             return [outcome.text]

@@ -1,7 +1,6 @@
 """A world rebuilt from a scene: bodies from the observed clouds, a table, and cameras to look again."""
 
 from dataclasses import dataclass, replace
-from types import TracebackType
 
 import numpy as np
 
@@ -51,9 +50,7 @@ class Rehearsal:
     def __enter__(self) -> "Rehearsal":
         return self
 
-    def __exit__(
-        self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
-    ) -> None:
+    def __exit__(self, *_: object) -> None:
         self.world.close()
 
     def notes(self) -> tuple[str, ...]:

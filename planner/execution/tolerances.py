@@ -226,9 +226,6 @@ TRIAL_SPACING = 0.004
 
 # -- places
 
-STEPS_ROUND = 72
-"""Turns about an axis that are looked at: 5 degrees apart, half of what counts as turned."""
-
 ITSELF = 1.5
 """A body turned onto itself has its points that far from others, in units of how far those are apart."""
 

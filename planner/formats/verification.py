@@ -4,6 +4,8 @@ import math
 from dataclasses import dataclass, field
 from typing import Any
 
+import msgspec
+
 BROKEN = "dependencies of the scene broken"
 """The check that holds a plan's order against the dependencies found in the scene."""
 
@@ -57,10 +59,6 @@ class Proof:
     means: str
     shown: bool | None
     detail: str = ""
-
-    def to_json(self) -> dict[str, Any]:
-        """As JSON has it."""
-        return {"what": self.what, "means": self.means, "shown": self.shown, "detail": self.detail}
 
 
 @dataclass(frozen=True)
@@ -146,29 +144,10 @@ class Verification:
 
     def to_json(self) -> dict[str, Any]:
         """As JSON has it; what was not evaluated is null."""
-        return {
-            "ok": self.ok,
-            "states": self.states,
-            "allowed": list(self.allowed),
-            "residuals": [
-                {
-                    "name": residual.name,
-                    "value": residual.value if residual.evaluated else None,
-                    "unit": residual.unit,
-                    "allowed": residual.allowed,
-                    "witness": residual.witness,
-                    "steps": list(residual.steps),
-                }
-                for residual in self.residuals
-            ],
-            "steps": [
-                {"step": one.step, "object": one.object, "action": one.action}
-                | {"proofs": [proof.to_json() for proof in one.proofs]}
-                for one in self.steps
-            ],
-            "whole": [proof.to_json() for proof in self.whole],
-            "unasked": list(self.unasked),
-        }
+        told: dict[str, Any] = {"ok": self.ok, **msgspec.to_builtins(self)}
+        for entry, residual in zip(told["residuals"], self.residuals, strict=True):
+            entry["value"] = residual.value if residual.evaluated else None
+        return told
 
 
 @dataclass

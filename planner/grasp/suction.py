@@ -14,13 +14,14 @@ from topple.planner.grasp.surroundings import ITSELF, Dropped, Surroundings
 from topple.planner.grasp.tolerances import (
     FINGER_SLABS,
     GRASP_TOLERANCES,
+    LEAST_INSIDE,
     RING,
     SUCTION_BRUSH,
     SUCTION_TIGHT,
     GraspTolerances,
 )
-from topple.robots.arm.gripper import SuctionCup, ToolName
-from topple.topology.arrays import BoolArray, FloatArray
+from topple.robots.arm.gripper import SuctionCup, ToolName, lip_plane
+from topple.topology.arrays import BoolArray, FloatArray, IntArray
 from topple.topology.errors import InvalidInput
 
 if TYPE_CHECKING:
@@ -195,25 +196,31 @@ def _robust_plane(points: FloatArray, up: FloatArray) -> tuple[FloatArray, Float
 def _lip_residual(offsets: FloatArray, normal: FloatArray, radius: float) -> float:
     """Unevenness the lip meets [m], inf where a sector of it lies on nothing.
 
-    Each sector of the ring counts by its median height, which averages the depth noise but keeps steps,
-    rims and curvature.
+    Each sector of the ring counts by its median height, which averages the depth noise but keeps steps, rims
+    and curvature; so does all that is within it, and each sector of that with points enough to tell noise
+    from what stands up and would hold the lip off.
     """
-    heights = offsets @ normal
     rotation = _rotation(-normal, normal)
-    x, y = offsets @ rotation[:, 0], offsets @ rotation[:, 1]
-    distance = np.hypot(x, y)
-    ring = (distance > RING[0] * radius) & (distance < RING[1] * radius)
-    sector = ((np.arctan2(y, x) + np.pi) / (2.0 * np.pi) * SECTORS).astype(int) % SECTORS
-    medians = [
-        np.median(heights[ring & (sector == index)])
-        for index in range(SECTORS)
-        if (ring & (sector == index)).any()
-    ]
-    if len(medians) < SECTORS:
+    flat, heights = offsets @ rotation[:, :2], offsets @ normal
+    distance = np.hypot(*flat.T)
+    sector = ((np.arctan2(flat[:, 1], flat[:, 0]) + np.pi) / (2.0 * np.pi) * SECTORS).astype(int) % SECTORS
+    within = distance < RING[0] * radius
+    ring = _medians(flat, heights, np.where(~within & (distance < RING[1] * radius), sector, -1))
+    if len(ring) < SECTORS:
         return float("inf")
-    inner = heights[distance < RING[0] * radius]
-    bulge = max(0.0, float(np.median(inner)) - float(np.median(medians))) if len(inner) > 0 else 0.0
-    return max(float(np.max(medians) - np.min(medians)) / 2.0, bulge)
+    plane, uneven = lip_plane(ring[:, :2], ring[:, 2])
+    whole = _medians(flat, heights, np.where(within, 0, -1))
+    parts = _medians(flat, heights, np.where(within, sector, -1), LEAST_INSIDE)
+    inner = np.concatenate([whole, parts])
+    above = inner[:, 2] - inner[:, :2] @ plane[:2] - plane[2]
+    return max(uneven, float(above.max(initial=0.0)))
+
+
+def _medians(flat: FloatArray, heights: FloatArray, group: IntArray, least: int = 1) -> FloatArray:
+    """(k, 3) mean place and median height [m] of every group (N,) with so many points; -1 is none."""
+    chosen = [np.flatnonzero(group == each) for each in range(SECTORS)]
+    found = [[*flat[own].mean(axis=0), np.median(heights[own])] for own in chosen if len(own) >= least]
+    return np.array(found).reshape(-1, 3)
 
 
 def _rotation(approach: FloatArray, up: FloatArray) -> FloatArray:

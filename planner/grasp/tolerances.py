@@ -189,6 +189,9 @@ SUCTION_BRUSH = 0.006
 SUCTION_TIGHT = 0.4
 """The clearance term where something brushes the lip that close."""
 
+LEAST_INSIDE = 12
+"""Points of an eighth of what is within the lip: the median of as many is good to 0.5 mm of noisy depth."""
+
 RING = (0.8, 1.4)
 """Of the lip's radius: where it lies, and the 2 mm around it that rubber spreads over."""
 

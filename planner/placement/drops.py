@@ -3,7 +3,6 @@
 from collections.abc import Collection, Sequence
 from dataclasses import replace
 from importlib.util import find_spec
-from types import TracebackType
 
 import numpy as np
 
@@ -61,9 +60,7 @@ class Drops:
     def __enter__(self) -> "Drops":
         return self
 
-    def __exit__(
-        self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
-    ) -> None:
+    def __exit__(self, *_: object) -> None:
         self._world.close()
 
     @property

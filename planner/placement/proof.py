@@ -6,7 +6,6 @@ numbers the plan was written with.
 
 from contextlib import ExitStack
 from dataclasses import dataclass
-from types import TracebackType
 
 import numpy as np
 
@@ -72,9 +71,7 @@ class Proof:
     def __enter__(self) -> "Proof":
         return self
 
-    def __exit__(
-        self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
-    ) -> None:
+    def __exit__(self, *_: object) -> None:
         self._worlds.close()
 
     def settled(self, place: Placement) -> Settled:

@@ -25,10 +25,9 @@ from topple.planner.rearranging.tolerances import (
     ROUND,
     ROUNDS,
     SPACING,
-    STEPS_ROUND,
     SYMMETRIC,
 )
-from topple.planner.tolerances import DISTURBED, TURNED
+from topple.planner.tolerances import DISTURBED, STEPS_ROUND, TURNED
 from topple.topology.arrays import BoolArray, FloatArray, frozen
 from topple.topology.geometry.rigid import transformed, turned_to
 from topple.topology.geometry.thin import voxel_means

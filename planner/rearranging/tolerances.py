@@ -55,9 +55,6 @@ SYMMETRIC = 0.0035
 ROUND = 0.004
 """[m] by which a round thing may be, at most of its headings: a can of which one side was guessed is by 4."""
 
-STEPS_ROUND = 72
-"""Headings of a round thing: 5 degrees apart, half of what counts as turned."""
-
 BARELY = (-0.035, -0.023, 0.023, 0.035)
 """[rad] turns that no shape shows, by which its points are told how far apart they are."""
 

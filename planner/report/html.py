@@ -1,7 +1,7 @@
 """The frame of a page: assets inlined, data embedded, nothing fetched from anywhere."""
 
 import json
-from collections.abc import Sequence
+from collections.abc import Collection, Sequence
 from html import escape
 from importlib.resources import files
 from typing import Any
@@ -47,6 +47,21 @@ def page(title: str, body: str, data: Any, scripts: Sequence[str], *, compact: b
 def asset(name: str) -> str:
     """Text of a file of the package's `assets` folder."""
     return files("topple.planner.report").joinpath("assets").joinpath(name).read_text(encoding="utf-8")
+
+
+def table(headings: Sequence[str], rows: str, *, numbers: Collection[str] = ()) -> str:
+    """A table that scrolls where it is wider than its place.
+
+    Args:
+        headings: One per column.
+        rows: HTML of its rows.
+        numbers: The headings of columns of numbers.
+    """
+    head = "".join(f"<th{' class=number' if title in numbers else ''}>{title}</th>" for title in headings)
+    return (
+        f'<div class="scroll" tabindex="0"><table><thead><tr>{head}</tr></thead>'
+        f"<tbody>{rows}</tbody></table></div>"
+    )
 
 
 def embedded(data: Any) -> str:

@@ -13,7 +13,7 @@ from topple.planner.formats.plan_robot import arm_from
 from topple.planner.formats.plan_structs import Step
 from topple.planner.formats.verification import Verification
 from topple.planner.report.drawing import Drawing
-from topple.planner.report.html import page, viewer
+from topple.planner.report.html import page, table, viewer
 from topple.planner.report.played import arm_shape, motion_json
 from topple.planner.report.show import dependency_section, photo_section
 from topple.planner.report.tables import proof_rows, relation_table, sentence_list
@@ -200,12 +200,8 @@ class _PlanPage:
             f"<tr><td>{escape(what)}</td><td>{escape(means)}</td><td>{escape(steps)}</td></tr>"
             for what, means, steps in proof_rows(found)
         )
-        return (
-            f"{html}<details><summary>What is shown by which means</summary>"
-            '<div class="scroll" tabindex="0"><table><thead><tr><th>what</th><th>by</th>'
-            "<th>steps</th></tr></thead>"
-            f"<tbody>{rows}</tbody></table></div></details>"
-        )
+        shown = table(("what", "by", "steps"), rows)
+        return f"{html}<details><summary>What is shown by which means</summary>{shown}</details>"
 
 
 def _how(step: Step) -> str:

@@ -9,7 +9,7 @@ from typing import Any
 from topple.planner.formats.pictures import as_jpeg, picture
 from topple.planner.formats.run_record import RunRecord, StepRecord
 from topple.planner.report.drawing import Drawing
-from topple.planner.report.html import page, viewer
+from topple.planner.report.html import page, table, viewer
 from topple.planner.report.limits import LIMITS
 from topple.planner.report.played import arm_shape, motion_json, spans
 from topple.planner.report.show import dependency_section, photo_section
@@ -269,11 +269,8 @@ def _disturbed(step: StepRecord) -> str:
             f"<tr{kind}><td>{escape(name)}</td><td class=number>{millimetres(moved)}</td>"
             f"<td class=number>{math.degrees(turned):.1f}°</td><td class=number>{force}</td></tr>"
         )
-    return (
-        '<h2>Disturbed</h2><div class="scroll" tabindex="0"><table><thead><tr><th>object</th>'
-        f"<th class=number>moved</th><th class=number>turned</th><th class=number>force</th></tr></thead>"
-        f"<tbody>{rows}</tbody></table></div>"
-    )
+    measured = ("moved", "turned", "force")
+    return "<h2>Disturbed</h2>" + table(("object", *measured), rows, numbers=measured)
 
 
 def _predictions(step: StepRecord) -> str:
@@ -309,7 +306,4 @@ def _change_table(changes: Sequence[Change]) -> str:
         f"<tr><td>{escape(c.a)}</td><td>{escape(c.b)}</td><td>{escape(c.predicted)}</td><td>{escape(c.observed)}</td></tr>"
         for c in changes
     )
-    return (
-        '<div class="scroll" tabindex="0"><table><thead><tr><th>A</th><th>B</th><th>predicted</th>'
-        f"<th>observed</th></tr></thead><tbody>{rows}</tbody></table></div>"
-    )
+    return table(("A", "B", "predicted", "observed"), rows)

@@ -6,6 +6,7 @@ from html import escape
 from typing import Any
 
 from topple.planner.formats.verification import Verification
+from topple.planner.report.html import table
 from topple.planner.report.limits import LIMITS
 from topple.planner.report.palette import css, relation_colour
 from topple.planner.report.view import is_inferred
@@ -59,11 +60,7 @@ def relation_table(relations: Document, index: Mapping[str, int]) -> str:
 
 def _pair_table(pairs: Sequence[Mapping[str, Any]], index: Mapping[str, int]) -> str:
     rows = "".join(_pair_row(pair, index) for pair in pairs)
-    return (
-        '<div class="scroll" tabindex="0"><table><thead><tr><th>A</th><th>relation</th><th>B</th>'
-        "<th class=number>gap</th><th>evidence</th></tr></thead>"
-        f"<tbody>{rows}</tbody></table></div>"
-    )
+    return table(("A", "relation", "B", "gap", "evidence"), rows, numbers=("gap",))
 
 
 def _pair_row(pair: Mapping[str, Any], index: Mapping[str, int]) -> str:

@@ -11,7 +11,7 @@ from topple.planner.formats.plan_structs import PlanData
 from topple.planner.formats.verification import Residual, Worst
 from topple.planner.verify.bodies import parts_of
 from topple.planner.verify.replay import SegmentReplay
-from topple.planner.verify.tolerances import BY_BULLET_SLACK, DEEPER
+from topple.planner.verify.tolerances import BY_BULLET_SLACK, DEEPER, FILLED
 from topple.robots.arm.arm import Arm
 from topple.robots.arm.gripper import ToolName
 from topple.robots.engine import pybullet
@@ -37,6 +37,7 @@ class BulletCheck:
     strayed: Worst = field(default_factory=lambda: Worst("kinematics against PyBullet", "m", 1e-4))
 
     def __enter__(self) -> "BulletCheck":
+        self._fixed = {thing.name for thing in self.plan.objects if thing.fixed}
         self._client: int = pybullet.connect(pybullet.DIRECT)
         base = position_and_quaternion(np.array(self.plan.pose_base_to_world))
         self._robot: int = pybullet.loadURDF(
@@ -83,7 +84,9 @@ class BulletCheck:
                 elif piece.step.placement.into != name:  # let down into a hollow: seen points decide there
                     pressed.setdefault(name, []).append(depth)
         for name, depths in pressed.items():
-            rest = depths[-1 if piece.segment.kind == "place" else 0]
+            rest = depths[piece.at_rest]
+            if rest > FILLED and name not in self._fixed:  # in a hollow that a hull fills: seen points decide
+                continue
             against = f"{piece.where}: {piece.step.object} against {name}"
             self.deeper.note(max(depths) - rest, against, piece.index)
 

@@ -43,7 +43,8 @@ class CloudCheck:
 
     def look(self, piece: SegmentReplay) -> None:
         """Check where pairs may touch: there the bodies were not asked."""
-        states = piece.states[::EVERY]
+        numbers = np.unique([*range(0, len(piece.states), EVERY), len(piece.states) - 1])
+        states = piece.states[numbers]
         tools = tool_poses(self.arm, self.plan, piece.segment.tool, states)
         links = np.matmul(np.array(self.plan.pose_base_to_world), self.arm.forward(states, piece.hand))
         for pair in piece.may_touch:
@@ -52,17 +53,20 @@ class CloudCheck:
                 continue
             cloud = transformed(self.scene.clouds[seen[0]], piece.poses[seen[0]])
             (other,) = pair - {seen[0]}
+            lay = 0.0
             if other in self._links:
                 poses = links[:, self.arm.links.index(other)]
                 solids = self._links[other]
-            elif other in piece.held and piece.step.placement.into == seen[0]:
+            elif other in piece.held:
                 poses, solids = np.matmul(tools, piece.held[other]), self._parts[other]
+                if piece.step.placement.into != seen[0]:  # as deep as it lay or is to lie is no entering
+                    lay = _depth(transformed(cloud, np.linalg.inv(poses[piece.at_rest])), solids)
             else:
                 continue
-            for k, pose in enumerate(poses):
+            for number, pose in zip(numbers.tolist(), poses, strict=True):
                 depth = _depth(transformed(cloud, np.linalg.inv(pose)), solids)
-                where = f"{piece.where}: {seen[0]} in {other} at state {k * EVERY}"
-                self.entered.note(depth, where, piece.index)
+                where = f"{piece.where}: {seen[0]} in {other} at state {number}"
+                self.entered.note(depth - lay, where, piece.index)
 
     def residuals(self) -> tuple[Residual, ...]:
         """What was found, and whether the plan's bodies are those of the scene."""

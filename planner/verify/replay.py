@@ -49,6 +49,11 @@ class SegmentReplay:
         return f"step {self.index + 1} ({self.step.object}), {self.segment.kind}"
 
     @property
+    def at_rest(self) -> int:
+        """The state in which what is held lies where it lay or is to lie: the last of a way down."""
+        return -1 if self.segment.kind == SegmentKind.PLACE else 0
+
+    @property
     def hand(self) -> ToolState:
         """How the hand stands."""
         return ToolState(self.segment.hand.opening, self.segment.hand.cup_extension)

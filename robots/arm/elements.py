@@ -5,9 +5,9 @@ import xml.etree.ElementTree as ElementTree
 
 import numpy as np
 
-from topple.robots.arm.tolerances import FARTHEST
 from topple.topology.arrays import FloatArray
 from topple.topology.errors import InvalidInput
+from topple.topology.tolerances import FARTHEST
 
 
 def number(text: str | None, default: float | None, where: str) -> float:

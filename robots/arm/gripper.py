@@ -106,6 +106,22 @@ def vacuum_load(
     return (pull + math.hypot(shear, twist / radius) / friction + bending / radius) / force
 
 
+def lip_plane(ring: FloatArray, heights: FloatArray) -> tuple[FloatArray, float]:
+    """How a lip lies on a surface: what a planner asks of clouds, and a simulated cup of what it meets.
+
+    Args:
+        ring: (k, 2) places around the lip in [m], k >= 3, the lip's centre at the origin.
+        heights: (k,) of the surface there in [m].
+
+    Returns:
+        (3,) the plane a x + b y + c [m] that a bellows follows, and the largest distance of the surface from
+        it [m], which the lip has to bridge.
+    """
+    rows = np.column_stack([ring, np.ones(len(ring))])
+    plane: FloatArray = np.linalg.lstsq(rows, heights, rcond=None)[0].astype(np.float64)
+    return plane, float(np.abs(rows @ plane - heights).max())
+
+
 @dataclass(frozen=True)
 class SuctionCup:
     """A vacuum cup: holds where its whole lip seals, and below its force limit.

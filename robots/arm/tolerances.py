@@ -15,12 +15,6 @@ SERIES = 4
 """Moving joints one after the other from which a branch is an arm: fingers and heads have at most three."""
 
 
-# -- elements
-
-FARTHEST = 1e8
-"""Largest number of a file [m] or [rad]: what squares overflow for is no place on an arm."""
-
-
 # -- gripper
 
 CUP_FRICTION = 0.5

@@ -7,7 +7,7 @@ import numpy as np
 from topple.robots.arm.arm import Arm
 from topple.robots.arm.urdf import urdf_root
 from topple.robots.mujoco.engine import mujoco
-from topple.robots.mujoco.tolerances import CLOSING, STALL, STIFFNESS
+from topple.robots.mujoco.tolerances import CLOSING, STIFFNESS
 from topple.robots.mujoco.world import MujocoWorld
 from topple.robots.world.acting_arm import ActingArm
 from topple.robots.world.touch import note_touch
@@ -118,10 +118,9 @@ class MujocoArm(ActingArm):
         for name, value in self.jaw.values(self._opening).items():
             motor = model.actuator(f"robot {name}")
             lever = self.jaw.lever(name)
-            force, speed = share * lever, self.jaw.speed / 2.0 / lever
-            gain = force / (STALL * speed)
+            speed = self.jaw.speed / 2.0 / lever
+            gain = share * lever / speed  # held up, it presses with its whole force
             motor.gainprm[0], motor.biasprm[2] = gain, -gain
-            motor.forcerange[:] = -force, force
             short = value - data.qpos[self._at(name)[0]]
             data.actuator(f"robot {name}").ctrl[0] = np.clip(CLOSING * short, -speed, speed)
 

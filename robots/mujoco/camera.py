@@ -8,13 +8,13 @@ import numpy as np
 from topple.robots.mujoco.engine import mujoco
 from topple.robots.mujoco.model import SEEN, TOUCHING
 from topple.robots.mujoco.tolerances import AMBIENT, LIGHT
-from topple.robots.world.physical_world import Optics, Rendered
+from topple.robots.world.camera import Camera, Rendered
 
 ROBOT = (0.75, 0.75, 0.78)
 BACKGROUND = 255
 
 
-def rendered(camera: Optics, model: Any, data: Any, numbers: Mapping[int, int]) -> Rendered:
+def rendered(camera: Camera, model: Any, data: Any, numbers: Mapping[int, int]) -> Rendered:
     """Cast a ray through the middle of every pixel.
 
     Args:

@@ -220,8 +220,7 @@ def _add_arm(spec: Any, arm: Arm, pose_base_to_world: FloatArray) -> list[Shape]
         for name in jaw.joints:
             motor = spec.add_actuator(name=f"robot {name}", target=f"robot {name}")
             motor.trntype = mujoco.mjtTrn.mjTRN_JOINT
-            motor.set_to_velocity(kv=1.0)
-            motor.forcelimited, motor.forcerange = True, [-1.0, 1.0]
+            motor.set_to_velocity(kv=1.0)  # no limit: a force that is cut off is not implicit, and shakes
     return shapes
 
 

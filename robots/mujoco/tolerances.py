@@ -24,11 +24,8 @@ FINGER_ROTOR = 0.05
 STIFFNESS = 60.0
 """[1/s] of the computed torque by which joints follow: errors are gone after a twentieth of a second."""
 
-CLOSING = 20.0
-"""[1/s] share of what a finger is short of that it makes up for in a second, below its speed."""
-
-STALL = 0.1
-"""Share of its speed by which a finger that is held up misses it when its force is all there."""
+CLOSING = 100.0
+"""[1/s] of what a finger is short of, up to its speed: half a millimetre, and its whole force is there."""
 
 AMBIENT = 0.45
 """Share of light that comes from everywhere."""

@@ -13,7 +13,8 @@ from topple.robots.mujoco.tolerances import SUBSTEPS
 from topple.robots.poses import pose_from, position_and_quaternion
 from topple.robots.tolerances import TOLERANCES
 from topple.robots.world.bodies import Body
-from topple.robots.world.physical_world import Contact, Optics, PhysicalWorld, Physics, Rendered
+from topple.robots.world.camera import Camera, Rendered
+from topple.robots.world.physical_world import Contact, PhysicalWorld, Physics
 from topple.topology.arrays import FloatArray
 from topple.topology.errors import InvalidInput
 
@@ -151,7 +152,7 @@ class MujocoWorld(PhysicalWorld):
             found.append((first, second, np.array(contact.pos), normal, pressed, float(contact.dist)))
         return found
 
-    def rendered(self, camera: Optics) -> Rendered:
+    def rendered(self, camera: Camera) -> Rendered:
         """What a camera without faults sees, by rays: no graphics are needed."""
         model, data = self.state
         numbers = {model.geom(f"{name} seen").id: number for name, number in self.ids.items()}

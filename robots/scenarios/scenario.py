@@ -3,7 +3,6 @@
 from collections.abc import Callable, Mapping, Sequence
 from contextlib import ExitStack
 from dataclasses import dataclass
-from types import TracebackType
 
 import numpy as np
 from scipy.spatial.transform import Rotation
@@ -62,9 +61,7 @@ class Scenario:
     def __enter__(self) -> "Scenario":
         return self
 
-    def __exit__(
-        self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
-    ) -> None:
+    def __exit__(self, *_: object) -> None:
         self.world.close()
         if self.finished is not None:
             self.finished.close()

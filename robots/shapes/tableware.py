@@ -3,8 +3,8 @@
 import numpy as np
 
 from topple.robots.shapes.materials import STONEWARE
-from topple.robots.shapes.vessel import circle, closed_surface, disc, merged, rings, sectors
-from topple.robots.world.bodies import Body, Color
+from topple.robots.shapes.vessel import circle, closed_surface, disc, rings, sectors
+from topple.robots.world.bodies import Body, Color, joined
 from topple.topology.arrays import FloatArray
 from topple.topology.scene import Mesh
 
@@ -113,7 +113,8 @@ def mug(
     parts, surface = _beaker(diameter, height, 16)
     stack = _handle(diameter / 2 * 0.94, height)
     parts += [stack[k : k + 2].reshape(-1, 3) for k in range(len(stack) - 1)]
-    return STONEWARE.body(name, parts, merged([surface, closed_surface(stack)]), kind="mug", color=RED)
+    skin = joined([(one.vertices, one.faces) for one in (surface, closed_surface(stack))])
+    return STONEWARE.body(name, parts, skin, kind="mug", color=RED)
 
 
 def _beaker(diameter: float, height: float, sides: int) -> tuple[list[FloatArray], Mesh]:

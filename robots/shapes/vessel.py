@@ -75,10 +75,3 @@ def sectors(stack: FloatArray, members: Sequence[int]) -> list[FloatArray]:
 def disc(stack: FloatArray, members: Sequence[int]) -> FloatArray:
     """One convex part (M N, 3) of all corners of some rings."""
     return stack[list(members)].reshape(-1, 3)
-
-
-def merged(meshes: Sequence[Mesh]) -> Mesh:
-    """Several closed surfaces as one mesh."""
-    offsets = np.cumsum([0, *(len(mesh.vertices) for mesh in meshes[:-1])])
-    faces = [mesh.faces + offset for mesh, offset in zip(meshes, offsets, strict=True)]
-    return Mesh(np.concatenate([mesh.vertices for mesh in meshes]), np.concatenate(faces))

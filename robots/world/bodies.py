@@ -103,7 +103,7 @@ class Body:
         hulls = [hull_of(as_points(part, f"a part of body {name!r}")) for part in parts]
         volume, centre, inertia = _mass_properties(hulls, mesh)
         mass = volume * density if mass is None else mass
-        corners, seen = tuple(vertices for vertices, _ in hulls), mesh or _joined(hulls)
+        corners, seen = tuple(vertices for vertices, _ in hulls), mesh or joined(hulls)
         about = inertia * (mass / volume)
         return cls(name, corners, mass, friction, centre, about, color, seen, kind, rolling)
 
@@ -128,7 +128,7 @@ class Body:
     def without_posts(self) -> "Body":
         """The same body as it is shown to people: without what only holds it up."""
         kept = tuple(part for k, part in enumerate(self.parts) if k not in self.posts)
-        return replace(self, parts=kept, mesh=_joined([hull_of(part) for part in kept]), posts=())
+        return replace(self, parts=kept, mesh=joined([hull_of(part) for part in kept]), posts=())
 
     def surface(self, count: int, rng: np.random.Generator) -> FloatArray:
         """Points spread evenly over the mesh.
@@ -152,8 +152,8 @@ def spread_over(mesh: Mesh, count: int, rng: np.random.Generator) -> FloatArray:
     return (1 - a) * chosen[:, 0] + a * (1 - b) * chosen[:, 1] + a * b * chosen[:, 2]
 
 
-def _joined(hulls: Hulls) -> Mesh:
-    """All hulls as one mesh."""
+def joined(hulls: Hulls) -> Mesh:
+    """Closed surfaces, corners (V, 3) in [m] and triangles (F, 3) of each, as one mesh."""
     offsets = np.cumsum([0, *(len(vertices) for vertices, _ in hulls[:-1])])
     faces = [triangles + offset for (_, triangles), offset in zip(hulls, offsets, strict=True)]
     return Mesh(np.concatenate([vertices for vertices, _ in hulls]), np.concatenate(faces))

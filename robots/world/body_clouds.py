@@ -13,12 +13,16 @@ from topple.robots.world.tolerances import (
     DEEP,
     DETAIL,
     ONE_PLANE,
+    ONE_SHEET,
     PIECE,
     SHARED,
+    SHEET,
     SMOOTHED,
+    STRAYS,
     WALL,
 )
-from topple.topology.arrays import FloatArray, IntArray
+from topple.topology.arrays import BoolArray, FloatArray, IntArray
+from topple.topology.geometry.normals import patch_planes
 from topple.topology.geometry.sides import beyond, sides_of
 
 
@@ -73,19 +77,19 @@ def shell(points: FloatArray, seen: FloatArray, viewpoints: FloatArray | None) -
     Returns:
         Pieces of about `PIECE`, at least `WALL` thick where one side was seen.
     """
-    points = smoothed(points)
+    own = KDTree(seen).query(points)[0] == 0.0 if len(seen) else np.zeros(len(points), dtype=np.bool_)
+    points = smoothed(points) if viewpoints is None else _smoothed_sheet(points, own, viewpoints)
     tree = KDTree(points)
-    home = tree.query(seen)[1] if len(seen) else np.zeros(0, dtype=np.int64)
     pieces: list[Piece] = []
-    for own in _split(points):
-        around = np.unique(np.concatenate(tree.query_ball_point(points[own], SHARED)).astype(np.int64))
-        mine = seen[np.isin(home, around)]
+    for split in _split(points, own, viewpoints):
+        around = np.unique(np.concatenate(tree.query_ball_point(points[split], SHARED)).astype(np.int64))
+        mine = points[around[own[around]]]
         pieces.append(Piece(_corners(_thickened(points[around], mine, viewpoints)), mine))
     return pieces
 
 
-def _split(points: FloatArray) -> list[IntArray]:
-    """Halve a cloud across its length until none of its points lies deep in the hull of its piece."""
+def _split(points: FloatArray, seen: BoolArray, viewpoints: FloatArray | None) -> list[IntArray]:
+    """Halve a cloud across its length until the hull of no piece fills much of the hollow before it."""
     done: list[IntArray] = []
     waiting: list[IntArray] = [np.arange(len(points))]
     while waiting:
@@ -93,7 +97,7 @@ def _split(points: FloatArray) -> list[IntArray]:
         piece = points[index]
         axis = np.linalg.svd(piece - piece.mean(axis=0), full_matrices=False)[2][0]
         along = piece @ axis
-        if np.ptp(along) <= PIECE or _depth(piece) <= BENT:
+        if np.ptp(along) <= PIECE or _filled(piece, seen[index], viewpoints) <= BENT:
             done.append(index)
             continue
         middle = (along.min() + along.max()) / 2
@@ -101,24 +105,42 @@ def _split(points: FloatArray) -> list[IntArray]:
     return done
 
 
-def _depth(points: FloatArray) -> float:
-    """How deep the deeper ones of some points lie in their hull [m]."""
+def _filled(points: FloatArray, seen: BoolArray, viewpoints: FloatArray | None) -> float:
+    """How deep the deeper ones of the seen points lie [m] below those sides of the hull that cameras face."""
     sides = sides_of(points)
-    return 0.0 if sides is None else float(np.quantile(-beyond(sides, points), DEEP))
+    if sides is None or not seen.any():
+        return 0.0
+    if viewpoints is not None:
+        sides = sides[(sides[:, :3] @ viewpoints.T + sides[:, 3:] > 0.0).any(axis=1)]
+    return float(np.quantile(-beyond(sides, points[seen]), DEEP)) if len(sides) else 0.0
+
+
+def _smoothed_sheet(points: FloatArray, seen: BoolArray, viewpoints: FloatArray) -> FloatArray:
+    """The points of one side without its noise: strays go onto it, and no guess stands out before it.
+
+    What is much smaller than such a patch goes with the strays: a bump of a square centimetre does.
+    """
+    sheet = points[seen]
+    if len(sheet) < SHEET:
+        return points
+    patches = sheet[KDTree(sheet).query(points, k=SHEET)[1]]
+    middles, normals, _ = patch_planes(patches)
+    away = np.abs(np.einsum("pki,pi->pk", patches - middles[:, None], normals))
+    nearest = np.argsort(away, axis=1)[:, : round(STRAYS * SHEET), None]
+    middles, normals, squares = patch_planes(np.take_along_axis(patches, nearest, axis=1))
+    normals *= np.sign(np.einsum("pi,pi->p", viewpoints.mean(axis=0) - middles, normals))[:, None]
+    off = np.einsum("pi,pi->p", points - middles, normals)
+    off = np.where(seen, off, np.maximum(off, 0.0)) * (squares[:, 0] < ONE_SHEET * squares[:, 1])
+    return points - off[:, None] * normals
 
 
 def smoothed(points: FloatArray) -> FloatArray:
     """Points (N, 3) [m], each one moved onto the plane through its neighbours: noise goes, faces stay."""
     if len(points) < SMOOTHED:
         return points
-    patches = points[KDTree(points).query(points, k=SMOOTHED)[1]]
-    middle = patches.mean(axis=1)
-    centred = patches - middle[:, None]
-    values, axes = np.linalg.eigh(np.einsum("nki,nkj->nij", centred, centred))
-    normal = axes[:, :, 0]
-    flat = values[:, 0] < ONE_PLANE * values[:, 1]
-    off = np.einsum("ni,ni->n", points - middle, normal) * flat
-    return points - off[:, None] * normal
+    middles, normals, squares = patch_planes(points[KDTree(points).query(points, k=SMOOTHED)[1]])
+    off = np.einsum("pi,pi->p", points - middles, normals) * (squares[:, 0] < ONE_PLANE * squares[:, 1])
+    return points - off[:, None] * normals
 
 
 def _thickened(points: FloatArray, seen: FloatArray, viewpoints: FloatArray | None) -> FloatArray:

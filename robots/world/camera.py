@@ -1,7 +1,7 @@
 """A depth camera in a world: depth with a real camera's faults, exact masks, colours."""
 
 from dataclasses import dataclass, field, replace
-from typing import cast
+from typing import Protocol, cast
 
 import numpy as np
 from numpy.typing import NDArray
@@ -9,11 +9,24 @@ from scipy import ndimage
 
 from topple.robots.poses import looking_at
 from topple.robots.tolerances import TOLERANCES
-from topple.robots.world.physical_world import PhysicalWorld
 from topple.topology.arrays import BoolArray, FloatArray, IntArray
 from topple.topology.checks import as_intrinsics, as_pose
 from topple.topology.errors import InvalidInput
 from topple.topology.image import DepthImage
+
+Rendered = tuple[FloatArray, IntArray, NDArray[np.uint8]]
+"""Exact depth (H, W) in [m], 0 where nothing is; numbers of bodies (H, W), those of no body where nothing is;
+colours (H, W, 3)."""
+
+
+class Visible(Protocol):
+    """What a camera asks of a world."""
+
+    ids: dict[str, int]
+
+    def rendered(self, camera: "Camera") -> Rendered:
+        """What a camera without faults sees."""
+        ...
 
 
 @dataclass(frozen=True)
@@ -127,7 +140,7 @@ class Camera:
             raise InvalidInput(f"mask noise is {pixels}: expected pixels, 0 or more")
         return replace(self, noise=replace(self.noise, shift=float(pixels)))
 
-    def look(self, world: PhysicalWorld, rng: np.random.Generator | None = None) -> DepthImage:
+    def look(self, world: Visible, rng: np.random.Generator | None = None) -> DepthImage:
         """Take a picture.
 
         Args:
@@ -152,7 +165,7 @@ class Camera:
             rgb=rgb,
         )
 
-    def picture(self, world: PhysicalWorld) -> NDArray[np.uint8]:
+    def picture(self, world: Visible) -> NDArray[np.uint8]:
         """The colours alone, (H, W, 3): for films."""
         return world.rendered(self)[2]
 

@@ -4,7 +4,6 @@ import os
 from contextlib import AbstractContextManager, nullcontext
 from fractions import Fraction
 from pathlib import Path
-from types import TracebackType
 from typing import Any
 
 from topple.robots.world.acting_arm import ActingArm
@@ -56,9 +55,7 @@ class Film:
         self._robot.on_step.append(self._on_step)
         return self
 
-    def __exit__(
-        self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
-    ) -> None:
+    def __exit__(self, *_: object) -> None:
         """End the film."""
         self._robot.on_step.remove(self._on_step)
         self._write(None)

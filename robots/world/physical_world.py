@@ -3,56 +3,17 @@
 from abc import ABC, abstractmethod
 from collections.abc import Sequence
 from dataclasses import dataclass
-from types import TracebackType
-from typing import ClassVar, Protocol
+from typing import ClassVar
 
 import numpy as np
-from numpy.typing import NDArray
 
 from topple.robots.tolerances import TOLERANCES
 from topple.robots.world.bodies import Body
+from topple.robots.world.camera import Camera, Rendered
 from topple.robots.world.tolerances import TABLE_FRICTION, THICKNESS
-from topple.topology.arrays import FloatArray, IntArray
+from topple.topology.arrays import FloatArray
 from topple.topology.errors import UnknownObject
 from topple.topology.geometry.rigid import transformed
-
-Rendered = tuple[FloatArray, IntArray, NDArray[np.uint8]]
-"""Exact depth (H, W) in [m], 0 where nothing is; numbers of bodies (H, W), those of no body where nothing is;
-colours (H, W, 3)."""
-
-
-class Optics(Protocol):
-    """What an engine has to know of a camera: see `topple.robots.world.camera.Camera`."""
-
-    @property
-    def width(self) -> int:
-        """In pixels."""
-        ...
-
-    @property
-    def height(self) -> int:
-        """In pixels."""
-        ...
-
-    @property
-    def K(self) -> FloatArray:
-        """Intrinsic matrix (3, 3) in pixels."""
-        ...
-
-    @property
-    def pose_camera_to_world(self) -> FloatArray:
-        """(4, 4); x right, y down, z forward."""
-        ...
-
-    @property
-    def nearest(self) -> float:
-        """Least distance in [m] it sees."""
-        ...
-
-    @property
-    def farthest(self) -> float:
-        """Largest distance in [m] it sees."""
-        ...
 
 
 @dataclass(frozen=True)
@@ -115,9 +76,7 @@ class PhysicalWorld(ABC):
     def __enter__(self) -> "PhysicalWorld":
         return self
 
-    def __exit__(
-        self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
-    ) -> None:
+    def __exit__(self, *_: object) -> None:
         self.close()
 
     @abstractmethod
@@ -256,7 +215,7 @@ class PhysicalWorld(ABC):
         """Everything that touched in the last step, robots and the floor left out."""
 
     @abstractmethod
-    def rendered(self, camera: Optics) -> Rendered:
+    def rendered(self, camera: Camera) -> Rendered:
         """What a camera without faults sees."""
 
     def _number(self, name: str) -> int:

@@ -6,10 +6,10 @@ import numpy as np
 
 from topple.robots.engine import pybullet
 from topple.robots.poses import inverse
-from topple.robots.world.physical_world import Optics, Rendered
+from topple.robots.world.camera import Camera, Rendered
 
 
-def rendered(camera: Optics, client: int) -> Rendered:
+def rendered(camera: Camera, client: int) -> Rendered:
     """Draw what a camera without faults sees.
 
     Args:
@@ -33,13 +33,13 @@ def rendered(camera: Optics, client: int) -> Rendered:
     return depth, body & 0xFFFFFF, np.ascontiguousarray(rgb)
 
 
-def _view(camera: Optics) -> list[float]:
+def _view(camera: Camera) -> list[float]:
     """OpenGL's view matrix, column by column."""
     pose = camera.pose_camera_to_world @ np.diag([1.0, -1.0, -1.0, 1.0])
     return inverse(pose).T.ravel().tolist()
 
 
-def _projection(camera: Optics) -> list[float]:
+def _projection(camera: Camera) -> list[float]:
     """OpenGL's projection matrix, column by column.
 
     TinyRenderer casts the ray of a pixel through its left lower corner, not its centre.

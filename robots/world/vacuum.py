@@ -5,7 +5,7 @@ from typing import Any
 
 import numpy as np
 
-from topple.robots.arm.gripper import SuctionCup, vacuum_load
+from topple.robots.arm.gripper import SuctionCup, lip_plane, vacuum_load
 from topple.robots.engine import pybullet
 from topple.robots.poses import inverse, pose_from, position_and_quaternion
 from topple.robots.world.tolerances import AT_LIMIT, CLEAR, CONSTRAINT_ERP, PEEL_STEPS, RAYS, REACH, TILT
@@ -101,7 +101,10 @@ class Vacuum:
 
 
 def _under(world: World, pose_lip_to_world: FloatArray, cup: SuctionCup) -> str | None:
-    """The body that rays just outside the lip all meet in a plane that the lip can follow."""
+    """The body that rays just outside the lip all meet in a plane that the lip can follow.
+
+    What stands out of that plane within the lip holds the cup off, and the plane is then too far away.
+    """
     angle = np.linspace(0.0, 2 * np.pi, RAYS, endpoint=False)
     ring = (cup.radius + CLEAR) * np.column_stack([np.cos(angle), np.sin(angle)])
     ends = [np.column_stack([ring, np.full(RAYS, z)]) for z in (-REACH, REACH)]
@@ -110,8 +113,6 @@ def _under(world: World, pose_lip_to_world: FloatArray, cup: SuctionCup) -> str 
     if len({hit[0] for hit in hits}) > 1:
         return None
     height = np.array([hit[2] * 2 * REACH - REACH for hit in hits])
-    plane = np.column_stack([ring, np.ones(RAYS)])
-    slope, *_ = np.linalg.lstsq(plane, height, rcond=None)
-    uneven = np.abs(plane @ slope - height).max()
-    follows = uneven <= cup.lip_depth and abs(slope[2]) <= cup.lip_depth
-    return world.name_of(hits[0][0]) if follows and np.hypot(*slope[:2]) <= np.tan(TILT) else None
+    plane, uneven = lip_plane(ring, height)
+    follows = max(uneven, abs(plane[2])) <= cup.lip_depth and np.hypot(*plane[:2]) <= np.tan(TILT)
+    return world.name_of(hits[0][0]) if follows else None

@@ -12,12 +12,11 @@ from topple.robots.poses import inverse, pose_from, position_and_quaternion
 from topple.robots.scratch import Scratch
 from topple.robots.tolerances import TOLERANCES
 from topple.robots.world.bodies import Body
+from topple.robots.world.camera import Camera, Rendered
 from topple.robots.world.physical_world import (
     Contact,
-    Optics,
     PhysicalWorld,
     Physics,
-    Rendered,
     principal_axes,
 )
 from topple.robots.world.rendering import rendered
@@ -156,7 +155,7 @@ class World(PhysicalWorld):
         speed, turn = np.linalg.norm(velocity, axis=1)
         return float(speed), float(turn)
 
-    def rendered(self, camera: Optics) -> Rendered:
+    def rendered(self, camera: Camera) -> Rendered:
         """What a camera without faults sees, drawn by TinyRenderer."""
         return rendered(camera, self.client)
 

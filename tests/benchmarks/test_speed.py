@@ -36,6 +36,15 @@ def test_rows_say_against_what_and_how_far(tmp_path: Path) -> None:
     assert (alone.bar, alone.ok) == (None, None)
 
 
+@pytest.mark.slow
+@pytest.mark.filterwarnings("default")  # those of the cluster's start and end are not topple's
+def test_two_workers_are_held_against_one_process(tmp_path: Path) -> None:
+    paths = [speed.written(stacks_of_four(8, k), tmp_path / f"{k}_scene.npz") for k in range(2)]
+    rows = speed.many_rows(paths, lambda text: None)
+    assert rows[0].what == "relations of 2 scenes, two workers, processes, wall"
+    assert all(row.bar == ">= 1.7x" and row.value > 0 for row in rows)
+
+
 def test_a_folder_that_is_no_checkout_is_refused(tmp_path: Path) -> None:
     with pytest.raises(InvalidInput, match="no folder topology"):
         Trees(tmp_path, tmp_path)

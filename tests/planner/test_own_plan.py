@@ -6,6 +6,7 @@ from typing import Any
 
 import numpy as np
 import pytest
+from on_table import BASE, on_table
 
 from topple.planner.decide.arrange import Order, arrange
 from topple.planner.decide.dependency import Dependency, DependencyGraph
@@ -22,9 +23,6 @@ from topple.topology.relations import Relations, relate
 from topple.topology.scene import Scene
 from topple.topology.situation import Situation
 
-BASE = np.eye(4)
-BASE[0, 3] = -0.5
-
 
 def down(x: float, y: float, z: float, turn: float = 0.0) -> np.ndarray:
     """A hand from above whose pads close along y, turned about the vertical."""
@@ -37,16 +35,8 @@ def down(x: float, y: float, z: float, turn: float = 0.0) -> np.ndarray:
 
 def stacked() -> Scene:
     """A block on a block, and one aside."""
-    rng = np.random.default_rng(0)
-    axis = np.arange(-0.35, 0.35, 0.008)
-    x, y = np.meshgrid(axis, axis)
-    clouds = {
-        "table": np.column_stack([x.ravel(), y.ravel(), np.zeros(x.size)]),
-        "lower": box("lower", (0.05, 0.05, 0.05)).surface(3000, rng),
-        "upper": box("upper", (0.05, 0.05, 0.05)).surface(3000, rng) + np.array([0.0, 0.0, 0.0505]),
-        "aside": box("aside", (0.05, 0.05, 0.05)).surface(3000, rng) + np.array([0.0, 0.2, 0.0]),
-    }
-    return Scene(clouds, fixed=["table"], up=[0, 0, 1])
+    places = {"lower": (0.0, 0.0, 0.0), "upper": (0.0, 0.0, 0.0505), "aside": (0.0, 0.2, 0.0)}
+    return on_table(*((box(name, (0.05, 0.05, 0.05)), at) for name, at in places.items()), half=0.35)
 
 
 def test_an_object_is_taken_by_a_grasp_of_the_callers_own_and_the_others_as_ever() -> None:

@@ -30,8 +30,8 @@ def scenes(count: int = 3) -> list[Scene]:
     return found
 
 
-BOUND = 300_000
-"""Bytes that may come back of one scene."""
+BOUND = 10_000
+"""Bytes that may come back of one scene: half of what one of its clouds has."""
 
 
 class Weighed(ThreadPoolExecutor):

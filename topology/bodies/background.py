@@ -9,7 +9,6 @@ from topple.topology.arrays import BoolArray, FloatArray, bounds
 from topple.topology.bodies.tolerances import (
     BACKGROUND_FEWEST,
     NEAR,
-    ON,
     OVER,
     PLANES,
     STANDS,
@@ -17,6 +16,7 @@ from topple.topology.bodies.tolerances import (
 )
 from topple.topology.geometry.axes import perpendiculars
 from topple.topology.geometry.plane import fit_plane
+from topple.topology.geometry.tolerances import ON_PLANE
 
 
 def find_table(
@@ -65,7 +65,7 @@ def note_of(table: FloatArray) -> str:
 
 def _on(points: FloatArray, plane: FloatArray) -> BoolArray:
     """Which points (N, 3) lie in a plane, as far as noise lets them."""
-    return np.abs(points @ plane[:3] + plane[3]) <= ON
+    return np.abs(points @ plane[:3] + plane[3]) <= ON_PLANE
 
 
 def _standing(plane: FloatArray, clouds: Mapping[str, FloatArray], viewpoints: FloatArray) -> int:

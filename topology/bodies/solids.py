@@ -13,7 +13,6 @@ from topple.topology.bodies.tolerances import (
     BOARD,
     GRAIN,
     HOLLOW,
-    HOVER,
     PLATES_FEWEST,
     SKIN,
     SLAB,
@@ -26,6 +25,7 @@ from topple.topology.geometry.rigid import transformed
 from topple.topology.geometry.sides import beyond, sides_of
 from topple.topology.geometry.thin import voxel_means
 from topple.topology.scene import Scene
+from topple.topology.tolerances import DEPTH_NOISE
 
 Solids = Mapping[str, Sequence[FloatArray]]
 """Per object the (V, 3) vertices of its convex parts, in the world [m]."""
@@ -202,7 +202,7 @@ def hidden_depth(name: str, scene: Scene, up: FloatArray) -> float:
         below = room[np.isfinite(room) & (room > -SOLIDS_CELL)]  # points above the object do not count
         if len(below) > 0:
             gap = min(gap, max(0.0, float(below.min())))
-    return float(gap) if HOVER < gap < np.inf else 0.0
+    return float(gap) if DEPTH_NOISE < gap < np.inf else 0.0
 
 
 def drawn_down(part: FloatArray, depth: float, up: FloatArray) -> FloatArray:

@@ -17,9 +17,6 @@ STANDS = 0.03
 OVER = 0.8
 """Share of the objects that must lie over the plane; one or two may stand past its edge, lower."""
 
-ON = 0.02
-"""Distance [m] from its plane that a seen table strays: depth noise and a board that bends."""
-
 VOXEL = 0.05
 """Edge [m] of the cells in which the table's extent hangs together: what is thin hides less of it."""
 
@@ -129,9 +126,6 @@ BOARD = 0.02
 SKIN = 0.01
 """Points of a slab's faces and edges lie this close to it: depth noise [m]."""
 
-HOVER = 0.006
-"""A gap below an object up to this is depth noise, above it a side nobody saw [m]."""
-
 SOLIDS_CELL = 0.01
 """Grid on which what lies below an object is looked up [m]."""
 
@@ -150,11 +144,8 @@ TOPS_LEVEL = 0.9
 VOTE = 0.003
 """Points this close to a plane speak for it: more would count both faces of a thin board [m]."""
 
-BAND = 0.006
-"""Points of one level lie within this of its plane: three sigmas of depth noise [m]."""
-
 WIDEST_BAND = 0.01
-"""The same where the noise is larger [m]."""
+"""Points of one level lie within this of its plane at most, where noise is larger than `DEPTH_NOISE` [m]."""
 
 FACES = 0.003
 """The faces of a board are at least this far apart: a thinner one is a sheet [m]."""

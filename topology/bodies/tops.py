@@ -15,7 +15,6 @@ from scipy.spatial import ConvexHull, KDTree
 
 from topple.topology.arrays import BoolArray, FloatArray, IntArray, frozen
 from topple.topology.bodies.tolerances import (
-    BAND,
     FACES,
     FILLED,
     FLAT,
@@ -43,6 +42,7 @@ from topple.topology.bodies.tolerances import (
 from topple.topology.geometry.axes import perpendiculars
 from topple.topology.geometry.plane import fit_plane, plane_through
 from topple.topology.geometry.tolerances import ENOUGH
+from topple.topology.tolerances import DEPTH_NOISE
 
 REMEMBERED = 64  # clouds whose tops are kept
 
@@ -101,7 +101,7 @@ class Tops:
             box where it is over none, as a cloud may be cut off.
         """
         middle = points.mean(axis=0)
-        below = [top for top in self.tops if float(top.above(middle[None])[0]) > -BAND]
+        below = [top for top in self.tops if float(top.above(middle[None])[0]) > -DEPTH_NOISE]
         over = [top for top in below if _beside(top, points, margin)]
         return next(iter(over or below), None)
 
@@ -274,7 +274,7 @@ def _levels(cloud: FloatArray, up: FloatArray) -> tuple[_Level, ...]:
     misses = 0
     while misses < MISSES and len(found) < MOST_LEVELS and np.count_nonzero(left) >= TOPS_FEWEST:
         normal, height = _densest(cloud[left], up)
-        inside = left & (np.abs(cloud @ normal - height) <= BAND)
+        inside = left & (np.abs(cloud @ normal - height) <= DEPTH_NOISE)
         if np.count_nonzero(inside) < max(TOPS_FEWEST, TOPS_LEAST * len(cloud)):
             break
         left &= ~inside
@@ -294,7 +294,7 @@ def _densest(points: FloatArray, up: FloatArray) -> tuple[FloatArray, float]:
     normal, height = plane[:3], -float(plane[3])
     some = points[:: max(1, len(points) // ENOUGH)]
     for _ in range(ROUNDS):
-        near = some[np.abs(some @ normal - height) <= BAND]
+        near = some[np.abs(some @ normal - height) <= DEPTH_NOISE]
         if len(near) < 3:
             break
         middle, normal = plane_through(near)
@@ -311,7 +311,7 @@ def _faces(cloud: FloatArray, inside: BoolArray, normal: FloatArray, grid: _Grid
     for side in sides:
         height = float(np.median(heights[side]))
         if parting is None:  # noise beyond the band belongs to the level, too
-            band = float(np.clip(4.0 * _spread(heights[side]), BAND, WIDEST_BAND))
+            band = float(np.clip(4.0 * _spread(heights[side]), DEPTH_NOISE, WIDEST_BAND))
             side = np.abs(heights - height) <= band
         members = side.copy()
         members[side] = grid.wide(cloud[side])

@@ -12,9 +12,9 @@ def perpendiculars(axis: FloatArray) -> tuple[FloatArray, FloatArray]:
     Args:
         axis: (3,) unit vector.
     """
-    first = np.cross(axis, np.eye(3)[int(np.argmin(np.abs(axis)))]).astype(np.float64)
+    first = cross(axis, np.eye(3)[int(np.argmin(np.abs(axis)))])
     first /= np.linalg.norm(first)
-    return first, np.cross(axis, first).astype(np.float64)
+    return first, cross(axis, first)
 
 
 def around(count: int) -> FloatArray:
@@ -33,9 +33,15 @@ def level_axes(up: FloatArray) -> tuple[FloatArray, FloatArray]:
         x and y with x cross y = up; the world's x and y where up is its z.
     """
     y = np.array([0.0, 1.0, 0.0]) if abs(up[1]) < 0.9 else np.array([0.0, 0.0, 1.0])
-    x = np.cross(y, up)
+    x = cross(y, up)
     x /= np.linalg.norm(x)
-    return x, np.cross(up, x)
+    return x, cross(up, x)
+
+
+def cross(a: FloatArray, b: FloatArray) -> FloatArray:
+    """The cross product of two vectors (3,): of single ones numpy's takes twenty times as long."""
+    (ax, ay, az), (bx, by, bz) = a.tolist(), b.tolist()
+    return np.array([ay * bz - az * by, az * bx - ax * bz, ax * by - ay * bx])
 
 
 def own_axes(points: FloatArray) -> FloatArray:
@@ -52,5 +58,5 @@ def own_axes(points: FloatArray) -> FloatArray:
     axes = np.linalg.eigh(centred.T @ centred)[1].T[::-1]
     tails = ((centred @ axes.T) ** 3).sum(axis=0)
     axes = np.where(tails < 0, -1.0, 1.0)[:, None] * axes
-    axes[2] = np.cross(axes[0], axes[1])
+    axes[2] = cross(axes[0], axes[1])
     return axes

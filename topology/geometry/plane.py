@@ -6,7 +6,8 @@ import numpy as np
 
 from topple.topology.arrays import FloatArray
 from topple.topology.geometry.normals import patch_planes
-from topple.topology.geometry.tolerances import DRAWS, ENOUGH, FLAT_SHARE, INLIER, LEVEL, LEVEL_DRAWS
+from topple.topology.geometry.tolerances import DRAWS, ENOUGH, FLAT_SHARE, LEVEL, LEVEL_DRAWS
+from topple.topology.tolerances import DEPTH_NOISE
 
 TABLE = "table"
 """Name of a table that was not given as an object."""
@@ -15,7 +16,7 @@ _TABLE_NAMES = (TABLE, "ground", "floor", "shelf")
 
 
 def fit_plane(
-    points: FloatArray, *, inlier: float = INLIER, seed: int = 0, up: FloatArray | None = None
+    points: FloatArray, *, inlier: float = DEPTH_NOISE, seed: int = 0, up: FloatArray | None = None
 ) -> tuple[FloatArray, float]:
     """Find the plane that holds most points, whatever the others do (RANSAC, then least squares).
 

@@ -204,7 +204,8 @@ def _sphere(points: FloatArray) -> tuple[FloatArray, float] | None:
     for _ in range(ROUNDS):
         rays = columns - centre[:, None]
         squares = rays * rays
-        far = np.maximum(np.sqrt(squares[0] + squares[2:].sum(axis=0) + squares[1]), 1e-9)
+        far = squares[0] + squares[2] if size == 3 else squares[0]
+        far = np.maximum(np.sqrt(far + squares[1]), 1e-9)
         system[:, :size] = (rays / far).T
         try:
             step = np.linalg.solve(system.T @ system, system.T @ (far - radius))
@@ -244,9 +245,11 @@ def _cylinder(points: FloatArray, axis: FloatArray) -> Cylinder | None:
         if circle is None:
             return None
         off = np.abs(np.linalg.norm(flat - circle[0], axis=1) - circle[1])
-        side = off < max(0.003, 0.1 * circle[1])
+        before, side = side, off < max(0.003, 0.1 * circle[1])
         if np.count_nonzero(side) < 12:
             return None
+        if np.array_equal(side, before):
+            break  # so is every further circle
     assert circle is not None
     middle, radius = circle
     if radius > LARGEST_RADIUS or _arc(flat[side] - middle) < LEAST_ARC:

@@ -27,8 +27,8 @@ LEVEL = 0.97
 ENOUGH = 4000
 """Points that tell a plane or how a cloud lies; more change the answer by less than the noise."""
 
-INLIER = 0.006
-"""How far [m] points of a plane may be off it: three sigmas of a Kinect at 1 m."""
+ON_PLANE = 0.02
+"""How far [m] a seen table strays from its plane: depth noise and a board that bends."""
 
 FLAT_SHARE = 0.4
 """Share of its points on one plane that makes a thing flat: a table seen past its clutter is above 0.9, a

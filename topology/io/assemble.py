@@ -11,12 +11,12 @@ from topple.topology.checks import as_plane, as_points, as_viewpoints
 from topple.topology.errors import InvalidInput
 from topple.topology.geometry.axes import perpendiculars
 from topple.topology.geometry.plane import TABLE as _TABLE
+from topple.topology.geometry.tolerances import ON_PLANE
 from topple.topology.image import DepthImage
 from topple.topology.io.tolerances import (
     FAR_SPACING,
     MOST_TABLE_POINTS,
     NARROWEST_TABLE,
-    ON_PLANE,
     ON_PLANE_SHARE,
     TABLE_MARGIN,
     TABLE_REACH,

@@ -17,9 +17,6 @@ FAR_SPACING = 0.03
 MOST_TABLE_POINTS = 40_000
 """Points a table may have: one of 1 m by 1 m at 5 mm."""
 
-ON_PLANE = 0.02
-"""How far [m] a seen table strays from its plane: depth noise and a board that bends."""
-
 ON_PLANE_SHARE = 0.8
 """Share of a table's points that lie on it; the rest is what the mask's edges add."""
 

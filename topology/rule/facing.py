@@ -9,7 +9,8 @@ import numpy as np
 
 from topple.topology.arrays import BoolArray, FloatArray
 from topple.topology.rule.surface import SurfaceCloud
-from topple.topology.rule.tolerances import COVERED, DEPTH, NOISE, PLACES, SETTLED
+from topple.topology.rule.tolerances import COVERED, DEPTH, PLACES, SETTLED
+from topple.topology.tolerances import DEPTH_NOISE
 from topple.topology.views.free_space import FreeSpace
 
 SHARES = np.array([0.1, 0.3, 0.5, 0.7, 0.9])[:, None, None]
@@ -44,7 +45,7 @@ def settled_share(a: SurfaceCloud, b: SurfaceCloud, sight: FreeSpace) -> float:
         if len(start):
             seen = _seen(one, start, end, sight) & _seen(other, end, start, sight)
             between = start * (1 - SHARES) + end * SHARES
-            free = sight.empty(between.reshape(-1, 3), NOISE).reshape(len(SHARES), -1).any(axis=0)
+            free = sight.empty(between.reshape(-1, 3), DEPTH_NOISE).reshape(len(SHARES), -1).any(axis=0)
             settled.append(seen | free)
     return float(np.concatenate(settled).mean())
 
@@ -57,7 +58,7 @@ def _across(a: SurfaceCloud, b: SurfaceCloud) -> tuple[FloatArray, FloatArray, F
     length = table[np.arange(len(places)), facet]
     ends = places - length[:, None] * b.hull.normals[facet]
     # Inside the other's hull, and beside its faces, the nearest point of its surface is faced.
-    aside = (length <= NOISE) | (b.hull.facet_distance(ends) > NOISE)
+    aside = (length <= DEPTH_NOISE) | (b.hull.facet_distance(ends) > DEPTH_NOISE)
     if aside.any():
         distance, index = b.tree.query(places[aside])
         ends[aside], length[aside] = b.coarse[np.asarray(index)], np.asarray(distance)
@@ -66,5 +67,5 @@ def _across(a: SurfaceCloud, b: SurfaceCloud) -> tuple[FloatArray, FloatArray, F
 
 def _seen(a: SurfaceCloud, places: FloatArray, towards: FloatArray, sight: FreeSpace) -> BoolArray:
     """Which places of a hull have a surface near them that some camera sees from the side it faces."""
-    covered = np.asarray(a.tree.query(places)[0]) <= max(COVERED * a.spacing, NOISE)
+    covered = np.asarray(a.tree.query(places)[0]) <= max(COVERED * a.spacing, DEPTH_NOISE)
     return covered & sight.facing(places, towards - places)

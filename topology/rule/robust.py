@@ -21,7 +21,7 @@ from topple.topology.relation_table import AnyTable, box_distance
 from topple.topology.rule.cavity import roofed, surrounded
 from topple.topology.rule.facing import facing_seen
 from topple.topology.rule.inferred import infer_contacts
-from topple.topology.rule.surface import SurfaceCloud, closest, distances
+from topple.topology.rule.surface import Reaching, SurfaceCloud, closest, distances
 from topple.topology.rule.tolerances import CONTENT, RAYS, WALL
 from topple.topology.scene import Scene
 from topple.topology.sixim.table import Relation, classify, kind_of
@@ -64,7 +64,7 @@ class RobustRule:
         """Relate two prepared clouds."""
         near = closest(a, b)
         touching = near.gap <= self.deviation
-        one, other = self._counted(a, b), self._counted(b, a)
+        one, other = self._counted(a, b, near.of_a), self._counted(b, a, near.of_b)
         matrix = np.stack([one.counts, other.counts])
         relation = self._relation(one, other, touching)
         depth = max(one.depth(b), other.depth(a)) if relation is Relation.CROSS else 0.0
@@ -155,12 +155,16 @@ class RobustRule:
         _, axes = np.linalg.eigh(centred.T @ centred)
         return [sign * axis for axis in axes.T for sign in (1.0, -1.0)]
 
-    def _counted(self, a: SurfaceCloud, b: SurfaceCloud) -> "_Counted":
-        """Where the mean points of A lie in B."""
+    def _counted(self, a: SurfaceCloud, b: SurfaceCloud, known: Reaching | None) -> "_Counted":
+        """Where the mean points of A lie in B; how far they are from B's is known as far as that reaches."""
         interior = self._interior(a, b)
         rest = np.flatnonzero(~interior)
         reach = self.deviation + max(a.cell, b.cell)
-        exterior = rest[~(distances(a.coarse[rest], b, reach) <= reach)]
+        if known is not None and known.limit >= reach:
+            away = known.distances[rest]
+        else:
+            away = distances(a.coarse[rest], b, reach)
+        exterior = rest[~(away <= reach)]
         counts = np.array([a.size - len(rest), len(rest) - len(exterior), len(exterior)], dtype=np.int64)
         if counts[0] < _least(a.size):
             return _Counted(counts, False, True, a.coarse[:0])

@@ -70,11 +70,14 @@ class SurfaceCloud:
         coarse = np.add.reduceat(points, starts[:-1], axis=0) / sizes[:, None]
         tree = KDTree(coarse)
         kept = _well_connected(tree, sizes, cell)
-        kept[kept] = _main_pieces(tree if kept.all() else KDTree(coarse[kept]))
+        tree = tree if kept.all() else KDTree(coarse[kept])
+        main = _main_pieces(tree)
+        kept[kept] = main
         dropped = len(points) - int(sizes[kept].sum())
         if dropped:
             points, sizes, coarse = points[np.repeat(kept, sizes)], sizes[kept], coarse[kept]
-            starts, tree = np.concatenate([[0], np.cumsum(sizes)]), KDTree(coarse)
+            starts = np.concatenate([[0], np.cumsum(sizes)])
+            tree = tree if main.all() else KDTree(coarse)
         return SurfaceCloud(name, points, starts, coarse, cell, dropped, tree)
 
     @cached_property
@@ -183,16 +186,28 @@ def _width(points: FloatArray) -> float:
 
 
 @dataclass(frozen=True, eq=False)
+class Reaching:
+    """(N,) distances of points to a surface [m], infinite beyond a limit [m]: see `distances`."""
+
+    distances: FloatArray
+    limit: float
+
+
+@dataclass(frozen=True, eq=False)
 class Closest:
     """The nearest regions of two surfaces.
 
     Attributes:
         gap: Distance of the surfaces [m], by the closest points that are no strays.
         pairs: (k, 2, 3) closest points, on the first and on the second surface [m].
+        of_a: How far the mean points of the first are from those of the second.
+        of_b: The other way round; None where that was not asked.
     """
 
     gap: float
     pairs: FloatArray
+    of_a: "Reaching"
+    of_b: "Reaching | None"
 
     @property
     def apart(self) -> float:
@@ -216,9 +231,10 @@ def closest(a: SurfaceCloud, b: SurfaceCloud) -> Closest:
     more = 1 + 1e-9  # a distance there and one back differ by their rounding
     bound = float(np.min(b.tree.query(_at_most(a.coarse, PROBES))[0])) * more
     near_a = distances(a.coarse, b, bound + slack)
+    of_a = Reaching(near_a, bound + slack)
     apart = float(near_a.min())
     if 0 < FAR * slack < apart:
-        return _far(a, b, near_a)
+        return _far(a, b, of_a)
     limit = apart * more + slack
     near_b = distances(b.coarse, a, limit)
     fine_a = _at_most(a.rows_of(np.flatnonzero(near_a <= limit)), FINE)
@@ -233,14 +249,16 @@ def closest(a: SurfaceCloud, b: SurfaceCloud) -> Closest:
     pairs = np.concatenate(
         [np.stack([fine_a[first], feet[first]], axis=1), np.stack([heads[second], fine_b[second]], axis=1)]
     )
-    return Closest(min(_ranked(forward, rank), _ranked(backward, rank)), pairs)
+    gap = min(_ranked(forward, rank), _ranked(backward, rank))
+    return Closest(gap, pairs, of_a, Reaching(near_b, limit))
 
 
-def _far(a: SurfaceCloud, b: SurfaceCloud, near_a: FloatArray) -> Closest:
+def _far(a: SurfaceCloud, b: SurfaceCloud, of_a: Reaching) -> Closest:
     """The nearest mean points: how they lie in their cells hardly lengthens a distance of many cells."""
-    chosen = np.argsort(near_a, kind="stable")[:64]
+    chosen = np.argsort(of_a.distances, kind="stable")[:64]
     feet = b.coarse[np.asarray(b.tree.query(a.coarse[chosen])[1])]
-    return Closest(float(near_a[chosen[0]]), np.stack([a.coarse[chosen], feet], axis=1))
+    pairs = np.stack([a.coarse[chosen], feet], axis=1)
+    return Closest(float(of_a.distances[chosen[0]]), pairs, of_a, None)
 
 
 def distances(points: FloatArray, other: SurfaceCloud, limit: float) -> FloatArray:

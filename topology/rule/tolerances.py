@@ -17,9 +17,6 @@ DEPTH = 0.015
 COVERED = 2.0
 """Spacings of a cloud within which a place of its hull has a seen surface."""
 
-NOISE = 0.006
-"""How far [m] noise of a depth camera puts points of one surface apart."""
-
 SETTLED = 0.95
 """Share of the facing places that must be settled: a stem or a foot takes a twentieth of an underside."""
 

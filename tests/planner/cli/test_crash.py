@@ -31,7 +31,9 @@ def test_a_fault_is_told_apart_from_a_refusal(
     assert text.startswith("topple broken\n") and "Traceback" in text and "1 // 0" in text
 
 
-@pytest.mark.parametrize("closed", ["<&-", ">&-", "2>&-", "<&- >&- 2>&-"])
+@pytest.mark.parametrize(
+    "closed", ["<&- >&- 2>&-", *(pytest.param(one, marks=pytest.mark.slow) for one in ("<&-", ">&-", "2>&-"))]
+)
 def test_closed_streams_are_no_fault(closed: str, tmp_path: Path) -> None:
     np.savez(tmp_path / "scene.npz", a=np.random.default_rng(0).uniform(0.0, 0.1, (200, 3)))
     command = f'exec "{sys.executable}" -m topple.planner.cli.main relate '

@@ -42,6 +42,7 @@ def test_what_was_kept_is_not_answered_again(
     paths = [scene(tmp_path / f"{k}.npz", 0.01 * k) for k in range(3)]
     whole, out = tmp_path / "whole.jsonl", tmp_path / "out.jsonl"
     assert main([command, *paths, "-o", str(whole)]) == 0
+    assert capsys.readouterr().out == f"{whole} has answers to 3 scenes.\n"
     assert main([command, *paths, "--json"]) == 0
     printed = [json.loads(line) for line in capsys.readouterr().out.splitlines()]
     lines = whole.read_text().splitlines(keepends=True)

@@ -132,14 +132,16 @@ def test_pairs_of_scenes_and_grasps_are_a_line_each_and_one_that_fails_stops_no_
 
 
 @pytest.mark.parametrize("kind", ["npz", "npy"])
-def test_grasps_are_piped_in(scene: Path, grasps: Path, kind: str) -> None:
+def test_grasps_are_piped_in(
+    scene: Path, grasps: Path, kind: str, capsys: pytest.CaptureFixture[str]
+) -> None:
     if kind == "npy":
         grasps = scene.with_name("poses.npy")
         np.save(grasps, np.array([np.diag([1.0, -1.0, -1.0, 1.0]) + np.eye(4, k=3) * 0.0]))
     code = "import sys; from topple.planner.cli.main import main; sys.exit(main(sys.argv[1:]))"
     call = [sys.executable, "-c", code, "rank", str(scene), "-", "--json"]
     done = subprocess.run(call, input=grasps.read_bytes(), capture_output=True, check=True)
-    piped, direct = json.loads(done.stdout), []
-    done = subprocess.run([*call[:-2], str(grasps), "--json"], capture_output=True, check=True)
-    direct = json.loads(done.stdout)
+    piped = json.loads(done.stdout)
+    assert main(["rank", str(scene), str(grasps), "--json"]) == 0
+    direct = json.loads(capsys.readouterr().out)
     assert piped["grasps"] == direct["grasps"] and len(piped["grasps"]) > 0 and piped["file"] == "-"

@@ -203,6 +203,32 @@ def test_the_loop_reaches_a_goal_with_another_driver_other_eyes_and_no_judge() -
 
 
 @dataclass
+class Missing(Ghost):
+    """Closes on nothing as often as it says where it should take the box."""
+
+    misses: int = 3
+
+    def close(self, force: float) -> float:
+        if self._near("fingers", 0.0) == "box" and self.misses:
+            self.misses -= 1
+            return 0.0
+        return super().close(force)
+
+
+def test_what_was_given_up_is_tried_again_once_another_thing_is_out_of_its_way() -> None:
+    beside = np.array([0.0, 0.06, 0.0])
+    block = shapes.block("block", 0.04).surface(3000, np.random.default_rng(1)) + beside
+    ghost = Missing(robot("panda"), BASE, {"box": seen().clouds["box"].copy(), "block": block})
+    record = ClosedLoop(ghost, Sighted(ghost), "free box").run()
+    assert record.success, record.violations
+    assert [(step.object, step.success) for step in record.steps] == [
+        *[("box", False)] * 3,
+        ("block", True),
+        ("box", True),
+    ]
+
+
+@dataclass
 class Clenched(Ghost):
     """Closes its hand, and does not open it any more."""
 

@@ -4,6 +4,7 @@ import pytest
 from topple.planner.grasp import Grasp, grasp_candidates
 from topple.planner.grasp.hand import hand_shape
 from topple.planner.grasp.surroundings import Dropped
+from topple.robots.arm.gripper import SuctionCup
 from topple.robots.catalog import robot
 from topple.robots.shapes.boxes import box, can
 from topple.robots.shapes.cutlery import spoon
@@ -72,6 +73,31 @@ def test_a_plate_is_taken_by_suction_at_its_middle() -> None:
     assert best.kind == "suction"
     assert np.linalg.norm(best.pose_tool_to_world[:2, 3]) < 0.03
     assert best.approach[2] < -0.98
+
+
+def sealed_at(cloud: np.ndarray) -> list[float]:
+    """How far from the middle of a cloud a cup would take it [m]."""
+    found = grasp_candidates("plate", on_table(plate=cloud), ARM)
+    return [float(np.linalg.norm(g.pose_tool_to_world[:2, 3])) for g in found if g.kind == "suction"]
+
+
+def test_no_cup_is_put_over_a_bump_that_its_lip_does_not_bridge() -> None:
+    cloud = seen(plate())
+    radius = np.linalg.norm(cloud[:, :2], axis=1)
+    assert min(sealed_at(cloud)) < 0.01
+    high, low = (cloud + np.outer(radius < 0.006, [0.0, 0.0, bump]) for bump in (0.005, 0.001))
+    lip = ARM.tools["suction"].gripper
+    assert isinstance(lip, SuctionCup)
+    assert min(sealed_at(high), default=np.inf) > lip.radius
+    assert min(sealed_at(low)) < 0.01
+
+
+def test_no_cup_is_put_on_waves_that_its_lip_does_not_bridge() -> None:
+    cloud = seen(plate())
+    waves = np.zeros_like(cloud)
+    waves[:, 2] = 0.005 * np.sin(2 * np.pi * cloud[:, 0] / 0.03) * (cloud[:, 2] > 0.004)
+    assert sealed_at(cloud)
+    assert not sealed_at(cloud + waves)
 
 
 @pytest.mark.slow

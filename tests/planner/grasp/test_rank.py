@@ -4,6 +4,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from on_table import on_table
 
 from topple.benchmarks.grasps import random_grasps
 from topple.benchmarks.plain_hands import against, held
@@ -27,15 +28,8 @@ def down(x: float, y: float, z: float) -> np.ndarray:
 
 
 def scene() -> Scene:
-    rng = np.random.default_rng(0)
-    axis = np.arange(-0.3, 0.3, 0.008)
-    x, y = np.meshgrid(axis, axis)
-    clouds = {
-        "table": np.column_stack([x.ravel(), y.ravel(), np.zeros(x.size)]),
-        "lower": box("lower", (0.05, 0.05, 0.05)).surface(3000, rng),
-        "upper": box("upper", (0.05, 0.05, 0.05)).surface(3000, rng) + np.array([0.0, 0.0, 0.0505]),
-    }
-    return Scene(clouds, fixed=["table"], up=[0, 0, 1])
+    places = {"lower": (0.0, 0.0, 0.0), "upper": (0.0, 0.0, 0.0505)}
+    return on_table(*((box(name, (0.05, 0.05, 0.05)), at) for name, at in places.items()), half=0.3)
 
 
 GRASPS = np.array([down(0.0, 0.0, 0.035), down(0.0, 0.0, 0.088), down(0.2, 0.2, 0.1)])

@@ -4,8 +4,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from topple.planner.motion.bounds import MotionBounds
-from topple.planner.motion.certificate import Certifier
+from topple.planner.motion.certificate import Certifier, MotionBounds
 from topple.planner.motion.collision import Checker
 from topple.robots.catalog import robot
 from topple.robots.collision.separation import Frames

@@ -7,6 +7,7 @@ import msgspec
 import networkx as nx
 import numpy as np
 import pytest
+from on_table import BASE, on_table
 
 from topple.planner.errors import NoSafePlan
 from topple.planner.export import EXPORTERS, export
@@ -20,20 +21,13 @@ from topple.topology.scene import Scene
 from topple.topology.workers import WorkerPool
 
 ARM = robot("panda-suction")
-BASE = np.eye(4)
-BASE[0, 3] = -0.5
 
 
 def stacked() -> Scene:
-    rng = np.random.default_rng(0)
-    axis = np.arange(-0.45, 0.45, 0.008)
-    x, y = np.meshgrid(axis, axis)
-    clouds = {
-        "table": np.column_stack([x.ravel(), y.ravel(), np.zeros(x.size)]),
-        "lower box": box("lower", (0.06, 0.06, 0.06)).surface(3000, rng),
-        "upper": box("upper", (0.05, 0.05, 0.05)).surface(3000, rng) + np.array([0.0, 0.0, 0.0605]),
-    }
-    return Scene(clouds, fixed=["table"], up=[0, 0, 1])
+    return on_table(
+        (box("lower box", (0.06, 0.06, 0.06)), (0.0, 0.0, 0.0)),
+        (box("upper", (0.05, 0.05, 0.05)), (0.0, 0.0, 0.0605)),
+    )
 
 
 @pytest.fixture(scope="module")

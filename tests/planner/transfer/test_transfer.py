@@ -2,6 +2,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from on_table import BASE, on_table
 
 from topple.planner.placement.base import NoBase, choose_base
 from topple.planner.transfer.handling import Handling
@@ -16,21 +17,10 @@ from topple.topology.situation import Situation
 from topple.topology.sixim.table import Relation
 
 ARM = robot("panda-suction")
-BASE = np.eye(4)
-BASE[0, 3] = -0.5
 
 
 def scene() -> Scene:
-    rng = np.random.default_rng(0)
-    axis = np.arange(-0.45, 0.45, 0.008)
-    x, y = np.meshgrid(axis, axis)
-    table = np.column_stack([x.ravel(), y.ravel(), np.zeros(x.size)])
-    clouds = {
-        "table": table,
-        "can": can().surface(3000, rng),
-        "box": box("box", (0.06, 0.1, 0.12)).surface(3000, rng) + np.array([0.0, 0.2, 0.0]),
-    }
-    return Scene(clouds, fixed=["table"], up=[0, 0, 1])
+    return on_table((can(), (0.0, 0.0, 0.0)), (box("box", (0.06, 0.1, 0.12)), (0.0, 0.2, 0.0)))
 
 
 @pytest.fixture(scope="module")

@@ -3,6 +3,7 @@ import math
 
 import numpy as np
 import pytest
+from on_table import BASE, on_table
 
 from topple.planner.formats.plan_format import Plan, plan_from_json, plan_to_json
 from topple.planner.planning.plan import plan
@@ -13,23 +14,17 @@ from topple.robots.shapes.boxes import box
 from topple.topology.errors import InvalidInput
 from topple.topology.scene import Scene
 
-BASE = np.eye(4)
-BASE[0, 3] = -0.5
 ROUGH = 0.02  # [rad]: what is broken here is broken everywhere
 
 
 def stacked() -> Scene:
     """A block on a block, and a tall box beside them."""
-    rng = np.random.default_rng(0)
-    axis = np.arange(-0.45, 0.45, 0.008)
-    x, y = np.meshgrid(axis, axis)
-    clouds = {
-        "table": np.column_stack([x.ravel(), y.ravel(), np.zeros(x.size)]),
-        "lower": box("lower", (0.06, 0.06, 0.06)).surface(2000, rng),
-        "upper": box("upper", (0.05, 0.05, 0.05)).surface(2000, rng) + np.array([0.0, 0.0, 0.0605]),
-        "tall": box("tall", (0.08, 0.08, 0.25)).surface(2000, rng) + np.array([0.05, 0.2, 0.0]),
-    }
-    return Scene(clouds, fixed=["table"], up=[0, 0, 1])
+    return on_table(
+        (box("lower", (0.06, 0.06, 0.06)), (0.0, 0.0, 0.0)),
+        (box("upper", (0.05, 0.05, 0.05)), (0.0, 0.0, 0.0605)),
+        (box("tall", (0.08, 0.08, 0.25)), (0.05, 0.2, 0.0)),
+        points=2000,
+    )
 
 
 @pytest.fixture(scope="module")

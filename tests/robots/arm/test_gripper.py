@@ -3,7 +3,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from topple.robots.arm.gripper import SuctionCup, ToolState
+from topple.robots.arm.gripper import SuctionCup, ToolState, lip_plane
 from topple.robots.catalog import names, robot
 
 
@@ -52,3 +52,14 @@ def test_beyond_its_stroke_a_jaw_stays_at_the_end() -> None:
 def test_a_fixed_cup_has_no_joint_and_a_retractable_one_is_clipped() -> None:
     assert SuctionCup("cup", None, 0.0, 0.015, 42.0).values(0.1) == {}
     assert SuctionCup("cup", "push", 0.05, 0.015, 42.0).values(0.1) == {"push": 0.05}
+
+
+def test_a_lip_follows_a_slope_and_has_to_bridge_what_no_plane_has() -> None:
+    turn = np.arange(16) * np.pi / 8
+    ring = 0.015 * np.column_stack([np.cos(turn), np.sin(turn)])
+    slope = 0.001 + ring @ np.array([0.1, -0.2])
+    plane, uneven = lip_plane(ring, slope)
+    np.testing.assert_allclose(plane, [0.1, -0.2, 0.001], atol=1e-12)
+    assert uneven < 1e-12
+    _, uneven = lip_plane(ring, slope + 0.003 * np.cos(2 * turn))  # a saddle
+    assert uneven == pytest.approx(0.003)

@@ -48,6 +48,31 @@ def test_a_wall_seen_from_one_side_grows_away_from_the_camera() -> None:
     assert corners[:, 2].min() < -0.003
 
 
+def _top(pieces: list[Piece], x: float, y: float) -> float:
+    """Height of the highest piece over a place [m], -inf where there is none."""
+    found = [-np.inf]
+    for piece in pieces:
+        slope, up = piece.planes[:, :2] @ [x, y] + piece.planes[:, 3], piece.planes[:, 2]
+        high, low = (-slope[up > 0] / up[up > 0]).min(), (-slope[up < 0] / up[up < 0]).max()
+        found += [high] if high >= low and (slope[up == 0] <= 0).all() else []
+    return max(found)
+
+
+def test_a_plate_seen_from_above_is_rebuilt_even_and_hollow_with_noise_and_flying_pixels() -> None:
+    rng = np.random.default_rng(0)
+    grid = np.arange(-0.12, 0.12, 0.003)
+    x, y = (axis.ravel() for axis in np.meshgrid(grid, grid))
+    away = np.hypot(x, y)
+    flange = 0.01 * np.clip((away - 0.08) / 0.03, 0.0, 1.0)  # 1 cm high, 3 cm wide, round a flat
+    cloud = np.column_stack([x, y, flange + rng.normal(0.0, 0.0014, len(x))])[away < 0.115]
+    cloud[rng.random(len(cloud)) < 0.01, 2] += 0.008
+    pieces = shell(cloud, cloud, np.array([[0.5, 0.0, 0.6], [-0.3, 0.4, 0.6], [-0.3, -0.4, 0.6]]))
+    places = [(r * np.cos(a), r * np.sin(a)) for r in (0.0, 0.02, 0.04, 0.06) for a in np.arange(8) * 0.785]
+    heights = np.array([_top(pieces, *place) for place in places])
+    assert np.abs(heights).max() < 0.002  # what a lip bridges
+    assert len(pieces) < 60
+
+
 def test_smoothing_keeps_a_face_where_it_is() -> None:
     rng = np.random.default_rng(1)
     face = np.column_stack([rng.uniform(-0.05, 0.05, (2000, 2)), rng.normal(0.0, 0.001, 2000)])

@@ -9,6 +9,7 @@ from moving import FLIP, Way
 
 from topple.robots import shapes
 from topple.robots.catalog import robot
+from topple.robots.world.bodies import Body
 from topple.robots.world.simulated_arm import SimulatedArm
 from topple.robots.world.world import World
 from topple.topology.arrays import FloatArray
@@ -16,31 +17,67 @@ from topple.topology.arrays import FloatArray
 RAMP = 30  # steps until a load is whole: a load put on at once would be a knock
 
 
+def lowered(world: World, body: Body) -> tuple[SimulatedArm, Way]:
+    """An arm that has put its cup onto the middle of a body on a table, and the way back up, 5 cm."""
+    world.add_table()
+    place = np.eye(4)
+    place[0, 3] = 0.5
+    world.add(body, place)
+    world.settle()
+    top = pybullet.rayTest([0.5, 0.0, 0.5], [0.5, 0.0, -0.1], physicsClientId=world.client)[0][3][2]
+    model = robot("panda-suction")
+    heights, states = np.linspace(top + 0.05, top, 12), list[FloatArray]()
+    for height in heights:
+        lip = FLIP.copy()
+        lip[:3, 3] = [0.5, 0.0, height]
+        near = states[-1] if states else None
+        states.append(model.inverse(lip, "suction", near=near)[0][0])
+    arm = SimulatedArm(world, model, np.eye(4), q=states[0])
+    assert arm.cup is not None
+    arm.extend(arm.cup.stroke)
+    arm.follow(Way(np.array(states), 1.0))
+    return arm, Way(np.array(states[::-1]), 1.0)
+
+
 @pytest.fixture
 def lifted() -> Iterator[SimulatedArm]:
     """An arm whose cup holds a plate 5 cm above a table."""
     with World() as world:
-        world.add_table()
-        place = np.eye(4)
-        place[0, 3] = 0.5
-        world.add(shapes.plate("plate"), place)
-        world.settle()
-        top = pybullet.rayTest([0.5, 0.0, 0.5], [0.5, 0.0, -0.1], physicsClientId=world.client)[0][3][2]
-        model = robot("panda-suction")
-        heights, states = np.linspace(top + 0.05, top, 12), list[FloatArray]()
-        for height in heights:
-            lip = FLIP.copy()
-            lip[:3, 3] = [0.5, 0.0, height]
-            near = states[-1] if states else None
-            states.append(model.inverse(lip, "suction", near=near)[0][0])
-        arm = SimulatedArm(world, model, np.eye(4), q=states[0])
-        assert arm.cup is not None
-        arm.extend(arm.cup.stroke)
-        arm.follow(Way(np.array(states), 1.0))
+        arm, up = lowered(world, shapes.plate("plate"))
         assert arm.suck()
-        arm.follow(Way(np.array(states[::-1]), 1.0))
+        arm.follow(up)
         assert arm.holding
         yield arm
+
+
+def knobbed(*knobs: tuple[float, float, float]) -> Body:
+    """A plate with square knobs, 1 cm wide, on its flat: (x, y, height) of each [m]."""
+    plate = shapes.plate("plate")
+    base = 0.0065 - 0.001  # the flat, see `shapes.plate`
+    corners = np.array([[x, y, z] for x in (-0.005, 0.005) for y in (-0.005, 0.005) for z in (0.0, 1.0)])
+    parts = [corners * [1, 1, 0.001 + high] + np.array([x, y, base]) for x, y, high in knobs]
+    return Body.of("plate", [*plate.parts, *parts], mass=plate.mass)
+
+
+@pytest.mark.parametrize(
+    ("knobs", "seals"),
+    [
+        ([(0.016, 0.0, 0.005)], False),  # under the lip
+        ([(0.0, 0.0, 0.005)], False),  # within it: the cup stands on it
+        ([(0.016, 0.0, 0.001)], True),
+        ([(0.04, 0.0, 0.005)], True),  # beside the cup
+        (
+            [(0.016, 0.0, 0.005), (-0.016, 0.0, 0.005), (0.0, 0.016, 0.0), (0.0, -0.016, 0.0)],
+            False,
+        ),  # a saddle
+    ],
+)
+def test_a_cup_seals_on_what_its_lip_bridges_and_no_more(
+    knobs: list[tuple[float, float, float]], seals: bool
+) -> None:
+    with World() as world:
+        arm, _ = lowered(world, knobbed(*knobs))
+        assert arm.suck() is seals
 
 
 def held_under(arm: SimulatedArm, force: FloatArray, twist: float) -> bool:
