@@ -12,8 +12,8 @@ EXAMPLES = Path(__file__).resolve().parents[1] / "examples"
 FRAMES = EXAMPLES.parents[1] / "shared" / "data" / "rgbd"
 SCRIPTS = (
     "dishes.py", "foreign_grasps.py", "hold.py", "learn.py", "lemon.py", "look.py", "order_clouds.py",
-    "own_world.py", "pack.py", "pile.py", "real_frame.py", "restack.py", "set_table.py", "sort.py", "swap.py",
-    "tower.py", "track.py", "write_bag.py", "write_bop.py",
+    "own_world.py", "pack.py", "pile.py", "real_frame.py", "restack.py", "ros_node.py", "set_table.py",
+    "sort.py", "swap.py", "tower.py", "track.py", "write_bag.py", "write_bop.py",
 )  # fmt: skip
 
 
@@ -98,6 +98,12 @@ def test_a_simulated_camera_becomes_a_recording_of_ros(tmp_path: Path) -> None:
     assert _output(tmp_path, "write_bag.py", "run")[-1].startswith("run: labels 1 table 3 plate ")
     scene = load_scene(tmp_path / "run" / "run.mcap", fixed=["1"], image=2)
     assert len(scene.names) == 6 and scene.robot_base is not None
+
+
+def test_a_ros_node_answers_a_cloud_as_it_comes_over_the_wire(tmp_path: Path) -> None:
+    told = json.loads(_output(tmp_path, "ros_node.py")[-1])
+    assert told["order"] == ["3", "2"]
+    assert [(one["first"], one["then"]) for one in told["dependencies"]] == [("3", "2")]
 
 
 def test_plain_arrays_give_relations_and_an_order_with_reasons(tmp_path: Path) -> None:
