@@ -1,7 +1,9 @@
 """Two cards that hold each other: what a second hand has to hold, and what happens if nobody does.
 
-python examples/hold.py
+python examples/hold.py [cards.npz], which it writes
 """
+
+import sys
 
 import numpy as np
 from scipy.spatial.transform import Rotation
@@ -39,6 +41,8 @@ def main() -> None:
     """Order the cards for one hand and for two, and try it in simulation."""
     with card_house() as world:
         scene = scene_from_world(world.client, names={number: name for name, number in world.ids.items()})
+    if len(sys.argv) > 1:
+        np.savez_compressed(sys.argv[1], **scene.clouds, up=scene.up, fixed=sorted(scene.fixed))
     print(*topple.order(scene, hands=1).certificate, sep="\n")
     found = topple.order(scene, hands=2)
     (hold,) = found.holds
