@@ -3,7 +3,7 @@
 import os
 from collections.abc import Callable, Iterable, Mapping
 from concurrent.futures import Executor
-from functools import partial
+from functools import cached_property, partial
 from typing import Any
 
 import numpy as np
@@ -138,21 +138,45 @@ def relate_all(
     given = list(scenes)
     found = all_of(partial(_told, each), given, executor)
     make = RULES[rule or ("plain" if plain else "robust")]
-    return [_of_scene(as_scene(one), told, make) for one, told in zip(given, found, strict=True)]
+    return [_Found.by_worker(source, told, make) for source, told in zip(given, found, strict=True)]
 
 
-_Told = tuple[float, Mapping[tuple[int, int], PairRelation], tuple[Extent, ...]]
-"""What comes back from a worker: deviation, near pairs, boxes; the rest follows from the scene."""
+_Source = Scene | str | os.PathLike[str]
+_Told = tuple[tuple[str, ...], float, Mapping[tuple[int, int], PairRelation], tuple[Extent, ...]]
+"""What comes back from a worker: names, deviation, near pairs, boxes; the rest follows from the scene."""
 
 
-def _told(each: Callable[[Scene], Relations], source: Scene | str | os.PathLike[str]) -> _Told:
+def _told(each: Callable[[Scene], Relations], source: _Source) -> _Told:
     found = each(as_scene(source))
-    return found.deviation, found.near, tuple(map(Extent.of, found.extents))
+    return found.objects, found.deviation, found.near, tuple(map(Extent.of, found.extents))
 
 
-def _of_scene(scene: Scene, told: _Told, make: Callable[[Scene, float | None], Rule]) -> Relations:
-    deviation, near, extents = told
-    return Relations(tuple(scene.clouds), make(scene, deviation), near, extents, scene)
+class _Found(Relations):
+    """Relations as a worker told them: their scene is read here only when it is asked for."""
+
+    @staticmethod
+    def by_worker(source: _Source, told: _Told, make: Callable[[Scene, float | None], Rule]) -> "_Found":
+        """Without scene and rule, which `__init__` would set; both are found on their first use."""
+        found = object.__new__(_Found)
+        names, deviation, near, extents = told
+        known = {"objects": names, "near": near, "extents": extents, "known_prepared": None}
+        vars(found).update(known, deviation=deviation, _source=source, _make=make)
+        return found
+
+    @cached_property
+    def scene(self) -> Scene:  # pyright: ignore[reportIncompatibleVariableOverride]
+        """What was related."""
+        return as_scene(vars(self)["_source"])
+
+    @cached_property
+    def rule(self) -> Rule:  # pyright: ignore[reportIncompatibleVariableOverride]
+        """The rule that was used."""
+        return vars(self)["_make"](self.scene, vars(self)["deviation"])
+
+    @property
+    def deviation(self) -> float:
+        """The deviation factor δ [m] all pairs were related with."""
+        return vars(self).get("deviation") or self.rule.deviation
 
 
 def _check_deviation(scene: Scene, deviation: float) -> None:
