@@ -31,6 +31,7 @@ class Tolerances:
             at its end takes a fiftieth; where linkages share the load, a third is left.
         grazing: Incidence in [rad] beyond which a depth camera mostly sees nothing (about 80 degrees).
         edge_jump: Depth step between neighbouring pixels that counts as an object's edge.
+        inertia_decimals: To which moments of inertia [kg m^2] are rounded: a teaspoon has some 1e-6.
     """
 
     time_step: float = 1 / 240
@@ -50,6 +51,7 @@ class Tolerances:
     stalled: float = 0.2
     grazing: float = 1.4
     edge_jump: float = 0.01
+    inertia_decimals: int = 15
 
 
 TOLERANCES = Tolerances()

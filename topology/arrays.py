@@ -9,6 +9,9 @@ FloatArray = NDArray[np.float64]
 IntArray = NDArray[np.int64]
 BoolArray = NDArray[np.bool_]
 
+DECIMALS = 9
+"""A nanometre: far below what is measured, far above what sums in another order leave."""
+
 
 def bounds(points: FloatArray) -> tuple[FloatArray, FloatArray]:
     """Least and greatest coordinates of points.
@@ -21,6 +24,22 @@ def bounds(points: FloatArray) -> tuple[FloatArray, FloatArray]:
     """
     columns = points.T.copy()
     return columns.min(axis=1), columns.max(axis=1)
+
+
+def rounded(values: ArrayLike, decimals: int = DECIMALS) -> FloatArray:
+    """What decisions and simulations begin with, lengths [m] and angles [rad], without its last digits.
+
+    Linear algebra ends in other last bits on other processors: a simulation carries them on to millimetres,
+    and what lies on the edge of a cell falls to either side. Rounded, the same seed is the same on all.
+
+    Args:
+        values: Numbers of any shape.
+        decimals: How many are kept: of metres a nanometre.
+
+    Returns:
+        A float64 copy of the same shape, without negative zeros.
+    """
+    return np.asarray(np.round(values, decimals) + 0.0, dtype=np.float64)
 
 
 def frozen(array: ArrayLike) -> FloatArray:

@@ -6,7 +6,7 @@ from dataclasses import dataclass, field
 import numpy as np
 from numpy.typing import NDArray
 
-from topple.topology.arrays import BoolArray, FloatArray, IntArray, frozen, frozen_int, whole_numbers
+from topple.topology.arrays import BoolArray, FloatArray, IntArray, frozen, frozen_int, rounded, whole_numbers
 from topple.topology.checks import as_intrinsics, as_name, as_pose, numeric
 from topple.topology.errors import InvalidInput
 from topple.topology.tolerances import FARTHEST_DEPTH
@@ -151,7 +151,7 @@ class DepthImage(ByValue):
         y = (rows - self.K[1, 2]) * depth / self.K[1, 1]
         x = ((columns - self.K[0, 2]) * depth - self.K[0, 1] * y) / self.K[0, 0]
         in_camera = np.stack([x, y, depth], axis=1)
-        return in_camera @ self.pose_camera_to_world[:3, :3].T + self.viewpoint
+        return rounded(in_camera @ self.pose_camera_to_world[:3, :3].T + self.viewpoint)
 
 
 def _as_depth(depth: FloatArray) -> FloatArray:

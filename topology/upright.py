@@ -5,7 +5,7 @@ from dataclasses import dataclass, field, replace
 
 import numpy as np
 
-from topple.topology.arrays import FloatArray, bounds, frozen
+from topple.topology.arrays import FloatArray, bounds, frozen, rounded
 from topple.topology.bodies.tolerances import SUNK
 from topple.topology.bodies.tops import Tops, tops_of
 from topple.topology.errors import InvalidInput
@@ -88,7 +88,7 @@ class Upright:
                 f"the scene does not say where up is, so nothing can be said about gravity: {cure}"
             )
         rotation = _axes(scene, scene.up) if rotation is None else rotation
-        turned = {name: np.asarray(cloud) @ rotation.T for name, cloud in scene.clouds.items()}
+        turned = {name: rounded(np.asarray(cloud) @ rotation.T) for name, cloud in scene.clouds.items()}
         movable = [name for name in turned if name not in scene.fixed]
         clouds = {name: voxel_means(turned[name], VOXEL) for name in movable}
         near = _surroundings(list(clouds.values()))

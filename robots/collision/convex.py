@@ -7,7 +7,7 @@ from numpy.typing import NDArray
 from scipy.spatial import ConvexHull, QhullError
 
 from topple.robots.collision.tolerances import REDUCTION
-from topple.topology.arrays import FloatArray, IntArray, frozen
+from topple.topology.arrays import FloatArray, IntArray, frozen, rounded
 
 
 def hull_of(points: FloatArray) -> tuple[FloatArray, IntArray]:
@@ -21,7 +21,7 @@ def hull_of(points: FloatArray) -> tuple[FloatArray, IntArray]:
     Returns:
         (V, 3) vertices and (F, 3) indices, counterclockwise seen from outside.
     """
-    points = np.asarray(points, dtype=float).reshape(-1, 3)
+    points = rounded(points).reshape(-1, 3)
     try:
         hull = ConvexHull(points)
     except QhullError:

@@ -16,7 +16,7 @@ from topple.robots.world.control import Control
 from topple.robots.world.physical_world import PhysicalWorld
 from topple.robots.world.touch import Touch
 from topple.robots.world.wrist import Wrist
-from topple.topology.arrays import FloatArray
+from topple.topology.arrays import FloatArray, rounded
 from topple.topology.errors import InvalidInput
 
 
@@ -39,7 +39,7 @@ class ActingArm(ABC):
     ) -> None:
         self.arm, self.control = arm, Control()
         self.pose_base_to_world = np.array(pose_base_to_world, dtype=float)
-        self.q_target = np.array(arm.home if q is None else q, dtype=float)
+        self.q_target = rounded(np.array(arm.home if q is None else q, dtype=float))
         self.jaw, self.cup = arm.jaw, arm.cup
         self._opening = self.jaw.max_opening if self.jaw else 0.0
         self._extension = self.cup.stowed if self.cup else 0.0
@@ -144,7 +144,7 @@ class ActingArm(ABC):
     def step(self, count: int = 1) -> None:
         """Holds the present targets for `count` steps of the world, watching contacts and the vacuum."""
         for _ in range(count):
-            self._drive(self.q_target, np.zeros_like(self.q_target))
+            self._drive(rounded(self.q_target), np.zeros_like(self.q_target))
             self._advance()
 
     def wait(self, seconds: float) -> None:
@@ -202,7 +202,7 @@ class ActingArm(ABC):
         ):
             q += short if keep_offset else (1.0 - t / times[-1]) * short
             v -= 0.0 if keep_offset else short / times[-1]
-            self._drive(q, v)
+            self._drive(rounded(q), rounded(v))
             self._advance()
             if force < math.inf and self.wrist.force() > force:
                 self.q_target = q
@@ -221,7 +221,8 @@ class ActingArm(ABC):
     def open(self, opening: float | None = None) -> None:
         """Opens the jaw to a pad distance in [m], fully if not given, and waits for it."""
         if self.jaw:
-            self._opening = self.jaw.max_opening if opening is None else min(opening, self.jaw.max_opening)
+            opening = self.jaw.max_opening if opening is None else min(opening, self.jaw.max_opening)
+            self._opening = float(rounded(opening))
             self._grip_force = self.jaw.force
             self._wait_for_hand()
 
@@ -257,7 +258,7 @@ class ActingArm(ABC):
     def extend(self, extension: float) -> None:
         """Pushes the suction cup out of the palm by a distance in [m] and waits for it."""
         if self.cup and self.cup.joint is not None:
-            self._extension = extension
+            self._extension = float(rounded(extension))
             self._wait_for_hand()
 
     def release(self, opening: float | None = None) -> None:

@@ -8,8 +8,9 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from topple.robots.collision.convex import hull_of
+from topple.robots.tolerances import TOLERANCES
 from topple.robots.world.tolerances import FRICTION, ROLLING
-from topple.topology.arrays import FloatArray, IntArray, frozen
+from topple.topology.arrays import FloatArray, IntArray, frozen, rounded
 from topple.topology.checks import as_name, as_points
 from topple.topology.errors import InvalidInput
 from topple.topology.scene import Mesh
@@ -62,8 +63,10 @@ class Body:
             raise InvalidInput(f"body {self.name!r} has a mass of {self.mass} kg: expected a positive one")
         parts = tuple(as_points(part, f"a part of body {self.name!r}") for part in self.parts)
         object.__setattr__(self, "parts", parts)
-        object.__setattr__(self, "centre_of_mass", frozen(self.centre_of_mass))
-        object.__setattr__(self, "inertia", frozen(self.inertia))
+        object.__setattr__(self, "mass", float(rounded(self.mass)))
+        object.__setattr__(self, "centre_of_mass", frozen(rounded(self.centre_of_mass)))
+        inertia = rounded(self.inertia, TOLERANCES.inertia_decimals)
+        object.__setattr__(self, "inertia", frozen(inertia))
 
     @classmethod
     def of(

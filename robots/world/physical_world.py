@@ -11,7 +11,7 @@ from topple.robots.tolerances import TOLERANCES
 from topple.robots.world.bodies import Body
 from topple.robots.world.camera import Camera, Rendered
 from topple.robots.world.tolerances import TABLE_FRICTION, THICKNESS
-from topple.topology.arrays import FloatArray
+from topple.topology.arrays import FloatArray, rounded
 from topple.topology.errors import UnknownObject
 from topple.topology.geometry.rigid import transformed
 
@@ -240,5 +240,5 @@ def principal_axes(body: Body) -> tuple[FloatArray, FloatArray]:
     if np.abs(body.inertia - np.diag(moments)).max() > 0.01 * moments.min():
         moments, axes = np.linalg.eigh(body.inertia)
         axes[:, 2] *= np.sign(np.linalg.det(axes))
-        pose[:3, :3] = axes
-    return moments, pose
+        pose[:3, :3] = rounded(axes)
+    return rounded(moments, TOLERANCES.inertia_decimals), pose

@@ -7,6 +7,7 @@ import numpy as np
 from topple.robots.engine import pybullet
 from topple.robots.poses import inverse
 from topple.robots.world.camera import Camera, Rendered
+from topple.topology.arrays import rounded
 
 
 def rendered(camera: Camera, client: int) -> Rendered:
@@ -36,7 +37,7 @@ def rendered(camera: Camera, client: int) -> Rendered:
 def _view(camera: Camera) -> list[float]:
     """OpenGL's view matrix, column by column."""
     pose = camera.pose_camera_to_world @ np.diag([1.0, -1.0, -1.0, 1.0])
-    return inverse(pose).T.ravel().tolist()
+    return rounded(inverse(pose).T.ravel()).tolist()
 
 
 def _projection(camera: Camera) -> list[float]:

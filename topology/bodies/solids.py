@@ -6,7 +6,7 @@ from collections.abc import Callable, Mapping, Sequence
 import numpy as np
 from scipy.spatial import ConvexHull, QhullError
 
-from topple.topology.arrays import BoolArray, FloatArray
+from topple.topology.arrays import BoolArray, FloatArray, rounded
 from topple.topology.bodies.parts import convex_parts
 from topple.topology.bodies.plates import plates_of
 from topple.topology.bodies.tolerances import (
@@ -232,7 +232,7 @@ def hull_vertices(points: FloatArray) -> FloatArray:
         return points
     centred = points - points.mean(axis=0)
     _, _, axes = np.linalg.svd(centred, full_matrices=False)
-    along = centred @ axes.T
+    along = rounded(centred @ axes.T)
     rank = int(np.count_nonzero(np.ptp(along, axis=0) > 1e-6))
     if rank < 2:
         return points[[int(np.argmin(along[:, 0])), int(np.argmax(along[:, 0]))]]
