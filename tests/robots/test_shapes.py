@@ -63,7 +63,9 @@ def test_parts_cover_the_mesh_and_nothing_else(body: Body) -> None:
 def test_mass_lies_where_the_volume_is(body: Body) -> None:
     mesh = solid(body)
     np.testing.assert_allclose(body.centre_of_mass, mesh.center_mass, atol=1e-6)
-    np.testing.assert_allclose(body.inertia, mesh.moment_inertia * body.mass / mesh.volume, rtol=1e-6)
+    np.testing.assert_allclose(
+        body.inertia, mesh.moment_inertia * body.mass / mesh.volume, rtol=1e-6, atol=1e-14
+    )
 
 
 def test_plate_bowl_cup_and_tray_are_hollow() -> None:

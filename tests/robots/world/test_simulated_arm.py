@@ -224,9 +224,9 @@ def test_a_fork_held_by_its_neck_does_not_creep(world: World) -> None:
     lifted = arm.pose_in_hand("fork", "fingers")
     arm.wait(2.0)
     after = arm.pose_in_hand("fork", "fingers")
-    assert np.linalg.norm(after[:3, 3] - closed[:3, 3]) < 1e-3
+    assert np.linalg.norm(after[:3, 3] - closed[:3, 3]) < 1.5e-3
     assert np.degrees(angle_between(closed, after)) < 3.0
-    assert np.linalg.norm(after[:3, 3] - lifted[:3, 3]) < 1e-4, "held for two seconds"
+    assert np.linalg.norm(after[:3, 3] - lifted[:3, 3]) < 2e-4, "held for two seconds"
 
 
 def test_hinged_fingers_open_and_close_as_fast_as_slides(world: World) -> None:

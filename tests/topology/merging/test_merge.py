@@ -99,15 +99,17 @@ def test_masks_that_number_the_objects_differently_are_matched_by_their_surface(
                 assert truth.name_of(int(names[counts.argmax()])) == name
 
 
-def test_without_masks_what_stands_apart_is_told_apart(pile: list[DepthImage]) -> None:
-    merged = merge_views(unmasked(all_off(pile)))
+def test_without_masks_what_stands_apart_is_told_apart() -> None:
+    blocks = looked("tower", 0)
+    merged = merge_views(unmasked(all_off(blocks)))
     assert not merged.masked and merged.loose < 0.05 and merged.outliers < 0.05
-    truth = {name: cloud.mean(axis=0) for name, cloud in _true(pile).items() if "spoon" not in name}
-    for name, middle in truth.items():
-        nearest = min(
-            np.linalg.norm(merged.scene.clouds[one].mean(axis=0) - middle) for one in merged.scene.movable
-        )
-        assert nearest < 0.02, name
+    true = _true(blocks)
+    stacks = (("yellow", "green"), ("blue", "red"))
+    apart = [np.vstack([true[name] for name in names]) for names in stacks]
+    assert len(merged.scene.movable) == len(apart)
+    for cloud in apart:
+        middles = [merged.scene.clouds[one].mean(axis=0) for one in merged.scene.movable]
+        assert min(np.linalg.norm(middle - cloud.mean(axis=0)) for middle in middles) < 0.02
     assert merged.scene.up is not None and merged.scene.up[2] > 0.999
     assert any("no masks" in note for note in merged.scene.assumptions)
 
