@@ -28,7 +28,6 @@ from topple.planner.motion.collision import Checker
 from topple.planner.planning.next_step import GoalTask
 from topple.planner.planning.order import cautious
 from topple.planner.planning.step import Chooser, Context, NextStep, Orderer, Station, Task
-from topple.planner.transfer.again import proven_again
 from topple.planner.transfer.transfer import after
 from topple.robots.driver import Driver
 from topple.robots.world.acting_arm import ActingArm
@@ -79,8 +78,8 @@ class ClosedLoop:
         progress: Called with a line before and after each action.
         judge: What watches from outside and says what was disturbed; by default nothing does.
         wrist: A camera that the arm carries, for a second look before a doubtful step.
-        ahead: Whether another process chooses the next step while the arm acts, from the scene as it should be
-            by then. Where the look shows it so, and the step can be proven on what is seen, it is done.
+        ahead: Whether another process chooses the next step while the arm acts, from the scene as it should
+            be by then. Where the look shows it so, and the step can be proven on what is seen, it is done.
 
     `task` is the goal as a task. After `run`, `followed` holds the steps done, with their transfers.
     """
@@ -203,7 +202,7 @@ class ClosedLoop:
                 wrong += found
                 self._check_hand()
                 self._check_place(look)
-                chosen = self._next(look, goal)
+                look, chosen = self._next(look, goal)
             if chosen is not None:
                 stopped = "budget"
                 wrong.append(f"the budget of {budget} actions is spent, and there is more to do")
@@ -304,18 +303,15 @@ class ClosedLoop:
         context = self._context(memory, np.asarray(self.robot.arm.home))
         self._preparer.begin(Question(look.situation, chosen.transfer, self.task, goal, context))
 
-    def _next(self, look: Look, goal: Goal) -> NextStep | None:
+    def _next(self, look: Look, goal: Goal) -> tuple[Look, NextStep | None]:
         """The step that was prepared, where it can be done with what is seen; else one chosen now."""
-        prepared = self._preparer.answer()
-        robot, self._prepared = self.robot, None
-        at_home = np.abs(robot.q_target - robot.arm.home).max() < AT_HOME
-        if prepared is not None and at_home:
-            transfer = prepared.step.transfer
-            found = proven_again(transfer, look.situation, robot.arm, robot.pose_base_to_world)
-            if found is not None:
-                self.task, self._prepared = prepared.task, replace(prepared.step, transfer=found)
-                return self._prepared
-        return self._chooser(look, goal).choose()
+        away = np.abs(self.robot.q_target - self.robot.arm.home).max()
+        prepared, self._prepared = self._preparer.answer(), None
+        if prepared is None or away > AT_HOME:
+            return look, self._chooser(look, goal).choose()
+        self.task, self._prepared = prepared.task, prepared.step
+        known = replace(look.situation, known_relations=look.relations, known_solids=prepared.solids)
+        return replace(look, situation=known), prepared.step
 
     def _act(self, look: Look, chosen: NextStep, goal: Goal) -> tuple[StepRecord, Look, list[str]]:
         """Does one step, looks again and judges it."""
@@ -328,11 +324,14 @@ class ClosedLoop:
         self._prepare(look, chosen, goal)
         waited = time.perf_counter() - max(look.taken, self._started)
         outcome = execute(transfer, self.robot, self.judge.moment)
-        expected = after(look.situation, transfer).scene if outcome.success else look.scene
+        foreseen = after(look.situation, transfer) if outcome.success else look.situation
+        expected = foreseen.scene
         if outcome.stuck:
             self._stuck = outcome.text
         else:
-            withdraw(self.robot, Situation(expected).solids, self.seed)
+            # bodies that moved are known at once, those of clouds that moved take the arm's time
+            bodies = foreseen.solids if self._preparer.on else Situation(expected).solids
+            withdraw(self.robot, bodies, self.seed)
         self.robot.wait(self.limits.settle)
         verdict = self.judge.verdict()
         self._memory, attempts = (
@@ -343,13 +342,15 @@ class ClosedLoop:
         there = outcome.success and not chosen.buffer
         self._ahead = Ahead.of(chosen.order, name if there else None)
         seen = self.perception.look(expected)
+        if outcome.success and not (seen.surprises or seen.faults):
+            self._preparer.prove(seen.scene)
         predicted = look.relations.updated(name, expected.clouds[name])
         different = unexpected(predicted, seen.relations)
         self._memory = self._memory.looked(chosen, outcome.success, seen.surprises)
         events += [*seen.faults, *seen.surprises.values(), *different]
         if different or seen.surprises:
             events.append("the next step is planned from what is seen")
-        if different or seen.surprises or seen.faults or not outcome.success:
+        if different:
             self._preparer.drop()
         step = StepRecord(
             object=name,

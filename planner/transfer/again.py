@@ -26,9 +26,9 @@ def proven_again(
 ) -> Transfer | None:
     """Prove that a transfer can be done in another situation than it was planned for.
 
-    The hand needs room among the clouds and something of the object where it closes; every motion is certified
-    as it is driven, between its samples too, by what it was when it was planned: the same distances, and no
-    more that may touch.
+    The hand needs room among the clouds, and something of the object where it closes. Every motion is
+    certified as it is driven, between its samples too, by the rules that it was planned by: at the same
+    distances, and what may touch is what might touch then.
 
     Args:
         transfer: The transfer.
