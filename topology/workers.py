@@ -15,7 +15,7 @@ from concurrent.futures import (
 )
 from contextlib import AbstractContextManager, ExitStack, nullcontext, suppress
 from itertools import islice
-from multiprocessing import connection, get_context, parent_process
+from multiprocessing import connection, get_context, parent_process, resource_tracker
 from types import TracebackType
 from typing import Any, Generic, TypeVar
 
@@ -126,8 +126,9 @@ class WorkerPool(Executor):
 
 
 def _undisturbed() -> None:
-    """Let what this thread starts not hear of Ctrl-C: before it serves it could not say that it does not."""
+    """Let what this thread starts not hear of Ctrl-C: a process that is still starting would say a lot."""
     if hasattr(signal, "pthread_sigmask"):
+        resource_tracker.ensure_running()  # which lets the thread that starts it hear again
         signal.pthread_sigmask(signal.SIG_BLOCK, {signal.SIGINT})
 
 
