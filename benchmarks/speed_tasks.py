@@ -79,7 +79,7 @@ def think(settings: Settings) -> list[float]:
 
 
 def wait(settings: Settings) -> list[float]:
-    """Wall time [s] of a run of a built-in scene, and of its arm's waiting before each action but the first."""
+    """Wall times [s] of a run in a built-in scene and of the waiting before each action but the first."""
     loop_in = _of("loop_in", "topple.planner.execution.demo", "topple.planner.demo")
     scenario_called = _of("scenario_called", "topple.robots.scenarios")
     with scenario_called(settings["scene"], settings["seed"]) as stage:

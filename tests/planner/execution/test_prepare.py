@@ -1,4 +1,4 @@
-"""The step that is chosen while the arm acts: done where the look shows what was foreseen, else another one."""
+"""The step that is chosen while the arm acts: done where the look shows what was foreseen."""
 
 import os
 import signal
