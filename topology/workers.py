@@ -98,7 +98,8 @@ class WorkerPool(Executor):
         try:
             return self._pids[pid].submit(fn, *args, **kwargs).result()
         except BrokenExecutor:
-            del self._of_thread.pid, self._pids[pid]
+            del self._of_thread.pid
+            self._pids.pop(pid).shutdown()  # nothing of it is left once it is known to be lost
             raise
 
     def shutdown(self, wait: bool = True, *, cancel_futures: bool = False) -> None:
