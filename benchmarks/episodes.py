@@ -36,8 +36,9 @@ TOPPLE = "topple"
 IDEAL = "any order, ideal lifts"
 """The rule of an episode that no arm plays: whether its target could be freed at all."""
 
-LATER = frozenset({"robot", "engine"})
-"""Keys that journals of before do not have: all their episodes are of the scene's own arm on PyBullet."""
+LATER = frozenset({"robot", "engine", "ahead", "waited"})
+"""Keys that journals of before do not have: all their episodes are of the scene's own arm on PyBullet, which
+waits for each step to be chosen."""
 
 MOST = 1e15
 """Below it lies every number of an ending: no seed, time or memory [bytes] comes to that."""
@@ -73,6 +74,7 @@ class Episode:
         meshes: Folder of the models that an other pile is made of; empty for shapes by formula alone.
         robot: The arm; empty for the one that the scene is made for.
         engine: What it is played on, one of `topple.robots.engines.ENGINES`; scenes settle on PyBullet.
+        ahead: Whether the next step is chosen while the arm acts.
     """
 
     scenario: str
@@ -86,6 +88,7 @@ class Episode:
     meshes: str = ""
     robot: str = ""
     engine: str = BULLET
+    ahead: bool = False
 
 
 @dataclass(frozen=True)
@@ -110,6 +113,7 @@ class Ending:
         sagged: How far the body that moved most got while a rebuilt world, or one on another engine than it
             settled on, came to rest [m]; None where it is neither.
         fallbacks: What was tried to find a step where the plain way failed, and whether that step succeeded.
+        waited: How long the arm waited for each decision [s], wall-clock time.
     """
 
     episode: Episode
@@ -127,6 +131,7 @@ class Ending:
     used: float = 0.0
     sagged: float | None = None
     fallbacks: tuple[tuple[str, bool], ...] = ()
+    waited: tuple[float, ...] = ()
 
     @property
     def success(self) -> bool:
@@ -229,7 +234,7 @@ def _played(episode: Episode, begun: float) -> Ending:
         loop = loop_in(
             stage, robot=episode.robot or None, seed=episode.seed, cameras=episode.cameras, orderer=orderer,
             mask_noise=episode.mask_noise, shuffle_labels=episode.shuffle_labels,
-            wrist_camera=episode.wrist_camera,
+            wrist_camera=episode.wrist_camera, ahead=episode.ahead,
         )  # fmt: skip
         first = loop.look()
         goal = parse_goal(stage.goal, first.scene)
@@ -302,6 +307,7 @@ def _ended(
         used=max((_used(step) for step in record.steps), default=0.0),
         sagged=sagged,
         fallbacks=tuple((name, step.success) for step in record.steps for name in step.fallbacks),
+        waited=tuple(step.waited for step in record.steps if step.waited is not None),
     )
 
 

@@ -20,10 +20,12 @@ import time
 from collections import Counter
 from collections.abc import Iterator, Mapping, Sequence
 from concurrent.futures import Executor
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 from statistics import median
 from typing import Any
+
+import numpy as np
 
 from topple.benchmarks.episodes import ENDINGS, IDEAL, TOPPLE, Ending, Episode, play
 from topple.benchmarks.frames import frames_in
@@ -57,6 +59,7 @@ class Series:
         shuffle_labels: Whether names of objects are not kept between looks.
         wrist_camera: Whether the arm carries one more camera for a second look.
         meshes: Folder of models that other piles are made of.
+        ahead: Whether the next step is chosen while the arm acts.
     """
 
     scenario: str
@@ -70,6 +73,7 @@ class Series:
     shuffle_labels: bool = False
     wrist_camera: bool = False
     meshes: Path | None = None
+    ahead: bool = False
 
     def episodes(self, seed: int) -> list[Episode]:
         """Its episodes, from a first seed on."""
@@ -80,7 +84,7 @@ class Series:
             Episode(
                 self.scenario, seed + number, self.cameras, self.rule,
                 mask_noise=self.mask_noise, shuffle_labels=self.shuffle_labels,
-                wrist_camera=self.wrist_camera,
+                wrist_camera=self.wrist_camera, ahead=self.ahead,
                 meshes="" if self.meshes is None else str(self.meshes.resolve()),
             )
             for number in range(self.seeds)
@@ -94,7 +98,8 @@ class Series:
         names = ", labels shuffled" if self.shuffle_labels else ""
         kinds = " of models too" if self.meshes is not None else ""
         rule = "" if self.rule == TOPPLE else f", {self.rule}"
-        return f"{self.scenario}{kinds}, {eyes}{masks}{names}{rule}"
+        ahead = ", chosen ahead" if self.ahead else ""
+        return f"{self.scenario}{kinds}, {eyes}{masks}{names}{rule}{ahead}"
 
 
 FULL = (
@@ -121,6 +126,7 @@ def rows(
     minutes: float | None = None,
     data: Path | None = None,
     meshes: Path | None = None,
+    ahead: bool = False,
     executor: Executor | None = None,
 ) -> list[dict[str, Any]]:
     """Play what is not in the journal yet, and count.
@@ -133,6 +139,7 @@ def rows(
         minutes: After this time no further episode is begun; the figures are of what was played.
         data: A folder with annotated camera frames, to be acted out too.
         meshes: A folder with models that the piles of another generator are made of, besides its own shapes.
+        ahead: Whether the next step is chosen while the arm acts, in series that are no frames.
         executor: Whose workers play, and see the same folders; None for a process a core.
 
     Returns:
@@ -146,7 +153,7 @@ def rows(
             Series(OTHER_PILE, 100, cameras=1, meshes=meshes),
         )
     )
-    series = (*(QUICK if quick else FULL), *others)
+    series = tuple(replace(one, ahead=ahead) for one in (*(QUICK if quick else FULL), *others))
     if data is not None:
         frames = frames_in(data)
         kept = frames[:1] if quick else frames
@@ -316,6 +323,9 @@ def _of_series(one: Series, endings: Sequence[Ending]) -> list[Row]:
     rows.append(
         Row(f"wall time, median: {one}", seconds, "s", bar="<= 60" if one.scenario == "pile" else None)
     )
+    if one.ahead and (waited := [seconds for ending in endings for seconds in ending.waited]):
+        rows.append(Row(f"waiting for a decision, median: {one}", median(waited), "s"))
+        rows.append(Row(f"the same, of 90 %: {one}", float(np.quantile(waited, 0.9)), "s"))
     robot = median(ending.robot_seconds for ending in endings)
     rows.append(Row(f"time of the simulated arm, median: {one}", robot, "s"))
     ways = Counter(ending.ending for ending in endings if not ending.success)
@@ -349,7 +359,7 @@ def _against_rules(found: Mapping[Series, Sequence[Ending]]) -> list[Row]:
 
 def _same(one: Series, rule: str) -> bool:
     """Whether a series plays the piles that rules are compared on, by a rule."""
-    return one.episodes(0)[:1] == [Episode("pile", 0, rule=rule)]
+    return one.episodes(0)[:1] == [Episode("pile", 0, rule=rule, ahead=one.ahead)]
 
 
 def _growth(endings: Sequence[Ending]) -> float | None:

@@ -78,6 +78,15 @@ def think(settings: Settings) -> list[float]:
     return [cpu / actions, wall / actions, actions]
 
 
+def wait(settings: Settings) -> list[float]:
+    """Wall times [s] of a run in a built-in scene and of the waiting before each action but the first."""
+    loop_in = _of("loop_in", "topple.planner.execution.demo", "topple.planner.demo")
+    scenario_called = _of("scenario_called", "topple.robots.scenarios")
+    with scenario_called(settings["scene"], settings["seed"]) as stage:
+        record = loop_in(stage, seed=settings["seed"], ahead=settings["ahead"]).run()
+    return [record.seconds, *(step.waited for step in record.steps[1:])]
+
+
 class _Acting:
     """The time that arms and cameras take: their methods are timed, the outermost calls alone."""
 
@@ -135,6 +144,7 @@ TASKS: dict[str, Callable[[Settings], list[float]]] = {
     "again": order_again,
     "plan": plan_scene,
     "think": think,
+    "wait": wait,
 }
 
 

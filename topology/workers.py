@@ -15,7 +15,7 @@ from concurrent.futures import (
 )
 from contextlib import AbstractContextManager, ExitStack, nullcontext, suppress
 from itertools import islice
-from multiprocessing import connection, get_context, parent_process
+from multiprocessing import connection, get_context, parent_process, resource_tracker
 from types import TracebackType
 from typing import Any, Generic, TypeVar
 
@@ -77,9 +77,10 @@ class WorkerPool(Executor):
         """
         self._ready = ready
         self._max_workers = processes
-        self._threads = ThreadPoolExecutor(processes)
+        self._threads = ThreadPoolExecutor(processes, initializer=_undisturbed)
         self._of_thread = threading.local()
         self._pids: dict[int, ProcessPoolExecutor] = {}
+        self._killed = False
 
     def submit(self, fn: Callable[..., Answer], /, *args: Any, **kwargs: Any) -> Future[Answer]:
         """Have a call made by the next process that is free; both have to pickle."""
@@ -92,10 +93,13 @@ class WorkerPool(Executor):
             pool = ProcessPoolExecutor(1, get_context("spawn"), initializer=self._ready)
             pid = self._of_thread.pid = pool.submit(os.getpid).result()
             self._pids[pid] = pool
+            if self._killed:
+                _kill(pid)
         try:
             return self._pids[pid].submit(fn, *args, **kwargs).result()
         except BrokenExecutor:
-            del self._of_thread.pid, self._pids[pid]
+            del self._of_thread.pid
+            self._pids.pop(pid).shutdown()  # nothing of it is left once it is known to be lost
             raise
 
     def shutdown(self, wait: bool = True, *, cancel_futures: bool = False) -> None:
@@ -108,12 +112,30 @@ class WorkerPool(Executor):
         self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
     ) -> None:
         """End the processes: at once where an exception leaves, else once all is done."""
-        if kind is not None:
-            self._threads.shutdown(wait=False, cancel_futures=True)
-            for pid in list(self._pids):
-                with suppress(ProcessLookupError):
-                    os.kill(pid, signal.SIGKILL)
+        if kind is None:
+            self.shutdown()
+        else:
+            self.kill()
+
+    def kill(self) -> None:
+        """End the processes at once, whatever they are at."""
+        self._killed = True
+        self._threads.shutdown(wait=False, cancel_futures=True)
+        for pid in list(self._pids):
+            _kill(pid)
         self.shutdown()
+
+
+def _undisturbed() -> None:
+    """Let what this thread starts not hear of Ctrl-C: a process that is still starting would say a lot."""
+    if hasattr(signal, "pthread_sigmask"):
+        resource_tracker.ensure_running()  # which lets the thread that starts it hear again
+        signal.pthread_sigmask(signal.SIG_BLOCK, {signal.SIGINT})
+
+
+def _kill(pid: int) -> None:
+    with suppress(ProcessLookupError):
+        os.kill(pid, signal.SIGKILL)
 
 
 def mapped(

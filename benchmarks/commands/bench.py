@@ -40,6 +40,7 @@ _WITH_VALUES = (
 )
 _SWITCHES = (
     ("--quick", "smaller and fewer cases: below two minutes"),
+    ("--ahead", "run: choose the next step while the arm acts"),
     ("--verify", "order: score --verify too, which is slow"),
     ("--write", "frozen: make the file anew"),
     ("--markdown", "print the table as the pages of the docs have it"),

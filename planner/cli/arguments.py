@@ -126,6 +126,11 @@ OPTIONS: dict[str, dict[str, Any]] = {
         **_SWITCH,
         "help": "the arm carries one more, for a second look before a doubtful step",
     },
+    "--ahead": {
+        **_SWITCH,
+        "help": "choose the next step while the arm acts, on another core; it is done where the look shows "
+        "what was foreseen",
+    },
     "--engine": {
         "default": "bullet",
         "choices": ("bullet", "mujoco"),
@@ -141,7 +146,7 @@ OPTIONS: dict[str, dict[str, Any]] = {
 COMMON = ("--max-mb", "--allow-outside", "--fixed", "--up", "--seed", "--json", "--version")
 FORMATS = ("--view", "--image", "--models", "--depth", "--info", "--labels")
 GRIPPER = ("--gripper", "--srdf", "--group")
-SIMULATION = ("--cameras", "--mask-noise", "--wrist-camera", "--engine", "--video", "--rerun")
+SIMULATION = ("--cameras", "--mask-noise", "--wrist-camera", "--ahead", "--engine", "--video", "--rerun")
 
 
 def add(parser: argparse.ArgumentParser, *names: str, **changed: Any) -> None:

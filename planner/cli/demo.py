@@ -40,8 +40,8 @@ def execute(args: argparse.Namespace) -> int:
         video, rerun = recordings_of(args)
         record = demo(
             args.name, seed=args.seed, robot=args.robot, cameras=args.cameras, mask_noise=args.mask_noise,
-            wrist_camera=args.wrist_camera, engine=args.engine, folder=folder, video=video, rerun=rerun,
-            progress=progress,
+            wrist_camera=args.wrist_camera, ahead=args.ahead, engine=args.engine, folder=folder, video=video,
+            rerun=rerun, progress=progress,
         )  # fmt: skip
     run = record.to_json()
     if args.json:
@@ -56,7 +56,7 @@ def _as_counted(args: argparse.Namespace) -> bool:
     """Whether the scene is played with what its seeds were counted with."""
     from topple.planner.execution.demo_seeds import CAMERAS
 
-    plain = not (args.mask_noise or args.wrist_camera)
+    plain = not (args.mask_noise or args.wrist_camera or args.ahead)
     same = args.robot is None and args.engine == "bullet"
     return same and args.cameras == CAMERAS and plain
 

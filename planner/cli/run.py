@@ -42,7 +42,7 @@ def execute(args: argparse.Namespace) -> int:
         record = run(
             scene, goal, arm_of(args), base=base_of(args, scene), cameras=args.cameras,
             mask_noise=args.mask_noise, shuffle_labels=args.shuffle_labels, wrist_camera=args.wrist_camera,
-            engine=args.engine, video=video, rerun=rerun, photos=place is not None,
+            ahead=args.ahead, engine=args.engine, video=video, rerun=rerun, photos=place is not None,
             orderer=orderer or cautious, relate=relating,
             seed=args.seed, progress=progress,
         )  # fmt: skip

@@ -47,6 +47,7 @@ def demo(
     cameras: int = CAMERAS,
     mask_noise: float = 0.0,
     wrist_camera: bool = False,
+    ahead: bool = False,
     engine: str = BULLET,
     folder: str | Path = "topple-demo",
     video: Path | None = None,
@@ -63,6 +64,7 @@ def demo(
         cameras: How many depth cameras look on, 1 to 3.
         mask_noise: By how many pixels the edges of their masks are wrong (standard deviation).
         wrist_camera: Whether the arm carries one more for a second look before a doubtful step.
+        ahead: Whether the next step is chosen while the arm acts, as for `ClosedLoop`.
         engine: What it is played on, one of `topple.robots.engines.ENGINES`.
         folder: Where relations.json, order.json, plan.json, run.json and report.html are written.
         video: Where a film of it is written, an MP4 file.
@@ -83,7 +85,7 @@ def demo(
         robot = robot or stage.robot
         loop = loop_in(
             stage, robot=robot, cameras=cameras, mask_noise=mask_noise, wrist_camera=wrist_camera,
-            photos=True, seed=seed, progress=progress,
+            ahead=ahead, photos=True, seed=seed, progress=progress,
         )  # fmt: skip
         acting, first = loop.robot, loop.look()
         assert isinstance(acting, ActingArm)
@@ -135,6 +137,7 @@ def loop_in(
     mask_noise: float = 0.0,
     shuffle_labels: bool = False,
     wrist_camera: bool = False,
+    ahead: bool = False,
     photos: bool = False,
     orderer: Orderer = cautious,
     seed: int = 0,
@@ -149,6 +152,7 @@ def loop_in(
         mask_noise: By how many pixels the edges of their masks are wrong (standard deviation).
         shuffle_labels: Whether names of objects are not kept between looks.
         wrist_camera: Whether the arm carries a camera for a second look before a doubtful step.
+        ahead: Whether the next step is chosen while the arm acts.
         photos: Whether photos for people are taken at every look, for a report.
         orderer: What decides the order.
         seed: Of the sensor noise and every search.
@@ -170,6 +174,7 @@ def loop_in(
         progress=progress,
         shuffle_labels=shuffle_labels,
         wrist_camera=wrist_camera,
+        ahead=ahead,
         photos=photos,
         wanted=None if stage.finished is None else stage.finished.poses(),
     )

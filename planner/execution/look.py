@@ -1,5 +1,6 @@
 """One look at the world: depth images, clouds, relations, and what of it was not expected."""
 
+import time
 from collections.abc import Callable, Collection, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from typing import Protocol
@@ -40,6 +41,7 @@ class Look:
         picture: PNG bytes of the first camera's view, or None.
         photo: The same taken for people, where that was asked for.
         assumed: Name -> (N,) which points of its cloud are of posts that hold up a rebuilt body, likewise.
+        taken: When its pictures were there [s], by `time.perf_counter`.
         surprises: What was not as expected, by name, in sentences: newly seen, moved, hidden or gone.
         faults: What was wrong with cameras and masks and was put right or left out, in sentences.
     """
@@ -51,6 +53,7 @@ class Look:
     faults: tuple[str, ...] = ()
     photo: Photo | None = None
     assumed: Mapping[str, BoolArray] = field(default_factory=dict[str, BoolArray])
+    taken: float = field(default_factory=time.perf_counter)
 
     @property
     def scene(self) -> Scene:
@@ -121,6 +124,8 @@ class Observer:
             InvalidInput: No camera sees anything, or they never saw the table.
         """
         images, faults = self._frames.take(self.world, self.rng, changed=expected is not self._last)
+        photo = None if self.photographer is None else self.photographer()
+        taken = time.perf_counter()
         images, kept = (*images, *more), self._kept
         if self.shuffle_labels and expected is not None:
             images = associated(images, expected, self.rng)
@@ -140,10 +145,9 @@ class Observer:
         scene = scene.weighed(_among(self.masses, scene), _among(self.friction, scene))
         self._last = scene
         relations = None if self.relate is None else self.relate(scene)
-        photo = None if self.photographer is None else self.photographer()
         shown = _seen(images[0]) if photo is None else picture(photo.rgb)
         assumed = {} if photo is None else posts_in(self.world, scene)
-        return Look(images, Situation(scene, relations), shown, surprises, faults, photo, assumed)
+        return Look(images, Situation(scene, relations), shown, surprises, faults, photo, assumed, taken)
 
     def _scene(self, images: Sequence[DepthImage]) -> Scene:
         fixed = [name for name in self.fixed if any(name in image.names.values() for image in images)]

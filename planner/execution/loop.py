@@ -2,7 +2,6 @@
 
 import logging
 import time
-from collections import Counter
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from functools import partial
@@ -10,24 +9,25 @@ from typing import Any
 
 import numpy as np
 
-from topple.planner.decide.beliefs import Beliefs
 from topple.planner.decide.goal import Goal
 from topple.planner.decide.turn import Ahead
 from topple.planner.errors import ArmFault, NoSafePlan
 from topple.planner.execution.execute import Outcome, execute, withdraw
 from topple.planner.execution.judge import Judge
 from topple.planner.execution.look import Look, Observer, Perception, Relate, unexpected
+from topple.planner.execution.memory import Memory
 from topple.planner.execution.monitor import Monitor, NoMonitor
+from topple.planner.execution.prepare import Preparer, Question
 from topple.planner.execution.second_look import HandCamera, doubtful, second_look
 from topple.planner.execution.standing import misplaced
-from topple.planner.execution.tolerances import STUCK
+from topple.planner.execution.tolerances import AT_HOME, STUCK
 from topple.planner.formats.run_record import INTERRUPTED, RunRecord, StepRecord
 from topple.planner.grasp.given import GraspsByObject
 from topple.planner.grasp.grasp import Grasp
 from topple.planner.motion.collision import Checker
 from topple.planner.planning.next_step import GoalTask
 from topple.planner.planning.order import cautious
-from topple.planner.planning.step import Action, Chooser, Context, NextStep, Orderer, Station, Task
+from topple.planner.planning.step import Chooser, Context, NextStep, Orderer, Station, Task
 from topple.planner.transfer.transfer import after
 from topple.robots.driver import Driver
 from topple.robots.world.acting_arm import ActingArm
@@ -78,6 +78,8 @@ class ClosedLoop:
         progress: Called with a line before and after each action.
         judge: What watches from outside and says what was disturbed; by default nothing does.
         wrist: A camera that the arm carries, for a second look before a doubtful step.
+        ahead: Whether another process chooses the next step while the arm acts, from the scene as it should
+            be by then. Where the look shows it so, and the step can be proven on what is seen, it is done.
 
     `task` is the goal as a task. After `run`, `followed` holds the steps done, with their transfers.
     """
@@ -92,15 +94,15 @@ class ClosedLoop:
     progress: Progress | None = None
     judge: Monitor = field(default_factory=NoMonitor)
     wrist: HandCamera | None = None
+    ahead: bool = False
 
     def __post_init__(self) -> None:
         self.task = GoalTask.of(self.goal)
-        self._done: list[tuple[str, str]] = []
         self.followed: list[NextStep] = []
-        self._attempts: Counter[str] = Counter()
-        self._tried: set[str] = set()
-        self._failed: dict[str, list[Grasp]] = {}
-        self._beliefs = Beliefs()
+        self._memory = Memory()
+        self._preparer = Preparer(False)
+        self._prepared: NextStep | None = None
+        self._started = 0.0
         self._ahead: Ahead | None = None
         self._stuck = ""
 
@@ -177,7 +179,11 @@ class ClosedLoop:
         Raises:
             InvalidInput: The goal is none, or names what no camera sees.
         """
-        started = time.perf_counter()
+        self._started = time.perf_counter()
+        with Preparer(self.ahead) as self._preparer:
+            return self._run(look)
+
+    def _run(self, look: Look | None) -> RunRecord:
         look = first = self.look() if look is None else look
         goal = self.task.goal(look.scene)
         budget = self.limits.actions * max(1, len(look.scene.movable))
@@ -191,12 +197,12 @@ class ClosedLoop:
                 look, chosen, said = self._looked_closer(look, chosen, goal)
                 if chosen is None:
                     break
-                step, look, found = self._act(look, chosen)
+                step, look, found = self._act(look, chosen, goal)
                 steps.append(replace(step, events=(*said, *step.events)))
                 wrong += found
                 self._check_hand()
                 self._check_place(look)
-                chosen = self._chooser(look, goal).choose()
+                look, chosen = self._next(look, goal)
             if chosen is not None:
                 stopped = "budget"
                 wrong.append(f"the budget of {budget} actions is spent, and there is more to do")
@@ -221,7 +227,7 @@ class ClosedLoop:
             success=not missing and not wrong,
             violations=(*wrong, *missing),
             steps=tuple(steps),
-            seconds=time.perf_counter() - started,
+            seconds=time.perf_counter() - self._started,
             scene=look.scene,
             relations=look.relations.to_json(),
             notes=(*goal.assumptions, *(f"at the first look, {text}" for text in first.faults)),
@@ -284,17 +290,30 @@ class ClosedLoop:
             raise ArmFault(words)
 
     def _chooser(self, look: Look, goal: Goal) -> Chooser:
-        station = Station(self.robot.arm, self.robot.pose_base_to_world, self.robot.q_target)
-        most = self.limits.attempts
-        given_up = {name: f"{n} attempts failed" for name, n in self._attempts.items() if n >= most}
-        own = {name: some for name, some in self.grasps.items() if name not in self._tried}
-        context = Context(
-            station, self._done, observed=True, given_up=given_up, avoid=self._failed, beliefs=self._beliefs,
-            orderer=self.orderer, grasps=own, seed=self.seed + self._attempts.total(),
-        )  # fmt: skip
-        return self.task.chooser(look.situation, goal, context)
+        return self.task.chooser(look.situation, goal, self._context(self._memory, self.robot.q_target))
 
-    def _act(self, look: Look, chosen: NextStep) -> tuple[StepRecord, Look, list[str]]:
+    def _context(self, memory: Memory, q: FloatArray) -> Context:
+        """What a step is chosen in, where the arm stands in a state (n,)."""
+        station = Station(self.robot.arm, self.robot.pose_base_to_world, q)
+        return memory.context(station, self.orderer, self.grasps, self.seed, self.limits.attempts)
+
+    def _prepare(self, look: Look, chosen: NextStep, goal: Goal) -> None:
+        """Have the step prepared that follows one which goes as it should, the arm at home again."""
+        memory = self._memory.acted(chosen, True).looked(chosen, True)
+        context = self._context(memory, np.asarray(self.robot.arm.home))
+        self._preparer.begin(Question(look.situation, chosen.transfer, self.task, goal, context))
+
+    def _next(self, look: Look, goal: Goal) -> tuple[Look, NextStep | None]:
+        """The step that was prepared, where it can be done with what is seen; else one chosen now."""
+        away = np.abs(self.robot.q_target - self.robot.arm.home).max()
+        prepared, self._prepared = self._preparer.answer(), None
+        if prepared is None or away > AT_HOME:
+            return look, self._chooser(look, goal).choose()
+        self.task, self._prepared = prepared.task, prepared.step
+        known = replace(look.situation, known_relations=look.relations, known_solids=prepared.solids)
+        return replace(look, situation=known), prepared.step
+
+    def _act(self, look: Look, chosen: NextStep, goal: Goal) -> tuple[StepRecord, Look, list[str]]:
         """Does one step, looks again and judges it."""
         started = time.perf_counter()
         transfer, name = chosen.transfer, chosen.transfer.object
@@ -302,33 +321,43 @@ class ClosedLoop:
         events = self._decided(chosen)  # said first: on a terminal the line that counts is the one that stays
         self._say(f"{done + 1} of {done + len(chosen.order.order)}: {chosen.action} {name}: {chosen.reason}")
         self.judge.begin(transfer)
+        self._prepare(look, chosen, goal)
+        waited = time.perf_counter() - max(look.taken, self._started)
         outcome = execute(transfer, self.robot, self.judge.moment)
-        expected = after(look.situation, transfer).scene if outcome.success else look.scene
+        foreseen = after(look.situation, transfer) if outcome.success else look.situation
+        expected = foreseen.scene
         if outcome.stuck:
             self._stuck = outcome.text
         else:
-            withdraw(self.robot, Situation(expected).solids, self.seed)
+            # bodies that moved are known at once, those of clouds that moved take the arm's time
+            bodies = foreseen.solids if self._preparer.on else Situation(expected).solids
+            withdraw(self.robot, bodies, self.seed)
         self.robot.wait(self.limits.settle)
         verdict = self.judge.verdict()
-        self._tried.add(name)
-        self._attempts[name] += 1
-        attempts = self._attempts[name]
-        events += self._learn(chosen, outcome)
+        self._memory, attempts = (
+            self._memory.acted(chosen, outcome.success, outcome.stuck),
+            self._memory.attempts[name] + 1,
+        )
+        events += self._learned(chosen, outcome, attempts)
         there = outcome.success and not chosen.buffer
         self._ahead = Ahead.of(chosen.order, name if there else None)
         seen = self.perception.look(expected)
+        if outcome.success and not (seen.surprises or seen.faults):
+            self._preparer.prove(seen.scene)
         predicted = look.relations.updated(name, expected.clouds[name])
         different = unexpected(predicted, seen.relations)
-        alone = {name, *transfer.riding} if outcome.success and chosen.action is not Action.PLACE else ()
-        stirred = {name, *transfer.riding, *seen.surprises}
-        self._beliefs = self._beliefs.after(chosen.order.chances, stirred, alone)
+        self._memory = self._memory.looked(chosen, outcome.success, seen.surprises)
         events += [*seen.faults, *seen.surprises.values(), *different]
         if different or seen.surprises:
             events.append("the next step is planned from what is seen")
+        if different:
+            self._preparer.drop()
         step = StepRecord(
             object=name,
             action=str(chosen.action),
             fallbacks=tuple(map(str, chosen.all_fallbacks)),
+            waited=waited,
+            prepared=chosen is self._prepared,
             success=outcome.success,
             attempts=attempts,
             disturbed=verdict.disturbed,
@@ -368,19 +397,14 @@ class ClosedLoop:
             self._say(event)
         return events
 
-    def _learn(self, chosen: NextStep, outcome: Outcome) -> list[str]:
-        """Notes what was done, or which grasp is not to be tried again; says what follows from it."""
-        name = chosen.transfer.object
+    def _learned(self, chosen: NextStep, outcome: Outcome, attempts: int) -> list[str]:
+        """Takes down what was done; says what follows where it failed."""
         if outcome.success:
-            self._done.append((name, str(chosen.action)))
             self.followed.append(chosen)
-            if chosen.action is not Action.PLACE:  # what shall stay there and does not is tried again
-                self._attempts.clear()  # what could not be taken may be now that this is out of its way
             return []
         if outcome.stuck:
             return [outcome.text]
-        self._failed.setdefault(name, []).append(chosen.transfer.grasp)
-        left = self.limits.attempts - self._attempts[name]
+        left = self.limits.attempts - attempts
         then = f"another grasp is tried, {left} attempts are left" if left > 0 else "it is given up"
         return [f"{outcome.text} {then[0].upper()}{then[1:]}."]
 

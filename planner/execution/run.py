@@ -37,6 +37,7 @@ def run(
     mask_noise: float = 0.0,
     shuffle_labels: bool = False,
     wrist_camera: bool = False,
+    ahead: bool = False,
     engine: str = BULLET,
     video: Path | None = None,
     rerun: Path | None = None,
@@ -58,6 +59,8 @@ def run(
         mask_noise: By how many pixels the edges of their masks are wrong (standard deviation).
         shuffle_labels: Whether names of objects are not kept between looks.
         wrist_camera: Whether the arm carries one more for a second look before a doubtful step.
+        ahead: Whether the next step is chosen while the arm acts, as for `ClosedLoop`: by a process that is
+            spawned, so the program has to be safe to import.
         engine: What plays it, one of `topple.robots.engines.ENGINES`.
         video: Where a film of it is written, an MP4 file.
         rerun: Where a recording for the Rerun viewer is written, an .rrd file.
@@ -104,6 +107,7 @@ def run(
             friction=scene.friction,
             shuffle_labels=shuffle_labels,
             wrist_camera=wrist_camera,
+            ahead=ahead,
             photos=photos,
         )
         recording = recorded(acting, RERUN_RATE) if rerun is not None else None

@@ -1,6 +1,7 @@
 """Whether an arm stands where it is believed to: the cameras see it, and its joints say where it is."""
 
 from collections.abc import Sequence
+from functools import lru_cache
 
 import numpy as np
 from scipy.spatial import KDTree
@@ -15,6 +16,7 @@ from topple.planner.execution.tolerances import (
     ROUNDS,
     STEADY,
 )
+from topple.robots.arm.arm import Arm
 from topple.robots.driver import Driver
 from topple.topology.arrays import FloatArray
 from topple.topology.bodies.solids import up_of
@@ -48,7 +50,7 @@ def shift_of(robot: Driver, images: Sequence[DepthImage], scene: Scene) -> Float
     points = points[tree.query(points, distance_upper_bound=ARM_NEAR)[0] < ARM_NEAR]
     if len(points) == 0:
         return None
-    things = KDTree(np.concatenate(list(scene.clouds.values())))
+    things = KDTree(np.concatenate(list(scene.clouds.values())), balanced_tree=False)
     points = points[things.query(points)[0] > BESIDE]
     if len(points) < ARM_FEWEST:
         return None
@@ -94,11 +96,17 @@ def _surface(robot: Driver, viewpoints: Sequence[FloatArray]) -> tuple[FloatArra
     """Points (N, 3) on the arm's links that face a camera [m], and normals, in the world."""
     poses = robot.pose_base_to_world @ robot.arm.forward(robot.q_target, robot.tool_state)[0]
     found = [
-        [each @ pose[:3, :3].T for each in sampled_with_normals(parts, ARM_SPACING)] + [pose[:3, 3]]
-        for parts, pose in zip(robot.arm.parts, poses, strict=True)
-        if parts
+        [each @ pose[:3, :3].T for each in link] + [pose[:3, 3]]
+        for link, pose in zip(_links(robot.arm), poses, strict=True)
+        if link
     ]
     points = np.concatenate([points + place for points, _, place in found])
     normals = np.concatenate([normals for _, normals, _ in found])
     facing = np.any([np.einsum("ij,ij->i", normals, eye - points) > 0 for eye in viewpoints], axis=0)
     return points[facing], normals[facing]
+
+
+@lru_cache(maxsize=4)
+def _links(arm: Arm) -> tuple[tuple[FloatArray, ...], ...]:
+    """Points (N, 3) on each link of an arm [m], with normals, in its frame; empty where it has no parts."""
+    return tuple(sampled_with_normals(parts, ARM_SPACING) if parts else () for parts in arm.parts)

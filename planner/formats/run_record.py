@@ -30,6 +30,9 @@ class StepRecord(ByValue):
         disturbed: What else moved: name -> (distance [m], turn [rad]), objects not handled only.
         relations_as_predicted: The relations seen afterwards are those the plan predicted.
         seconds: Wall-clock time of the step, planning and looking included.
+        waited: Wall-clock time from when the pictures were there that the step was chosen from until the arm
+            began to move [s], None where not measured.
+        prepared: Whether it was chosen while the arm did the step before.
         reason: Why this object and why now, and what was tried where it went wrong; plain sentences.
         robot_seconds: Simulated time the arm moved, None where not measured.
         picture_before: PNG bytes of the camera's view before the action, or None.
@@ -82,6 +85,8 @@ class StepRecord(ByValue):
     dropped: bool = False
     events: tuple[str, ...] = ()
     fallbacks: tuple[str, ...] = ()
+    waited: float | None = None
+    prepared: bool = False
 
     def to_json(self) -> dict[str, Any]:
         """The step as it stands in a `topple.run` document: no pictures, no clouds."""
@@ -95,6 +100,8 @@ class StepRecord(ByValue):
             },
             "relations_as_predicted": self.relations_as_predicted,
             "seconds": round(self.seconds, 3),
+            "waited": None if self.waited is None else round(self.waited, 3),
+            "prepared": self.prepared,
             "robot_seconds": None if self.robot_seconds is None else round(self.robot_seconds, 3),
             "reason": self.reason,
             "dropped": self.dropped,

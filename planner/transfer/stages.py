@@ -156,7 +156,7 @@ def segments_of(
     }
     segments: list[Segment] = []
     for stage in stages:
-        pairs = tuple((min(pair), max(pair)) for pair in sorted(stage.checker.allow, key=sorted))
+        pairs = may_touch(stage.checker)
         if stage.kind is SegmentKind.LIFT:
             segments.append(Segment(SegmentKind.GRASP, grasp.tool, closed, None, checks.name, pairs))
         if stage.kind is SegmentKind.RETREAT:
@@ -169,3 +169,8 @@ def segments_of(
         hand, holding = (hands[stage.kind], None) if stage.kind in hands else (closed, checks.name)
         segments.append(Segment(stage.kind, grasp.tool, hand, trajectory, holding, pairs, stage.certificate))
     return tuple(segments)
+
+
+def may_touch(checker: Checker) -> tuple[tuple[str, str], ...]:
+    """Pairs of names that a checker lets touch, sorted."""
+    return tuple((min(pair), max(pair)) for pair in sorted(checker.allow, key=sorted))

@@ -68,3 +68,15 @@ def test_another_tree_does_the_same_task_in_a_process_of_its_own(tmp_path: Path)
 def test_a_task_that_fails_says_so(tmp_path: Path) -> None:
     with pytest.raises(RuntimeError, match="order by this tree failed"):
         Trees(tmp_path, None).measure("order", {"paths": [str(tmp_path / "none_scene.npz")]}, 1)
+
+
+@pytest.mark.slow
+def test_waiting_is_measured_with_the_step_chosen_ahead_and_without(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(speed, "WAITING", ("tower",))
+    rows = speed.waiting_rows(Trees(tmp_path, None), range(500, 501), lambda text: None)
+    assert [row.bar for row in rows] == ["<= 0.4", "<= 1", None]
+    for row in rows:
+        assert row.baseline == "chosen after the look"
+        assert row.value > 0.0

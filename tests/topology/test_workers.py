@@ -58,3 +58,36 @@ def test_workers_leave_when_their_parent_is_killed(tmp_path: object, program: st
     while any(map(alive, workers)) and time.monotonic() < until:
         time.sleep(0.05)
     assert not any(map(alive, workers))
+
+
+INTERRUPTED = """
+import os, time
+from topple.topology.workers import WorkerPool
+if __name__ == "__main__":
+    try:
+        with WorkerPool(1) as pool:
+            pool.submit(os.getpid)
+            print("begun", flush=True)
+            time.sleep(60)
+    except KeyboardInterrupt:
+        print("ended", flush=True)
+"""
+
+
+@pytest.mark.parametrize("seconds", [0.02, 0.2, 0.6])
+def test_ctrl_c_while_a_worker_starts_ends_it_without_a_word(tmp_path: object, seconds: float) -> None:
+    script = os.path.join(str(tmp_path), "program.py")
+    with open(script, "w", encoding="utf-8") as file:
+        file.write(INTERRUPTED)
+    parent = subprocess.Popen(
+        [sys.executable, script],
+        stdout=subprocess.PIPE,
+        stderr=subprocess.PIPE,
+        text=True,
+        start_new_session=True,
+    )
+    assert parent.stdout is not None and parent.stdout.readline() == "begun\n"
+    time.sleep(seconds)
+    os.killpg(parent.pid, signal.SIGINT)  # as a terminal does
+    out, err = parent.communicate(timeout=60)
+    assert (out, err) == ("ended\n", "")

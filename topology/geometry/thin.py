@@ -40,8 +40,16 @@ def thinned(points: FloatArray, spacing: float) -> FloatArray:
     Returns:
         (M, 3) points of the cloud, M <= N, at most `spacing` * √3 from every dropped one.
     """
+    count = len(points)
+    if count == 0:
+        return points
     keys = cell_keys(points, *bounds(points), spacing)
-    return points[np.sort(np.unique(keys, return_index=True)[1])]
+    if int(keys.max()) >= np.iinfo(np.int64).max // count - 1:  # too many cells for what follows
+        return points[np.sort(np.unique(keys, return_index=True)[1])]
+    # cell and place in one number: these are sorted in half of the time that their places take
+    cells, places = np.divmod(np.sort(keys * count + np.arange(count)), count)
+    first = np.concatenate([[True], cells[1:] != cells[:-1]])
+    return points[np.sort(places[first])]
 
 
 def voxel_means(points: FloatArray, spacing: float, ahead: float = BEFORE) -> FloatArray:

@@ -1,0 +1,80 @@
+"""What a run remembers of its actions: what was done, what failed, and what the looks made of the scene."""
+
+from collections import Counter
+from collections.abc import Collection, Mapping, Sequence
+from dataclasses import dataclass, field, replace
+
+from topple.planner.decide.beliefs import Beliefs
+from topple.planner.grasp.grasp import Grasp
+from topple.planner.planning.step import Action, Context, NextStep, Orderer, Station
+
+
+@dataclass(frozen=True, eq=False)
+class Memory:
+    """Kept from action to action; what it will be after one that is only planned can be asked as well.
+
+    Attributes:
+        done: Steps that were done, as (object, action).
+        attempts: Tries at each object since something was taken out of its way.
+        tried: Objects that the arm has tried to take.
+        failed: Grasps that failed, by object.
+        beliefs: What the looks made of the scene.
+    """
+
+    done: tuple[tuple[str, str], ...] = ()
+    attempts: Counter[str] = field(default_factory=Counter[str])
+    tried: frozenset[str] = frozenset()
+    failed: Mapping[str, tuple[Grasp, ...]] = field(default_factory=dict[str, tuple[Grasp, ...]])
+    beliefs: Beliefs = field(default_factory=Beliefs)
+
+    def acted(self, chosen: NextStep, success: bool, stuck: bool = False) -> "Memory":
+        """What is remembered once a step was done or failed, before the look that follows.
+
+        Args:
+            chosen: The step.
+            success: Whether it was done.
+            stuck: Whether the hand does not let go: no other grasp is to be tried then.
+        """
+        name = chosen.transfer.object
+        tried, attempts = self.tried | {name}, self.attempts + Counter((name,))
+        if success:
+            if chosen.action is not Action.PLACE:  # what shall stay there and does not is tried again
+                attempts = Counter[str]()  # what could not be taken may be now that this is out of its way
+            done = (*self.done, (name, str(chosen.action)))
+            return replace(self, done=done, attempts=attempts, tried=tried)
+        if stuck:
+            return replace(self, attempts=attempts, tried=tried)
+        failed = {**self.failed, name: (*self.failed.get(name, ()), chosen.transfer.grasp)}
+        return replace(self, attempts=attempts, tried=tried, failed=failed)
+
+    def looked(self, chosen: NextStep, success: bool, surprises: Collection[str] = ()) -> "Memory":
+        """What is remembered once a look followed a step.
+
+        Args:
+            chosen: The step.
+            success: Whether it was done.
+            surprises: Objects that were not seen where they should be.
+        """
+        handled = {chosen.transfer.object, *chosen.transfer.riding}
+        alone = handled if success and chosen.action is not Action.PLACE else ()
+        beliefs = self.beliefs.after(chosen.order.chances, handled | set(surprises), alone)
+        return replace(self, beliefs=beliefs)
+
+    def context(
+        self, station: Station, orderer: Orderer, grasps: Mapping[str, Sequence[Grasp]], seed: int, most: int
+    ) -> Context:
+        """What the next step is chosen in.
+
+        Args:
+            station: The arm as it stands.
+            orderer: What decides the order.
+            grasps: Grasps of the caller's own by object; they count until the object was tried.
+            seed: Of the run.
+            most: Attempts at one object after which it is given up.
+        """
+        given_up = {name: f"{n} attempts failed" for name, n in self.attempts.items() if n >= most}
+        own = {name: some for name, some in grasps.items() if name not in self.tried}
+        return Context(
+            station, self.done, observed=True, given_up=given_up, avoid=self.failed, beliefs=self.beliefs,
+            orderer=orderer, grasps=own, seed=seed + self.attempts.total(),
+        )  # fmt: skip

@@ -1,0 +1,81 @@
+"""A transfer that was planned for predicted bodies, proven on those that are seen."""
+
+from dataclasses import replace
+
+import numpy as np
+
+from topple.planner.fallbacks import Fallback
+from topple.planner.grasp.rank import in_the_way
+from topple.planner.grasp.room import Room
+from topple.planner.grasp.tolerances import GRASP_TOLERANCES
+from topple.planner.motion.certificate import Certifier
+from topple.planner.motion.collision import Checker
+from topple.planner.transfer.checks import Checks
+from topple.planner.transfer.segments import Segment, SegmentKind
+from topple.planner.transfer.stages import may_touch
+from topple.planner.transfer.tolerances import MARGIN, ROUNDING
+from topple.planner.transfer.transfer import Transfer
+from topple.robots.arm.arm import Arm
+from topple.robots.arm.gripper import ToolName
+from topple.topology.arrays import FloatArray
+from topple.topology.situation import Situation
+
+
+def proven_again(
+    transfer: Transfer, situation: Situation, arm: Arm, pose_base_to_world: FloatArray
+) -> Transfer | None:
+    """Prove that a transfer can be done in another situation than it was planned for.
+
+    The hand needs room among the clouds, and something of the object where it closes. Every motion is
+    certified as it is driven, between its samples too, by the rules that it was planned by: at the same
+    distances, and what may touch is what might touch then.
+
+    Args:
+        transfer: The transfer.
+        situation: What is seen.
+        arm: The arm.
+        pose_base_to_world: (4, 4) where it stands.
+
+    Returns:
+        The transfer with its proofs of the situation; None where something of it cannot be proven.
+    """
+    if transfer.object not in situation.movable or not _takes(transfer, situation, arm):
+        return None
+    checks = Checks(transfer.object, situation, arm, pose_base_to_world, transfer.riding)
+    checkers = _checkers(transfer, checks)
+    segments: list[Segment] = []
+    for segment in transfer.segments:
+        checker, certificate = checkers[segment.kind], None
+        if segment.trajectory is not None:
+            certificate = Certifier(checker).path(segment.trajectory.positions, ROUNDING)
+            if not certificate.proven:
+                return None
+        segments.append(replace(segment, may_touch=may_touch(checker), certificate=certificate))
+    return replace(transfer, segments=tuple(segments))
+
+
+def _takes(transfer: Transfer, situation: Situation, arm: Arm) -> bool:
+    """Whether the hand has room on its way in, and takes hold of something of the object."""
+    grasp, scene = transfer.grasp, situation.scene
+    room = Room.of(scene, situation.up, arm)
+    counted = room.under_cup if grasp.tool == ToolName.SUCTION else room.between_pads
+    within = counted(np.array([grasp.pose_tool_to_world]))[0][scene.movable.index(transfer.object)]
+    return within > GRASP_TOLERANCES.stray_points and not in_the_way([grasp], room)[0]
+
+
+def _checkers(transfer: Transfer, checks: Checks) -> dict[SegmentKind, Checker]:
+    """What each segment is checked against."""
+    grasp, place = transfer.grasp, transfer.placement
+    lenient = Fallback.THROUGH_GUESSES in transfer.fallbacks
+    margin = 0.0 if Fallback.NARROW in transfer.fallbacks else MARGIN
+    lift, retreat = checks.lifting(grasp, lenient), checks.parting(grasp, place)
+    return {
+        SegmentKind.MOVE: checks.empty(grasp.opening),
+        SegmentKind.APPROACH: checks.approaching(grasp, lenient),
+        SegmentKind.GRASP: lift,
+        SegmentKind.LIFT: lift,
+        SegmentKind.TRANSFER: checks.carrying(grasp, margin),
+        SegmentKind.PLACE: checks.carrying(grasp, 0.0, place.into),
+        SegmentKind.RELEASE: retreat,
+        SegmentKind.RETREAT: retreat,
+    }
