@@ -14,20 +14,21 @@ from topple.planner.decide.beliefs import Beliefs
 from topple.planner.decide.goal import Goal
 from topple.planner.decide.turn import Ahead
 from topple.planner.errors import ArmFault, NoSafePlan
-from topple.planner.execution.execute import Outcome, execute, withdraw
+from topple.planner.execution.execute import Outcome
 from topple.planner.execution.judge import Judge
 from topple.planner.execution.look import Look, Observer, Perception, Relate, unexpected
 from topple.planner.execution.monitor import Monitor, NoMonitor
 from topple.planner.execution.second_look import HandCamera, doubtful, second_look
 from topple.planner.execution.standing import misplaced
 from topple.planner.execution.tolerances import STUCK
+from topple.planner.execution.two_arms import TwoArms
 from topple.planner.formats.run_record import INTERRUPTED, RunRecord, StepRecord
 from topple.planner.grasp.given import GraspsByObject
 from topple.planner.grasp.grasp import Grasp
 from topple.planner.motion.collision import Checker
 from topple.planner.planning.next_step import GoalTask
 from topple.planner.planning.order import cautious
-from topple.planner.planning.step import Action, Chooser, Context, NextStep, Orderer, Station, Task
+from topple.planner.planning.step import Action, Chooser, Context, NextStep, Orderer, Task
 from topple.planner.transfer.transfer import after
 from topple.robots.driver import Driver
 from topple.robots.world.acting_arm import ActingArm
@@ -78,6 +79,7 @@ class ClosedLoop:
         progress: Called with a line before and after each action.
         judge: What watches from outside and says what was disturbed; by default nothing does.
         wrist: A camera that the arm carries, for a second look before a doubtful step.
+        second: An arm beside it that holds what would not stand; the orderer has to count two hands then.
 
     `task` is the goal as a task. After `run`, `followed` holds the steps done, with their transfers.
     """
@@ -92,6 +94,7 @@ class ClosedLoop:
     progress: Progress | None = None
     judge: Monitor = field(default_factory=NoMonitor)
     wrist: HandCamera | None = None
+    second: Driver | None = None
 
     def __post_init__(self) -> None:
         self.task = GoalTask.of(self.goal)
@@ -103,6 +106,7 @@ class ClosedLoop:
         self._beliefs = Beliefs()
         self._ahead: Ahead | None = None
         self._stuck = ""
+        self._arms = TwoArms(self.robot, self.second, self.seed)
 
     @classmethod
     def simulated(
@@ -122,6 +126,7 @@ class ClosedLoop:
         relate: Relate | None = None,
         photos: bool = False,
         wanted: Mapping[str, FloatArray] | None = None,
+        second: ActingArm | None = None,
         **more: Any,
     ) -> "ClosedLoop":
         """Close the loop in a simulated world, judged by its true poses.
@@ -142,6 +147,7 @@ class ClosedLoop:
             photos: Whether photos for people are taken at every look, for a report: a second each.
             wanted: Where things shall truly lie in the end, (4, 4) poses by name, for the judge; where None,
                 by the goal.
+            second: An arm beside it that holds what would not stand.
             **more: As the attributes of this class.
         """
         up = np.array([0.0, 0.0, 1.0]) if up is None else up
@@ -156,8 +162,9 @@ class ClosedLoop:
             perception,
             goal,
             seed=seed,
-            judge=Judge(robot, fixed, up, wanted=wanted),
+            judge=Judge(robot, fixed, up, wanted=wanted, second=second),
             wrist=wrist,
+            second=second,
             **more,
         )
 
@@ -196,7 +203,8 @@ class ClosedLoop:
                 wrong += found
                 self._check_hand()
                 self._check_place(look)
-                chosen = self._chooser(look, goal).choose()
+                pending = self._arms.pending
+                chosen = pending[0] if pending else self._chooser(look, goal).choose()
             if chosen is not None:
                 stopped = "budget"
                 wrong.append(f"the budget of {budget} actions is spent, and there is more to do")
@@ -284,13 +292,14 @@ class ClosedLoop:
             raise ArmFault(words)
 
     def _chooser(self, look: Look, goal: Goal) -> Chooser:
-        station = Station(self.robot.arm, self.robot.pose_base_to_world, self.robot.q_target)
+        station, second = self._arms.stations
         most = self.limits.attempts
         given_up = {name: f"{n} attempts failed" for name, n in self._attempts.items() if n >= most}
         own = {name: some for name, some in self.grasps.items() if name not in self._tried}
         context = Context(
             station, self._done, observed=True, given_up=given_up, avoid=self._failed, beliefs=self._beliefs,
             orderer=self.orderer, grasps=own, seed=self.seed + self._attempts.total(),
+            second=second, besides=self._arms.besides(self.robot),
         )  # fmt: skip
         return self.task.chooser(look.situation, goal, context)
 
@@ -299,15 +308,19 @@ class ClosedLoop:
         started = time.perf_counter()
         transfer, name = chosen.transfer, chosen.transfer.object
         done = len(self.followed)
-        events = self._decided(chosen)  # said first: on a terminal the line that counts is the one that stays
-        self._say(f"{done + 1} of {done + len(chosen.order.order)}: {chosen.action} {name}: {chosen.reason}")
-        self.judge.begin(transfer)
-        outcome = execute(transfer, self.robot, self.judge.moment)
+        left = chosen.order.order
+        if self._arms.pending:  # of an order that was begun
+            events, left = [], left[left.index(name) :]
+        else:
+            events = self._decided(chosen)  # said first: on a terminal the line that counts stays
+        self._say(f"{done + 1} of {done + len(left)}: {chosen.action} {name}: {chosen.reason}")
+        grip = chosen.grip or self._arms.grip
+        self.judge.begin(transfer, None if grip is None else grip.object, chosen.by_second)
+        outcome = self._arms.carry_out(chosen, self.judge.moment)
         expected = after(look.situation, transfer).scene if outcome.success else look.scene
+        outcome = self._arms.withdraw(chosen, outcome, Situation(expected).solids)
         if outcome.stuck:
             self._stuck = outcome.text
-        else:
-            withdraw(self.robot, Situation(expected).solids, self.seed)
         self.robot.wait(self.limits.settle)
         verdict = self.judge.verdict()
         self._tried.add(name)
@@ -380,6 +393,8 @@ class ClosedLoop:
         if outcome.stuck:
             return [outcome.text]
         self._failed.setdefault(name, []).append(chosen.transfer.grasp)
+        if chosen.grip is not None:
+            self._failed.setdefault(chosen.grip.object, []).append(chosen.grip.grasp)
         left = self.limits.attempts - self._attempts[name]
         then = f"another grasp is tried, {left} attempts are left" if left > 0 else "it is given up"
         return [f"{outcome.text} {then[0].upper()}{then[1:]}."]

@@ -15,6 +15,7 @@ from topple.planner.planning.order import check_targets, ordered
 from topple.planner.transfer.transfer import Transfer
 from topple.robots.arm.arm import Arm
 from topple.topology.arrays import FloatArray
+from topple.topology.bodies.solids import Solids
 from topple.topology.errors import InvalidInput, UnknownObject
 from topple.topology.plugins import Table
 from topple.topology.relations import Relations
@@ -47,6 +48,11 @@ class NextStep:
         fallbacks: What was tried to find it where the plain way failed; with those of the transfer,
             `all_fallbacks`.
         buffer: Whether the object only makes room and is taken again later, to where it shall be.
+        grip: What the second arm takes hold of before it, and keeps still from then on; its segments end as
+            the hand closes.
+        let_go: What the second arm lets go of after it, where it is; its segments begin as the hand opens.
+        by_second: Whether the second arm does it, with what it holds.
+        then: The steps that follow it while the second arm holds on, decided with it.
     """
 
     transfer: Transfer
@@ -56,6 +62,10 @@ class NextStep:
     against: tuple[Dependency, ...] = ()
     fallbacks: tuple[Fallback, ...] = ()
     buffer: bool = False
+    grip: Transfer | None = None
+    let_go: Transfer | None = None
+    by_second: bool = False
+    then: "tuple[NextStep, ...]" = ()
 
     @property
     def all_fallbacks(self) -> tuple[Fallback, ...]:
@@ -96,6 +106,8 @@ class Context:
         orderer: What decides in which order things are taken.
         grasps: Grasps of the caller's own, in the world: an object that has an entry is taken by those alone.
         seed: Of every search.
+        second: A second arm that holds what would not stand, as it stands; None where there is one arm.
+        besides: Bodies that are in the arm's way and no part of the scene: those of the other arm.
     """
 
     station: Station
@@ -109,6 +121,8 @@ class Context:
     orderer: "Orderer" = ordered
     grasps: GraspsByObject = field(default_factory=dict[str, Sequence[Grasp]])
     seed: int = 0
+    second: Station | None = None
+    besides: Solids = field(default_factory=dict[str, Sequence[FloatArray]])
 
     def ask(self, situation: Situation, targets: Sequence[str]) -> Order:
         """Ask the orderer; see `ask`."""
