@@ -42,14 +42,14 @@ def hold(seed: int = 0) -> Scenario:
 
 
 def _boards(world: PhysicalWorld, rng: np.random.Generator) -> tuple[str, tuple[str, ...]]:
-    tilt, aside = rng.uniform(0.42, 0.52), rng.choice([-1, 1]) * rng.uniform(0.045, 0.06)
-    size = thick, _, high = rng.uniform([0.014, 0.15, 0.20], [0.02, 0.18, 0.25])
+    tilt, aside = rng.uniform(0.46, 0.56), rng.choice([-1, 1]) * rng.uniform(0.045, 0.06)
+    size = thick, _, high = rng.uniform([0.024, 0.15, 0.19], [0.030, 0.18, 0.23])
     about = pose_at(*rng.uniform(-0.03, 0.03, 2), 0.0, Rotation.from_euler("z", rng.uniform(-0.3, 0.3)))
     foot = high * np.sin(tilt) + thick / 2 * np.cos(tilt)  # the upper edges meet above the middle
     low = thick / 2 * np.sin(tilt)
     for name, side in (("left", -1), ("right", 1)):
         lean = pose_at(side * foot, side * aside, low, Rotation.from_euler("y", -side * tilt))
-        body = box(name, tuple(size.tolist()), density=rng.uniform(300, 500), color=PAINT[name])
+        body = box(name, tuple(size.tolist()), density=rng.uniform(150, 350), color=PAINT[name])
         world.add(body, about @ lean)
     return _standing(world, "free left" if rng.random() < 0.5 else "free right")
 
