@@ -73,7 +73,7 @@ class Judge:
 
         Args:
             transfer: What is about to be done.
-            held: What the second arm holds meanwhile: it may be touched by that arm alone, and not move.
+            held: What the other arm holds meanwhile: it may be touched by that arm alone, and not move.
             by_second: Whether the second arm does it.
         """
         self._robot = self._arms[1 if by_second else 0]

@@ -26,6 +26,7 @@ from topple.planner.formats.run_record import INTERRUPTED, RunRecord, StepRecord
 from topple.planner.grasp.given import GraspsByObject
 from topple.planner.grasp.grasp import Grasp
 from topple.planner.motion.collision import Checker
+from topple.planner.planning.holding import check_second
 from topple.planner.planning.next_step import GoalTask
 from topple.planner.planning.order import cautious
 from topple.planner.planning.step import Action, Chooser, Context, NextStep, Orderer, Task
@@ -37,7 +38,7 @@ from topple.robots.world.photo import photograph
 from topple.robots.world.physical_world import PhysicalWorld
 from topple.robots.world.wrist_camera import WristCamera
 from topple.topology.arrays import FloatArray
-from topple.topology.errors import ToppleError
+from topple.topology.errors import InvalidInput, ToppleError
 from topple.topology.situation import Situation
 
 log = logging.getLogger(__name__)
@@ -79,7 +80,7 @@ class ClosedLoop:
         progress: Called with a line before and after each action.
         judge: What watches from outside and says what was disturbed; by default nothing does.
         wrist: A camera that the arm carries, for a second look before a doubtful step.
-        second: An arm beside it that holds what would not stand; the orderer has to count two hands then.
+        second: An arm beside it that holds what would not stand; the orderer is told of two hands then.
 
     `task` is the goal as a task. After `run`, `followed` holds the steps done, with their transfers.
     """
@@ -149,7 +150,16 @@ class ClosedLoop:
                 by the goal.
             second: An arm beside it that holds what would not stand.
             **more: As the attributes of this class.
+
+        Raises:
+            InvalidInput: A second arm has no fingers, or the first one a camera besides.
         """
+        if second is not None:
+            check_second(second.arm)
+            if wrist_camera:
+                raise InvalidInput(
+                    "a camera on the wrist looks around one arm alone: leave out the other arm"
+                )
         up = np.array([0.0, 0.0, 1.0]) if up is None else up
         rng = np.random.default_rng(seed)
         perception = Observer(

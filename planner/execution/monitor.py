@@ -41,7 +41,7 @@ class Monitor(Protocol):
 
         Args:
             transfer: What is about to be done.
-            held: What the second arm holds meanwhile, which counts like everything else.
+            held: What the other arm holds meanwhile, which counts like everything else.
             by_second: Whether the second arm does it.
         """
         ...

@@ -1,6 +1,7 @@
-"""Two arms at work, one at a time: the second holds what would not stand while the first takes something."""
+"""Two arms at work, one at a time: one holds what would not stand while the other takes something."""
 
 from dataclasses import replace
+from pathlib import Path
 
 import numpy as np
 
@@ -12,19 +13,20 @@ from topple.planner.planning.step import NextStep, Station
 from topple.planner.transfer.transfer import Transfer
 from topple.robots.driver import Driver
 from topple.topology.bodies.solids import Solids
+from topple.topology.errors import InvalidInput
 
 
 class TwoArms:
-    """An arm that takes, and beside it one that may hold.
+    """An arm, and beside it one for what takes two.
 
     Args:
-        first: The arm that takes.
-        second: The arm that holds; None where there is none.
+        first: The arm that does what takes one.
+        second: The other arm; None where there is none.
         seed: Of the searches for ways home.
 
     Attributes:
         pending: The steps that were decided with a hold which is going on.
-        grip: How the second arm holds something now; None where it does not.
+        grip: How one of them holds something now; None where none does.
     """
 
     def __init__(self, first: Driver, second: Driver | None, seed: int) -> None:
@@ -49,24 +51,27 @@ class TwoArms:
         return standing_by(whose, _station(other))
 
     def carry_out(self, chosen: NextStep, watch: Watch) -> Outcome:
-        """Do a step, once the second hand holds what it has to.
+        """Do a step, once the other hand holds what it has to.
 
         Args:
             chosen: The step.
             watch: What looks on at the hand that takes.
         """
-        if chosen.grip is not None and self.second is not None:
-            closed = execute(chosen.grip, self.second)
+        acting = self.acting(chosen)
+        other = self._beside(acting)
+        if chosen.grip is not None and other is not None:
+            closed = execute(chosen.grip, other)
             if not closed.success:
-                return replace(closed, text=f"the second arm: {closed.text}")
+                return replace(closed, text=f"the other arm: {closed.text}")
             self.grip = chosen.grip
-            if (off := self._gave_way(chosen.grip)) > GIVES_WAY:
-                said = f"the second arm gave way by {1e3 * off:.0f} mm as its hand closed."
+            if (off := _gave_way(other, chosen.grip)) > GIVES_WAY:
+                said = f"the other arm gave way by {1e3 * off:.0f} mm as its hand closed."
                 return replace(closed, success=False, text=said)
-        if chosen.by_second and np.abs(self.first.q_target - np.asarray(self.first.arm.home)).max() > AT_HOME:
-            said = "the first arm found no way home, and the second holds on."
-            return Outcome(False, said, np.zeros((0, 3)), stuck=True)
-        return execute(chosen.transfer, self.acting(chosen), watch)
+        if self._holds(chosen) and other is not None:
+            if np.abs(other.q_target - np.asarray(other.arm.home)).max() > AT_HOME:
+                said = "the other arm found no way home, and this one holds on."
+                return Outcome(False, said, np.zeros((0, 3)), stuck=True)
+        return execute(chosen.transfer, acting, watch)
 
     def withdraw(self, chosen: NextStep, outcome: Outcome, solids: Solids) -> Outcome:
         """Bring home the arm that acted, and go on with a hold, or end it: as decided, or since it failed.
@@ -81,36 +86,57 @@ class TwoArms:
         """
         if outcome.stuck:
             return outcome
-        self._home(self.acting(chosen), solids)
+        acting = self.acting(chosen)
+        other, grip = self._beside(acting), self.grip
+        self._home(acting, solids)
         self.pending = (chosen.then or self.pending[1:]) if outcome.success else ()
-        second, grip = self.second, self.grip
-        if second is None or chosen.by_second:
-            self.grip = None
+        if other is None:
             return outcome
-        if grip is not None:
-            if outcome.success and chosen.let_go is None and second.holding:
+        if grip is not None and not self._holds(chosen):
+            if outcome.success and chosen.let_go is None and other.holding:
                 return outcome
             if outcome.success and chosen.let_go is not None:
-                ended = execute(chosen.let_go, second)
+                ended = execute(chosen.let_go, other)
                 outcome = replace(outcome, success=ended.success, stuck=ended.stuck)
             else:
-                said = "" if second.holding else f" {grip.object} slipped out of the second hand."
+                said = "" if other.holding else f" {grip.object} slipped out of the other hand."
                 outcome = replace(outcome, text=f"{outcome.text}{said}")
                 self.pending = ()
-                retreat(list(grip.segments[:-1]), second)
+                retreat(list(grip.segments[:-1]), other)
         self.grip = None
-        self._home(second, solids)
+        self._home(other, solids)
         return outcome
+
+    def _beside(self, robot: Driver) -> Driver | None:
+        """The other arm."""
+        return self.first if robot is self.second else self.second
+
+    def _holds(self, chosen: NextStep) -> bool:
+        """Whether a step is about what is held: the arm that holds it takes it away."""
+        return self.grip is not None and self.grip.object == chosen.transfer.object
 
     def _home(self, robot: Driver, solids: Solids) -> None:
         withdraw(robot, {**solids, **self.besides(robot)}, self._seed)
 
-    def _gave_way(self, grip: Transfer) -> float:
-        """How far [m] a link of the second arm is from where the plan has it."""
-        assert self.second is not None
-        arm = self.second.arm
-        there, here = arm.forward(np.stack([grip.q_end, self.second.q_target]))[:, :, :3, 3]
-        return float(np.linalg.norm(there - here, axis=1).max())
+
+def _gave_way(robot: Driver, grip: Transfer) -> float:
+    """How far [m] a link of an arm that holds is from where the plan has it."""
+    there, here = robot.arm.forward(np.stack([grip.q_end, robot.q_target]))[:, :, :3, 3]
+    return float(np.linalg.norm(there - here, axis=1).max())
+
+
+def check_recording(rerun: Path | None, two: bool) -> None:
+    """Refuse what would show half of a run.
+
+    Args:
+        rerun: Where a recording for the Rerun viewer is wanted, if it is.
+        two: Whether there are two arms.
+
+    Raises:
+        InvalidInput: A recording of two arms is wanted.
+    """
+    if rerun is not None and two:
+        raise InvalidInput("a recording for Rerun shows one arm: leave it out, a video shows both")
 
 
 def _station(robot: Driver) -> Station:

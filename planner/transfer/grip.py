@@ -68,7 +68,7 @@ def grips(
         The best grasps first, each once.
     """
     handling = Handling(name, situation, arm, pose_base_to_world, (), seed, besides)
-    found = grasp_candidates(name, situation, arm)
+    found = grasp_candidates(name, situation, arm, wide=True)  # a thing is held that leans, and is not square
     grasps = [each for each in found if each.tool == ToolName.FINGERS and not any(map(each.near, avoid))]
     hands = handling.hands(grasps[: limits.grasps], q_start, log)
     given: list[Grasp] = []

@@ -45,7 +45,8 @@ def scenario_called(name: str, seed: int = 0, engine: str = BULLET) -> Scenario:
     """Make a scene by its name.
 
     Args:
-        name: dishes, lemon, tower, pile, sort, set-table, restack, pack, swap, hold, or what another package adds.
+        name: dishes, lemon, tower, pile, sort, set-table, restack, pack, swap, hold, or one that
+            another package adds.
         seed: Any number; the same one gives the same scene on the same engine.
         engine: What it is played on, one of `topple.robots.engines.ENGINES`.
 

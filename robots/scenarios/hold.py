@@ -1,4 +1,4 @@
-"""Things that stand only together, for two arms: boards that lean on each other, a plank on a trestle."""
+"""Things that stand only together, for two arms: packets that lean on each other, a plank on a trestle."""
 
 from dataclasses import replace
 
@@ -11,6 +11,7 @@ from topple.robots.shapes import box
 from topple.robots.shapes.materials import CARD, WOOD
 from topple.robots.world.bodies import Color
 from topple.robots.world.physical_world import PhysicalWorld
+from topple.topology.arrays import FloatArray
 
 SECOND = (0.275, 0.476, -2.0944)
 """(x [m], y [m], yaw [rad]) of the second robot, facing the origin: 60 degrees from two cameras."""
@@ -25,9 +26,9 @@ PAINT: dict[str, Color] = {
 
 
 def hold(seed: int = 0) -> Scenario:
-    """Make the scene: of even seeds two boards that lean on each other, of odd ones a loaded plank.
+    """Make the scene: of even seeds two flat packets that lean on each other, of odd ones a loaded plank.
 
-    The boards overlap along a part of their upper edges, so that each has an edge of its own for a hand.
+    The packets overlap along a part of their upper edges, so that each has an edge of its own for a hand.
     The plank lies across a narrow trestle with a box near either end and tips as soon as one is gone.
 
     Args:
@@ -36,20 +37,20 @@ def hold(seed: int = 0) -> Scenario:
     Returns:
         The scenario: `left` and `right`, or `trestle`, `plank`, `load` and `weight`.
     """
-    made = settled("hold", seed, _plank if seed % 2 else _boards, robot="panda")
+    made = settled("hold", seed, _plank if seed % 2 else _packets, robot="panda")
     x, y, yaw = SECOND
     return replace(made, pose_second_to_world=pose_at(x, y, 0.0, Rotation.from_euler("z", yaw)))
 
 
-def _boards(world: PhysicalWorld, rng: np.random.Generator) -> tuple[str, tuple[str, ...]]:
-    tilt, aside = rng.uniform(0.46, 0.56), rng.choice([-1, 1]) * rng.uniform(0.045, 0.06)
-    size = thick, _, high = rng.uniform([0.024, 0.15, 0.19], [0.030, 0.18, 0.23])
-    about = pose_at(*rng.uniform(-0.03, 0.03, 2), 0.0, Rotation.from_euler("z", rng.uniform(-0.3, 0.3)))
+def _packets(world: PhysicalWorld, rng: np.random.Generator) -> tuple[str, tuple[str, ...]]:
+    tilt, aside = rng.uniform(0.50, 0.58), rng.choice([-1, 1]) * rng.uniform(0.06, 0.072)
+    thick, wide, high = rng.uniform([0.028, 0.17, 0.18], [0.034, 0.20, 0.21]).tolist()
+    about = _somewhere(rng)
     foot = high * np.sin(tilt) + thick / 2 * np.cos(tilt)  # the upper edges meet above the middle
     low = thick / 2 * np.sin(tilt)
     for name, side in (("left", -1), ("right", 1)):
         lean = pose_at(side * foot, side * aside, low, Rotation.from_euler("y", -side * tilt))
-        body = box(name, tuple(size.tolist()), density=rng.uniform(150, 350), color=PAINT[name])
+        body = box(name, (thick, wide, high), density=rng.uniform(150, 350), color=PAINT[name])
         world.add(body, about @ lean)
     return _standing(world, "free left" if rng.random() < 0.5 else "free right")
 
@@ -57,7 +58,7 @@ def _boards(world: PhysicalWorld, rng: np.random.Generator) -> tuple[str, tuple[
 def _plank(world: PhysicalWorld, rng: np.random.Generator) -> tuple[str, tuple[str, ...]]:
     long, wide, thick = rng.uniform([0.34, 0.045, 0.012], [0.40, 0.06, 0.018])
     narrow, high = rng.uniform([0.025, 0.08], [0.035, 0.10])
-    about = pose_at(*rng.uniform(-0.03, 0.03, 2), 0.0, Rotation.from_euler("z", rng.uniform(-0.3, 0.3)))
+    about = _somewhere(rng)
     beam = {"trestle": (narrow, 0.12, high), "plank": (long, wide, thick)}
     for (name, size), z in zip(beam.items(), (0.0, high + 2e-4), strict=True):
         world.add(box(name, size, density=WOOD.density, color=PAINT[name]), about @ pose_at(0.0, 0.0, z))
@@ -67,6 +68,12 @@ def _plank(world: PhysicalWorld, rng: np.random.Generator) -> tuple[str, tuple[s
         body = box(name, (0.05, 0.05, tall), density=2 * CARD.density, color=PAINT[name])
         world.add(body, about @ pose_at(side * lever, 0.0, high + thick + 4e-4))
     return _standing(world, "free plank")
+
+
+def _somewhere(rng: np.random.Generator) -> FloatArray:
+    """(4, 4) where it is put together, and which way round."""
+    x, y, yaw = rng.uniform([-0.03, -0.03, -0.3], [0.03, 0.03, 0.3]).tolist()
+    return pose_at(x, y, 0.0, Rotation.from_euler("z", yaw))
 
 
 def _standing(world: PhysicalWorld, goal: str) -> tuple[str, tuple[str, ...]]:
