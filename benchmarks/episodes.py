@@ -36,8 +36,8 @@ TOPPLE = "topple"
 IDEAL = "any order, ideal lifts"
 """The rule of an episode that no arm plays: whether its target could be freed at all."""
 
-LATER = frozenset({"robot", "engine"})
-"""Keys that journals of before do not have: all their episodes are of the scene's own arm on PyBullet."""
+LATER = frozenset({"robot", "engine", "alone"})
+"""Keys that journals of before do not have: all their episodes are of the scene's own arms on PyBullet."""
 
 MOST = 1e15
 """Below it lies every number of an ending: no seed, time or memory [bytes] comes to that."""
@@ -73,6 +73,7 @@ class Episode:
         meshes: Folder of the models that an other pile is made of; empty for shapes by formula alone.
         robot: The arm; empty for the one that the scene is made for.
         engine: What it is played on, one of `topple.robots.engines.ENGINES`; scenes settle on PyBullet.
+        alone: Whether there is one arm, also where the scene is made for two.
     """
 
     scenario: str
@@ -86,6 +87,7 @@ class Episode:
     meshes: str = ""
     robot: str = ""
     engine: str = BULLET
+    alone: bool = False
 
 
 @dataclass(frozen=True)
@@ -229,7 +231,7 @@ def _played(episode: Episode, begun: float) -> Ending:
         loop = loop_in(
             stage, robot=episode.robot or None, seed=episode.seed, cameras=episode.cameras, orderer=orderer,
             mask_noise=episode.mask_noise, shuffle_labels=episode.shuffle_labels,
-            wrist_camera=episode.wrist_camera,
+            wrist_camera=episode.wrist_camera, alone=episode.alone,
         )  # fmt: skip
         first = loop.look()
         goal = parse_goal(stage.goal, first.scene)

@@ -2,6 +2,7 @@
 
 - dishes, lemon and tower with three cameras; random piles of five to eight things of which one is freed, with
   three cameras and with one; a pile sorted into two bins.
+- Packets and planks that stand only together, by two arms and by one.
 - The same piles with masks whose edges are a pixel off, and with names of objects not kept between looks.
 - Piles of another generator, which nothing was developed on; with `--meshes DIR` of a folder's models, too.
 - With `--data DIR`, annotated camera frames, each rebuilt as bodies in which an arm frees the object that
@@ -57,6 +58,7 @@ class Series:
         shuffle_labels: Whether names of objects are not kept between looks.
         wrist_camera: Whether the arm carries one more camera for a second look.
         meshes: Folder of models that other piles are made of.
+        alone: Whether there is one arm, also where the scene is made for two.
     """
 
     scenario: str
@@ -70,6 +72,7 @@ class Series:
     shuffle_labels: bool = False
     wrist_camera: bool = False
     meshes: Path | None = None
+    alone: bool = False
 
     def episodes(self, seed: int) -> list[Episode]:
         """Its episodes, from a first seed on."""
@@ -80,7 +83,7 @@ class Series:
             Episode(
                 self.scenario, seed + number, self.cameras, self.rule,
                 mask_noise=self.mask_noise, shuffle_labels=self.shuffle_labels,
-                wrist_camera=self.wrist_camera,
+                wrist_camera=self.wrist_camera, alone=self.alone,
                 meshes="" if self.meshes is None else str(self.meshes.resolve()),
             )
             for number in range(self.seeds)
@@ -94,7 +97,8 @@ class Series:
         names = ", labels shuffled" if self.shuffle_labels else ""
         kinds = " of models too" if self.meshes is not None else ""
         rule = "" if self.rule == TOPPLE else f", {self.rule}"
-        return f"{self.scenario}{kinds}, {eyes}{masks}{names}{rule}"
+        arms = ", one arm" if self.alone else ""
+        return f"{self.scenario}{kinds}, {eyes}{masks}{names}{rule}{arms}"
 
 
 FULL = (
@@ -107,6 +111,8 @@ FULL = (
     Series("pile", 60, mask_noise=1.0),
     Series("pile", 60, shuffle_labels=True),
     Series("sort", 20, bar=85),
+    Series("hold", 20),
+    Series("hold", 20, alone=True),
     *(Series("pile", 60, rule=rule) for rule in RULES),
     Series("pile", 60, rule=IDEAL),
 )

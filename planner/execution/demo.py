@@ -144,6 +144,7 @@ def loop_in(
     wrist_camera: bool = False,
     photos: bool = False,
     orderer: Orderer = cautious,
+    alone: bool = False,
     seed: int = 0,
     progress: Progress | None = None,
 ) -> ClosedLoop:
@@ -158,6 +159,7 @@ def loop_in(
         wrist_camera: Whether the arm carries a camera for a second look before a doubtful step.
         photos: Whether photos for people are taken at every look, for a report.
         orderer: What decides the order.
+        alone: Whether there is one arm, also where the scene is made for two.
         seed: Of the sensor noise and every search.
         progress: Called with a line before and after each action.
 
@@ -168,7 +170,7 @@ def loop_in(
         InvalidInput: The scene takes two arms, and such a one cannot hold, or has a camera at its wrist.
     """
     eyes = [camera.with_mask_noise(mask_noise) for camera in stage.cameras[:cameras]]
-    arm, there = robot_named(robot or stage.robot), stage.pose_second_to_world
+    arm, there = robot_named(robot or stage.robot), None if alone else stage.pose_second_to_world
     first = arm_in(stage.world, arm, stage.pose_base_to_world)
     return ClosedLoop.simulated(
         stage.world,
