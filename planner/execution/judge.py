@@ -104,7 +104,8 @@ class Judge:
         """Say what the action did."""
         self._robot.on_step.remove(self._track_height)
         before, now, handled = self._before, self._world.poses(), self._handled
-        wrong = violations(before, now, touched := self._touched(), handled, self._limits)
+        touched = self._touched()
+        wrong = [*violations(before, now, {}, handled, self._limits), *hits(touched, self._limits)]
         fallen = self._highest - self._height() if self._missed else 0.0
         dropped = fallen > self._limits.drop
         if dropped:
@@ -212,11 +213,22 @@ def violations(
             found.append(f"{name} fell by {drop * 100:.0f} cm")
         elif distance > limits.distance or angle > limits.angle:
             found.append(f"{name} moved {distance * 1000:.0f} mm and turned {np.degrees(angle):.0f} degrees")
-    for name, touch in touched.items():
-        if name not in handled and touch.force > limits.hit:
-            links = ", ".join(sorted(touch.links))
-            found.append(f"{name} was hit by {links} with {touch.force:.0f} N")
-    return found
+    others = {name: touch for name, touch in touched.items() if name not in handled}
+    return [*found, *hits(others, limits)]
+
+
+def hits(touched: Mapping[str, Touch], limits: Limits = LIMITS) -> list[str]:
+    """One sentence for each object that was pressed by a robot that was not to handle it.
+
+    Args:
+        touched: What a robot touched, by name.
+        limits: From where on it counts.
+    """
+    return [
+        f"{name} was hit by {', '.join(sorted(touch.links))} with {touch.force:.0f} N"
+        for name, touch in touched.items()
+        if touch.force > limits.hit
+    ]
 
 
 def tilts(
