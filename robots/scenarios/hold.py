@@ -6,15 +6,13 @@ import numpy as np
 from scipy.spatial.transform import Rotation
 
 from topple.robots.scenarios.scenario import Scenario, Unlucky, pose_at, settle, settled
-from topple.robots.scenarios.tolerances import SLID
+from topple.robots.scenarios.tolerances import SECOND_ARM, SLID
 from topple.robots.shapes import box
 from topple.robots.shapes.materials import CARD, WOOD
 from topple.robots.world.bodies import Color
 from topple.robots.world.physical_world import PhysicalWorld
 from topple.topology.arrays import FloatArray
 
-SECOND = (0.275, 0.476, -2.0944)
-"""(x [m], y [m], yaw [rad]) of the second robot, facing the origin: 60 degrees from two cameras."""
 PAINT: dict[str, Color] = {
     "left": (0.8, 0.35, 0.2, 1.0),
     "right": (0.2, 0.45, 0.7, 1.0),
@@ -38,8 +36,8 @@ def hold(seed: int = 0) -> Scenario:
         The scenario: `left` and `right`, or `trestle`, `plank`, `load` and `weight`.
     """
     made = settled("hold", seed, _plank if seed % 2 else _packets, robot="panda")
-    x, y, yaw = SECOND
-    return replace(made, pose_second_to_world=pose_at(x, y, 0.0, Rotation.from_euler("z", yaw)))
+    around = pose_at(0.0, 0.0, 0.0, Rotation.from_euler("z", SECOND_ARM))
+    return replace(made, pose_second_to_world=around @ made.pose_base_to_world)
 
 
 def _packets(world: PhysicalWorld, rng: np.random.Generator) -> tuple[str, tuple[str, ...]]:
