@@ -36,9 +36,9 @@ TOPPLE = "topple"
 IDEAL = "any order, ideal lifts"
 """The rule of an episode that no arm plays: whether its target could be freed at all."""
 
-LATER = frozenset({"robot", "engine", "ahead", "waited"})
-"""Keys that journals of before do not have: all their episodes are of the scene's own arm on PyBullet, which
-waits for each step to be chosen."""
+LATER = frozenset({"robot", "engine", "ahead", "waited", "alone"})
+"""Keys that journals of before do not have: all their episodes are of the scene's own arms on PyBullet, which
+wait for each step to be chosen."""
 
 MOST = 1e15
 """Below it lies every number of an ending: no seed, time or memory [bytes] comes to that."""
@@ -75,6 +75,7 @@ class Episode:
         robot: The arm; empty for the one that the scene is made for.
         engine: What it is played on, one of `topple.robots.engines.ENGINES`; scenes settle on PyBullet.
         ahead: Whether the next step is chosen while the arm acts.
+        alone: Whether there is one arm, also where the scene is made for two.
     """
 
     scenario: str
@@ -89,6 +90,7 @@ class Episode:
     robot: str = ""
     engine: str = BULLET
     ahead: bool = False
+    alone: bool = False
 
 
 @dataclass(frozen=True)
@@ -234,7 +236,7 @@ def _played(episode: Episode, begun: float) -> Ending:
         loop = loop_in(
             stage, robot=episode.robot or None, seed=episode.seed, cameras=episode.cameras, orderer=orderer,
             mask_noise=episode.mask_noise, shuffle_labels=episode.shuffle_labels,
-            wrist_camera=episode.wrist_camera, ahead=episode.ahead,
+            wrist_camera=episode.wrist_camera, ahead=episode.ahead, alone=episode.alone,
         )  # fmt: skip
         first = loop.look()
         goal = parse_goal(stage.goal, first.scene)

@@ -2,6 +2,7 @@
 
 - dishes, lemon and tower with three cameras; random piles of five to eight things of which one is freed, with
   three cameras and with one; a pile sorted into two bins.
+- Packets and planks that stand only together, by two arms and by one.
 - The same piles with masks whose edges are a pixel off, and with names of objects not kept between looks.
 - Piles of another generator, which nothing was developed on; with `--meshes DIR` of a folder's models, too.
 - With `--data DIR`, annotated camera frames, each rebuilt as bodies in which an arm frees the object that
@@ -60,6 +61,7 @@ class Series:
         wrist_camera: Whether the arm carries one more camera for a second look.
         meshes: Folder of models that other piles are made of.
         ahead: Whether the next step is chosen while the arm acts.
+        alone: Whether there is one arm, also where the scene is made for two.
     """
 
     scenario: str
@@ -74,6 +76,7 @@ class Series:
     wrist_camera: bool = False
     meshes: Path | None = None
     ahead: bool = False
+    alone: bool = False
 
     def episodes(self, seed: int) -> list[Episode]:
         """Its episodes, from a first seed on."""
@@ -84,7 +87,7 @@ class Series:
             Episode(
                 self.scenario, seed + number, self.cameras, self.rule,
                 mask_noise=self.mask_noise, shuffle_labels=self.shuffle_labels,
-                wrist_camera=self.wrist_camera, ahead=self.ahead,
+                wrist_camera=self.wrist_camera, ahead=self.ahead, alone=self.alone,
                 meshes="" if self.meshes is None else str(self.meshes.resolve()),
             )
             for number in range(self.seeds)
@@ -99,7 +102,8 @@ class Series:
         kinds = " of models too" if self.meshes is not None else ""
         rule = "" if self.rule == TOPPLE else f", {self.rule}"
         ahead = ", chosen ahead" if self.ahead else ""
-        return f"{self.scenario}{kinds}, {eyes}{masks}{names}{rule}{ahead}"
+        arms = ", one arm" if self.alone else ""
+        return f"{self.scenario}{kinds}, {eyes}{masks}{names}{rule}{ahead}{arms}"
 
 
 FULL = (
@@ -112,6 +116,8 @@ FULL = (
     Series("pile", 60, mask_noise=1.0),
     Series("pile", 60, shuffle_labels=True),
     Series("sort", 20, bar=85),
+    Series("hold", 20),
+    Series("hold", 20, alone=True),
     *(Series("pile", 60, rule=rule) for rule in RULES),
     Series("pile", 60, rule=IDEAL),
 )

@@ -20,6 +20,7 @@ if TYPE_CHECKING:
     from topple.planner.planning.next_view import next_view
     from topple.planner.planning.order import order, order_all
     from topple.planner.planning.plan import plan, plan_all
+    from topple.planner.planning.two_handed import plan_two_handed
     from topple.planner.rearranging.arrangement import Arrangement
     from topple.planner.rearranging.rearrange import Rearrangement, rearrange
     from topple.planner.rearranging.task import ArrangementTask, DescribedTask, SameShapesTask
@@ -54,6 +55,7 @@ __all__ = [
     "plan",
     "plan_all",
     "plan_page",
+    "plan_two_handed",
     "rank_all",
     "rank_grasps",
     "read_grasps",
@@ -80,6 +82,7 @@ __getattr__ = lazy_names(
         "planning.next_view": "next_view",
         "planning.order": "order order_all",
         "planning.plan": "plan plan_all",
+        "planning.two_handed": "plan_two_handed",
         "rearranging.arrangement": "Arrangement",
         "rearranging.rearrange": "Rearrangement rearrange",
         "rearranging.task": "SameShapesTask DescribedTask ArrangementTask",

@@ -54,17 +54,22 @@ def new_world() -> "PhysicalWorld":
     return World()
 
 
-def arm_in(world: "PhysicalWorld", arm: "Arm", pose_base_to_world: "FloatArray") -> "ActingArm":
+def arm_in(
+    world: "PhysicalWorld", arm: "Arm", pose_base_to_world: "FloatArray", beside: "ActingArm | None" = None
+) -> "ActingArm":
     """Put an arm into a world, at home, and return what drives it.
 
     Args:
         world: A world of `new_world`.
         arm: The arm.
         pose_base_to_world: (4, 4) where it stands.
+        beside: Another arm that is in the world already.
 
     Raises:
-        InvalidInput: The world's engine does not simulate what the arm holds with.
+        InvalidInput: The world's engine does not simulate what the arm holds with, or two arms.
     """
+    if world.engine == MUJOCO and beside is not None:
+        raise InvalidInput(f"two arms act in a world on {BULLET} alone, found one on {MUJOCO}")
     if world.engine == MUJOCO:
         from topple.robots.mujoco.acting import MujocoArm
         from topple.robots.mujoco.world import MujocoWorld
@@ -76,4 +81,5 @@ def arm_in(world: "PhysicalWorld", arm: "Arm", pose_base_to_world: "FloatArray")
 
     if not isinstance(world, World):
         raise InvalidInput(f"no arm is known for worlds of {world.engine!r}: expected one of {ENGINES}")
-    return SimulatedArm(world, arm, pose_base_to_world)
+    other = beside if isinstance(beside, SimulatedArm) else None
+    return SimulatedArm(world, arm, pose_base_to_world, beside=other)

@@ -109,6 +109,12 @@ OPTIONS: dict[str, dict[str, Any]] = {
         "metavar": ("X", "Y", "Z", "YAW"),
         "help": "where the arm stands, in metres and radians about up (the scene's robot_base, or searched)",
     },
+    "--second-base": {
+        "nargs": 4,
+        "type": float,
+        "metavar": ("X", "Y", "Z", "YAW"),
+        "help": "where a second such arm stands, which holds what would not stand meanwhile (one arm)",
+    },
     # simulation
     "--cameras": {
         "type": int,

@@ -94,12 +94,13 @@ def output_of(args: argparse.Namespace, name: str) -> "Path | None":
     return None if given is None else check_writable(given)
 
 
-def base_of(args: argparse.Namespace, scene: "Scene") -> "FloatArray | None":
-    """Turn `--base` into a pose.
+def base_of(args: argparse.Namespace, scene: "Scene", option: str = "--base") -> "FloatArray | None":
+    """Turn `--base`, or the like, into a pose.
 
     Args:
         args: The parsed arguments.
         scene: The scene, whose `up` is the axis of the yaw and z of the base.
+        option: Which.
 
     Returns:
         Pose (4, 4) pose_base_to_world, or None where no base was given.
@@ -107,15 +108,16 @@ def base_of(args: argparse.Namespace, scene: "Scene") -> "FloatArray | None":
     Raises:
         InvalidInput: If a value is not finite.
     """
-    if args.base is None:
+    given = getattr(args, option.removeprefix("--").replace("-", "_"))
+    if given is None:
         return None
     import numpy as np
     from scipy.spatial.transform import Rotation
 
-    if not all(math.isfinite(value) for value in args.base):
-        raise InvalidInput(f"--base is {args.base}: expected finite metres and radians X Y Z YAW")
+    if not all(math.isfinite(value) for value in given):
+        raise InvalidInput(f"{option} is {given}: expected finite metres and radians X Y Z YAW")
     pose = np.eye(4)
-    pose[:3, 3] = args.base[:3]
+    pose[:3, 3] = given[:3]
     upright = np.eye(3)
     if scene.up is not None and scene.up[2] < 1.0:
         # Yaw 0 is the least turn that brings z to up; upside down, it goes about x.
@@ -123,5 +125,5 @@ def base_of(args: argparse.Namespace, scene: "Scene") -> "FloatArray | None":
         length = float(np.linalg.norm(axis))
         turn = np.array([np.pi, 0.0, 0.0]) if length < 1e-12 else axis / length * np.arccos(scene.up[2])
         upright = Rotation.from_rotvec(turn).as_matrix()
-    pose[:3, :3] = upright @ Rotation.from_euler("z", args.base[3]).as_matrix()
+    pose[:3, :3] = upright @ Rotation.from_euler("z", given[3]).as_matrix()
     return pose

@@ -12,6 +12,7 @@ from topple.planner.errors import NoSafePlan
 from topple.planner.execution.demo_seeds import CAMERAS, default_seed
 from topple.planner.execution.look import Look, Observer
 from topple.planner.execution.loop import ClosedLoop
+from topple.planner.execution.two_arms import check_recording
 from topple.planner.files import check_writable, make_folder, write_all, write_whole
 from topple.planner.formats.plan_format import plan_to_json
 from topple.planner.formats.run_record import INTERRUPTED, Document, RunRecord
@@ -36,7 +37,7 @@ from topple.topology.workers import serve
 Progress = Callable[[str], None]
 
 FILES = ("relations.json", "order.json", "plan.json", "run.json", "report.html")
-"""What a demo leaves: all of them, or none."""
+"""What a demo leaves: all of them, or none; of two arms no plan, whose format is of one."""
 
 
 def demo(
@@ -75,11 +76,13 @@ def demo(
         The run.
 
     Raises:
-        InvalidInput: There is no such scene or robot, or the folder cannot be written.
+        InvalidInput: There is no such scene or robot, the folder cannot be written, or a recording of two
+            arms is asked for.
     """
     seed = default_seed(name) if seed is None else seed
     with scenario_called(name, seed, engine) as stage:
-        place = make_folder(folder)
+        place, two = make_folder(folder), stage.pose_second_to_world is not None
+        check_recording(rerun, two)
         for file in FILES:
             check_writable(place / file)
         robot = robot or stage.robot
@@ -93,18 +96,19 @@ def demo(
         with get_context("spawn").Pool(1, serve) as other:  # leaving it ends what still plans
             base = stage.pose_base_to_world
             task = (first.scene, loop.task, robot)
-            planned = other.apply_async(plan, task, {"base": base, "orderer": cautious, "seed": seed})
+            asked = {"base": base, "orderer": cautious, "seed": seed}
+            planned = None if two else other.apply_async(plan, task, asked)
             recording = recorded(acting, RERUN_RATE) if rerun is not None else None
             with filmed(video, acting, stage.cameras[0]):
                 record = loop.run(first)
             try:
-                whole = None if record.interrupted else planned.get()
+                whole = None if record.interrupted or planned is None else planned.get()
             except NoSafePlan as error:  # what the first look hides, later ones may show
                 note = f"the whole sequence could not be planned from the first look: {error}"
                 record, whole = replace(record, notes=(*record.notes, note)), None
             except KeyboardInterrupt:
                 record, whole = replace(record, stopped=INTERRUPTED), None
-        if whole is None:
+        if whole is None and not two:
             arm, goal = robot_named(robot), loop.task.goal(first.scene)
             whole = plan_as_done(first.scene, goal, Station(arm, base, arm.home), loop.followed, seed)
         decided = _decided_by(record, first, stage, seed)
@@ -113,11 +117,14 @@ def demo(
     texts = (
         _text(first.relations.to_json()),
         _text(decided),
-        plan_to_json(whole),
+        None if whole is None else plan_to_json(whole),
         _text(record.to_json()),
         run_page(record),
     )
-    write_all({place / file: text for file, text in zip(FILES, texts, strict=True)})
+    made = {place / file: text for file, text in zip(FILES, texts, strict=True)}
+    write_all({path: text for path, text in made.items() if text is not None})
+    for path in (path for path, text in made.items() if text is None):
+        path.unlink(missing_ok=True)  # that of another demo
     return record
 
 
@@ -140,6 +147,7 @@ def loop_in(
     ahead: bool = False,
     photos: bool = False,
     orderer: Orderer = cautious,
+    alone: bool = False,
     seed: int = 0,
     progress: Progress | None = None,
 ) -> ClosedLoop:
@@ -155,16 +163,22 @@ def loop_in(
         ahead: Whether the next step is chosen while the arm acts.
         photos: Whether photos for people are taken at every look, for a report.
         orderer: What decides the order.
+        alone: Whether there is one arm, also where the scene is made for two.
         seed: Of the sensor noise and every search.
         progress: Called with a line before and after each action.
 
     Returns:
         The loop, to be run.
+
+    Raises:
+        InvalidInput: The scene takes two arms, and such a one cannot hold, or has a camera at its wrist.
     """
     eyes = [camera.with_mask_noise(mask_noise) for camera in stage.cameras[:cameras]]
+    arm, there = robot_named(robot or stage.robot), None if alone else stage.pose_second_to_world
+    first = arm_in(stage.world, arm, stage.pose_base_to_world)
     return ClosedLoop.simulated(
         stage.world,
-        arm_in(stage.world, robot_named(robot or stage.robot), stage.pose_base_to_world),
+        first,
         eyes,
         task_in(stage, eyes, seed),
         fixed=stage.fixed,
@@ -177,6 +191,7 @@ def loop_in(
         ahead=ahead,
         photos=photos,
         wanted=None if stage.finished is None else stage.finished.poses(),
+        second=None if there is None else arm_in(stage.world, arm, there, first),
     )
 
 

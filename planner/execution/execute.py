@@ -111,7 +111,8 @@ def execute(transfer: Transfer, robot: Driver, watch: Watch | None = None) -> Ou
         )
         words = " ".join(filter(None, (problem, text)))
         return Outcome(False, words, _tool_path(done, robot), True, _motion(transfer, ended, robot))
-    put = f"{transfer.object} was put down, {transfer.placement.rest}."
+    kept = all(segment.kind is not SegmentKind.RELEASE for segment in transfer.segments)
+    put = f"{transfer.object} {'is held' if kept else 'was put down'}, {transfer.placement.rest}."
     off = f"The arm was off its path during the {' and the '.join(pushed)}." if pushed else None
     text = " ".join(filter(None, (problem or put, off)))
     return Outcome(problem is None, text, _tool_path(done, robot), motion=_motion(transfer, ended, robot))

@@ -51,6 +51,7 @@ class Judge:
         up: (3,) unit vector against gravity.
         limits: From where on it counts.
         wanted: Where things shall lie in the end, as (4, 4) true poses by name; where None, by the goal.
+        second: The arm beside it that holds things, if any.
     """
 
     def __init__(
@@ -60,18 +61,29 @@ class Judge:
         up: FloatArray,
         limits: Limits = LIMITS,
         wanted: Mapping[str, FloatArray] | None = None,
+        second: ActingArm | None = None,
     ) -> None:
+        self._arms = (robot,) if second is None else (robot, second)
         self._robot, self._world, self._fixed, self._up = robot, robot.world, tuple(fixed), up
         self._limits, self._wanted, self._first = limits, wanted, robot.world.poses()
         self._rested: dict[str, FloatArray] = {}  # where each thing was when it was last handled, or at first
 
-    def begin(self, transfer: Transfer) -> None:
-        """Look before an action."""
+    def begin(self, transfer: Transfer, held: str | None = None, by_second: bool = False) -> None:
+        """Look before an action.
+
+        Args:
+            transfer: What is about to be done.
+            held: What the other arm holds meanwhile: it may be touched by that arm alone, and not move.
+            by_second: Whether the second arm does it.
+        """
+        self._robot = self._arms[1 if by_second else 0]
+        self._held = held
         self._name, self._started = transfer.object, self._world.time
         self._handled = (transfer.object, *transfer.riding, *self._fixed)
         self._before = self._world.poses()
         self._rested = {**self._before, **self._rested}
-        self._robot.touched.clear()
+        for arm in self._arms:
+            arm.touched.clear()
         self._taken: FloatArray | None = None
         self._slip: tuple[float, float] | None = None
         self._missed = False
@@ -92,7 +104,8 @@ class Judge:
         """Say what the action did."""
         self._robot.on_step.remove(self._track_height)
         before, now, handled = self._before, self._world.poses(), self._handled
-        wrong = violations(before, now, self._robot.touched, handled, self._limits)
+        touched = self._touched()
+        wrong = [*violations(before, now, {}, handled, self._limits), *hits(touched, self._limits)]
         fallen = self._highest - self._height() if self._missed else 0.0
         dropped = fallen > self._limits.drop
         if dropped:
@@ -101,7 +114,6 @@ class Judge:
         if tipped > self._limits.angle:
             wrong.append(f"it was tipped by {np.degrees(tipped):.0f} degrees in a failed attempt")
         wrong += self._crept(now, displacements(before, now, handled))
-        touched = {other: touch for other, touch in self._robot.touched.items() if other not in handled}
         return Verdict(
             tuple(wrong),
             displacements(before, now, handled),
@@ -112,6 +124,15 @@ class Judge:
             dropped,
             self._world.time - self._started,
         )
+
+    def _touched(self) -> dict[str, Touch]:
+        """What an arm touched that it was not to handle, by name."""
+        return {
+            name: touch
+            for arm in self._arms
+            for name, touch in arm.touched.items()
+            if name not in (self._handled if arm is self._robot else (self._held, *self._fixed))
+        }
 
     def _crept(self, now: Mapping[str, FloatArray], at_once: Mapping[str, tuple[float, float]]) -> list[str]:
         """One sentence for each thing that moved by as much as counts in several actions, in none at once."""
@@ -192,11 +213,22 @@ def violations(
             found.append(f"{name} fell by {drop * 100:.0f} cm")
         elif distance > limits.distance or angle > limits.angle:
             found.append(f"{name} moved {distance * 1000:.0f} mm and turned {np.degrees(angle):.0f} degrees")
-    for name, touch in touched.items():
-        if name not in handled and touch.force > limits.hit:
-            links = ", ".join(sorted(touch.links))
-            found.append(f"{name} was hit by {links} with {touch.force:.0f} N")
-    return found
+    others = {name: touch for name, touch in touched.items() if name not in handled}
+    return [*found, *hits(others, limits)]
+
+
+def hits(touched: Mapping[str, Touch], limits: Limits = LIMITS) -> list[str]:
+    """One sentence for each object that was pressed by a robot that was not to handle it.
+
+    Args:
+        touched: What a robot touched, by name.
+        limits: From where on it counts.
+    """
+    return [
+        f"{name} was hit by {', '.join(sorted(touch.links))} with {touch.force:.0f} N"
+        for name, touch in touched.items()
+        if touch.force > limits.hit
+    ]
 
 
 def tilts(

@@ -12,7 +12,7 @@ import numpy as np
 from topple.planner.decide.goal import Goal
 from topple.planner.decide.turn import Ahead
 from topple.planner.errors import ArmFault, NoSafePlan
-from topple.planner.execution.execute import Outcome, execute, withdraw
+from topple.planner.execution.execute import Outcome
 from topple.planner.execution.judge import Judge
 from topple.planner.execution.look import Look, Observer, Perception, Relate, unexpected
 from topple.planner.execution.memory import Memory
@@ -21,13 +21,15 @@ from topple.planner.execution.prepare import Preparer, Question
 from topple.planner.execution.second_look import HandCamera, doubtful, second_look
 from topple.planner.execution.standing import misplaced
 from topple.planner.execution.tolerances import AT_HOME, STUCK
+from topple.planner.execution.two_arms import TwoArms
 from topple.planner.formats.run_record import INTERRUPTED, RunRecord, StepRecord
 from topple.planner.grasp.given import GraspsByObject
 from topple.planner.grasp.grasp import Grasp
 from topple.planner.motion.collision import Checker
+from topple.planner.planning.holding import check_second
 from topple.planner.planning.next_step import GoalTask
 from topple.planner.planning.order import cautious
-from topple.planner.planning.step import Chooser, Context, NextStep, Orderer, Station, Task
+from topple.planner.planning.step import Chooser, Context, NextStep, Orderer, Task
 from topple.planner.transfer.transfer import after
 from topple.robots.driver import Driver
 from topple.robots.world.acting_arm import ActingArm
@@ -36,7 +38,7 @@ from topple.robots.world.photo import photograph
 from topple.robots.world.physical_world import PhysicalWorld
 from topple.robots.world.wrist_camera import WristCamera
 from topple.topology.arrays import FloatArray
-from topple.topology.errors import ToppleError
+from topple.topology.errors import InvalidInput, ToppleError
 from topple.topology.situation import Situation
 
 log = logging.getLogger(__name__)
@@ -80,6 +82,8 @@ class ClosedLoop:
         wrist: A camera that the arm carries, for a second look before a doubtful step.
         ahead: Whether another process chooses the next step while the arm acts, from the scene as it should
             be by then. Where the look shows it so, and the step can be proven on what is seen, it is done.
+            With a second arm every step is chosen after the look.
+        second: An arm beside it that holds what would not stand; the orderer is told of two hands then.
 
     `task` is the goal as a task. After `run`, `followed` holds the steps done, with their transfers.
     """
@@ -95,6 +99,7 @@ class ClosedLoop:
     judge: Monitor = field(default_factory=NoMonitor)
     wrist: HandCamera | None = None
     ahead: bool = False
+    second: Driver | None = None
 
     def __post_init__(self) -> None:
         self.task = GoalTask.of(self.goal)
@@ -105,6 +110,7 @@ class ClosedLoop:
         self._started = 0.0
         self._ahead: Ahead | None = None
         self._stuck = ""
+        self._arms = TwoArms(self.robot, self.second, self.seed)
 
     @classmethod
     def simulated(
@@ -124,6 +130,7 @@ class ClosedLoop:
         relate: Relate | None = None,
         photos: bool = False,
         wanted: Mapping[str, FloatArray] | None = None,
+        second: ActingArm | None = None,
         **more: Any,
     ) -> "ClosedLoop":
         """Close the loop in a simulated world, judged by its true poses.
@@ -144,8 +151,18 @@ class ClosedLoop:
             photos: Whether photos for people are taken at every look, for a report: a second each.
             wanted: Where things shall truly lie in the end, (4, 4) poses by name, for the judge; where None,
                 by the goal.
+            second: An arm beside it that holds what would not stand.
             **more: As the attributes of this class.
+
+        Raises:
+            InvalidInput: A second arm has no fingers, or the first one a camera besides.
         """
+        if second is not None:
+            check_second(second.arm)
+            if wrist_camera:
+                raise InvalidInput(
+                    "a camera on the wrist looks around one arm alone: leave out the other arm"
+                )
         up = np.array([0.0, 0.0, 1.0]) if up is None else up
         rng = np.random.default_rng(seed)
         perception = Observer(
@@ -158,8 +175,9 @@ class ClosedLoop:
             perception,
             goal,
             seed=seed,
-            judge=Judge(robot, fixed, up, wanted=wanted),
+            judge=Judge(robot, fixed, up, wanted=wanted, second=second),
             wrist=wrist,
+            second=second,
             **more,
         )
 
@@ -180,7 +198,7 @@ class ClosedLoop:
             InvalidInput: The goal is none, or names what no camera sees.
         """
         self._started = time.perf_counter()
-        with Preparer(self.ahead) as self._preparer:
+        with Preparer(self.ahead and self.second is None) as self._preparer:
             return self._run(look)
 
     def _run(self, look: Look | None) -> RunRecord:
@@ -290,21 +308,25 @@ class ClosedLoop:
             raise ArmFault(words)
 
     def _chooser(self, look: Look, goal: Goal) -> Chooser:
-        return self.task.chooser(look.situation, goal, self._context(self._memory, self.robot.q_target))
+        return self.task.chooser(look.situation, goal, self._context(self._memory))
 
-    def _context(self, memory: Memory, q: FloatArray) -> Context:
-        """What a step is chosen in, where the arm stands in a state (n,)."""
-        station = Station(self.robot.arm, self.robot.pose_base_to_world, q)
-        return memory.context(station, self.orderer, self.grasps, self.seed, self.limits.attempts)
+    def _context(self, memory: Memory) -> Context:
+        """What a step is chosen in, with the arms as they stand."""
+        station, second = self._arms.stations
+        context = memory.context(station, self.orderer, self.grasps, self.seed, self.limits.attempts)
+        return replace(context, second=second, besides=self._arms.besides(self.robot))
 
     def _prepare(self, look: Look, chosen: NextStep, goal: Goal) -> None:
         """Have the step prepared that follows one which goes as it should, the arm at home again."""
         memory = self._memory.acted(chosen, True).looked(chosen, True)
-        context = self._context(memory, np.asarray(self.robot.arm.home))
+        context = self._context(memory)
+        context = replace(context, station=replace(context.station, q=np.asarray(self.robot.arm.home)))
         self._preparer.begin(Question(look.situation, chosen.transfer, self.task, goal, context))
 
     def _next(self, look: Look, goal: Goal) -> tuple[Look, NextStep | None]:
         """The step that was prepared, where it can be done with what is seen; else one chosen now."""
+        if self._arms.pending:
+            return look, self._arms.pending[0]
         away = np.abs(self.robot.q_target - self.robot.arm.home).max()
         prepared, self._prepared = self._preparer.answer(), None
         if prepared is None or away > AT_HOME:
@@ -318,20 +340,24 @@ class ClosedLoop:
         started = time.perf_counter()
         transfer, name = chosen.transfer, chosen.transfer.object
         done = len(self.followed)
-        events = self._decided(chosen)  # said first: on a terminal the line that counts is the one that stays
-        self._say(f"{done + 1} of {done + len(chosen.order.order)}: {chosen.action} {name}: {chosen.reason}")
-        self.judge.begin(transfer)
+        left = chosen.order.order
+        if self._arms.pending:  # of an order that was begun
+            events, left = [], left[left.index(name) :]
+        else:
+            events = self._decided(chosen)  # said first: on a terminal the line that counts stays
+        self._say(f"{done + 1} of {done + len(left)}: {chosen.action} {name}: {chosen.reason}")
+        grip = chosen.grip or self._arms.grip
+        self.judge.begin(transfer, None if grip is None else grip.object, chosen.by_second)
         self._prepare(look, chosen, goal)
         waited = time.perf_counter() - max(look.taken, self._started)
-        outcome = execute(transfer, self.robot, self.judge.moment)
+        outcome = self._arms.carry_out(chosen, self.judge.moment)
         foreseen = after(look.situation, transfer) if outcome.success else look.situation
         expected = foreseen.scene
+        # bodies that moved are known at once, those of clouds that moved take the arm's time
+        bodies = foreseen.solids if self._preparer.on else Situation(expected).solids
+        outcome = self._arms.withdraw(chosen, outcome, bodies)
         if outcome.stuck:
             self._stuck = outcome.text
-        else:
-            # bodies that moved are known at once, those of clouds that moved take the arm's time
-            bodies = foreseen.solids if self._preparer.on else Situation(expected).solids
-            withdraw(self.robot, bodies, self.seed)
         self.robot.wait(self.limits.settle)
         verdict = self.judge.verdict()
         self._memory, attempts = (

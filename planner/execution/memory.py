@@ -44,7 +44,10 @@ class Memory:
             return replace(self, done=done, attempts=attempts, tried=tried)
         if stuck:
             return replace(self, attempts=attempts, tried=tried)
-        failed = {**self.failed, name: (*self.failed.get(name, ()), chosen.transfer.grasp)}
+        failed = dict(self.failed)
+        for one in (chosen.transfer, chosen.grip):  # nobody knows which of two hands it was
+            if one is not None:
+                failed[one.object] = (*failed.get(one.object, ()), one.grasp)
         return replace(self, attempts=attempts, tried=tried, failed=failed)
 
     def looked(self, chosen: NextStep, success: bool, surprises: Collection[str] = ()) -> "Memory":

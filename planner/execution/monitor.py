@@ -36,8 +36,14 @@ class Verdict:
 class Monitor(Protocol):
     """Looks on from before an action until the arm has withdrawn, and at the end of a run."""
 
-    def begin(self, transfer: Transfer) -> None:
-        """Look before an action."""
+    def begin(self, transfer: Transfer, held: str | None = None, by_second: bool = False) -> None:
+        """Look before an action.
+
+        Args:
+            transfer: What is about to be done.
+            held: What the other arm holds meanwhile, which counts like everything else.
+            by_second: Whether the second arm does it.
+        """
         ...
 
     def moment(self, moment: str, tool: str) -> None:
@@ -56,7 +62,7 @@ class Monitor(Protocol):
 class NoMonitor:
     """Looks on at nothing: for an arm whose surroundings nobody but its own cameras sees."""
 
-    def begin(self, transfer: Transfer) -> None:
+    def begin(self, transfer: Transfer, held: str | None = None, by_second: bool = False) -> None:
         """Look away."""
 
     def moment(self, moment: str, tool: str) -> None:

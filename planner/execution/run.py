@@ -7,6 +7,7 @@ from pathlib import Path
 from topple.planner.execution.look import Relate
 from topple.planner.execution.loop import ClosedLoop, Progress
 from topple.planner.execution.rehearsal import Rehearsal, Z
+from topple.planner.execution.two_arms import check_recording
 from topple.planner.files import write_whole
 from topple.planner.formats.run_record import RunRecord
 from topple.planner.grasp.given import OwnGrasps, own_grasps
@@ -33,6 +34,7 @@ def run(
     robot: Arm | str = "panda",
     *,
     base: FloatArray | None = None,
+    second_base: FloatArray | None = None,
     cameras: int = 3,
     mask_noise: float = 0.0,
     shuffle_labels: bool = False,
@@ -55,6 +57,7 @@ def run(
         goal: In words, names of objects to free, or any other task, in the frame of the scene.
         robot: The arm, or its name.
         base: (4, 4) pose_base_to_scene; the scene's `robot_base`, or else searched for.
+        second_base: (4, 4) likewise of a second such arm, which holds what would not stand; None for one arm.
         cameras: How many depth cameras look on, 1 to 3.
         mask_noise: By how many pixels the edges of their masks are wrong (standard deviation).
         shuffle_labels: Whether names of objects are not kept between looks.
@@ -78,7 +81,8 @@ def run(
 
     Raises:
         InvalidInput: The goal is none, names what is not there, the scene has no table, no up or hangs in the
-            air with it, or the arm has no tool.
+            air with it, or the arm has no tool; there are two arms, and they cannot hold, or play on another
+            engine, have a camera at the wrist or are to be recorded for Rerun.
         NoBase: The arm reaches nothing from anywhere.
     """
     arm = robot_named(robot) if isinstance(robot, str) else robot
@@ -87,8 +91,10 @@ def run(
     task.goal(scene)
     check_up(scene)
     own = {} if grasps is None else own_grasps(grasps, scene, arm)
+    check_recording(rerun, second_base is not None)
     with playing_on(engine), Rehearsal.of(scene, arm, base) as stage:
         acting = arm_in(stage.world, arm, stage.pose_base_to_world)
+        there = None if second_base is None else stage.pose_scene_to_world @ second_base
         loop = ClosedLoop.simulated(
             stage.world,
             acting,
@@ -109,6 +115,7 @@ def run(
             wrist_camera=wrist_camera,
             ahead=ahead,
             photos=photos,
+            second=None if there is None else arm_in(stage.world, arm, there, acting),
         )
         recording = recorded(acting, RERUN_RATE) if rerun is not None else None
         with filmed(video, acting, stage.cameras[0]):

@@ -120,3 +120,9 @@ UPRIGHT_ROUNDS = 12
 
 DAMPING = 1e-3
 """Of the least squares that turn a state upright, in [rad²]: steps stay short where a joint hardly helps."""
+
+
+# -- other_arm
+
+GIVES_WAY = 0.005
+"""[m] by which links of an arm that stands still are taken to be larger: a hand gives way as it closes."""

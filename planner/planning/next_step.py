@@ -6,6 +6,7 @@ should be by then, and of the scene as it is seen.
 
 from collections.abc import Callable, Collection, Iterable, Sequence
 from dataclasses import dataclass, replace
+from itertools import takewhile
 
 import numpy as np
 
@@ -20,6 +21,7 @@ from topple.planner.placement.drops import staying
 from topple.planner.placement.placement import Placement
 from topple.planner.placement.stacking import over, placements_on
 from topple.planner.placement.tolerances import GENTLE
+from topple.planner.planning.holding import held_steps
 from topple.planner.planning.step import Action, Chooser, Context, NextStep, Task
 from topple.planner.planning.tolerances import CHOICE, MORE_CHOICE
 from topple.planner.planning.transfers import MORE_HANDS, Transfers
@@ -116,7 +118,7 @@ class StepChooser:
             (None, lambda: self._in_turn(chosen, targets, action, why, failures)),
             (Fallback.MAKE_ROOM, lambda: self._make_room(failures)),
         ]
-        if doubting:
+        if doubting and not (self.context.second and chosen.holds):
             options.append((Fallback.OUT_OF_TURN, lambda: self.out_of_turn(targets, action)))
         if (step := _first(options)) is not None:
             return step
@@ -135,7 +137,7 @@ class StepChooser:
         failures: list[TransferFailure],
     ) -> NextStep | None:
         """The first object of an order that may go and can be taken; what the others fail of is noted."""
-        for name in may_go(chosen):
+        for name in self._alone(chosen):
             found = self.aside(name)
             if isinstance(found, Transfer):
                 is_target = name in targets
@@ -146,7 +148,22 @@ class StepChooser:
                 fallbacks = (Fallback.ANOTHER_FIRST,) if failures else ()
                 return NextStep(found, role, said, chosen, fallbacks=fallbacks)
             failures.append(found)
+        if self.context.second is None or not chosen.holds:
+            return None
+        hold = min(chosen.holds, key=lambda each: chosen.order.index(each.since))
+        held = held_steps(
+            hold, chosen, self.situation, self.context, self._remaining,
+            lambda name: action if name in targets else Action.REMOVE,
+        )  # fmt: skip
+        if isinstance(held, NextStep):
+            return replace(held, fallbacks=(Fallback.ANOTHER_FIRST,)) if failures else held
+        failures.append(held)
         return None
+
+    def _alone(self, chosen: Order) -> list[str]:
+        """What may go now; with a second arm nothing from where that has to hold something on."""
+        begins = {hold.since for hold in chosen.holds} if self.context.second is not None else set[str]()
+        return list(takewhile(lambda name: name not in begins, may_go(chosen)))
 
     def out_of_turn(self, targets: Sequence[str], action: Action) -> NextStep | None:
         """The step that goes against the least likely dependencies: hand and order wait for each other."""
@@ -178,7 +195,7 @@ class StepChooser:
             chosen = self._ordered([other])
         except NoSafePlan:
             return None
-        for first in may_go(chosen):
+        for first in self._alone(chosen):
             if first in barred or (first, Action.REMOVE) in self.context.done:
                 continue
             found = self.aside(first)

@@ -169,6 +169,7 @@ def cautious(
     relations: "Relations | None" = None,
     seed: int = 0,
     beliefs: Beliefs | None = None,
+    hands: int | None = None,
 ) -> Order:
     """The order for an arm that acts: with the least risk, as removals do harm themselves now and then.
 
@@ -178,10 +179,11 @@ def cautious(
         relations: The scene's relations where they are known.
         seed: Seed of the simulations, where there are any.
         beliefs: What earlier looks made of the same things: see `order`.
+        hands: How many hands there are: see `order`.
     """
     return order(
         scene, targets, relations=relations, seed=seed,
-        removal_risk=REMOVAL_RISK, beliefs=beliefs, check_gravity=False,
+        removal_risk=REMOVAL_RISK, beliefs=beliefs, check_gravity=False, hands=hands,
     )  # fmt: skip
 
 

@@ -1,7 +1,8 @@
 """A step towards a goal, where the arm stands before it, and what says in which order to take things."""
 
-from collections.abc import Collection, Mapping, Sequence
+from collections.abc import Callable, Collection, Mapping, Sequence
 from dataclasses import dataclass, field
+from functools import partial
 from typing import Protocol, cast, runtime_checkable
 
 from topple.planner.decide.arrange import Order
@@ -15,6 +16,7 @@ from topple.planner.planning.order import check_targets, ordered
 from topple.planner.transfer.transfer import Transfer
 from topple.robots.arm.arm import Arm
 from topple.topology.arrays import FloatArray
+from topple.topology.bodies.solids import Solids
 from topple.topology.errors import InvalidInput, UnknownObject
 from topple.topology.plugins import Table
 from topple.topology.relations import Relations
@@ -47,6 +49,11 @@ class NextStep:
         fallbacks: What was tried to find it where the plain way failed; with those of the transfer,
             `all_fallbacks`.
         buffer: Whether the object only makes room and is taken again later, to where it shall be.
+        grip: What the other arm takes hold of before it, and keeps still from then on; its segments end as
+            the hand closes.
+        let_go: What the other arm lets go of after it, where it is; its segments begin as the hand opens.
+        by_second: Whether the second arm does it.
+        then: The steps that follow it while the other arm holds on, decided with it.
     """
 
     transfer: Transfer
@@ -56,6 +63,10 @@ class NextStep:
     against: tuple[Dependency, ...] = ()
     fallbacks: tuple[Fallback, ...] = ()
     buffer: bool = False
+    grip: Transfer | None = None
+    let_go: Transfer | None = None
+    by_second: bool = False
+    then: "tuple[NextStep, ...]" = ()
 
     @property
     def all_fallbacks(self) -> tuple[Fallback, ...]:
@@ -96,6 +107,8 @@ class Context:
         orderer: What decides in which order things are taken.
         grasps: Grasps of the caller's own, in the world: an object that has an entry is taken by those alone.
         seed: Of every search.
+        second: A second arm, as it stands, for what takes two; None where there is one arm.
+        besides: Bodies that are in the arm's way and no part of the scene: those of the other arm.
     """
 
     station: Station
@@ -109,10 +122,13 @@ class Context:
     orderer: "Orderer" = ordered
     grasps: GraspsByObject = field(default_factory=dict[str, Sequence[Grasp]])
     seed: int = 0
+    second: Station | None = None
+    besides: Solids = field(default_factory=dict[str, Sequence[FloatArray]])
 
     def ask(self, situation: Situation, targets: Sequence[str]) -> Order:
         """Ask the orderer; see `ask`."""
-        return ask(self.orderer, situation, targets, seed=self.seed, beliefs=self.beliefs)
+        hands = None if self.second is None else 2
+        return ask(self.orderer, situation, targets, seed=self.seed, beliefs=self.beliefs, hands=hands)
 
 
 class Chooser(Protocol):
@@ -171,7 +187,7 @@ class Orderer(Protocol):
 
     It is asked before each step, of the situation as it is by then (`scene`, `relations`): objects that were
     put aside are in it, where they were put. It takes what it needs of the keywords and leaves the others to
-    `**_`.
+    `**_`: with a second arm also `hands`, how many there are.
 
     Example:
         >>> from topple.planner.planning.order import order
@@ -225,6 +241,7 @@ def ask(
     *,
     seed: int = 0,
     beliefs: Beliefs | None = None,
+    hands: int | None = None,
 ) -> Order:
     """Ask an orderer, and refuse what it must not answer.
 
@@ -234,12 +251,15 @@ def ask(
         targets: Names to free, each in the scene.
         seed: Of every search.
         beliefs: What earlier looks made of the same things.
+        hands: How many hands there are, where it is more than the one that takes: the keyword is left out
+            otherwise.
 
     Raises:
         InvalidInput: Its answer is no order.
         UnknownObject: It takes what is not there, or never moves.
     """
-    chosen = cast(object, orderer(situation, targets, seed=seed, beliefs=beliefs))  # whatever it is
+    asked = orderer if hands is None else partial(cast(Callable[..., Order], orderer), hands=hands)
+    chosen = cast(object, asked(situation, targets, seed=seed, beliefs=beliefs))  # whatever it is
     scene = situation.scene
     if not isinstance(chosen, Order):
         raise InvalidInput(

@@ -12,6 +12,12 @@ BESIDE = 0.05
 """[m] what is closer to an object than this bars a hand: half an open hand's width."""
 
 
+# -- holding
+
+GRIPS = 8
+"""Grips of a second hand to try: where a hand has no room beside some of them, it has beside others."""
+
+
 # -- next_step
 
 CHOICE = 48

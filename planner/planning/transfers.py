@@ -14,6 +14,7 @@ from topple.planner.placement.proof import Proof
 from topple.planner.placement.shortage import shortage
 from topple.planner.planning.step import Context
 from topple.planner.planning.tolerances import BESIDE
+from topple.planner.transfer.handling import Reached
 from topple.planner.transfer.segments import SegmentKind
 from topple.planner.transfer.transfer import (
     NO_PLACE,
@@ -38,10 +39,11 @@ class Transfers:
     Args:
         situation: What is seen, or what should be there by now.
         context: What they are made in. Where no look follows, a place has to hold in simulation.
+        held: The grasp by which the arm has closed on an object already: it can move that one alone.
     """
 
-    def __init__(self, situation: Situation, context: Context) -> None:
-        self.situation, self.context = situation, context
+    def __init__(self, situation: Situation, context: Context, held: Reached | None = None) -> None:
+        self.situation, self.context, self._held = situation, context, held
 
     def aside(
         self, name: str, remaining: Collection[str], wanted: Sequence[FloatArray] = ()
@@ -82,7 +84,8 @@ class Transfers:
         transfer = partial(
             plan_transfer, name, self.situation, station.arm, station.pose_base_to_world, station.q, places,
             grasps=self._own_grasps(name), avoid=context.avoid.get(name, ()), riding=self.riding(name),
-            upright=name in context.upright, seed=context.seed, limits=limits,
+            upright=name in context.upright, held=self._held, besides=context.besides, seed=context.seed,
+            limits=limits,
         )  # fmt: skip
         if self.context.observed:
             return transfer()

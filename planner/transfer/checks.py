@@ -28,6 +28,7 @@ class Checks:
         pose_base_to_world: (4, 4) where it stands.
         riding: What lies in the object and goes with it.
         seed: For inverse kinematics.
+        besides: Bodies that are in the way and no part of the scene: another arm, as it stands.
     """
 
     def __init__(
@@ -38,9 +39,11 @@ class Checks:
         pose_base_to_world: FloatArray,
         riding: tuple[str, ...] = (),
         seed: int = 0,
+        besides: Solids | None = None,
     ) -> None:
         self.name, self.arm, self.riding, self.seed = name, arm, riding, seed
-        self.scene, self.bodies, self.up = situation.scene, situation.solids, situation.up
+        self.scene, self.up = situation.scene, situation.up
+        self.bodies: Solids = {**situation.solids, **(besides or {})}
         self.pose_base_to_world = pose_base_to_world
         self.world_to_base = np.linalg.inv(pose_base_to_world)
         self._checkers: dict[tuple[object, ...], Checker] = {}
@@ -94,7 +97,7 @@ class Checks:
         """The object leaving what it stood on or against: what it touches now it may touch."""
         allow = _pairs([self.name], self.touching)
         if lenient:
-            allow += _pairs(self._links(grasp), [o for o in self.others if o not in self.scene.fixed])
+            allow += _pairs(self._links(grasp), [o for o in self.others if o in self.scene.movable])
         held = self._attached(grasp)
         return self._checker(self.others, self.closed(grasp), attached=held, allow=allow)
 
@@ -143,7 +146,10 @@ class Checks:
     def touching(self) -> tuple[str, ...]:
         """The others whose clouds or bodies come within contact distance of the object's."""
         return tuple(
-            other for other in self.others if not apart(self.bodies[self.name], self.bodies[other], CONTACT)
+            other
+            for other in self.others
+            if other in self.scene.clouds  # another arm may not be touched, however near it is
+            and not apart(self.bodies[self.name], self.bodies[other], CONTACT)
         )
 
     def _attached(self, grasp: Grasp) -> Attachment:

@@ -22,6 +22,7 @@ from topple.robots.arm.arm import Arm
 from topple.robots.arm.gripper import ToolName
 from topple.robots.arm.home import workplace_of
 from topple.topology.arrays import FloatArray, frozen
+from topple.topology.bodies.solids import Solids
 from topple.topology.bodies.tolerances import GRAIN
 from topple.topology.errors import UnknownObject
 from topple.topology.geometry.samples import sampled
@@ -115,6 +116,8 @@ def plan_transfer(
     riding: Sequence[str] = (),
     upright: bool | None = None,
     holds: Callable[[Placement], bool] | None = None,
+    held: Reached | None = None,
+    besides: Solids | None = None,
     seed: int = 0,
     limits: TransferLimits = TRANSFER_LIMITS,
 ) -> Transfer | TransferFailure:
@@ -132,6 +135,8 @@ def plan_transfer(
         riding: What lies in the object and goes with it.
         upright: Whether it is kept upright on the way; where something rides in it, if None.
         holds: Whether the object stays where a place has it; where None, all do.
+        held: The grasp by which the hand has closed on it already; the transfer begins with the lift then.
+        besides: Bodies that are in the way and no part of the scene: another arm, as it stands.
         seed: For inverse kinematics and sampling planners.
         limits: How hard to look and how fast to move.
 
@@ -145,6 +150,8 @@ def plan_transfer(
     scene = situation.scene
     if name not in scene.clouds:
         raise UnknownObject(name, scene.names)
+    if held is not None:
+        grasps, avoid = [held.grasp], ()
     searched, dropped, changed = grasps is None, Dropped(), False
     find = partial(grasp_candidates, name, situation, wide=bool(avoid))
     if grasps is None:
@@ -166,8 +173,8 @@ def plan_transfer(
         return TransferFailure(
             name, {NO_PLACE: 1}, None, FailedCheck(SegmentKind.PLACE, Check.ROOM, NO_PLACE)
         )
-    handling = Handling(name, situation, arm, np.asarray(pose_base_to_world), tuple(riding), seed)
-    search = _Search(handling, tuple(places), np.asarray(q_start), level, seed, limits, holds)
+    handling = Handling(name, situation, arm, np.asarray(pose_base_to_world), tuple(riding), seed, besides)
+    search = _Search(handling, tuple(places), np.asarray(q_start), level, seed, limits, holds, held)
     found = search.run(grasps)
     by_cup_alone = (
         searched and all(grasp.tool == ToolName.SUCTION for grasp in grasps) and ToolName.FINGERS in arm.tools
@@ -222,9 +229,10 @@ class _Search:
         seed: int,
         limits: TransferLimits,
         holds: Callable[[Placement], bool] | None = None,
+        held: Reached | None = None,
     ) -> None:
         self.handling, self.places, self.q_start = handling, places, q_start
-        self.level, self.seed, self.limits, self._holds = level, seed, limits, holds
+        self.level, self.seed, self.limits, self._holds, self._held = level, seed, limits, holds, held
         self.log = FailureLog(frozenset(handling.bodies) - {handling.name})
         self._ahead: dict[Reached, tuple[Stage, Stage]] = {}
         self._roomy: dict[tuple[Grasp, tuple[Placement, ...]], list[Placement]] = {}
@@ -232,8 +240,11 @@ class _Search:
 
     def run(self, grasps: Sequence[Grasp]) -> Transfer | TransferFailure:
         """Complete a transfer that starts with one of some grasps, best first, or say why there is none."""
-        hands = self.handling.hands(grasps[: self.limits.grasps], self.q_start, self.log)
         reached = dict[bool, list[Reached]]()
+        if self._held is None:
+            hands = self.handling.hands(grasps[: self.limits.grasps], self.q_start, self.log)
+        else:
+            hands, reached = [], {lenient: [self._held] for lenient in (False, True)}
         for way in self._ways():
             if way.lenient not in reached:
                 reached[way.lenient] = self.handling.reached(hands, way.lenient, self.log)
@@ -270,8 +281,11 @@ class _Search:
         if not room:
             return None
         if state not in self._ahead:
-            approach = handling.approach(state, limits.approach, log)
-            lift = handling.lift(state, limits.lift, log) if approach.path is not None else approach
+            if state is self._held:  # the way in is behind it
+                approach = lift = handling.lift(state, limits.lift, log)
+            else:
+                approach = handling.approach(state, limits.approach, log)
+                lift = handling.lift(state, limits.lift, log) if approach.path is not None else approach
             self._ahead[state] = approach, lift
         approach, lift = self._ahead[state]
         if approach.path is None or lift.path is None:
@@ -289,13 +303,17 @@ class _Search:
         end = ends[goal]
         lower = Stage(SegmentKind.PLACE, handling.carrying(grasp, 0.0, end.placement.into), log, end.lower)
         retreat = Stage(SegmentKind.RETREAT, handling.parting(grasp, end.placement), log, end.retreat)
-        move = Stage(SegmentKind.MOVE, handling.empty(grasp.opening), log)
         if not lower.prove() or not retreat.prove():
             return None
-        if move.search(self.q_start, approach.way[:1], self.seed, limits.budget) is None:
-            return None
-        stages = (move, approach, lift, carry, lower, retreat)
+        stages = (lift, carry, lower, retreat)
+        if state is not self._held:
+            move = Stage(SegmentKind.MOVE, handling.empty(grasp.opening), log)
+            if move.search(self.q_start, approach.way[:1], self.seed, limits.budget) is None:
+                return None
+            stages = (move, approach, *stages)
         segments = segments_of(stages, handling, grasp, end.placement, limits.speed, limits.straight_speed)
+        if state is self._held:
+            segments = segments[1:]  # the hand is closed
         return Transfer(
             handling.name, grasp, end.placement, segments, end.retreat[-1], dict(log.reasons),
             handling.riding, self.level, way.fallbacks,

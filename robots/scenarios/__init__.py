@@ -4,6 +4,7 @@ from collections.abc import Callable
 
 from topple.robots.engines import BULLET, playing_on
 from topple.robots.scenarios.dishes import dishes
+from topple.robots.scenarios.hold import hold
 from topple.robots.scenarios.lemon import lemon_in_bowl
 from topple.robots.scenarios.pack import pack
 from topple.robots.scenarios.pile import pile
@@ -28,13 +29,14 @@ SCENARIOS: Table[Callable[[int], Scenario]] = Table(
         "restack": "topple.robots.scenarios.restack:restack",
         "pack": "topple.robots.scenarios.pack:pack",
         "swap": "topple.robots.scenarios.swap:swap",
+        "hold": "topple.robots.scenarios.hold:hold",
     },
     Scenario,
 )
 """Every scenario by its name, to be called with a seed; other packages add theirs."""
 
 __all__ = [
-    "SCENARIOS", "Scenario", "dishes", "lemon_in_bowl", "pack", "pile", "restack", "scenario_called",
+    "SCENARIOS", "Scenario", "dishes", "hold", "lemon_in_bowl", "pack", "pile", "restack", "scenario_called",
     "set_table", "sort", "swap", "tower",
 ]  # fmt: skip
 
@@ -43,7 +45,8 @@ def scenario_called(name: str, seed: int = 0, engine: str = BULLET) -> Scenario:
     """Make a scene by its name.
 
     Args:
-        name: dishes, lemon, tower, pile, sort, set-table, restack, pack, swap, or what another package adds.
+        name: dishes, lemon, tower, pile, sort, set-table, restack, pack, swap, hold, or one that
+            another package adds.
         seed: Any number; the same one gives the same scene on the same engine.
         engine: What it is played on, one of `topple.robots.engines.ENGINES`.
 

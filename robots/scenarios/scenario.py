@@ -44,6 +44,7 @@ class Scenario:
         pose_base_to_world: (4, 4) where that robot stands.
         up: (3,) against gravity.
         finished: Where the task is to copy an arrangement, a world in which the same bodies lie so.
+        pose_second_to_world: (4, 4) where a second robot of the same kind stands; None where one can do it.
     """
 
     name: str
@@ -57,6 +58,7 @@ class Scenario:
     pose_base_to_world: FloatArray
     up: FloatArray
     finished: PhysicalWorld | None = None
+    pose_second_to_world: FloatArray | None = None
 
     def __enter__(self) -> "Scenario":
         return self

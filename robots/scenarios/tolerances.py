@@ -9,6 +9,12 @@ RIM = 0.022
 """Height [m] of a plate's rim."""
 
 
+# -- hold
+
+SECOND_ARM = -2.0944
+"""Angle [rad] about the middle of the table from the first arm to the second: 60 degrees from two cameras."""
+
+
 # -- scenario
 
 REACHED = (0.25, 0.38)

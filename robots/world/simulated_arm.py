@@ -29,6 +29,8 @@ class SimulatedArm(ActingArm):
         q: (n,) joint values to start with; the arm's home if not given.
         noise: Of the joints' torque sensors; None: as of an arm made for touching.
         rng: Where the noise comes from; None: a generator seeded with 0.
+        beside: Another arm in the same world. While one acts the other holds its targets, and what is called
+            on the steps of one is called on those of both.
     """
 
     def __init__(
@@ -40,9 +42,14 @@ class SimulatedArm(ActingArm):
         *,
         noise: TorqueNoise | None = None,
         rng: np.random.Generator | None = None,
+        beside: "SimulatedArm | None" = None,
     ) -> None:
         super().__init__(arm, pose_base_to_world, q)
         self._world = world
+        self._both: tuple[SimulatedArm, ...] = (self,)
+        if beside is not None:
+            self._both = beside._both = (self, beside)
+            self.on_step = beside.on_step
         position, quaternion = position_and_quaternion(self.pose_base_to_world)
         self.id: int = pybullet.loadURDF(
             str(arm.urdf), position, quaternion, useFixedBase=True, physicsClientId=world.client
@@ -195,7 +202,8 @@ class SimulatedArm(ActingArm):
         self.world.step()
         if self.vacuum is not None:
             self.vacuum.check()
-        self._note_touches()
+        for arm in self._both:
+            arm._note_touches()
         for watch in self.on_step:
             watch()
 

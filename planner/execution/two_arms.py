@@ -1,0 +1,143 @@
+"""Two arms at work, one at a time: one holds what would not stand while the other takes something."""
+
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+
+from topple.planner.execution.execute import Outcome, Watch, execute, retreat, withdraw
+from topple.planner.execution.tolerances import AT_HOME
+from topple.planner.motion.tolerances import GIVES_WAY
+from topple.planner.planning.holding import FIRST, SECOND, standing_by
+from topple.planner.planning.step import NextStep, Station
+from topple.planner.transfer.transfer import Transfer
+from topple.robots.driver import Driver
+from topple.topology.bodies.solids import Solids
+from topple.topology.errors import InvalidInput
+
+
+class TwoArms:
+    """An arm, and beside it one for what takes two.
+
+    Args:
+        first: The arm that does what takes one.
+        second: The other arm; None where there is none.
+        seed: Of the searches for ways home.
+
+    Attributes:
+        pending: The steps that were decided with a hold which is going on.
+        grip: How one of them holds something now; None where none does.
+    """
+
+    def __init__(self, first: Driver, second: Driver | None, seed: int) -> None:
+        self.first, self.second, self._seed = first, second, seed
+        self.pending: tuple[NextStep, ...] = ()
+        self.grip: Transfer | None = None
+
+    @property
+    def stations(self) -> tuple[Station, Station | None]:
+        """How the arms stand."""
+        return _station(self.first), None if self.second is None else _station(self.second)
+
+    def acting(self, chosen: NextStep) -> Driver:
+        """The arm that does a step."""
+        return self.second if chosen.by_second and self.second is not None else self.first
+
+    def besides(self, robot: Driver) -> Solids:
+        """The bodies (V, 3) of the other arm [m], by name."""
+        if self.second is None:
+            return {}
+        whose, other = (FIRST, self.first) if robot is self.second else (SECOND, self.second)
+        return standing_by(whose, _station(other))
+
+    def carry_out(self, chosen: NextStep, watch: Watch) -> Outcome:
+        """Do a step, once the other hand holds what it has to.
+
+        Args:
+            chosen: The step.
+            watch: What looks on at the hand that takes.
+        """
+        acting = self.acting(chosen)
+        other = self._beside(acting)
+        if chosen.grip is not None and other is not None:
+            closed = execute(chosen.grip, other)
+            if not closed.success:
+                return replace(closed, text=f"the other arm: {closed.text}")
+            self.grip = chosen.grip
+            if (off := _gave_way(other, chosen.grip)) > GIVES_WAY:
+                said = f"the other arm gave way by {1e3 * off:.0f} mm as its hand closed."
+                return replace(closed, success=False, text=said)
+        if self._holds(chosen) and other is not None:
+            if np.abs(other.q_target - np.asarray(other.arm.home)).max() > AT_HOME:
+                said = "the other arm found no way home, and this one holds on."
+                return Outcome(False, said, np.zeros((0, 3)), stuck=True)
+        return execute(chosen.transfer, acting, watch)
+
+    def withdraw(self, chosen: NextStep, outcome: Outcome, solids: Solids) -> Outcome:
+        """Bring home the arm that acted, and go on with a hold, or end it: as decided, or since it failed.
+
+        Args:
+            chosen: The step.
+            outcome: What became of it.
+            solids: Convex parts of everything, in the world [m], as they should be now.
+
+        Returns:
+            The outcome, with what became of the hold.
+        """
+        if outcome.stuck:
+            return outcome
+        acting = self.acting(chosen)
+        other, grip = self._beside(acting), self.grip
+        self._home(acting, solids)
+        self.pending = (chosen.then or self.pending[1:]) if outcome.success else ()
+        if other is None:
+            return outcome
+        if grip is not None and not self._holds(chosen):
+            if outcome.success and chosen.let_go is None and other.holding:
+                return outcome
+            if outcome.success and chosen.let_go is not None:
+                ended = execute(chosen.let_go, other)
+                outcome = replace(outcome, success=ended.success, stuck=ended.stuck)
+            else:
+                said = "" if other.holding else f" {grip.object} slipped out of the other hand."
+                outcome = replace(outcome, text=f"{outcome.text}{said}")
+                self.pending = ()
+                retreat(list(grip.segments[:-1]), other)
+        self.grip = None
+        self._home(other, solids)
+        return outcome
+
+    def _beside(self, robot: Driver) -> Driver | None:
+        """The other arm."""
+        return self.first if robot is self.second else self.second
+
+    def _holds(self, chosen: NextStep) -> bool:
+        """Whether a step is about what is held: the arm that holds it takes it away."""
+        return self.grip is not None and self.grip.object == chosen.transfer.object
+
+    def _home(self, robot: Driver, solids: Solids) -> None:
+        withdraw(robot, {**solids, **self.besides(robot)}, self._seed)
+
+
+def _gave_way(robot: Driver, grip: Transfer) -> float:
+    """How far [m] a link of an arm that holds is from where the plan has it."""
+    there, here = robot.arm.forward(np.stack([grip.q_end, robot.q_target]))[:, :, :3, 3]
+    return float(np.linalg.norm(there - here, axis=1).max())
+
+
+def check_recording(rerun: Path | None, two: bool) -> None:
+    """Refuse what would show half of a run.
+
+    Args:
+        rerun: Where a recording for the Rerun viewer is wanted, if it is.
+        two: Whether there are two arms.
+
+    Raises:
+        InvalidInput: A recording of two arms is wanted.
+    """
+    if rerun is not None and two:
+        raise InvalidInput("a recording for Rerun shows one arm: leave it out, a video shows both")
+
+
+def _station(robot: Driver) -> Station:
+    return Station(robot.arm, robot.pose_base_to_world, robot.q_target)

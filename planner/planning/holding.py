@@ -1,0 +1,129 @@
+"""What one arm takes while another holds what would not stand: all of it planned before either moves."""
+
+from collections.abc import Callable, Collection
+from dataclasses import replace
+from itertools import islice
+
+import numpy as np
+
+from topple.planner.decide.arrange import Order
+from topple.planner.decide.hold import Hold
+from topple.planner.failure import FailureLog, TransferFailure
+from topple.planner.motion.other_arm import arm_bodies
+from topple.planner.planning.step import Action, Context, NextStep, Station
+from topple.planner.planning.tolerances import GRIPS
+from topple.planner.planning.transfers import Transfers
+from topple.planner.transfer.grip import Grip, grips, letting_go
+from topple.planner.transfer.transfer import after
+from topple.robots.arm.arm import Arm
+from topple.robots.arm.gripper import ToolName
+from topple.topology.bodies.solids import Solids
+from topple.topology.errors import InvalidInput
+from topple.topology.situation import Situation
+
+FIRST, SECOND = "the first arm's", "the second arm's"
+
+
+def check_second(arm: Arm) -> None:
+    """Refuse a second arm that cannot hold a thing where it is.
+
+    Raises:
+        InvalidInput: It has no fingers.
+    """
+    if ToolName.FINGERS not in arm.tools:
+        raise InvalidInput(f"{arm.name} has no fingers: a second arm holds with a parallel jaw")
+
+
+def standing_by(whose: str, station: Station) -> Solids:
+    """The bodies of an arm that stands still, however far its fingers are open."""
+    arm = station.arm
+    return arm_bodies(whose, arm, station.pose_base_to_world, station.q, (arm.on_the_way(0.0), arm.open_hand))
+
+
+def held_steps(
+    hold: Hold,
+    chosen: Order,
+    situation: Situation,
+    context: Context,
+    remaining: Callable[[str], Collection[str]],
+    action: Callable[[str], Action],
+) -> NextStep | TransferFailure:
+    """The steps of a hold, from the hand that closes on an object until it is let go, or taken away itself.
+
+    One arm moves at a time, the other stands, so each motion is certified against the other arm as something
+    that stands in the way. Between its steps the arm that takes goes home. The two grasps are chosen
+    together: a grip from which the rest cannot be done is given up for the next one, and where none is left
+    the arms change places.
+
+    Args:
+        hold: What is held, and while what is taken.
+        chosen: The order it is of.
+        situation: What is seen, or what should be there by now.
+        context: What the steps are chosen in, with a second arm.
+        remaining: What is still to be taken once an object is gone.
+        action: What taking an object is for.
+
+    Returns:
+        The first step, with the others in `then`; or why there are none.
+    """
+    first, second = context.station, context.second
+    assert second is not None, "a hold takes a second arm"
+    log = FailureLog(frozenset(situation.scene.clouds) - {hold.object})
+    failure: TransferFailure | None = None
+    for taker, holder in ((first, second), (second, first)):
+        found = grips(
+            hold.object, situation, holder.arm, holder.pose_base_to_world, holder.q, log,
+            avoid=context.avoid.get(hold.object, ()), besides=standing_by(_whose(taker, context), taker),
+            seed=context.seed,
+        )  # fmt: skip
+        for grip in islice(found, GRIPS):
+            steps = _steps(grip, hold, taker, holder, chosen, situation, context, remaining, action)
+            if isinstance(steps, NextStep):
+                return steps
+            failure = failure or steps
+    return failure or log.failure(hold.object)
+
+
+def _whose(station: Station, context: Context) -> str:
+    return SECOND if station is context.second else FIRST
+
+
+def _steps(
+    grip: Grip,
+    hold: Hold,
+    taker: Station,
+    holder: Station,
+    chosen: Order,
+    situation: Situation,
+    context: Context,
+    remaining: Callable[[str], Collection[str]],
+    action: Callable[[str], Action],
+) -> NextStep | TransferFailure:
+    """The steps with one grip, or what the first of them that fails fails of."""
+    arm, base, second = holder.arm, holder.pose_base_to_world, taker is context.second
+    holding = arm_bodies(_whose(holder, context), arm, base, grip.state.q, (grip.hand,))
+    home = replace(taker, q=np.asarray(taker.arm.home))
+    taking = replace(context, station=taker, besides=holding)
+    steps: list[NextStep] = []
+    for name in hold.meanwhile(chosen.order):
+        found = Transfers(situation, taking).aside(name, remaining(name))
+        if isinstance(found, TransferFailure):
+            return found
+        why = f"the other arm holds {hold.object}: {hold.because}"
+        steps.append(NextStep(found, action(name), why, chosen, by_second=second))
+        situation, taking = after(situation, found), replace(taking, station=home)
+    away, name = standing_by(_whose(taker, context), home), hold.object
+    steps[0] = replace(steps[0], grip=grip.transfer)
+    if hold.until != name:
+        left = letting_go(grip, situation, arm, base, besides=away)
+        if isinstance(left, TransferFailure):
+            return left
+        steps[-1] = replace(steps[-1], let_go=left)
+    else:
+        there = replace(context, station=Station(arm, base, grip.state.q), besides=away)
+        last = Transfers(situation, there, held=grip.state).aside(name, remaining(name))
+        if isinstance(last, TransferFailure):
+            return last
+        why = f"the arm that takes it holds it, and it would not stand without {hold.since}"
+        steps.append(NextStep(last, action(name), why, chosen, by_second=not second))
+    return replace(steps[0], then=tuple(steps[1:]))

@@ -1,0 +1,82 @@
+"""A whole sequence for two arms before anything moves: what one takes, and what the other holds for it."""
+
+from collections.abc import Sequence
+from dataclasses import replace
+
+import numpy as np
+
+from topple.planner.errors import NoSafePlan
+from topple.planner.planning.holding import SECOND, check_second, standing_by
+from topple.planner.planning.next_step import GoalTask
+from topple.planner.planning.start import check_start
+from topple.planner.planning.step import Context, NextStep, Station, Task
+from topple.planner.planning.tolerances import MOST_STEPS
+from topple.planner.transfer.transfer import after
+from topple.robots.arm.arm import Arm
+from topple.robots.catalog import robot as robot_named
+from topple.topology.arrays import FloatArray
+from topple.topology.scene import Scene
+from topple.topology.situation import Situation
+from topple.topology.statics.gravity import check_up
+
+
+def plan_two_handed(
+    scene: Scene,
+    goal: str | Sequence[str] | Task,
+    robot: Arm | str,
+    *,
+    base: FloatArray,
+    second_base: FloatArray,
+    allow_drop: bool = False,
+    seed: int = 0,
+) -> tuple[NextStep, ...]:
+    """Plan everything that reaches a goal with two arms of a kind.
+
+    The first arm does what takes one. What would not stand is held: one arm closes on it and keeps it where
+    it is, the other takes the rest, and then the first takes it away, or lets go where it stands by itself.
+    One arm moves at a time. Each motion is certified with the other arm as something that stands in the way,
+    5 mm larger than it is. After a step the arm that took goes home, by a way that is left to whoever acts.
+
+    Args:
+        scene: What is seen, with `up`.
+        goal: In words, names of objects to free, or any other task.
+        robot: The arm, or its name.
+        base: (4, 4) pose_base_to_world of the first.
+        second_base: (4, 4) likewise of the second.
+        allow_drop: As for `topple.planner.plan`.
+        seed: Of every search.
+
+    Returns:
+        The steps in order. Before one with a `grip` the other arm takes hold; after one with `let_go` it lets
+        go. Every motion of their segments has its certificate.
+
+    Raises:
+        NoSafePlan: There is none; the certificate has what each object fails of.
+        InvalidInput: The goal is none, the scene does not know up, the arm has no fingers, or an arm touches
+            something where it stands.
+    """
+    arm = robot_named(robot) if isinstance(robot, str) else robot
+    check_second(arm)
+    task = GoalTask.of(goal)
+    wanted = task.goal(scene)
+    check_up(scene)
+    situation = Situation(scene).with_level_undersides()
+    first, second = (Station(arm, np.asarray(pose), np.asarray(arm.home)) for pose in (base, second_base))
+    for station in (first, second):
+        check_start(situation, arm, station.pose_base_to_world, station.q)
+    done: list[tuple[str, str]] = []
+    steps: list[NextStep] = []
+    for _ in range(MOST_STEPS * len(situation.movable)):
+        context = Context(
+            first, done, allow_drop=allow_drop, seed=seed,
+            second=second, besides=standing_by(SECOND, second),
+        )  # fmt: skip
+        chosen = task.chooser(situation, wanted, context).choose()
+        if chosen is None:
+            return tuple(steps)
+        for step in (replace(chosen, then=()), *chosen.then):
+            steps.append(step)
+            done.append((step.transfer.object, step.action))
+            situation = after(situation, step.transfer)
+    words = f"no end after {len(steps)} steps"
+    raise NoSafePlan(words, (words,))
