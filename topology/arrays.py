@@ -5,12 +5,11 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from topple.topology.tolerances import DECIMALS
+
 FloatArray = NDArray[np.float64]
 IntArray = NDArray[np.int64]
 BoolArray = NDArray[np.bool_]
-
-DECIMALS = 9
-"""A nanometre: far below what is measured, far above what sums in another order leave."""
 
 
 def bounds(points: FloatArray) -> tuple[FloatArray, FloatArray]:
