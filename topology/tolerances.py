@@ -111,6 +111,9 @@ where the cells begin."""
 KEPT_AROUND = 0.06
 """Fixed surfaces are kept this far [m] around the objects: further ones carry nothing."""
 
+
+# -- arrays
+
 DECIMALS = 9
 """Of lengths and angles that decisions and simulations begin with: a nanometre is far below what is measured,
 and far above what sums in another order leave."""
