@@ -4,7 +4,7 @@ PYTHON ?= $(shell command -v python3.11 || command -v python3.10 || command -v p
 BIN := .venv/bin
 # One process a core, each with one thread: more threads in each would take the cores from the other. The tests of
 # a file stay in one process, which makes their fixtures once.
-TESTS := OMP_NUM_THREADS=1 OPENBLAS_NUM_THREADS=1 $(BIN)/python -m pytest -n 2 --dist loadfile
+TESTS := OMP_NUM_THREADS=1 OPENBLAS_NUM_THREADS=1 $(BIN)/python -m pytest -n 2 --dist loadfile --no-loadscope-reorder
 
 .PHONY: demo test test-all lint docs figures peers schema film python clean
 
