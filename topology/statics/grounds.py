@@ -73,8 +73,9 @@ def planes_and_rest(upright: Upright, name: str) -> tuple[tuple[Plane, ...], Flo
     if len(rest) == 0 or not tops:  # one surface, or what so few points show as one
         plane = Plane.of(cloud)
         return ((), cloud) if plane is None else ((plane,), np.empty((0, 3)))
-    planes = (Plane.of(top) for top in tops)
-    return tuple(replace(plane, ends=True) for plane in planes if plane is not None), rest
+    planes = [Plane.of(top) for top in tops]
+    rough = [top for top, plane in zip(tops, planes, strict=True) if plane is None]
+    return tuple(replace(plane, ends=True) for plane in planes if plane is not None), np.vstack([rest, *rough])
 
 
 def _fit(kept: FloatArray, points: FloatArray) -> tuple[FloatArray, FloatArray, float]:
