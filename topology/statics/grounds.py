@@ -75,7 +75,8 @@ def planes_and_rest(upright: Upright, name: str) -> tuple[tuple[Plane, ...], Flo
         return ((), cloud) if plane is None else ((plane,), np.empty((0, 3)))
     planes = [Plane.of(top) for top in tops]
     rough = [top for top, plane in zip(tops, planes, strict=True) if plane is None]
-    return tuple(replace(plane, ends=True) for plane in planes if plane is not None), np.vstack([rest, *rough])
+    ending = tuple(replace(plane, ends=True) for plane in planes if plane is not None)
+    return ending, np.vstack([rest, *rough])
 
 
 def _fit(kept: FloatArray, points: FloatArray) -> tuple[FloatArray, FloatArray, float]:
