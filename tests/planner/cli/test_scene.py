@@ -43,10 +43,10 @@ def test_views_become_a_scene_that_is_ordered(
     assert third["registration"]["shift"] < 0.008
     assert all(view["registration"]["residual"] < 0.003 for view in (second, third))
     scene = load_scene(place)
-    assert set(scene.movable) == {"box_0", "spoon_1", "spoon_2", "can_3", "can_4"}
+    assert set(scene.movable) == {"bowl_0", "box_1", "box_2", "can_3", "box_4", "spoon_5", "spoon_6"}
     assert len(scene.viewpoints) == 3 and sum(map(len, scene.clouds.values())) < 60_000
-    assert main(["order", str(place), "--target", "box_0"]) == 0
-    assert "box_0" in capsys.readouterr().out
+    assert main(["order", str(place), "--target", "bowl_0"]) == 0
+    assert "bowl_0" in capsys.readouterr().out
 
 
 def test_the_table_says_how_far_each_step_can_be_trusted(

@@ -24,7 +24,7 @@ from topple.topology.scene import Scene
 BASE = pose_at(-0.5, 0.0, 0.0)
 PLACE = Placement(pose_at(0.0, 0.25, 0.002), 1.0)  # it hangs 2 mm above the table when it is let go
 
-# [N] more than the weight: of falling 2 mm from the hand; of an arm that stops within one step
+# [N] more than the weight in 20 ms: of falling 2 mm from the hand; of an arm that stops within one step
 KNOCK = {0.0: 10.0, 0.006: 65.0}
 
 
@@ -72,12 +72,12 @@ def test_what_is_set_down_is_not_pressed_on(thing: str, lower: float) -> None:
         world.add(body)
         world.settle()
         start = world.pose("thing")
-        driver, most = SimulatedArm(world, arm, BASE), [0.0]
+        driver, forces = SimulatedArm(world, arm, BASE), list[float]()
 
         def watch() -> None:
             points = pybullet.getContactPoints(world.ids["thing"], physicsClientId=world.client)
             if np.linalg.norm(world.pose("thing")[:2, 3] - start[:2, 3]) > 0.05:
-                most[0] = max(most[0], sum(point[9] for point in points if point[2] != driver.id))
+                forces.append(sum(point[9] for point in points if point[2] != driver.id))
 
         driver.on_step.append(watch)
         outcome = execute(found, driver)
@@ -85,7 +85,8 @@ def test_what_is_set_down_is_not_pressed_on(thing: str, lower: float) -> None:
         driver.wait(0.5)
         end, wanted = world.pose("thing"), there @ start
         weight = 9.81 * body.mass
-    assert TOUCHDOWN < most[0] < weight + KNOCK[lower]
+    most = np.convolve(forces, np.full(5, 0.2), "valid").max()  # one step of a knock says little
+    assert TOUCHDOWN < most < weight + KNOCK[lower]
     assert np.linalg.norm((end - wanted)[:2, 3]) < 0.003
     assert abs(end[2, 3] - wanted[2, 3] - lower) < 0.006  # it is planned to hang a little above its place
     assert np.degrees(angle_between(end, wanted)) < 5.0

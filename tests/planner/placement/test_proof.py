@@ -27,10 +27,13 @@ BASE[0, 3] = -0.5
 
 
 def peg() -> Body:
-    """A hexagonal peg of 4 cm on a tip that is not below its middle: it stands on none of its ends."""
+    """A hexagonal peg of 4 cm on a tip that is not below its middle: it stands on none of its ends.
+
+    A hand that turns it far enough to lie meets the table.
+    """
     angles = np.arange(6) * np.pi / 3
     ring = 0.02 * np.column_stack([np.cos(angles), np.sin(angles)])
-    rings = [np.column_stack([ring, np.full(6, height)]) for height in (0.03, 0.16)]
+    rings = [np.column_stack([ring, np.full(6, height)]) for height in (0.03, 0.12)]
     return Body.of("peg", [np.vstack([[[0.016, 0.004, 0.0]], *rings])])
 
 
