@@ -39,8 +39,8 @@ def test_points_of_an_arm_lie_on_its_links_in_every_state() -> None:
     points = surface_points(arm, base, np.array([arm.home, other]))
     for row, q in zip(points, (arm.home, other), strict=True):
         poses = base @ arm.forward(q)[0]
-        every = [part @ pose[:3, :3].T + pose[:3, 3] for pose, parts in zip(poses, arm.parts) for part in parts]
-        corners = np.concatenate(every)
+        linked = [(pose, part) for pose, parts in zip(poses, arm.parts, strict=True) for part in parts]
+        corners = np.concatenate([part @ pose[:3, :3].T + pose[:3, 3] for pose, part in linked])
         assert (row.min(axis=0) > corners.min(axis=0) - 1e-6).all()
         assert (row.max(axis=0) < corners.max(axis=0) + 1e-6).all()
         assert np.abs(row.max(axis=0) - corners.max(axis=0)).max() < SPREAD
