@@ -4,7 +4,7 @@ from collections.abc import Callable, Collection
 from dataclasses import dataclass, replace
 
 import numpy as np
-from scipy.spatial import cKDTree
+from scipy.spatial import KDTree
 
 from topple.planner.decide.arrange import Order
 from topple.planner.decide.hold import Hold
@@ -144,13 +144,13 @@ def _choices(
     for state, points in zip(
         grips.states, surface_points(holder.arm, holder.pose_base_to_world, q), strict=True
     ):
-        tree = cKDTree(points)
+        tree = KDTree(points)
         room = min(_apart(tree, other) for other in taken)
         found.append(_Choice(grips, state, taker, holder, room))
     return found
 
 
-def _apart(tree: cKDTree, states: FloatArray) -> float:
+def _apart(tree: KDTree, states: FloatArray) -> float:
     """How far [m] an arm in its states (m, P, 3) is from the other's points on average, `APART` at most."""
     if len(states) == 0:
         return 0.0
