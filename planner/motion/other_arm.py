@@ -5,12 +5,13 @@ from itertools import product
 
 import numpy as np
 
-from topple.planner.motion.tolerances import GIVES_WAY
+from topple.planner.motion.tolerances import GIVES_WAY, SPREAD
 from topple.robots.arm.arm import Arm
 from topple.robots.arm.gripper import ToolState
 from topple.topology.arrays import FloatArray
 from topple.topology.bodies.solids import Solids
 from topple.topology.geometry.rigid import transformed
+from topple.topology.geometry.samples import sampled
 
 _CORNERS = GIVES_WAY * np.array(list(product((-1.0, 1.0), repeat=3)))
 
@@ -41,6 +42,40 @@ def arm_bodies(
         for number, (link, parts) in enumerate(zip(arm.links, arm.parts, strict=True))
         if parts
     }
+
+
+def surface_points(
+    arm: Arm, pose_base_to_world: FloatArray, q: FloatArray, hand: ToolState | None = None
+) -> FloatArray:
+    """Points on an arm's links in many states at once, where telling roughly what is near is enough.
+
+    Args:
+        arm: The arm.
+        pose_base_to_world: (4, 4) where it stands.
+        q: (m, n) joint values [rad].
+        hand: How its hand stands; fully open where not given.
+
+    Returns:
+        (m, P, 3) points in the world [m], about `SPREAD` apart.
+    """
+    poses = pose_base_to_world @ arm.forward(q, hand)
+    rows = [
+        _at(poses[:, number], _thinned(sampled(parts, SPREAD)))
+        for number, parts in enumerate(arm.parts)
+        if parts
+    ]
+    return np.concatenate(rows, axis=1)
+
+
+def _at(poses: FloatArray, points: FloatArray) -> FloatArray:
+    """Points (m, P, 3) that points (P, 3) are in poses (m, 4, 4)."""
+    return points @ poses[:, :3, :3].swapaxes(1, 2) + poses[:, None, :3, 3]
+
+
+def _thinned(points: FloatArray) -> FloatArray:
+    """One point of (P, 3) of each cube with an edge of `SPREAD`."""
+    cells = np.floor(points / SPREAD).astype(np.int64)
+    return points[np.unique(cells, axis=0, return_index=True)[1]]
 
 
 def _grown(points: FloatArray) -> FloatArray:

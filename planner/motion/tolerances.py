@@ -126,3 +126,6 @@ DAMPING = 1e-3
 
 GIVES_WAY = 0.005
 """[m] by which links of an arm that stands still are taken to be larger: a hand gives way as it closes."""
+
+SPREAD = 0.04
+"""[m] between points that stand for the surface of a link: less than a thin one is thick."""

@@ -1,22 +1,24 @@
 """What one arm takes while another holds what would not stand: all of it planned before either moves."""
 
 from collections.abc import Callable, Collection
-from dataclasses import replace
-from itertools import islice
+from dataclasses import dataclass, replace
 
 import numpy as np
+from scipy.spatial import KDTree
 
 from topple.planner.decide.arrange import Order
 from topple.planner.decide.hold import Hold
 from topple.planner.failure import FailureLog, TransferFailure
-from topple.planner.motion.other_arm import arm_bodies
+from topple.planner.motion.other_arm import arm_bodies, surface_points
 from topple.planner.planning.step import Action, Context, NextStep, Station
-from topple.planner.planning.tolerances import GRIPS
+from topple.planner.planning.tolerances import APART, GRIPS
 from topple.planner.planning.transfers import Transfers
-from topple.planner.transfer.grip import Grip, grips, letting_go
+from topple.planner.transfer.grip import Grip, Grips, letting_go
+from topple.planner.transfer.handling import Reached
 from topple.planner.transfer.transfer import after
 from topple.robots.arm.arm import Arm
-from topple.robots.arm.gripper import ToolName
+from topple.robots.arm.gripper import ToolName, ToolState
+from topple.topology.arrays import FloatArray
 from topple.topology.bodies.solids import Solids
 from topple.topology.errors import InvalidInput
 from topple.topology.situation import Situation
@@ -51,9 +53,9 @@ def held_steps(
     """The steps of a hold, from the hand that closes on an object until it is let go, or taken away itself.
 
     One arm moves at a time, the other stands, so each motion is certified against the other arm as something
-    that stands in the way. Between its steps the arm that takes goes home. The two grasps are chosen
-    together: a grip from which the rest cannot be done is given up for the next one, and where none is left
-    the arms change places.
+    that stands in the way. Between its steps the arm that takes goes home. The two grasps, and which arm does
+    which, are chosen together: of all grips of both arms those come first beside which the other hand has
+    room, and one from which the rest cannot be done is given up for the next.
 
     Args:
         hold: What is held, and while what is taken.
@@ -70,18 +72,95 @@ def held_steps(
     assert second is not None, "a hold takes a second arm"
     log = FailureLog(frozenset(situation.scene.clouds) - {hold.object})
     failure: TransferFailure | None = None
-    for taker, holder in ((first, second), (second, first)):
-        found = grips(
-            hold.object, situation, holder.arm, holder.pose_base_to_world, holder.q, log,
-            avoid=context.avoid.get(hold.object, ()), besides=standing_by(_whose(taker, context), taker),
-            seed=context.seed,
-        )  # fmt: skip
-        for grip in islice(found, GRIPS):
-            steps = _steps(grip, hold, taker, holder, chosen, situation, context, remaining, action)
-            if isinstance(steps, NextStep):
-                return steps
-            failure = failure or steps
+    choices = [
+        choice
+        for taker, holder in ((first, second), (second, first))
+        for choice in _choices(hold, taker, holder, chosen, situation, context, log)
+    ]
+    tried: list[_Choice] = []
+    for choice in sorted(choices, key=lambda choice: -choice.room):
+        if len(tried) >= GRIPS:
+            break
+        if any(map(choice.alike, tried)) or (grip := choice.grips.proven(choice.state)) is None:
+            continue
+        tried.append(choice)
+        steps = _steps(grip, hold, choice.taker, choice.holder, chosen, situation, context, remaining, action)
+        if isinstance(steps, NextStep):
+            return steps
+        failure = failure or steps
     return failure or log.failure(hold.object)
+
+
+@dataclass(frozen=True, eq=False)
+class _Choice:
+    """A way to hold an object, and the room it leaves.
+
+    Attributes:
+        grips: What it is one of.
+        state: How the arm stands then.
+        taker: The arm that takes.
+        holder: The arm that holds.
+        room: How far apart the arms stay on average [m], where the other one takes what leaves least.
+    """
+
+    grips: Grips
+    state: Reached
+    taker: Station
+    holder: Station
+    room: float
+
+    def alike(self, other: "_Choice") -> bool:
+        """Whether another one stands in the way of a hand in nearly the same way."""
+        if self.holder is not other.holder or not self.state.grasp.near(other.state.grasp):
+            return False
+        own, its = self.state.grasp.pose_tool_to_world, other.state.grasp.pose_tool_to_world
+        return float(own[:3, 1] @ its[:3, 1]) > 0.0  # and not turned half
+
+
+def _choices(
+    hold: Hold,
+    taker: Station,
+    holder: Station,
+    chosen: Order,
+    situation: Situation,
+    context: Context,
+    log: FailureLog,
+) -> list[_Choice]:
+    """The ways of one arm to hold an object, best grasps first, each with the room it leaves the other."""
+    grips = Grips(
+        hold.object, situation, holder.arm, holder.pose_base_to_world, holder.q, log,
+        avoid=context.avoid.get(hold.object, ()), besides=standing_by(_whose(taker, context), taker),
+        seed=context.seed,
+    )  # fmt: skip
+    if not grips.states:
+        return []
+    alone = Transfers(situation, replace(context, station=taker, besides={}))
+    taken: list[FloatArray] = []
+    for name in hold.meanwhile(chosen.order):
+        states = np.array([hand.q for hand in alone.hands(name)]).reshape(-1, len(taker.arm.joints))
+        taken.append(surface_points(taker.arm, taker.pose_base_to_world, states))
+    q = np.array([state.q for state in grips.states])
+    found: list[_Choice] = []
+    for state, points in zip(
+        grips.states, surface_points(holder.arm, holder.pose_base_to_world, q), strict=True
+    ):
+        tree = KDTree(points)
+        room = min(_apart(tree, other) for other in taken)
+        found.append(_Choice(grips, state, taker, holder, room))
+    return found
+
+
+def _apart(tree: KDTree, states: FloatArray) -> float:
+    """How far [m] an arm in its states (m, P, 3) is from the other's points on average, `APART` at most."""
+    if len(states) == 0:
+        return 0.0
+    gaps = tree.query(states.reshape(-1, 3), distance_upper_bound=APART)[0].reshape(states.shape[:2])
+    return float(np.minimum(gaps.min(axis=1), APART).mean())
+
+
+def _holding(holder: Station, state: Reached, hand: ToolState, context: Context) -> Solids:
+    """The bodies of the arm that holds."""
+    return arm_bodies(_whose(holder, context), holder.arm, holder.pose_base_to_world, state.q, (hand,))
 
 
 def _whose(station: Station, context: Context) -> str:
@@ -101,7 +180,7 @@ def _steps(
 ) -> NextStep | TransferFailure:
     """The steps with one grip, or what the first of them that fails fails of."""
     arm, base, second = holder.arm, holder.pose_base_to_world, taker is context.second
-    holding = arm_bodies(_whose(holder, context), arm, base, grip.state.q, (grip.hand,))
+    holding = _holding(holder, grip.state, grip.hand, context)
     home = replace(taker, q=np.asarray(taker.arm.home))
     taking = replace(context, station=taker, besides=holding)
     steps: list[NextStep] = []

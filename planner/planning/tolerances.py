@@ -14,8 +14,11 @@ BESIDE = 0.05
 
 # -- holding
 
-GRIPS = 8
-"""Grips of a second hand to try: where a hand has no room beside some of them, it has beside others."""
+GRIPS = 12
+"""Grips of two arms to try: where a hand has no room beside some of them, it has beside others."""
+
+APART = 0.08
+"""[m] between two arms that is room enough: twice what stands between the points they are compared by."""
 
 
 # -- next_step

@@ -4,8 +4,9 @@ from collections.abc import Collection, Sequence
 from dataclasses import replace
 from functools import partial
 
-from topple.planner.failure import Check, FailedCheck, TransferFailure
+from topple.planner.failure import Check, FailedCheck, FailureLog, TransferFailure
 from topple.planner.fallbacks import Fallback
+from topple.planner.grasp.candidates import grasp_candidates
 from topple.planner.grasp.given import doable
 from topple.planner.grasp.grasp import Grasp
 from topple.planner.placement.drops import standing
@@ -14,7 +15,7 @@ from topple.planner.placement.proof import Proof
 from topple.planner.placement.shortage import shortage
 from topple.planner.planning.step import Context
 from topple.planner.planning.tolerances import BESIDE
-from topple.planner.transfer.handling import Reached
+from topple.planner.transfer.handling import Handling, Reached
 from topple.planner.transfer.segments import SegmentKind
 from topple.planner.transfer.transfer import (
     NO_PLACE,
@@ -125,6 +126,20 @@ class Transfers:
         between = self.situation.relations.between
         movable = self.situation.movable
         return tuple(n for n in movable if n != name and between(n, name).relation in INSIDE)
+
+    def hands(self, name: str) -> list[Reached]:
+        """How the arm could stand to take an object, wherever it would be put."""
+        if name in self.context.given_up:
+            return []
+        station, seed = self.context.station, self.context.seed
+        grasps = self._own_grasps(name)
+        found = grasp_candidates(name, self.situation, station.arm) if grasps is None else grasps
+        handling = Handling(
+            name, self.situation, station.arm, station.pose_base_to_world, (), seed, self.context.besides
+        )
+        log = FailureLog(frozenset())
+        most = found[: TRANSFER_LIMITS.grasps]
+        return handling.reached(handling.hands(most, station.q, log), True, log)
 
     def _refused(self, name: str) -> TransferFailure:
         return TransferFailure(name, {self.context.given_up[name]: 1}, None)

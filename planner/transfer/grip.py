@@ -1,6 +1,6 @@
 """What a second hand does: it closes on an object where that is, keeps it there, and lets go of it there."""
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -37,20 +37,8 @@ class Grip:
     hand: ToolState
 
 
-def grips(
-    name: str,
-    situation: Situation,
-    arm: Arm,
-    pose_base_to_world: FloatArray,
-    q_start: FloatArray,
-    log: FailureLog,
-    *,
-    avoid: Sequence[Grasp] = (),
-    besides: Solids | None = None,
-    seed: int = 0,
-    limits: TransferLimits = TRANSFER_LIMITS,
-) -> Iterator[Grip]:
-    """Ways for fingers to close on an object that stays where it is, each with proven motions.
+class Grips:
+    """Ways for fingers to close on an object that stays where it is.
 
     Args:
         name: The object.
@@ -58,35 +46,52 @@ def grips(
         arm: The arm that holds.
         pose_base_to_world: (4, 4) where it stands.
         q_start: (n,) joint values now [rad].
-        log: Takes down what others fail of.
-        avoid: Grasps that failed: none near them is given.
+        log: Takes down what is left out and why.
+        avoid: Grasps that failed: none near them is among these.
         besides: Bodies that are in the way and no part of the scene: another arm, as it stands.
         seed: For inverse kinematics and sampling planners.
         limits: How hard to look and how fast to move.
 
-    Yields:
-        The best grasps first, each once.
+    Attributes:
+        states: In which the open hand is free, best grasps first. Each grasp is there with the hand turned
+            half as well, and with the arm bent in two ways: equal for the object, not for what is beside it.
     """
-    handling = Handling(name, situation, arm, pose_base_to_world, (), seed, besides)
-    found = grasp_candidates(name, situation, arm, wide=True)  # a thing is held that leans, and is not square
-    grasps = [each for each in found if each.tool == ToolName.FINGERS and not any(map(each.near, avoid))]
-    hands = handling.hands(grasps[: limits.grasps], q_start, log)
-    given: list[Grasp] = []
-    for state in handling.reached(hands, False, log):
-        grasp = state.grasp
-        if any(grasp.near(other) for other in given):
-            continue
-        approach = handling.approach(state, limits.approach, log)
+
+    def __init__(
+        self,
+        name: str,
+        situation: Situation,
+        arm: Arm,
+        pose_base_to_world: FloatArray,
+        q_start: FloatArray,
+        log: FailureLog,
+        *,
+        avoid: Sequence[Grasp] = (),
+        besides: Solids | None = None,
+        seed: int = 0,
+        limits: TransferLimits = TRANSFER_LIMITS,
+    ) -> None:
+        self._name, self._q_start, self._log, self._seed, self._limits = name, q_start, log, seed, limits
+        self._handling = Handling(name, situation, arm, pose_base_to_world, (), seed, besides)
+        found = grasp_candidates(name, situation, arm, wide=True)  # what leans is held, and is not square
+        grasps = [each for each in found if each.tool == ToolName.FINGERS and not any(map(each.near, avoid))]
+        hands = self._handling.hands(grasps[: limits.grasps], q_start, log)
+        self.states = self._handling.reached(hands, False, log)
+
+    def proven(self, state: Reached) -> Grip | None:
+        """The grip that ends in one of the states, with proven motions; None, noted, where there are none."""
+        grasp, handling, limits = state.grasp, self._handling, self._limits
+        approach = handling.approach(state, limits.approach, self._log)
         if approach.path is None or not approach.prove():
-            continue
-        move = Stage(SegmentKind.MOVE, handling.empty(grasp.opening), log)
-        if move.search(q_start, approach.way[:1], seed, limits.budget) is None:
-            continue
-        given.append(grasp)
+            return None
+        move = Stage(SegmentKind.MOVE, handling.empty(grasp.opening), self._log)
+        if move.search(self._q_start, approach.way[:1], self._seed, limits.budget) is None:
+            return None
         ways = segments_of((move, approach), handling, grasp, STAYS, limits.speed, limits.straight_speed)
         hand = handling.closed(grasp)
-        close = Segment(SegmentKind.GRASP, grasp.tool, hand, None, name, ways[-1].may_touch)
-        yield Grip(Transfer(name, grasp, STAYS, (*ways, close), state.q, dict(log.reasons)), state, hand)
+        close = Segment(SegmentKind.GRASP, grasp.tool, hand, None, self._name, ways[-1].may_touch)
+        reasons = dict(self._log.reasons)
+        return Grip(Transfer(self._name, grasp, STAYS, (*ways, close), state.q, reasons), state, hand)
 
 
 def letting_go(

@@ -7,8 +7,8 @@ import pytest
 
 from topple.planner.execution.look import Observer
 from topple.planner.motion.collision import Checker
-from topple.planner.motion.other_arm import arm_bodies
-from topple.planner.motion.tolerances import GIVES_WAY
+from topple.planner.motion.other_arm import arm_bodies, surface_points
+from topple.planner.motion.tolerances import GIVES_WAY, SPREAD
 from topple.planner.planning.step import NextStep
 from topple.planner.planning.two_handed import plan_two_handed
 from topple.planner.transfer.transfer import Transfer
@@ -31,6 +31,20 @@ def test_an_arm_that_stands_by_is_in_the_way_with_a_margin() -> None:
     assert Checker(arm, np.eye(4), bodies).free(arm.home)[0]
     near = arm_bodies("the other's", arm, pose_at(0.1, 0.0, 0.0), arm.home, (arm.open_hand,))
     assert not Checker(arm, np.eye(4), near).free(arm.home)[0]
+
+
+def test_points_of_an_arm_lie_on_its_links_in_every_state() -> None:
+    arm, base = robot_named("panda"), pose_at(0.9, 0.0, 0.0)
+    other = np.asarray(arm.home) + 0.2
+    points = surface_points(arm, base, np.array([arm.home, other]))
+    for row, q in zip(points, (arm.home, other), strict=True):
+        poses = base @ arm.forward(q)[0]
+        linked = [(pose, part) for pose, parts in zip(poses, arm.parts, strict=True) for part in parts]
+        corners = np.concatenate([part @ pose[:3, :3].T + pose[:3, 3] for pose, part in linked])
+        assert (row.min(axis=0) > corners.min(axis=0) - 1e-6).all()
+        assert (row.max(axis=0) < corners.max(axis=0) + 1e-6).all()
+        assert np.abs(row.max(axis=0) - corners.max(axis=0)).max() < SPREAD
+    assert surface_points(arm, base, np.empty((0, len(arm.joints)))).shape[0] == 0
 
 
 def _done_by(step: NextStep) -> Iterator[tuple[bool, Transfer]]:
