@@ -11,9 +11,9 @@ import sys
 from topple.planner import demo
 
 
-def main(folder: str = "topple-dishes", seed: str = "0") -> int:
+def main(folder: str = "topple-dishes", seed: str | None = None) -> int:
     """Play the scene and say what each action did to everything it was not about."""
-    record = demo("dishes", seed=int(seed), folder=folder)
+    record = demo("dishes", seed=None if seed is None else int(seed), folder=folder)
     for number, step in enumerate(record.steps, start=1):
         moved = max((way for way, _ in step.disturbed.values()), default=0.0)
         tipped = max(step.tilts.values(), default=0.0)

@@ -158,7 +158,7 @@ def test_a_drop_has_to_be_allowed_and_is_then_told(
     table = np.column_stack([x.ravel(), y.ravel(), np.zeros(x.size)])
     angles = np.arange(6) * np.pi / 3
     ring = 0.02 * np.column_stack([np.cos(angles), np.sin(angles)])
-    rings = [np.column_stack([ring, np.full(6, height)]) for height in (0.03, 0.16)]
+    rings = [np.column_stack([ring, np.full(6, height)]) for height in (0.03, 0.12)]
     peg = Body.of("peg", [np.vstack([[[0.016, 0.004, 0.0]], *rings])]).surface(4000, np.random.default_rng(0))
     path = tmp_path / "scene.npz"
     np.savez(path, table=table, peg=peg - [0, 0, peg[:, 2].min()])
