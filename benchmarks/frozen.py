@@ -9,9 +9,9 @@ Computed anew and compared with the file are
 
 Every item that differs is told with what it was and what it is. With `--write` the file is made anew; where
 something differs that is refused until `BEHAVIOUR` in `behaviour.py` is raised by hand, so that no change of
-behaviour goes unsaid. Simulation carries the last bit of a sum on to millimetres: digests of another
-processor or another numpy may differ where nothing in topple does. `--file FILE` keeps a file of one's own
-for such a machine.
+behaviour goes unsaid. What simulations begin with is rounded, since they carry the last bit of a sum on to
+millimetres; still, digests of another processor or another numpy may differ where nothing in topple does.
+`--file FILE` keeps a file of one's own for such a machine.
 """
 
 import json

@@ -38,7 +38,7 @@ def rounded(values: ArrayLike, decimals: int = DECIMALS) -> FloatArray:
     Returns:
         A float64 copy of the same shape, without negative zeros.
     """
-    return np.asarray(np.round(values, decimals) + 0.0, dtype=np.float64)
+    return np.asarray(np.round(np.asarray(values, dtype=np.float64), decimals) + 0.0)
 
 
 def frozen(array: ArrayLike) -> FloatArray:
