@@ -155,6 +155,8 @@ def _face_normals(corners: FloatArray, up: FloatArray, same: float = 0.14) -> li
     areas = np.linalg.norm(np.cross(edges[:, 1] - edges[:, 0], edges[:, 2] - edges[:, 0]), axis=1) / 2.0
     kept: list[FloatArray] = []
     for index in np.argsort(-areas, kind="stable"):
+        if areas[index] == 0.0:  # corners in a line: no face, and nothing stands on it
+            break
         if all(normals[index] @ other < np.cos(same) for other in kept):
             near = normals @ normals[index] > np.cos(same)
             mean = (areas[near, None] * normals[near]).sum(axis=0)
