@@ -11,6 +11,7 @@ from topple.robots.arm.gripper import ToolName
 from topple.robots.engine import pybullet
 from topple.robots.poses import pose_from, position_and_quaternion
 from topple.robots.world.acting_arm import ActingArm
+from topple.robots.world.tolerances import PAD_DAMPING, PAD_STIFFNESS
 from topple.robots.world.touch import note_touch
 from topple.robots.world.vacuum import Vacuum
 from topple.robots.world.world import World
@@ -92,6 +93,8 @@ class SimulatedArm(ActingArm):
                     lateralFriction=self.jaw.friction,
                     spinningFriction=self.jaw.give,
                     frictionAnchor=0,
+                    contactStiffness=PAD_STIFFNESS,
+                    contactDamping=PAD_DAMPING,
                     physicsClientId=client,
                 )
 
