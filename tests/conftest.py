@@ -1,3 +1,4 @@
+import signal
 from collections import Counter
 from importlib.util import find_spec
 from pathlib import Path
@@ -7,6 +8,9 @@ from pytest import Item
 
 settings.register_profile("topple", deadline=None)  # a busy machine is no failure
 settings.load_profile("topple")
+
+# What a shell starts in the background ignores interrupts, and so would every program that a test interrupts.
+signal.signal(signal.SIGINT, signal.default_int_handler)
 
 # Where PyBullet has no wheel, only what does not simulate is tested: these look through simulated cameras.
 SIMULATED = [
