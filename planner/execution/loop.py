@@ -314,19 +314,19 @@ class ClosedLoop:
         """What a step is chosen in, with the arms as they stand."""
         station, second = self._arms.stations
         context = memory.context(station, self.orderer, self.grasps, self.seed, self.limits.attempts)
-        return replace(context, second=second, besides=self._arms.besides(self.robot))
+        return replace(context, second=second, obstacles=self._arms.obstacles(self.robot))
 
     def _prepare(self, look: Look, chosen: NextStep, goal: Goal) -> None:
         """Have the step prepared that follows one which goes as it should, the arm at home again."""
-        memory = self._memory.acted(chosen, True).looked(chosen, True)
+        memory = self._memory.after_action(chosen, True).after_look(chosen, True)
         context = self._context(memory)
         context = replace(context, station=replace(context.station, q=np.asarray(self.robot.arm.home)))
         self._preparer.begin(Question(look.situation, chosen.transfer, self.task, goal, context))
 
     def _next(self, look: Look, goal: Goal) -> tuple[Look, NextStep | None]:
         """The step that was prepared, where it can be done with what is seen; else one chosen now."""
-        if self._arms.pending:
-            return look, self._arms.pending[0]
+        if self._arms.queued:
+            return look, self._arms.queued[0]
         away = np.abs(self.robot.q_target - self.robot.arm.home).max()
         prepared, self._prepared = self._preparer.answer(), None
         if prepared is None or away > AT_HOME:
@@ -341,7 +341,7 @@ class ClosedLoop:
         transfer, name = chosen.transfer, chosen.transfer.object
         done = len(self.followed)
         left = chosen.order.order
-        if self._arms.pending:  # of an order that was begun
+        if self._arms.queued:  # of an order that was begun
             events, left = [], left[left.index(name) :]
         else:
             events = self._decided(chosen)  # said first: on a terminal the line that counts stays
@@ -355,13 +355,13 @@ class ClosedLoop:
         expected = foreseen.scene
         # bodies that moved are known at once, those of clouds that moved take the arm's time
         bodies = foreseen.solids if self._preparer.on else Situation(expected).solids
-        outcome = self._arms.withdraw(chosen, outcome, bodies)
+        outcome = self._arms.finish(chosen, outcome, bodies)
         if outcome.stuck:
             self._stuck = outcome.text
         self.robot.wait(self.limits.settle)
         verdict = self.judge.verdict()
         self._memory, attempts = (
-            self._memory.acted(chosen, outcome.success, outcome.stuck),
+            self._memory.after_action(chosen, outcome.success, outcome.stuck),
             self._memory.attempts[name] + 1,
         )
         events += self._learned(chosen, outcome, attempts)
@@ -372,7 +372,7 @@ class ClosedLoop:
             self._preparer.prove(seen.scene)
         predicted = look.relations.updated(name, expected.clouds[name])
         different = unexpected(predicted, seen.relations)
-        self._memory = self._memory.looked(chosen, outcome.success, seen.surprises)
+        self._memory = self._memory.after_look(chosen, outcome.success, seen.surprises)
         events += [*seen.faults, *seen.surprises.values(), *different]
         if different or seen.surprises:
             events.append("the next step is planned from what is seen")

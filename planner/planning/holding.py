@@ -36,10 +36,12 @@ def check_second(arm: Arm) -> None:
         raise InvalidInput(f"{arm.name} has no fingers: a second arm holds with a parallel jaw")
 
 
-def standing_by(whose: str, station: Station) -> Solids:
+def standing_by(prefix: str, station: Station) -> Solids:
     """The bodies of an arm that stands still, however far its fingers are open."""
     arm = station.arm
-    return arm_bodies(whose, arm, station.pose_base_to_world, station.q, (arm.on_the_way(0.0), arm.open_hand))
+    return arm_bodies(
+        prefix, arm, station.pose_base_to_world, station.q, (arm.on_the_way(0.0), arm.open_hand)
+    )
 
 
 def held_steps(
@@ -129,12 +131,12 @@ def _choices(
     """The ways of one arm to hold an object, best grasps first, each with the room it leaves the other."""
     grips = Grips(
         hold.object, situation, holder.arm, holder.pose_base_to_world, holder.q, log,
-        avoid=context.avoid.get(hold.object, ()), besides=standing_by(_whose(taker, context), taker),
+        avoid=context.avoid.get(hold.object, ()), obstacles=standing_by(_prefix(taker, context), taker),
         seed=context.seed,
     )  # fmt: skip
     if not grips.states:
         return []
-    alone = Transfers(situation, replace(context, station=taker, besides={}))
+    alone = Transfers(situation, replace(context, station=taker, obstacles={}))
     taken: list[FloatArray] = []
     for name in hold.meanwhile(chosen.order):
         states = np.array([hand.q for hand in alone.hands(name)]).reshape(-1, len(taker.arm.joints))
@@ -160,10 +162,10 @@ def _apart(tree: KDTree, states: FloatArray) -> float:
 
 def _holding(holder: Station, state: Reached, hand: ToolState, context: Context) -> Solids:
     """The bodies of the arm that holds."""
-    return arm_bodies(_whose(holder, context), holder.arm, holder.pose_base_to_world, state.q, (hand,))
+    return arm_bodies(_prefix(holder, context), holder.arm, holder.pose_base_to_world, state.q, (hand,))
 
 
-def _whose(station: Station, context: Context) -> str:
+def _prefix(station: Station, context: Context) -> str:
     return SECOND if station is context.second else FIRST
 
 
@@ -182,7 +184,7 @@ def _steps(
     arm, base, second = holder.arm, holder.pose_base_to_world, taker is context.second
     holding = _holding(holder, grip.state, grip.hand, context)
     home = replace(taker, q=np.asarray(taker.arm.home))
-    taking = replace(context, station=taker, besides=holding)
+    taking = replace(context, station=taker, obstacles=holding)
     steps: list[NextStep] = []
     for name in hold.meanwhile(chosen.order):
         found = Transfers(situation, taking).aside(name, remaining(name))
@@ -191,15 +193,15 @@ def _steps(
         why = f"the other arm holds {hold.object}: {hold.because}"
         steps.append(NextStep(found, action(name), why, chosen, by_second=second))
         situation, taking = after(situation, found), replace(taking, station=home)
-    away, name = standing_by(_whose(taker, context), home), hold.object
+    away, name = standing_by(_prefix(taker, context), home), hold.object
     steps[0] = replace(steps[0], grip=grip.transfer)
     if hold.until != name:
-        left = letting_go(grip, situation, arm, base, besides=away)
+        left = letting_go(grip, situation, arm, base, obstacles=away)
         if isinstance(left, TransferFailure):
             return left
         steps[-1] = replace(steps[-1], let_go=left)
     else:
-        there = replace(context, station=Station(arm, base, grip.state.q), besides=away)
+        there = replace(context, station=Station(arm, base, grip.state.q), obstacles=away)
         last = Transfers(situation, there, held=grip.state).aside(name, remaining(name))
         if isinstance(last, TransferFailure):
             return last

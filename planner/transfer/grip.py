@@ -48,7 +48,7 @@ class Grips:
         q_start: (n,) joint values now [rad].
         log: Takes down what is left out and why.
         avoid: Grasps that failed: none near them is among these.
-        besides: Bodies that are in the way and no part of the scene: another arm, as it stands.
+        obstacles: Bodies that are in the way and no part of the scene: another arm, as it stands.
         seed: For inverse kinematics and sampling planners.
         limits: How hard to look and how fast to move.
 
@@ -67,12 +67,12 @@ class Grips:
         log: FailureLog,
         *,
         avoid: Sequence[Grasp] = (),
-        besides: Solids | None = None,
+        obstacles: Solids | None = None,
         seed: int = 0,
         limits: TransferLimits = TRANSFER_LIMITS,
     ) -> None:
         self._name, self._q_start, self._log, self._seed, self._limits = name, q_start, log, seed, limits
-        self._handling = Handling(name, situation, arm, pose_base_to_world, (), seed, besides)
+        self._handling = Handling(name, situation, arm, pose_base_to_world, (), seed, obstacles)
         found = grasp_candidates(name, situation, arm, wide=True)  # what leans is held, and is not square
         grasps = [each for each in found if each.tool == ToolName.FINGERS and not any(map(each.near, avoid))]
         hands = self._handling.hands(grasps[: limits.grasps], q_start, log)
@@ -100,7 +100,7 @@ def letting_go(
     arm: Arm,
     pose_base_to_world: FloatArray,
     *,
-    besides: Solids | None = None,
+    obstacles: Solids | None = None,
     limits: TransferLimits = TRANSFER_LIMITS,
 ) -> Transfer | TransferFailure:
     """Open the hand and draw it back, the object being where it was.
@@ -110,11 +110,11 @@ def letting_go(
         situation: Where everything is by then.
         arm: The arm that holds.
         pose_base_to_world: (4, 4) where it stands.
-        besides: Bodies that are in the way and no part of the scene: another arm, as it stands.
+        obstacles: Bodies that are in the way and no part of the scene: another arm, as it stands.
         limits: How fast to move.
     """
     name, grasp = grip.transfer.object, grip.state.grasp
-    handling = Handling(name, situation, arm, pose_base_to_world, (), 0, besides)
+    handling = Handling(name, situation, arm, pose_base_to_world, (), 0, obstacles)
     log = FailureLog(frozenset(handling.bodies) - {name})
     back = handling.approach(grip.state, limits.retreat, log)
     if back.path is None:
