@@ -42,7 +42,7 @@ class Checks:
         obstacles: Solids | None = None,
     ) -> None:
         self.name, self.arm, self.riding, self.seed = name, arm, riding, seed
-        self.scene, self.up = situation.scene, situation.up
+        self.situation, self.scene, self.up = situation, situation.scene, situation.up
         self.bodies: Solids = {**situation.solids, **(obstacles or {})}
         self.pose_base_to_world = pose_base_to_world
         self.world_to_base = np.linalg.inv(pose_base_to_world)
