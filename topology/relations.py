@@ -163,14 +163,22 @@ class _ReadLater:
     make: Callable[[Scene, float | None], Rule]
     deviation: float
 
-    @cached_property
+    @property
     def scene(self) -> Scene:
         """What was related."""
+        return self._scene
+
+    @property
+    def rule(self) -> Rule:
+        """The rule that was used."""
+        return self._rule
+
+    @cached_property
+    def _scene(self) -> Scene:
         return as_scene(self.source)
 
     @cached_property
-    def rule(self) -> Rule:
-        """The rule that was used."""
+    def _rule(self) -> Rule:
         return self.make(self.scene, self.deviation)
 
 
