@@ -6,6 +6,7 @@ import json
 import os
 import stat
 import weakref
+from abc import ABC, abstractmethod
 from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
@@ -14,7 +15,7 @@ from topple.topology.errors import InvalidInput
 from topple.topology.io.strict_json import read_json
 
 
-class JsonLines:
+class JsonLines(ABC):
     """A file of JSON lines; each is appended whole, and a file that is there is gone on with.
 
     One process keeps it at a time, from when it is opened until it is closed: two that do the same work would
@@ -64,13 +65,13 @@ class JsonLines:
     def __exit__(self, *_: object) -> None:
         self.close()
 
+    @abstractmethod
     def _take(self, entry: Any) -> None:
         """Take in what a line of the file says.
 
         Raises:
             InvalidInput: It is not what such a file holds.
         """
-        raise NotImplementedError
 
     def add(self, entry: Mapping[str, Any]) -> None:
         """Append an entry, at once and whole.

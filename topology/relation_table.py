@@ -106,6 +106,43 @@ class Rule(Protocol):
         ...
 
 
+class Basis(Protocol):
+    """What relations are of: a scene, and the rule that relates it."""
+
+    @property
+    def scene(self) -> Scene:
+        """What was related."""
+        ...
+
+    @property
+    def rule(self) -> Rule:
+        """The rule that was used."""
+        ...
+
+    @property
+    def deviation(self) -> float:
+        """The deviation factor δ [m] of the rule."""
+        ...
+
+
+@dataclass(frozen=True, eq=False)
+class Given:
+    """A scene and a rule that are there.
+
+    Attributes:
+        scene: What was related.
+        rule: The rule that was used.
+    """
+
+    scene: Scene = field(repr=False)
+    rule: Rule
+
+    @property
+    def deviation(self) -> float:
+        """The deviation factor δ [m] of the rule."""
+        return self.rule.deviation
+
+
 @dataclass(frozen=True, eq=False)
 class RelationTable:
     """The relations of all pairs of a scene.
@@ -114,19 +151,27 @@ class RelationTable:
 
     Attributes:
         objects: Names, in the scene's order.
-        rule: The rule that was used.
+        basis: The scene and the rule: `scene`, `rule`.
         near: Pairs that were looked at closely, under their positions (i, j) in `objects`, i < j.
         extents: Box and size of each prepared cloud, in the order of `objects`.
-        scene: What was related.
         known_prepared: What the rule derived from each cloud, where it is known: `prepared`.
     """
 
     objects: tuple[str, ...]
-    rule: Rule
+    basis: Basis
     near: Mapping[tuple[int, int], PairRelation]
     extents: tuple[Prepared, ...] = field(repr=False)
-    scene: Scene = field(repr=False)
     known_prepared: tuple[Prepared, ...] | None = field(default=None, repr=False)
+
+    @property
+    def scene(self) -> Scene:
+        """What was related."""
+        return self.basis.scene
+
+    @property
+    def rule(self) -> Rule:
+        """The rule that was used."""
+        return self.basis.rule
 
     @cached_property
     def prepared(self) -> tuple[Prepared, ...]:
@@ -138,7 +183,7 @@ class RelationTable:
     @property
     def deviation(self) -> float:
         """The deviation factor δ [m] all pairs were related with."""
-        return self.rule.deviation
+        return self.basis.deviation
 
     @cached_property
     def pairs(self) -> tuple[PairRelation, ...]:
@@ -295,7 +340,7 @@ class RelationTable:
             if i != j:
                 near[i, j] = rule.relate(prepared[i], prepared[j])
         made = tuple(prepared)
-        related = replace(self, rule=rule, near=near, extents=made, scene=scene, known_prepared=made)
+        related = replace(self, basis=Given(scene, rule), near=near, extents=made, known_prepared=made)
         return rule.conclude(scene, related)
 
     def __eq__(self, other: object) -> bool:

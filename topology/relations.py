@@ -3,6 +3,7 @@
 import os
 from collections.abc import Callable, Iterable, Mapping
 from concurrent.futures import Executor
+from dataclasses import dataclass, field
 from functools import cached_property, partial
 from typing import Any
 
@@ -15,7 +16,7 @@ from topple.topology.io.relations import deviation_of, told_in
 from topple.topology.notebook import in_cell
 from topple.topology.pair import PairRelation
 from topple.topology.plugins import Table, expected
-from topple.topology.relation_table import Extent, RelationTable, Rule, box_distance
+from topple.topology.relation_table import Extent, Given, RelationTable, Rule, box_distance
 from topple.topology.rule.tolerances import MOST_OBJECTS, NEAR_EACH
 from topple.topology.scene import Scene
 from topple.topology.tolerances import TOLERANCES
@@ -138,7 +139,10 @@ def relate_all(
     given = list(scenes)
     found = all_of(partial(_told, each), given, executor)
     make = RULES[rule or ("plain" if plain else "robust")]
-    return [_Found.by_worker(source, told, make) for source, told in zip(given, found, strict=True)]
+    return [
+        Relations(names, _ReadLater(source, make, deviation), near, extents)
+        for source, (names, deviation, near, extents) in zip(given, found, strict=True)
+    ]
 
 
 _Source = Scene | str | os.PathLike[str]
@@ -151,32 +155,31 @@ def _told(each: Callable[[Scene], Relations], source: _Source) -> _Told:
     return found.objects, found.deviation, found.near, tuple(map(Extent.of, found.extents))
 
 
-class _Found(Relations):
-    """Relations as a worker told them: their scene is read here only when it is asked for."""
+@dataclass(frozen=True, eq=False)
+class _ReadLater:
+    """The scene and the rule of a worker, which are read and made here only when they are asked for."""
 
-    @staticmethod
-    def by_worker(source: _Source, told: _Told, make: Callable[[Scene, float | None], Rule]) -> "_Found":
-        """Without scene and rule, which `__init__` would set; both are found on their first use."""
-        found = object.__new__(_Found)
-        names, deviation, near, extents = told
-        known = {"objects": names, "near": near, "extents": extents, "known_prepared": None}
-        vars(found).update(known, deviation=deviation, _source=source, _make=make)
-        return found
-
-    @cached_property
-    def scene(self) -> Scene:  # pyright: ignore[reportIncompatibleVariableOverride]
-        """What was related."""
-        return as_scene(vars(self)["_source"])
-
-    @cached_property
-    def rule(self) -> Rule:  # pyright: ignore[reportIncompatibleVariableOverride]
-        """The rule that was used."""
-        return vars(self)["_make"](self.scene, vars(self)["deviation"])
+    source: _Source = field(repr=False)
+    make: Callable[[Scene, float | None], Rule]
+    deviation: float
 
     @property
-    def deviation(self) -> float:
-        """The deviation factor δ [m] all pairs were related with."""
-        return vars(self).get("deviation") or self.rule.deviation
+    def scene(self) -> Scene:
+        """What was related."""
+        return self._scene
+
+    @property
+    def rule(self) -> Rule:
+        """The rule that was used."""
+        return self._rule
+
+    @cached_property
+    def _scene(self) -> Scene:
+        return as_scene(self.source)
+
+    @cached_property
+    def _rule(self) -> Rule:
+        return self.make(self.scene, self.deviation)
 
 
 def _check_deviation(scene: Scene, deviation: float) -> None:
@@ -209,4 +212,4 @@ def _relate_by(rule: Rule, scene: Scene, most_pairs: int) -> Relations:
     _check_count(len(pairs), "pairs of objects near each other", most_pairs)
     for i, j in pairs.tolist():
         near[i, j] = expected(rule.relate(prepared[i], prepared[j]), PairRelation)
-    return Relations(tuple(scene.clouds), rule, near, prepared, scene, prepared)
+    return Relations(tuple(scene.clouds), Given(scene, rule), near, prepared, prepared)

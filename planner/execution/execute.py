@@ -122,7 +122,7 @@ def _nobody(_moment: str, _tool: str) -> None:
     """Nothing looks on."""
 
 
-def withdraw(robot: Driver, solids: Solids, seed: int) -> None:
+def go_home(robot: Driver, solids: Solids, seed: int) -> None:
     """Brings the arm home, out of the cameras' view, where there is a free way.
 
     Args:

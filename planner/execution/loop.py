@@ -10,26 +10,23 @@ from typing import Any
 import numpy as np
 
 from topple.planner.decide.goal import Goal
-from topple.planner.decide.turn import Ahead
 from topple.planner.errors import ArmFault, NoSafePlan
 from topple.planner.execution.execute import Outcome
 from topple.planner.execution.judge import Judge
 from topple.planner.execution.look import Look, Observer, Perception, Relate, unexpected
-from topple.planner.execution.memory import Memory
 from topple.planner.execution.monitor import Monitor, NoMonitor
-from topple.planner.execution.prepare import Preparer, Question
+from topple.planner.execution.prepare import Preparer
 from topple.planner.execution.second_look import HandCamera, doubtful, second_look
+from topple.planner.execution.selection import StepSelector
 from topple.planner.execution.standing import misplaced
-from topple.planner.execution.tolerances import AT_HOME, STUCK
 from topple.planner.execution.two_arms import TwoArms
 from topple.planner.formats.run_record import INTERRUPTED, RunRecord, StepRecord
 from topple.planner.grasp.given import GraspsByObject
 from topple.planner.grasp.grasp import Grasp
-from topple.planner.motion.collision import Checker
 from topple.planner.planning.holding import check_second
 from topple.planner.planning.next_step import GoalTask
 from topple.planner.planning.order import cautious
-from topple.planner.planning.step import Chooser, Context, NextStep, Orderer, Task
+from topple.planner.planning.step import NextStep, Orderer, Task
 from topple.planner.transfer.transfer import after
 from topple.robots.driver import Driver
 from topple.robots.world.acting_arm import ActingArm
@@ -39,6 +36,7 @@ from topple.robots.world.physical_world import PhysicalWorld
 from topple.robots.world.wrist_camera import WristCamera
 from topple.topology.arrays import FloatArray
 from topple.topology.errors import InvalidInput, ToppleError
+from topple.topology.scene import Scene
 from topple.topology.situation import Situation
 
 log = logging.getLogger(__name__)
@@ -102,15 +100,18 @@ class ClosedLoop:
     second: Driver | None = None
 
     def __post_init__(self) -> None:
-        self.task = GoalTask.of(self.goal)
+        task, self._arms = GoalTask.of(self.goal), TwoArms(self.robot, self.second, self.seed)
+        self._selector = StepSelector(
+            task, self._arms, self.orderer, self.grasps, self.seed, self.limits.attempts
+        )
         self.followed: list[NextStep] = []
-        self._memory = Memory()
-        self._preparer = Preparer(False)
-        self._prepared: NextStep | None = None
         self._started = 0.0
-        self._ahead: Ahead | None = None
         self._stuck = ""
-        self._arms = TwoArms(self.robot, self.second, self.seed)
+
+    @property
+    def task(self) -> Task:
+        """The goal as a task."""
+        return self._selector.task
 
     @classmethod
     def simulated(
@@ -198,7 +199,7 @@ class ClosedLoop:
             InvalidInput: The goal is none, or names what no camera sees.
         """
         self._started = time.perf_counter()
-        with Preparer(self.ahead and self.second is None) as self._preparer:
+        with Preparer(self.ahead and self.second is None) as self._selector.preparer:
             return self._run(look)
 
     def _run(self, look: Look | None) -> RunRecord:
@@ -210,7 +211,7 @@ class ClosedLoop:
         stopped = ""
         try:
             self._check_place(look)
-            chosen = self._first(look, goal)
+            chosen = self._selector.first(look, goal)
             while chosen is not None and len(steps) < budget:
                 look, chosen, said = self._looked_closer(look, chosen, goal)
                 if chosen is None:
@@ -220,7 +221,7 @@ class ClosedLoop:
                 wrong += found
                 self._check_hand()
                 self._check_place(look)
-                look, chosen = self._next(look, goal)
+                look, chosen = self._selector.next(look, goal)
             if chosen is not None:
                 stopped = "budget"
                 wrong.append(f"the budget of {budget} actions is spent, and there is more to do")
@@ -236,7 +237,7 @@ class ClosedLoop:
         except KeyboardInterrupt:
             stopped = INTERRUPTED
             wrong.append(f"interrupted after {len(steps)} actions")
-        missing = self._chooser(look, goal).unmet()
+        missing = self._selector.unmet(look, goal)
         missing += tuple(text for text in self.judge.unmet(goal) if text not in missing)
         return RunRecord(
             goal=goal.text,
@@ -254,26 +255,6 @@ class ClosedLoop:
             assumed=look.assumed,
         )
 
-    def _first(self, look: Look, goal: Goal) -> NextStep | None:
-        """The first step, from an arm that stands clear.
-
-        Raises:
-            NoSafePlan: There is none, or the arm stands in something.
-        """
-        checker = Checker(
-            self.robot.arm,
-            self.robot.pose_base_to_world,
-            look.situation.solids,
-            tool_state=self.robot.tool_state,
-        )
-        deep = [contact for contact in checker.contacts(self.robot.q_target) if contact.distance < -STUCK]
-        chooser = self._chooser(look, goal)
-        if deep and chooser.unmet():
-            where = f"{deep[0].a} is {-1e3 * deep[0].distance:.0f} mm inside {deep[0].b}"
-            words = f"the arm starts in collision: {where}"
-            raise NoSafePlan(words, (words,))
-        return chooser.choose()
-
     def _looked_closer(
         self, look: Look, chosen: NextStep, goal: Goal
     ) -> tuple[Look, NextStep | None, tuple[str, ...]]:
@@ -287,7 +268,7 @@ class ClosedLoop:
         said = f"A second look before taking {name}, at a risk of {chosen.order.risk[name]:.2f}."
         self._say(said)
         look = self.perception.look(look.scene, (again[0],))
-        return look, self._chooser(look, goal).choose(), (said,)
+        return look, self._selector.choose(look, goal), (said,)
 
     def _check_hand(self) -> None:
         """See that the hand let go of what it held.
@@ -307,83 +288,34 @@ class ClosedLoop:
         if (words := misplaced(self.robot, look.images, look.scene)) is not None:
             raise ArmFault(words)
 
-    def _chooser(self, look: Look, goal: Goal) -> Chooser:
-        return self.task.chooser(look.situation, goal, self._context(self._memory))
-
-    def _context(self, memory: Memory) -> Context:
-        """What a step is chosen in, with the arms as they stand."""
-        station, second = self._arms.stations
-        context = memory.context(station, self.orderer, self.grasps, self.seed, self.limits.attempts)
-        return replace(context, second=second, besides=self._arms.besides(self.robot))
-
-    def _prepare(self, look: Look, chosen: NextStep, goal: Goal) -> None:
-        """Have the step prepared that follows one which goes as it should, the arm at home again."""
-        memory = self._memory.acted(chosen, True).looked(chosen, True)
-        context = self._context(memory)
-        context = replace(context, station=replace(context.station, q=np.asarray(self.robot.arm.home)))
-        self._preparer.begin(Question(look.situation, chosen.transfer, self.task, goal, context))
-
-    def _next(self, look: Look, goal: Goal) -> tuple[Look, NextStep | None]:
-        """The step that was prepared, where it can be done with what is seen; else one chosen now."""
-        if self._arms.pending:
-            return look, self._arms.pending[0]
-        away = np.abs(self.robot.q_target - self.robot.arm.home).max()
-        prepared, self._prepared = self._preparer.answer(), None
-        if prepared is None or away > AT_HOME:
-            return look, self._chooser(look, goal).choose()
-        self.task, self._prepared = prepared.task, prepared.step
-        known = replace(look.situation, known_relations=look.relations, known_solids=prepared.solids)
-        return replace(look, situation=known), prepared.step
-
     def _act(self, look: Look, chosen: NextStep, goal: Goal) -> tuple[StepRecord, Look, list[str]]:
         """Does one step, looks again and judges it."""
         started = time.perf_counter()
-        transfer, name = chosen.transfer, chosen.transfer.object
-        done = len(self.followed)
-        left = chosen.order.order
-        if self._arms.pending:  # of an order that was begun
-            events, left = [], left[left.index(name) :]
-        else:
-            events = self._decided(chosen)  # said first: on a terminal the line that counts stays
-        self._say(f"{done + 1} of {done + len(left)}: {chosen.action} {name}: {chosen.reason}")
+        name = chosen.transfer.object
+        events = self._announced(chosen)
         grip = chosen.grip or self._arms.grip
-        self.judge.begin(transfer, None if grip is None else grip.object, chosen.by_second)
-        self._prepare(look, chosen, goal)
+        self.judge.begin(chosen.transfer, None if grip is None else grip.object, chosen.by_second)
+        self._selector.prepare(look, chosen, goal)
         waited = time.perf_counter() - max(look.taken, self._started)
-        outcome = self._arms.carry_out(chosen, self.judge.moment)
-        foreseen = after(look.situation, transfer) if outcome.success else look.situation
-        expected = foreseen.scene
-        # bodies that moved are known at once, those of clouds that moved take the arm's time
-        bodies = foreseen.solids if self._preparer.on else Situation(expected).solids
-        outcome = self._arms.withdraw(chosen, outcome, bodies)
-        if outcome.stuck:
-            self._stuck = outcome.text
-        self.robot.wait(self.limits.settle)
+        outcome, expected = self._carried_out(look, chosen)
         verdict = self.judge.verdict()
-        self._memory, attempts = (
-            self._memory.acted(chosen, outcome.success, outcome.stuck),
-            self._memory.attempts[name] + 1,
-        )
+        attempts = self._selector.acted(chosen, outcome)
         events += self._learned(chosen, outcome, attempts)
-        there = outcome.success and not chosen.buffer
-        self._ahead = Ahead.of(chosen.order, name if there else None)
         seen = self.perception.look(expected)
         if outcome.success and not (seen.surprises or seen.faults):
-            self._preparer.prove(seen.scene)
+            self._selector.preparer.prove(seen.scene)
         predicted = look.relations.updated(name, expected.clouds[name])
         different = unexpected(predicted, seen.relations)
-        self._memory = self._memory.looked(chosen, outcome.success, seen.surprises)
+        self._selector.looked(chosen, outcome.success, seen.surprises, different)
         events += [*seen.faults, *seen.surprises.values(), *different]
         if different or seen.surprises:
             events.append("the next step is planned from what is seen")
-        if different:
-            self._preparer.drop()
         step = StepRecord(
             object=name,
             action=str(chosen.action),
             fallbacks=tuple(map(str, chosen.all_fallbacks)),
             waited=waited,
-            prepared=chosen is self._prepared,
+            prepared=chosen is self._selector.prepared,
             success=outcome.success,
             attempts=attempts,
             disturbed=verdict.disturbed,
@@ -412,16 +344,31 @@ class ClosedLoop:
         self._say(f"{name}: {outcome.text}")
         return step, seen, [f"{name}: {text}" for text in verdict.violations]
 
-    def _decided(self, chosen: NextStep) -> list[str]:
-        """How a step differs from what was to come by the look before, and from the order it is of."""
-        changed = None if self._ahead is None else self._ahead.changed(chosen.order)
-        events = [] if changed is None else [f"The look before it changed the order: {changed}."]
-        first = chosen.order.order[0]
-        if chosen.transfer.object != first:
-            events.append(f"It goes before {first}: {chosen.reason}.")
+    def _announced(self, chosen: NextStep) -> list[str]:
+        """Says what a step changes, then which it is: on a terminal the line that counts stays."""
+        done, left = len(self.followed), chosen.order.order
+        events: list[str] = []
+        if self._arms.queued:  # of an order that was begun
+            left = left[left.index(chosen.transfer.object) :]
+        else:
+            events = self._selector.changed(chosen)
         for event in events:
             self._say(event)
+        count = f"{done + 1} of {done + len(left)}"
+        self._say(f"{count}: {chosen.action} {chosen.transfer.object}: {chosen.reason}")
         return events
+
+    def _carried_out(self, look: Look, chosen: NextStep) -> tuple[Outcome, Scene]:
+        """Does a step and brings the arms out of the way; gives also the scene as it should be then."""
+        outcome = self._arms.carry_out(chosen, self.judge.moment)
+        foreseen = after(look.situation, chosen.transfer) if outcome.success else look.situation
+        # bodies that moved are known at once, those of clouds that moved take the arm's time
+        bodies = foreseen.solids if self._selector.preparer.on else Situation(foreseen.scene).solids
+        outcome = self._arms.finish(chosen, outcome, bodies)
+        if outcome.stuck:
+            self._stuck = outcome.text
+        self.robot.wait(self.limits.settle)
+        return outcome, foreseen.scene
 
     def _learned(self, chosen: NextStep, outcome: Outcome, attempts: int) -> list[str]:
         """Takes down what was done; says what follows where it failed."""

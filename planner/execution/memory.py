@@ -27,7 +27,7 @@ class Memory:
     failed: Mapping[str, tuple[Grasp, ...]] = field(default_factory=dict[str, tuple[Grasp, ...]])
     beliefs: Beliefs = field(default_factory=Beliefs)
 
-    def acted(self, chosen: NextStep, success: bool, stuck: bool = False) -> "Memory":
+    def after_action(self, chosen: NextStep, success: bool, stuck: bool = False) -> "Memory":
         """What is remembered once a step was done or failed, before the look that follows.
 
         Args:
@@ -50,7 +50,7 @@ class Memory:
                 failed[one.object] = (*failed.get(one.object, ()), one.grasp)
         return replace(self, attempts=attempts, tried=tried, failed=failed)
 
-    def looked(self, chosen: NextStep, success: bool, surprises: Collection[str] = ()) -> "Memory":
+    def after_look(self, chosen: NextStep, success: bool, surprises: Collection[str] = ()) -> "Memory":
         """What is remembered once a look followed a step.
 
         Args:

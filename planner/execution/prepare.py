@@ -15,7 +15,7 @@ from typing import Any
 
 from topple.planner.decide.goal import Goal
 from topple.planner.planning.step import Context, NextStep, Task
-from topple.planner.transfer.again import proven_again
+from topple.planner.transfer.recertify import recertified
 from topple.planner.transfer.transfer import Transfer, after
 from topple.topology.bodies.solids import Solids
 from topple.topology.errors import ToppleError
@@ -158,5 +158,5 @@ def _prove(seen: bytes) -> Prepared | None:
         return None
     (asked, step), situation = _chosen, Situation(pickle.loads(seen))
     station = asked.context.station
-    found = proven_again(step.transfer, situation, station.arm, station.pose_base_to_world)
+    found = recertified(step.transfer, situation, station.arm, station.pose_base_to_world)
     return None if found is None else Prepared(replace(step, transfer=found), asked.task, situation.solids)

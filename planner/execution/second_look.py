@@ -5,7 +5,7 @@ from typing import Protocol
 import numpy as np
 
 from topple.planner.decide.arrange import Order
-from topple.planner.execution.execute import withdraw
+from topple.planner.execution.execute import go_home
 from topple.planner.execution.tolerances import DOUBTFUL, SPEED, STILL, TURNS, VIEWS_TRIED
 from topple.planner.motion.collision import Checker
 from topple.planner.motion.planner import MotionFailure, plan_motion
@@ -78,7 +78,7 @@ def second_look(
         robot.follow(retime(arm, found.path, SPEED))
         robot.wait(STILL)
         image = camera.picture()
-        withdraw(robot, situation.solids, seed)
+        go_home(robot, situation.solids, seed)
         return image, view
     return None
 

@@ -5,7 +5,7 @@ from pathlib import Path
 
 import numpy as np
 
-from topple.planner.execution.execute import Outcome, Watch, execute, retreat, withdraw
+from topple.planner.execution.execute import Outcome, Watch, execute, go_home, retreat
 from topple.planner.execution.tolerances import AT_HOME
 from topple.planner.motion.tolerances import GIVES_WAY
 from topple.planner.planning.holding import FIRST, SECOND, standing_by
@@ -25,13 +25,13 @@ class TwoArms:
         seed: Of the searches for ways home.
 
     Attributes:
-        pending: The steps that were decided with a hold which is going on.
+        queued: The steps that were decided with a hold which is going on.
         grip: How one of them holds something now; None where none does.
     """
 
     def __init__(self, first: Driver, second: Driver | None, seed: int) -> None:
         self.first, self.second, self._seed = first, second, seed
-        self.pending: tuple[NextStep, ...] = ()
+        self.queued: tuple[NextStep, ...] = ()
         self.grip: Transfer | None = None
 
     @property
@@ -43,12 +43,12 @@ class TwoArms:
         """The arm that does a step."""
         return self.second if chosen.by_second and self.second is not None else self.first
 
-    def besides(self, robot: Driver) -> Solids:
+    def obstacles(self, robot: Driver) -> Solids:
         """The bodies (V, 3) of the other arm [m], by name."""
         if self.second is None:
             return {}
-        whose, other = (FIRST, self.first) if robot is self.second else (SECOND, self.second)
-        return standing_by(whose, _station(other))
+        prefix, other = (FIRST, self.first) if robot is self.second else (SECOND, self.second)
+        return standing_by(prefix, _station(other))
 
     def carry_out(self, chosen: NextStep, watch: Watch) -> Outcome:
         """Do a step, once the other hand holds what it has to.
@@ -73,7 +73,7 @@ class TwoArms:
                 return Outcome(False, said, np.zeros((0, 3)), stuck=True)
         return execute(chosen.transfer, acting, watch)
 
-    def withdraw(self, chosen: NextStep, outcome: Outcome, solids: Solids) -> Outcome:
+    def finish(self, chosen: NextStep, outcome: Outcome, solids: Solids) -> Outcome:
         """Bring home the arm that acted, and go on with a hold, or end it: as decided, or since it failed.
 
         Args:
@@ -89,7 +89,7 @@ class TwoArms:
         acting = self.acting(chosen)
         other, grip = self._beside(acting), self.grip
         self._home(acting, solids)
-        self.pending = (chosen.then or self.pending[1:]) if outcome.success else ()
+        self.queued = (chosen.then or self.queued[1:]) if outcome.success else ()
         if other is None:
             return outcome
         if grip is not None and not self._holds(chosen):
@@ -101,7 +101,7 @@ class TwoArms:
             else:
                 said = "" if other.holding else f" {grip.object} slipped out of the other hand."
                 outcome = replace(outcome, text=f"{outcome.text}{said}")
-                self.pending = ()
+                self.queued = ()
                 retreat(list(grip.segments[:-1]), other)
         self.grip = None
         self._home(other, solids)
@@ -116,7 +116,7 @@ class TwoArms:
         return self.grip is not None and self.grip.object == chosen.transfer.object
 
     def _home(self, robot: Driver, solids: Solids) -> None:
-        withdraw(robot, {**solids, **self.besides(robot)}, self._seed)
+        go_home(robot, {**solids, **self.obstacles(robot)}, self._seed)
 
 
 def _gave_way(robot: Driver, grip: Transfer) -> float:

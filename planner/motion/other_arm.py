@@ -17,7 +17,7 @@ _CORNERS = GIVES_WAY * np.array(list(product((-1.0, 1.0), repeat=3)))
 
 
 def arm_bodies(
-    whose: str, arm: Arm, pose_base_to_world: FloatArray, q: FloatArray, hands: Sequence[ToolState]
+    prefix: str, arm: Arm, pose_base_to_world: FloatArray, q: FloatArray, hands: Sequence[ToolState]
 ) -> Solids:
     """Bodies to keep clear of while another arm stands still.
 
@@ -25,7 +25,7 @@ def arm_bodies(
     arm: it may be `GIVES_WAY` off, as the hand gives way when it closes.
 
     Args:
-        whose: Begins their names, for messages.
+        prefix: Begins their names, for messages.
         arm: The other arm.
         pose_base_to_world: (4, 4) where it stands.
         q: (n,) its joint values [rad].
@@ -36,7 +36,7 @@ def arm_bodies(
     """
     poses = [pose_base_to_world @ arm.forward(q, hand)[0] for hand in hands]
     return {
-        f"{whose} {link}": [
+        f"{prefix} {link}": [
             _grown(np.concatenate([transformed(part, places[number]) for places in poses])) for part in parts
         ]
         for number, (link, parts) in enumerate(zip(arm.links, arm.parts, strict=True))

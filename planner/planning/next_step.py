@@ -21,7 +21,7 @@ from topple.planner.placement.drops import staying
 from topple.planner.placement.placement import Placement
 from topple.planner.placement.stacking import over, placements_on
 from topple.planner.placement.tolerances import GENTLE
-from topple.planner.planning.holding import held_steps
+from topple.planner.planning.holding import HoldPlanner
 from topple.planner.planning.step import Action, Chooser, Context, NextStep, Task
 from topple.planner.planning.tolerances import CHOICE, MORE_CHOICE
 from topple.planner.planning.transfers import MORE_HANDS, Transfers
@@ -151,10 +151,10 @@ class StepChooser:
         if self.context.second is None or not chosen.holds:
             return None
         hold = min(chosen.holds, key=lambda each: chosen.order.index(each.since))
-        held = held_steps(
+        held = HoldPlanner(
             hold, chosen, self.situation, self.context, self._remaining,
             lambda name: action if name in targets else Action.REMOVE,
-        )  # fmt: skip
+        ).steps()  # fmt: skip
         if isinstance(held, NextStep):
             return replace(held, fallbacks=(Fallback.ANOTHER_FIRST,)) if failures else held
         failures.append(held)

@@ -108,7 +108,7 @@ class Context:
         grasps: Grasps of the caller's own, in the world: an object that has an entry is taken by those alone.
         seed: Of every search.
         second: A second arm, as it stands, for what takes two; None where there is one arm.
-        besides: Bodies that are in the arm's way and no part of the scene: those of the other arm.
+        obstacles: Bodies that are in the arm's way and no part of the scene: those of the other arm.
     """
 
     station: Station
@@ -123,7 +123,7 @@ class Context:
     grasps: GraspsByObject = field(default_factory=dict[str, Sequence[Grasp]])
     seed: int = 0
     second: Station | None = None
-    besides: Solids = field(default_factory=dict[str, Sequence[FloatArray]])
+    obstacles: Solids = field(default_factory=dict[str, Sequence[FloatArray]])
 
     def ask(self, situation: Situation, targets: Sequence[str]) -> Order:
         """Ask the orderer; see `ask`."""

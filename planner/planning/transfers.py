@@ -85,7 +85,7 @@ class Transfers:
         transfer = partial(
             plan_transfer, name, self.situation, station.arm, station.pose_base_to_world, station.q, places,
             grasps=self._own_grasps(name), avoid=context.avoid.get(name, ()), riding=self.riding(name),
-            upright=name in context.upright, held=self._held, besides=context.besides, seed=context.seed,
+            upright=name in context.upright, held=self._held, obstacles=context.obstacles, seed=context.seed,
             limits=limits,
         )  # fmt: skip
         if self.context.observed:
@@ -135,7 +135,7 @@ class Transfers:
         grasps = self._own_grasps(name)
         found = grasp_candidates(name, self.situation, station.arm) if grasps is None else grasps
         handling = Handling(
-            name, self.situation, station.arm, station.pose_base_to_world, (), seed, self.context.besides
+            name, self.situation, station.arm, station.pose_base_to_world, (), seed, self.context.obstacles
         )
         log = FailureLog(frozenset())
         most = found[: TRANSFER_LIMITS.grasps]

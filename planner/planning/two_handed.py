@@ -69,7 +69,7 @@ def plan_two_handed(
     for _ in range(MOST_STEPS * len(situation.movable)):
         context = Context(
             first, done, allow_drop=allow_drop, seed=seed,
-            second=second, besides=standing_by(SECOND, second),
+            second=second, obstacles=standing_by(SECOND, second),
         )  # fmt: skip
         chosen = task.chooser(situation, wanted, context).choose()
         if chosen is None:

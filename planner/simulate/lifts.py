@@ -120,10 +120,10 @@ def _is_stopped(world: World, name: str) -> bool:
     return False
 
 
-def _at_rest(world: World, besides: str) -> bool:
-    """Whether nothing moves but one body."""
+def _at_rest(world: World, lifted: str) -> bool:
+    """Whether nothing moves but the lifted body."""
     for name in world.movable:
-        if name != besides:
+        if name != lifted:
             linear, angular = pybullet.getBaseVelocity(world.ids[name], physicsClientId=world.client)
             if np.linalg.norm(linear) > STILL or np.linalg.norm(angular) > 10 * STILL:
                 return False

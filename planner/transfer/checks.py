@@ -28,7 +28,7 @@ class Checks:
         pose_base_to_world: (4, 4) where it stands.
         riding: What lies in the object and goes with it.
         seed: For inverse kinematics.
-        besides: Bodies that are in the way and no part of the scene: another arm, as it stands.
+        obstacles: Bodies that are in the way and no part of the scene: another arm, as it stands.
     """
 
     def __init__(
@@ -39,11 +39,11 @@ class Checks:
         pose_base_to_world: FloatArray,
         riding: tuple[str, ...] = (),
         seed: int = 0,
-        besides: Solids | None = None,
+        obstacles: Solids | None = None,
     ) -> None:
         self.name, self.arm, self.riding, self.seed = name, arm, riding, seed
-        self.scene, self.up = situation.scene, situation.up
-        self.bodies: Solids = {**situation.solids, **(besides or {})}
+        self.situation, self.scene, self.up = situation, situation.scene, situation.up
+        self.bodies: Solids = {**situation.solids, **(obstacles or {})}
         self.pose_base_to_world = pose_base_to_world
         self.world_to_base = np.linalg.inv(pose_base_to_world)
         self._checkers: dict[tuple[object, ...], Checker] = {}

@@ -13,11 +13,8 @@ from topple.planner.transfer.handling import Handling, Reached
 from topple.planner.transfer.segments import Segment, SegmentKind
 from topple.planner.transfer.stages import Stage, segments_of
 from topple.planner.transfer.transfer import TRANSFER_LIMITS, Transfer, TransferLimits
-from topple.robots.arm.arm import Arm
 from topple.robots.arm.gripper import ToolName, ToolState
 from topple.topology.arrays import FloatArray
-from topple.topology.bodies.solids import Solids
-from topple.topology.situation import Situation
 
 STAYS = Placement(np.eye(4), 1.0, "where it is")
 
@@ -41,15 +38,10 @@ class Grips:
     """Ways for fingers to close on an object that stays where it is.
 
     Args:
-        name: The object.
-        situation: Where everything is.
-        arm: The arm that holds.
-        pose_base_to_world: (4, 4) where it stands.
+        handling: What is asked about the object.
         q_start: (n,) joint values now [rad].
         log: Takes down what is left out and why.
         avoid: Grasps that failed: none near them is among these.
-        besides: Bodies that are in the way and no part of the scene: another arm, as it stands.
-        seed: For inverse kinematics and sampling planners.
         limits: How hard to look and how fast to move.
 
     Attributes:
@@ -59,24 +51,19 @@ class Grips:
 
     def __init__(
         self,
-        name: str,
-        situation: Situation,
-        arm: Arm,
-        pose_base_to_world: FloatArray,
+        handling: Handling,
         q_start: FloatArray,
         log: FailureLog,
         *,
         avoid: Sequence[Grasp] = (),
-        besides: Solids | None = None,
-        seed: int = 0,
         limits: TransferLimits = TRANSFER_LIMITS,
     ) -> None:
-        self._name, self._q_start, self._log, self._seed, self._limits = name, q_start, log, seed, limits
-        self._handling = Handling(name, situation, arm, pose_base_to_world, (), seed, besides)
-        found = grasp_candidates(name, situation, arm, wide=True)  # what leans is held, and is not square
+        self._handling, self._q_start, self._log, self._limits = handling, q_start, log, limits
+        # what leans is held, and is not square
+        found = grasp_candidates(handling.name, handling.situation, handling.arm, wide=True)
         grasps = [each for each in found if each.tool == ToolName.FINGERS and not any(map(each.near, avoid))]
-        hands = self._handling.hands(grasps[: limits.grasps], q_start, log)
-        self.states = self._handling.reached(hands, False, log)
+        hands = handling.hands(grasps[: limits.grasps], q_start, log)
+        self.states = handling.reached(hands, False, log)
 
     def proven(self, state: Reached) -> Grip | None:
         """The grip that ends in one of the states, with proven motions; None, noted, where there are none."""
@@ -85,36 +72,26 @@ class Grips:
         if approach.path is None or not approach.prove():
             return None
         move = Stage(SegmentKind.MOVE, handling.empty(grasp.opening), self._log)
-        if move.search(self._q_start, approach.way[:1], self._seed, limits.budget) is None:
+        if move.search(self._q_start, approach.way[:1], handling.seed, limits.budget) is None:
             return None
         ways = segments_of((move, approach), handling, grasp, STAYS, limits.speed, limits.straight_speed)
         hand = handling.closed(grasp)
-        close = Segment(SegmentKind.GRASP, grasp.tool, hand, None, self._name, ways[-1].may_touch)
+        close = Segment(SegmentKind.GRASP, grasp.tool, hand, None, handling.name, ways[-1].may_touch)
         reasons = dict(self._log.reasons)
-        return Grip(Transfer(self._name, grasp, STAYS, (*ways, close), state.q, reasons), state, hand)
+        return Grip(Transfer(handling.name, grasp, STAYS, (*ways, close), state.q, reasons), state, hand)
 
 
 def letting_go(
-    grip: Grip,
-    situation: Situation,
-    arm: Arm,
-    pose_base_to_world: FloatArray,
-    *,
-    besides: Solids | None = None,
-    limits: TransferLimits = TRANSFER_LIMITS,
+    grip: Grip, handling: Handling, limits: TransferLimits = TRANSFER_LIMITS
 ) -> Transfer | TransferFailure:
     """Open the hand and draw it back, the object being where it was.
 
     Args:
         grip: How it is held.
-        situation: Where everything is by then.
-        arm: The arm that holds.
-        pose_base_to_world: (4, 4) where it stands.
-        besides: Bodies that are in the way and no part of the scene: another arm, as it stands.
+        handling: What is asked about the object, everything being where it is by then.
         limits: How fast to move.
     """
     name, grasp = grip.transfer.object, grip.state.grasp
-    handling = Handling(name, situation, arm, pose_base_to_world, (), 0, besides)
     log = FailureLog(frozenset(handling.bodies) - {name})
     back = handling.approach(grip.state, limits.retreat, log)
     if back.path is None:

@@ -117,7 +117,7 @@ def plan_transfer(
     upright: bool | None = None,
     holds: Callable[[Placement], bool] | None = None,
     held: Reached | None = None,
-    besides: Solids | None = None,
+    obstacles: Solids | None = None,
     seed: int = 0,
     limits: TransferLimits = TRANSFER_LIMITS,
 ) -> Transfer | TransferFailure:
@@ -136,7 +136,7 @@ def plan_transfer(
         upright: Whether it is kept upright on the way; where something rides in it, if None.
         holds: Whether the object stays where a place has it; where None, all do.
         held: The grasp by which the hand has closed on it already; the transfer begins with the lift then.
-        besides: Bodies that are in the way and no part of the scene: another arm, as it stands.
+        obstacles: Bodies that are in the way and no part of the scene: another arm, as it stands.
         seed: For inverse kinematics and sampling planners.
         limits: How hard to look and how fast to move.
 
@@ -173,7 +173,7 @@ def plan_transfer(
         return TransferFailure(
             name, {NO_PLACE: 1}, None, FailedCheck(SegmentKind.PLACE, Check.ROOM, NO_PLACE)
         )
-    handling = Handling(name, situation, arm, np.asarray(pose_base_to_world), tuple(riding), seed, besides)
+    handling = Handling(name, situation, arm, np.asarray(pose_base_to_world), tuple(riding), seed, obstacles)
     search = _Search(handling, tuple(places), np.asarray(q_start), level, seed, limits, holds, held)
     found = search.run(grasps)
     by_cup_alone = (

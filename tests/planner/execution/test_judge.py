@@ -2,6 +2,7 @@
 
 import numpy as np
 import pytest
+from handled import Handled
 
 from topple.planner.decide.goal import parse_goal
 from topple.planner.execution.attained import truly_unmet
@@ -61,14 +62,6 @@ def test_what_is_in_a_hollow_or_under_a_load_is_told_from_poses_and_forces() -> 
         assert unmet("free ball") == ()
 
 
-class _Handled:
-    """A transfer, as far as the judge asks."""
-
-    def __init__(self, name: str) -> None:
-        self.object = name
-        self.riding = ()
-
-
 def test_what_creeps_from_action_to_action_counts_and_so_does_what_a_failed_attempt_does() -> None:
     with World() as world:
         world.add_table()
@@ -78,13 +71,13 @@ def test_what_creeps_from_action_to_action_counts_and_so_does_what_a_failed_atte
         judge = Judge(robot, ["table"], UP)
         found: list[tuple[str, ...]] = []
         for step in range(1, 4):
-            judge.begin(_Handled("one"))
+            judge.begin(Handled("one"))
             world.place("two", pose_at(0.5 + 0.006 * step, 0.0, 0.0))
             found.append(judge.verdict().violations)
         assert found[0] == () and found[2] == ()
         assert len(found[1]) == 1 and "two has crept by 12 mm" in found[1][0]
 
-        judge.begin(_Handled("one"))
+        judge.begin(Handled("one"))
         world.place("one", pose_at(0.3, 0.0, 0.1))
         robot.step()
         judge.moment(MISSED, "fingers")

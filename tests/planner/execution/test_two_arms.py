@@ -5,6 +5,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from handled import Handled
 
 from topple.planner.decide.arrange import Order
 from topple.planner.execution.demo import demo, loop_in
@@ -31,14 +32,6 @@ BLOCK = Scene(
 )
 
 
-class _Handled:
-    """A transfer, as far as the judge asks."""
-
-    def __init__(self, name: str) -> None:
-        self.object = name
-        self.riding = ()
-
-
 def test_what_is_held_may_be_touched_by_the_hand_that_holds_it_and_may_not_move() -> None:
     with World() as world:
         world.add_table()
@@ -49,18 +42,18 @@ def test_what_is_held_may_be_touched_by_the_hand_that_holds_it_and_may_not_move(
         judge = Judge(first, ["table"], UP, second=second)
         press = Touch(50.0, 1.0, {"panda_hand"})
 
-        judge.begin(_Handled("taken"), held="held")
+        judge.begin(Handled("taken"), held="held")
         second.touched["held"] = first.touched["taken"] = press
         assert judge.verdict().violations == ()
 
-        judge.begin(_Handled("taken"), held="held")
+        judge.begin(Handled("taken"), held="held")
         second.touched["taken"] = first.touched["held"] = press
         assert sorted(said.split(" by ")[0] for said in judge.verdict().violations) == [
             "held was hit",
             "taken was hit",
         ]
 
-        judge.begin(_Handled("taken"), held="held")
+        judge.begin(Handled("taken"), held="held")
         world.place("held", pose_at(0.0, 0.02, 0.0))
         assert judge.verdict().violations == ("held moved 20 mm and turned 0 degrees",)
         assert first.on_step is second.on_step and first.on_step == []

@@ -21,7 +21,7 @@ from topple.topology.arrays import FloatArray
 from topple.topology.situation import Situation
 
 
-def proven_again(
+def recertified(
     transfer: Transfer, situation: Situation, arm: Arm, pose_base_to_world: FloatArray
 ) -> Transfer | None:
     """Prove that a transfer can be done in another situation than it was planned for.

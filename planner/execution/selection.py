@@ -1,0 +1,169 @@
+"""Which step a run does next: chosen from what is seen and remembered, or prepared while the arm acted."""
+
+from collections.abc import Collection, Sequence
+from dataclasses import replace
+
+import numpy as np
+
+from topple.planner.decide.goal import Goal
+from topple.planner.decide.turn import Ahead
+from topple.planner.errors import NoSafePlan
+from topple.planner.execution.execute import Outcome
+from topple.planner.execution.look import Look
+from topple.planner.execution.memory import Memory
+from topple.planner.execution.prepare import Preparer, Question
+from topple.planner.execution.tolerances import AT_HOME, STUCK
+from topple.planner.execution.two_arms import TwoArms
+from topple.planner.grasp.given import GraspsByObject
+from topple.planner.motion.collision import Checker
+from topple.planner.planning.step import Chooser, Context, NextStep, Orderer, Task
+
+
+class StepSelector:
+    """Selects the steps of a run one by one, and remembers what became of them.
+
+    Args:
+        task: What is to be reached.
+        arms: The arms.
+        orderer: What decides the order.
+        grasps: Grasps of the caller's own by object, in the world.
+        seed: Of every search.
+        attempts: Tries at one object before it is given up, until another one was taken away.
+
+    Attributes:
+        task: What is to be reached, with what was learned while a step was prepared.
+        preparer: What prepares the next step while the arm acts; by default nothing does.
+        prepared: The step selected last where it was prepared, else None.
+    """
+
+    def __init__(
+        self,
+        task: Task,
+        arms: TwoArms,
+        orderer: Orderer,
+        grasps: GraspsByObject,
+        seed: int,
+        attempts: int,
+    ) -> None:
+        self.task, self._arms = task, arms
+        self._orderer, self._grasps, self._seed, self._attempts = orderer, grasps, seed, attempts
+        self.preparer = Preparer(False)
+        self.prepared: NextStep | None = None
+        self._memory = Memory()
+        self._ahead: Ahead | None = None
+
+    def unmet(self, look: Look, goal: Goal) -> tuple[str, ...]:
+        """What is still missing for the goal, in words."""
+        return self._chooser(look, goal).unmet()
+
+    def first(self, look: Look, goal: Goal) -> NextStep | None:
+        """The first step, from an arm that stands clear; None where nothing is left to do.
+
+        Raises:
+            NoSafePlan: There is none, or the arm stands in something.
+        """
+        robot = self._arms.first
+        checker = Checker(
+            robot.arm, robot.pose_base_to_world, look.situation.solids, tool_state=robot.tool_state
+        )
+        deep = [contact for contact in checker.contacts(robot.q_target) if contact.distance < -STUCK]
+        chooser = self._chooser(look, goal)
+        if deep and chooser.unmet():
+            where = f"{deep[0].a} is {-1e3 * deep[0].distance:.0f} mm inside {deep[0].b}"
+            words = f"the arm starts in collision: {where}"
+            raise NoSafePlan(words, (words,))
+        return chooser.choose()
+
+    def choose(self, look: Look, goal: Goal) -> NextStep | None:
+        """The next step, chosen now; None where nothing is left to do.
+
+        Raises:
+            NoSafePlan: Something is left to do, and nothing that may be done now can be.
+        """
+        return self._chooser(look, goal).choose()
+
+    def next(self, look: Look, goal: Goal) -> tuple[Look, NextStep | None]:
+        """The step that was decided with a hold or prepared, where that can be done; else one chosen now.
+
+        Args:
+            look: What is seen.
+            goal: What shall hold in the end.
+
+        Returns:
+            The look, with what is known of it by now, and the step; None where nothing is left to do.
+
+        Raises:
+            NoSafePlan: As for `choose`.
+        """
+        if self._arms.queued:
+            return look, self._arms.queued[0]
+        robot = self._arms.first
+        away = np.abs(robot.q_target - robot.arm.home).max()
+        prepared, self.prepared = self.preparer.answer(), None
+        if prepared is None or away > AT_HOME:
+            return look, self.choose(look, goal)
+        self.task, self.prepared = prepared.task, prepared.step
+        known = replace(look.situation, known_relations=look.relations, known_solids=prepared.solids)
+        return replace(look, situation=known), prepared.step
+
+    def prepare(self, look: Look, chosen: NextStep, goal: Goal) -> None:
+        """Have the step prepared that follows one which goes as it should, the arm at home again.
+
+        Args:
+            look: What is seen before it.
+            chosen: The step that the arm is about to do.
+            goal: What shall hold in the end.
+        """
+        context = self._context(self._memory.after_action(chosen, True).after_look(chosen, True))
+        context = replace(context, station=replace(context.station, q=np.asarray(self._arms.first.arm.home)))
+        self.preparer.begin(Question(look.situation, chosen.transfer, self.task, goal, context))
+
+    def changed(self, chosen: NextStep) -> list[str]:
+        """How a step differs from what was to come by the look before, and from the order it is of."""
+        changed = None if self._ahead is None else self._ahead.changed(chosen.order)
+        events = [] if changed is None else [f"The look before it changed the order: {changed}."]
+        first = chosen.order.order[0]
+        if chosen.transfer.object != first:
+            events.append(f"It goes before {first}: {chosen.reason}.")
+        return events
+
+    def acted(self, chosen: NextStep, outcome: Outcome) -> int:
+        """Remember what became of a step, before the look that follows.
+
+        Args:
+            chosen: The step.
+            outcome: What became of it.
+
+        Returns:
+            How many tries at the object there were by now.
+        """
+        name = chosen.transfer.object
+        attempts = self._memory.attempts[name] + 1
+        self._memory = self._memory.after_action(chosen, outcome.success, outcome.stuck)
+        there = outcome.success and not chosen.buffer
+        self._ahead = Ahead.of(chosen.order, name if there else None)
+        return attempts
+
+    def looked(
+        self, chosen: NextStep, success: bool, surprises: Collection[str], different: Sequence[str]
+    ) -> None:
+        """Remember what the look after a step showed.
+
+        Args:
+            chosen: The step.
+            success: Whether it was done.
+            surprises: Objects that were not seen where they should be.
+            different: Relations that are not as predicted, in words: what is being prepared was not for this.
+        """
+        self._memory = self._memory.after_look(chosen, success, surprises)
+        if different:
+            self.preparer.drop()
+
+    def _chooser(self, look: Look, goal: Goal) -> Chooser:
+        return self.task.chooser(look.situation, goal, self._context(self._memory))
+
+    def _context(self, memory: Memory) -> Context:
+        """What a step is chosen in, with the arms as they stand."""
+        station, second = self._arms.stations
+        context = memory.context(station, self._orderer, self._grasps, self._seed, self._attempts)
+        return replace(context, second=second, obstacles=self._arms.obstacles(self._arms.first))
