@@ -116,7 +116,7 @@ def _ways(count: FaultCount) -> list[Row]:
         "dropped": sum(run.dropped for run in count.runs),
         "said reached, was not": sum(run.lied for run in count.runs),
     }
-    what = f"{count.fault}, {len(count.runs)} runs"
+    what = f"{count.fault}, of {len(count.runs)}"
     return [Row(what, held, "", across=way) for way, held in ways.items()]
 
 
