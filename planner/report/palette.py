@@ -50,7 +50,6 @@ _HUES = {
     "pink": 0.97,
 }
 """Turns of the hue that a word in a name stands for: a cube called green is drawn green."""
-_ALIKE = 0.05  # [turns] nearer hues look the same; with every word in use a third of the circle is left
 
 
 def object_colours(names: Iterable[str], fixed: Collection[str] = ()) -> dict[str, Colour]:
@@ -79,7 +78,7 @@ def object_colours(names: Iterable[str], fixed: Collection[str] = ()) -> dict[st
             colours[name] = _oklch(_LIGHTNESS[said[word] % 3], _CHROMA, _HUES[word])
             said[word] += 1
         else:
-            while any(_apart(_hue(turn), hue) < _ALIKE for hue in taken):
+            while any(_alike(_hue(turn), hue) for hue in taken):
                 turn += 1
             colours[name] = _oklch(_LIGHTNESS[turn % 3], _CHROMA, _hue(turn))
             turn += 1
@@ -96,9 +95,9 @@ def _hue(turn: int) -> float:
     return (0.17 + turn * _GOLDEN_TURN) % 1.0
 
 
-def _apart(one: float, other: float) -> float:
-    """How far two hues are from each other, in turns."""
-    return abs((one - other + 0.5) % 1.0 - 0.5)
+def _alike(one: float, other: float) -> bool:
+    """Whether two hues look the same: a twentieth of a turn or less, which with every word in use leaves some."""
+    return abs((one - other + 0.5) % 1.0 - 0.5) < 0.05
 
 
 def _oklch(lightness: float, chroma: float, hue: float) -> Colour:
