@@ -205,8 +205,8 @@ def _print(document: Mapping[str, Any]) -> None:
         f"topple bench {_named(document)}, {size}, seed {document['seed']}: "
         f"{machine['processor']}, {machine['cores']} cores"
     )
-    for headings, cells, right in _tables(rows):
-        print_table(headings, cells, right=right)
+    headings, cells, right = _listed(rows)  # a line each: many columns have no room in a terminal
+    print_table(headings, cells, right=right)
     for row in rows:
         print_text(*(f"{row['what']}: {' '.join(said.split())}" for said in row.get("wrong", ())))
         for one in row.get("differences", ()):
