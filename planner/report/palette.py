@@ -96,7 +96,7 @@ def _hue(turn: int) -> float:
 
 
 def _alike(one: float, other: float) -> bool:
-    """Whether two hues look the same: under a twentieth of a turn, which leaves some with all words in use."""
+    """Whether two hues look the same: under a twentieth of a turn; all words in use leave some."""
     return abs((one - other + 0.5) % 1.0 - 0.5) < 0.05
 
 
