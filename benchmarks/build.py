@@ -60,7 +60,7 @@ def rows(quick: bool, seed: int, progress: Progress, *, minutes: float | None = 
         quick: Ten arrangements.
         seed: Transfers on to other arrangements.
         progress: Called before each part.
-        minutes: Begin no arrangement after that time.
+        minutes: Begin no arrangement but the first after that time.
 
     Returns:
         The bench's rows.
@@ -68,7 +68,7 @@ def rows(quick: bool, seed: int, progress: Progress, *, minutes: float | None = 
     count, counts, seconds = (10 if quick else ARRANGEMENTS), Counts(), list[float]()
     begun = perf_counter()
     for number in range(count):
-        if minutes is not None and perf_counter() - begun > 60 * minutes:
+        if number and minutes is not None and perf_counter() - begun > 60 * minutes:
             break
         one = FIRST + 1000 * seed + number
         kind, pile = arrangement(one)

@@ -40,10 +40,12 @@ def bench(
         InvalidInput: There is no such bench.
     """
     measured = _rows_of(name)(quick=quick, seed=seed, progress=progress or (lambda text: None), **options)
+    part = options.get("part")
     return {
         "format": "topple.bench",
         "format_version": 1,
         "bench": name,
+        **({} if part is None else {"part": part}),
         "quick": quick,
         "seed": seed,
         "machine": machine(),

@@ -30,7 +30,7 @@ def replaced_table(page: str, name: str, lines: Sequence[str]) -> str:
 
     Args:
         page: Its text, with `<!-- table of topple bench NAME -->` and after it `<!-- end of table -->`.
-        name: Of the bench.
+        name: Of the bench, and of its part where it has one: `motion --part plans`.
         lines: The table.
 
     Returns:

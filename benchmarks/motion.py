@@ -6,7 +6,7 @@ at a time, OMPL's RRTConnect and simplification on top of that, and, where insta
 edge every 0.05 rad or, mplib, wider. Times are CPU times of planning and shortening, loading of arm and scene
 left out on every side; each of our plans has a checker of its own. Measured too: paths that touch something
 when looked at every 0.002 rad, and how many reachable top-down poses the inverse kinematics solves. Grasps
-ranked and whole plans follow: see `topple.benchmarks.grasps` and `plans`.
+ranked and whole plans are parts of their own: see `topple.benchmarks.grasps` and `plans`.
 """
 
 import time
@@ -25,6 +25,7 @@ from topple.planner.motion.planner import Motion, plan_motion
 from topple.planner.motion.shortcut import densely, length
 from topple.robots.arm.arm import Arm
 from topple.robots.catalog import robot
+from topple.topology.errors import InvalidInput
 
 FCL = "python-fcl, one state at a time"
 OMPL = "OMPL RRTConnect + python-fcl, one state at a time"
@@ -40,17 +41,28 @@ CERTIFIED_BARS = {
 }
 
 
-def rows(quick: bool, seed: int, progress: Progress) -> list[dict[str, Any]]:
+def rows(quick: bool, seed: int, progress: Progress, part: str | None = None) -> list[dict[str, Any]]:
     """Measure.
 
     Args:
         quick: Fewer states and problems.
         seed: First seed of the problems.
         progress: Called before each part.
+        part: One of `PARTS` alone.
 
     Returns:
         The bench's rows.
+
+    Raises:
+        InvalidInput: There is no such part.
     """
+    if part is not None and part not in PARTS:
+        raise InvalidInput(f"motion has no part {part!r}: expected one of {', '.join(PARTS)}")
+    parts = PARTS if part is None else (part,)
+    return [row for each in parts for row in PARTS[each](quick, seed, progress)]
+
+
+def _motions(quick: bool, seed: int, progress: Progress) -> list[dict[str, Any]]:
     arm = robot("panda")
     progress("collision checks")
     found = checking(arm, 2_000 if quick else 20_000, seed)
@@ -60,8 +72,15 @@ def rows(quick: bool, seed: int, progress: Progress) -> list[dict[str, Any]]:
         found += planning(kind, problems, seed, progress)
     progress("inverse kinematics")
     found.append(_reaching(arm, 50 if quick else 300, seed))
-    ranked = grasps.rows(quick, seed, progress)
-    return [*(row.to_json() for row in found), *ranked, *plans.rows(quick, seed, progress)]
+    return [row.to_json() for row in found]
+
+
+PARTS: dict[str, Callable[[bool, int, Progress], list[dict[str, Any]]]] = {
+    "motions": _motions,
+    "grasps": grasps.rows,
+    "plans": plans.rows,
+}
+"""What is measured, each with a table of its own."""
 
 
 def _timed(call: Callable[[], Any]) -> tuple[Any, float]:

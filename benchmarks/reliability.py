@@ -99,11 +99,25 @@ def _faults(quick: bool, seed: int, progress: Progress) -> list[Row]:
         spoilt = [f"seed {run.seed}: {run.crashed or run.text}" for run in count.runs if not run.survived]
         what = f"fault survived: {count.fault}"
         found.append(_share(what, count.survived, len(count.runs), tuple(spoilt[:SHOWN])))
+        found += _ways(count)
     left_out = [fault for fault in FAULTS if fault not in faults]
     if left_out:
         names = "; ".join(fault.name for fault in left_out)
         found.append(Row(f"faults that --quick leaves out: {names}", len(left_out), "", tried=0))
     return found
+
+
+def _ways(count: FaultCount) -> list[Row]:
+    """How runs with one fault ended, side by side."""
+    ways = {
+        "goal reached": sum(run.reached for run in count.runs),
+        "fault named": sum(run.named for run in count.runs),
+        "others disturbed": sum(run.disturbed for run in count.runs),
+        "dropped": sum(run.dropped for run in count.runs),
+        "said reached, was not": sum(run.lied for run in count.runs),
+    }
+    what = f"{count.fault}, of {len(count.runs)}"
+    return [Row(what, held, "", across=way) for way, held in ways.items()]
 
 
 def _played(task: tuple[int, int]) -> Run:

@@ -9,7 +9,7 @@ from typing import Any
 
 from topple.benchmarks.document import BENCHES, bench, options_of
 from topple.benchmarks.markdown import markdown_table, replaced_table
-from topple.planner.cli.arguments import COMMON, add, add_jobs, count, positive
+from topple.planner.cli.arguments import COMMON, add, add_jobs, count, from_zero
 from topple.planner.cli.console import complain, print_json, print_table, print_text
 from topple.planner.cli.main import DONE
 from topple.planner.cli.many import executor_at
@@ -34,7 +34,11 @@ _WITH_VALUES = (
     ("--journal", "FILE", "run, demo, engines: keep what ended there, and go on (topple-bench-run.jsonl)"),
     ("--counts", "FILE", "demo: write what `topple demo` tells of its seeds"),
     ("--file", "FILE", "frozen: compare with that file (the package's own)"),
-    ("--part", "PART", "reliability: readers, sabotages, faults, kills or soak alone"),
+    (
+        "--part",
+        "PART",
+        "reliability: readers, sabotages, faults, kills or soak alone; motion: motions, grasps or plans",
+    ),
     ("--baseline", "DIR", "speed: compare with a checkout of an older tree"),
     ("--page", "FILE", "put the table of one bench into a page, between its marks"),
 )
@@ -63,7 +67,10 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     for option, purpose in _SWITCHES:
         parser.add_argument(option, action="store_true", help=purpose)
     parser.add_argument(
-        "--minutes", type=positive, metavar="M", help="run, demo, engines, build: begin nothing after it"
+        "--minutes",
+        type=from_zero,
+        metavar="M",
+        help="run, demo, engines, build: begin nothing after it; 0 counts what was kept",
     )
     add_jobs(parser)
     parser.add_argument("--seeds", type=count, metavar="N", help="engines: seeds of each scene (40)")
@@ -80,7 +87,7 @@ def execute(args: argparse.Namespace) -> int:
     if args.page:
         if args.name is None:
             raise InvalidInput("--page takes the table of one bench: name it before --page FILE")
-        replaced_table(_page(args.page), args.name, [])  # refused now, not after hours
+        replaced_table(_page(args.page), _place(args.name, args.part), [])  # refused now, not after hours
     code = DONE
     for name in names:
         options = _options(args, name)
@@ -91,7 +98,7 @@ def execute(args: argparse.Namespace) -> int:
             progress = stack.enter_context(Progress(f"bench {name}"))
             document = bench(name, quick=args.quick, seed=args.seed, progress=progress, **options)
         if args.page:
-            write_whole(args.page, replaced_table(_page(args.page), name, markdown(document)))
+            write_whole(args.page, replaced_table(_page(args.page), _named(document), markdown(document)))
         if args.json:
             print_json(document)
         elif args.markdown:
@@ -101,6 +108,15 @@ def execute(args: argparse.Namespace) -> int:
         if any(row["ok"] is False for row in document["rows"]):
             code = MISSED
     return code
+
+
+def _place(name: str, part: str | None) -> str:
+    """What the marks of a table name: the bench, and its part where that alone was measured."""
+    return name if part is None or "part" not in options_of(name) else f"{name} --part {part}"
+
+
+def _named(document: Mapping[str, Any]) -> str:
+    return _place(document["bench"], document.get("part"))
 
 
 def _options(args: argparse.Namespace, name: str) -> dict[str, Any]:
@@ -138,16 +154,27 @@ def markdown(document: Mapping[str, Any]) -> list[str]:
     Returns:
         The lines; columns that no row fills are left out.
     """
-    rows: Sequence[Mapping[str, Any]] = document["rows"]
-    headings, cells, right = _table(rows)
     machine, size = document["machine"], "--quick, " if document["quick"] else ""
-    lines = markdown_table([heading or "bar held" for heading in headings], cells, right)
-    said = f"`topple bench {document['bench']}`: {size}seed {document['seed']}, {machine['processor']}"
-    return [*lines, "", f"{said}, {machine['cores']} cores."]
+    said = f"`topple bench {_named(document)}`: {size}seed {document['seed']}, {machine['processor']}"
+    lines: list[str] = []
+    for headings, cells, right in _tables(document["rows"]):
+        lines += [*markdown_table([heading or "bar held" for heading in headings], cells, right), ""]
+    return [*lines, f"{said}, {machine['cores']} cores."]
 
 
-def _table(rows: Sequence[Mapping[str, Any]]) -> tuple[list[str], list[tuple[str, ...]], list[int]]:
-    """Headings, cells and right-aligned columns of a bench, without columns that no row fills."""
+Table = tuple[list[str], list[tuple[str, ...]], list[int]]
+"""Headings, cells, and which columns are aligned right."""
+
+
+def _tables(rows: Sequence[Mapping[str, Any]]) -> list[Table]:
+    """One figure a line, then those that stand side by side; with a line as well where they have a bar."""
+    lines = [row for row in rows if "across" not in row or row["bar"] is not None]
+    beside = [row for row in rows if "across" in row]
+    return [*([_listed(lines)] if lines else []), *([_side_by_side(beside)] if beside else [])]
+
+
+def _listed(rows: Sequence[Mapping[str, Any]]) -> Table:
+    """A figure a line, without columns that no row fills."""
     columns = [list(column) for column in zip(*map(_cells, rows), strict=True)]
     used = [k for k, column in enumerate(columns) if any(column)]
     headings = [_HEADINGS[k] for k in used]
@@ -155,15 +182,30 @@ def _table(rows: Sequence[Mapping[str, Any]]) -> tuple[list[str], list[tuple[str
     return headings, list(zip(*(columns[k] for k in used), strict=True)), right
 
 
+def _side_by_side(rows: Sequence[Mapping[str, Any]]) -> Table:
+    """A column for each method, then one for each baseline; a line for each thing that was measured."""
+    ours = dict.fromkeys(row["across"] for row in rows)
+    theirs = dict.fromkeys(row["baseline"] for row in rows if row["baseline_value"] is not None)
+    lines: dict[str, dict[str, str]] = {}
+    for row in rows:
+        line = lines.setdefault(f"{row['what']} [{row['unit']}]" if row["unit"] else row["what"], {})
+        line[row["across"]] = _figure(row["value"], "")
+        if row["baseline_value"] is not None:
+            line[row["baseline"]] = _figure(row["baseline_value"], "")
+    columns = [*ours, *theirs]
+    cells = [(what, *(line.get(column, "") for column in columns)) for what, line in lines.items()]
+    return ["what", *columns], cells, list(range(1, len(columns) + 1))
+
+
 def _print(document: Mapping[str, Any]) -> None:
     rows: Sequence[Mapping[str, Any]] = document["rows"]
     machine = document["machine"]
     size = "quick" if document["quick"] else "full"
     print_text(
-        f"topple bench {document['bench']}, {size}, seed {document['seed']}: "
+        f"topple bench {_named(document)}, {size}, seed {document['seed']}: "
         f"{machine['processor']}, {machine['cores']} cores"
     )
-    headings, cells, right = _table(rows)
+    headings, cells, right = _listed(rows)  # a line each: many columns have no room in a terminal
     print_table(headings, cells, right=right)
     for row in rows:
         print_text(*(f"{row['what']}: {' '.join(said.split())}" for said in row.get("wrong", ())))
@@ -184,7 +226,7 @@ def _cells(row: Mapping[str, Any]) -> tuple[str, ...]:
         value += f" [{low:.3g}, {high:.3g}]"
     verdict = {None: "", True: "ok", False: "MISSED"}[row["ok"]]
     return (
-        row["what"],
+        f"{row['what']}, {row['across']}" if "across" in row else row["what"],
         *("" if row.get(key) is None else f"{row[key]:,}" for key in ("tried", "held")),
         value,
         row["baseline"] or "",

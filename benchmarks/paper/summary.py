@@ -47,7 +47,7 @@ def report(outcomes: Sequence[Outcome], install: str | None = None) -> list[Row]
     names = list(dict.fromkeys(outcome.column for outcome in outcomes))
     for numbers, how, what in GROUPS:
         for column in names:
-            found += _sums(outcomes, numbers, how, column, f"{what}, {column}")
+            found += _sums(outcomes, numbers, how, column, what)
     if install is not None:
         found.append(Row(f"{CONTACT_POINTS} column left out: {install}", 0.0, ""))
     for how in (ONE, THREE):
@@ -84,10 +84,10 @@ def _mean(values: Sequence[float]) -> tuple[float, tuple[float, float] | None]:
 
 def _figure(
     what: str, unit: str, values: Sequence[float], theirs: str | None = None, their: float | None = None,
-    bar: str | None = None,
+    bar: str | None = None, across: str = "",
 ) -> Row:  # fmt: skip
     value, interval = _mean(values)
-    return Row(what, value, unit, theirs, their, None, bar, interval)
+    return Row(what, value, unit, theirs, their, None, bar, interval, across=across)
 
 
 def _count(variants: Sequence[Sequence[Outcome]], wanted: Callable[[Judged], bool]) -> list[float]:
@@ -107,15 +107,15 @@ def _sums(
     return [
         _figure(
             f"{what}: right of {total}", "pairs", right, f"{method}, published",
-            published_right(method, numbers), BARS.get((numbers, column)),
+            published_right(method, numbers), BARS.get((numbers, column)), column,
         ),
         _figure(
             f"{what}: not disjoint and right of {contacts}", "pairs",
-            _count(variants, lambda pair: pair.right and pair.is_contact),
+            _count(variants, lambda pair: pair.right and pair.is_contact), across=column,
         ),
         _figure(
             f"{what}: CPU time", "s", seconds, f"{method}, published",
-            sum(published(method, number).seconds for number in numbers),
+            sum(published(method, number).seconds for number in numbers), across=column,
         ),
     ]  # fmt: skip
 
@@ -126,17 +126,19 @@ def _views(outcomes: Sequence[Outcome], how: str, column: str) -> list[Row]:
     held = how == ONE and column == TOPPLE
     total = sum(len(SCENES[number].pairs) for number in YCB)
     contacts = sum(len(SCENES[number].listed) for number in YCB)
-    what = f"scenes 8-14, {how}, {column}"
+    what = f"scenes 8-14, {how}"
     right = [100 * value / total for value in _count(variants, lambda pair: pair.right)]
     return [
-        _figure(f"{what}: relations right", "%", right, bar=">= 90" if held else None),
+        _figure(f"{what}: relations right", "%", right, bar=">= 90" if held else None, across=column),
         _figure(
             f"{what}: contacts found of {contacts}", "pairs",
             _count(variants, lambda pair: pair.is_contact and pair.claimed), bar=">= 29" if held else None,
+            across=column,
         ),
         _figure(
             f"{what}: false contacts", "pairs",
             _count(variants, lambda pair: pair.claimed and not pair.is_contact), bar="<= 1" if held else None,
+            across=column,
         ),
     ]  # fmt: skip
 
@@ -146,23 +148,20 @@ def _classes(outcomes: Sequence[Outcome]) -> list[Row]:
     found: list[Row] = []
     for numbers, how, what in GROUPS:
         for relation in (Relation.DISJOINT, Relation.TOUCH, Relation.PARTIAL_WITHIN, Relation.WITHIN):
-            shares: list[list[float]] = []
             for column in (TOPPLE, PLAIN):
                 variants = _chosen(outcomes, numbers, how, column)
                 every = _count(variants, lambda pair, relation=relation: pair.true is relation)
                 right = _count(variants, lambda pair, relation=relation: pair.true is relation and pair.right)
-                shares.append([100 * r / e for r, e in zip(right, every, strict=True) if e])
-            if shares[0]:
-                label = f"{what}, {TOPPLE}: right of the {relation} pairs"
-                found.append(_figure(label, "%", shares[0], PLAIN, _mean(shares[1])[0]))
+                shares = [100 * r / e for r, e in zip(right, every, strict=True) if e]
+                found.append(_figure(f"{what}: right of the {relation} pairs", "%", shares, across=column))
     return found
 
 
 def _scene(outcomes: Sequence[Outcome], number: int, how: str, column: str) -> Row:
-    """Accuracy of one scene beside the paper's."""
-    variants = _chosen(outcomes, (number,), how, column)
+    """Pairs of one scene that are right, beside the paper's."""
+    right = _count(_chosen(outcomes, (number,), how, column), lambda pair: pair.right)
     method = PUBLISHED[column]
-    values = [100 * one.right / len(one.pairs) for found in variants for one in found]
-    seconds = _mean([one.seconds for found in variants for one in found])[0]
-    what = f"scene {number}, {column}, {seconds:.2f} s (published {published(method, number).seconds:g} s)"
-    return _figure(what, "%", values, f"{method}, published", published(method, number).accuracy)
+    return _figure(
+        f"scene {number}: right of {len(SCENES[number].pairs)}", "pairs", right, f"{method}, published",
+        published_right(method, (number,)), across=column,
+    )  # fmt: skip

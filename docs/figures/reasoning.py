@@ -99,7 +99,9 @@ def equilibrium() -> None:
         if (held.deficit["plank"] > 0.05) is ("can" in meshes):
             raise SystemExit(f"plank: deficit {held.deficit['plank']:.2f} with {list(meshes)}")
         view = Studio((720, 480))
-        view.mesh(TABLE, GREY)
+        view.mesh(
+            TABLE.copy().apply_translation((0, 0, -1e-3)), GREY
+        )  # below the block: two faces in one plane flicker
         for name, mesh in meshes.items():
             view.mesh(mesh, {"block": "#a8a297", "plank": ORANGE, "can": BLUE}[name], 0.5)
         to_world = statics.upright.rotation  # of rows

@@ -1,6 +1,7 @@
 """The options that several sub-commands have, each described once."""
 
 import argparse
+import math
 from collections.abc import Callable, Sequence
 from typing import Any
 
@@ -23,6 +24,7 @@ def _above(least: float, number: Callable[[str], float], expected: str) -> Calla
 
 
 positive = _above(0.0, float, "a finite number above 0")
+from_zero = _above(math.nextafter(0.0, -1.0), float, "a finite number from 0 on")
 count = _above(0, int, "a whole number from 1 on")
 
 _LIST: dict[str, Any] = {"nargs": "+", "action": "extend", "metavar": "NAME"}

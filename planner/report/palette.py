@@ -1,6 +1,8 @@
 """The colours of the pages and pictures: relations as in the paper's Figure 6, objects apart from them."""
 
 import math
+import re
+from collections import Counter
 from collections.abc import Collection, Iterable
 
 import numpy as np
@@ -38,6 +40,16 @@ FIXED_COLOUR: Colour = (158, 156, 148)
 _GOLDEN_TURN = 0.61803398875
 _LIGHTNESS = (0.62, 0.50, 0.70)
 _CHROMA = 0.105
+_HUES = {
+    "red": 0.08,
+    "orange": 0.16,
+    "yellow": 0.28,
+    "green": 0.40,
+    "blue": 0.72,
+    "purple": 0.84,
+    "pink": 0.97,
+}
+"""Turns of the hue that a word in a name stands for: a cube called green is drawn green."""
 
 
 def object_colours(names: Iterable[str], fixed: Collection[str] = ()) -> dict[str, Colour]:
@@ -49,17 +61,43 @@ def object_colours(names: Iterable[str], fixed: Collection[str] = ()) -> dict[st
 
     Returns:
         Name -> colour. Hues step by the golden ratio, so that neighbours in the list never look alike;
-        chroma stays below that of the relation colours, so that lines stand out from clouds.
+        chroma stays below that of the relation colours, so that lines stand out from clouds. Where a word
+        of the name is a colour, it has that hue.
     """
+    every = tuple(names)
+    words = {name: word for name in every if name not in fixed and (word := _colour_word(name))}
+    taken = [_HUES[word] for word in words.values()]
     colours: dict[str, Colour] = {}
+    said = Counter[str]()
     turn = 0
-    for name in names:
+    for name in every:
         if name in fixed:
             colours[name] = FIXED_COLOUR
-            continue
-        colours[name] = _oklch(_LIGHTNESS[turn % 3], _CHROMA, (0.17 + turn * _GOLDEN_TURN) % 1.0)
-        turn += 1
+        elif name in words:
+            word = words[name]
+            colours[name] = _oklch(_LIGHTNESS[said[word] % 3], _CHROMA, _HUES[word])
+            said[word] += 1
+        else:
+            while any(_alike(_hue(turn), hue) for hue in taken):
+                turn += 1
+            colours[name] = _oklch(_LIGHTNESS[turn % 3], _CHROMA, _hue(turn))
+            turn += 1
     return colours
+
+
+def _colour_word(name: str) -> str:
+    """The first word of a name that is a colour, empty where none is."""
+    return next((word for word in re.findall("[a-z]+", name.lower()) if word in _HUES), "")
+
+
+def _hue(turn: int) -> float:
+    """The hue of an object whose name says no colour."""
+    return (0.17 + turn * _GOLDEN_TURN) % 1.0
+
+
+def _alike(one: float, other: float) -> bool:
+    """Whether two hues look the same: under a twentieth of a turn; all words in use leave some."""
+    return abs((one - other + 0.5) % 1.0 - 0.5) < 0.05
 
 
 def _oklch(lightness: float, chroma: float, hue: float) -> Colour:

@@ -148,7 +148,7 @@ class _PlanPage:
         where = "base searched" if plan.base_searched else "base given"
         facts = [
             f"{len(plan.steps)} step{'' if len(plan.steps) == 1 else 's'}",
-            f"{plan.seconds:.1f} s of motion",
+            f"{plan.seconds:.1f} s of motion" + (f", {bands[-1][2]:.1f} s with the hand's" if bands else ""),
             "every motion certified" if plan.certified else "not every motion certified",
             f"{plan.robot} at {x:.2f} {y:.2f} {z:.2f} m ({where})",
             f"seed {plan.seed}",
@@ -211,9 +211,9 @@ def _how(step: Step) -> str:
     into = f" {step.placement.how or 'on'} {step.placement.into}" if step.placement.into else ""
     parts = [f"{step.grasp.kind} grasp", f"put down{into}, {step.placement.rest}".rstrip(", ")]
     if step.placement.drop > 5e-4:
-        parts.append(f"let go {millimetres(step.placement.drop)} above it")
+        parts.append(f"let go {millimetres(step.placement.drop)} above its place")
     if free:
         parts.append(f"proven to stay {millimetres(min(free))} clear of everything between")
-    parts.append(f"{seconds:.1f} s")
+    parts.append(f"{seconds:.1f} s of motion")
     parts += [f"fallback: {name}" for name in step.fallbacks]
     return "; ".join(parts) + "."

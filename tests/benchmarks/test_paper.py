@@ -130,8 +130,9 @@ def test_outcomes_become_rows(outcomes: tuple[list[Outcome], Path]) -> None:
     assert {"what", "value", "unit", "baseline", "baseline_value", "ratio", "bar", "ok"} <= set(rows[0])
     assert any(row["bar"] == ">= 54" for row in rows)
     assert any("not installed" in row["what"] for row in rows)
-    scene = [row for row in rows if row["what"].startswith("scene 1, topple")]
-    assert len(scene) == 1 and scene[0]["baseline_value"] == 100
+    scene = [row for row in rows if row["what"] == "scene 1: right of 6"]
+    assert [row["across"] for row in scene] == [TOPPLE, PLAIN, ESTIMATED, NINE, BOXES, SUPPORT]
+    assert scene[0]["baseline_value"] == 6
 
 
 def test_an_answer_counts_from_either_side_and_the_unseen_is_wrong() -> None:

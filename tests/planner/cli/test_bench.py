@@ -214,6 +214,37 @@ def test_a_table_for_the_docs_has_a_column_for_each_heading() -> None:
     assert source == "`topple bench order`: --quick, seed 3, a processor, 2 cores."
 
 
+def test_figures_of_several_methods_stand_side_by_side() -> None:
+    theirs = {"baseline": "paper", "baseline_value": 5.0}
+    rows = [
+        Row("scene 1", 6.0, "pairs", **theirs, bar=">= 6", interval=(5.9, 6.1), across="ours"),
+        Row("scene 1", 2.25, "pairs", **theirs, across="boxes"),
+        Row("scene 2", 3.0, "pairs", across="boxes"),
+    ]
+    machine = {"processor": "a processor", "cores": 2}
+    written = [row.to_json() for row in rows]
+    document = {
+        "bench": "motion",
+        "part": "plans",
+        "quick": False,
+        "seed": 0,
+        "machine": machine,
+        "rows": written,
+    }
+    assert markdown(document) == [
+        "| what | value | baseline | its value | bar | bar held |",
+        "| --- | ---: | --- | ---: | --- | --- |",
+        "| scene 1, ours | 6 pairs [5.9, 6.1] | paper | 5 pairs | >= 6 | ok |",
+        "",
+        "| what | ours | boxes | paper |",
+        "| --- | ---: | ---: | ---: |",
+        "| scene 1 [pairs] | 6 | 2.25 | 5 |",
+        "| scene 2 [pairs] |  | 3 |  |",
+        "",
+        "`topple bench motion --part plans`: seed 0, a processor, 2 cores.",
+    ]
+
+
 def test_a_page_takes_a_table_between_its_marks(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     page = tmp_path / "page.md"
     page.write_text("before\n<!-- table of topple bench speed -->\nold\n<!-- end of table -->\nafter\n")
@@ -223,6 +254,8 @@ def test_a_page_takes_a_table_between_its_marks(tmp_path: Path, capsys: pytest.C
     assert new.splitlines()[2:4] == ["| a |", "| --- |"] and "old" not in new
     assert new.startswith("before\n<!--") and new.endswith("<!-- end of table -->\nafter\n")
     assert replaced_table(new, "speed", ["| a |", "| --- |"]) == new
+    assert main(["bench", "motion", "--part", "plans", "--page", str(page)]) == 2
+    assert "expected '<!-- table of topple bench motion --part plans -->'" in capsys.readouterr().err
     for wrong in (["bench", "--page", str(page)], ["bench", "speed", "--page", str(tmp_path)]):
         assert main(wrong) == 2
         assert capsys.readouterr().err.count("\n") == 1
@@ -230,8 +263,28 @@ def test_a_page_takes_a_table_between_its_marks(tmp_path: Path, capsys: pytest.C
 
 def test_tables_in_the_pages_are_of_benches_and_have_rows() -> None:
     pages = "".join(path.read_text() for path in (Path(__file__).parents[3] / "benchmarks").glob("*.md"))
-    marks = r"<!-- table of topple bench (\w+) -->\n(.*?)\n<!-- end of table -->"
+    pages += (Path(__file__).parents[3] / "docs/results.md").read_text()
+    marks = r"<!-- table of topple bench (\w+)(?: --part \w+)? -->\n(.*?)\n<!-- end of table -->"
     marked = re.findall(marks, pages, re.DOTALL)
-    assert len(marked) >= 4
-    assert {name for name, _ in marked} <= {*BENCHES, *CHECKS}
+    assert len(marked) == pages.count("<!-- table of") == pages.count("<!-- end of table -->")
+    assert {name for name, _ in marked} == {*BENCHES, *CHECKS} - {"frozen"}
     assert all(table.startswith("| what |") and table.count("\n") > 3 for _, table in marked)
+
+
+def test_figures_that_pages_quote_are_those_of_the_tables() -> None:
+    root = Path(__file__).parents[3]
+    measured = (root / "benchmarks/motion.md").read_text().splitlines()
+    quoted = [line.strip("| ").split(" | ") for line in (root / "docs/motions.md").read_text().splitlines()]
+    for words, what in {
+        "pick": "pick: certified plan",
+        "transfer": "transfer: certified plan",
+        "transfers that touch something": "transfer: paths that touch",
+    }.items():
+        figures = next(cells[1:] for cells in quoted if cells[0] == words)
+        rows = [line.split(" | ") for line in measured if line.startswith(f"| {what}")]
+        assert set(figures) == {cells[k] for cells in rows for k in (1, 3)}
+    results = (root / "docs/results.md").read_text()
+    counts = re.findall(r"nothing disturbed: demo [^|]*\| (\d+) \| (\d+) \|", results)
+    tried, held = (sum(map(int, column)) for column in zip(*counts, strict=True))
+    for page in (results, (root / "README.md").read_text()):
+        assert f"{held} of {tried}" in page

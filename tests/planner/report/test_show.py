@@ -320,3 +320,11 @@ def test_posts_that_were_assumed_are_not_drawn(half_seen):
     for left_out, seen in ((None, True), (assumed, False)):
         drawn = Drawing.of(scene, assumed=left_out).objects[1]
         assert (KDTree(drawn.points[: drawn.seen]).query([0.2, 0, 0.025])[0] < 0.02) == seen
+
+
+def test_an_object_whose_name_says_a_colour_is_drawn_in_it() -> None:
+    names = ("red", "green cube", "Blue", "red_2", "can", "redwood")
+    colours = object_colours(names)
+    assert [max(range(3), key=colours[name].__getitem__) for name in names[:4]] == [0, 1, 2, 0]
+    assert len(set(colours.values())) == len(names)
+    assert object_colours(["can", "orange"])["can"] != object_colours(["can"])["can"], "two would look alike"
