@@ -224,6 +224,7 @@ class ActingArm(ABC):
             opening = self.jaw.max_opening if opening is None else min(opening, self.jaw.max_opening)
             self._opening = float(rounded(opening))
             self._grip_force = self.jaw.force
+            self._stiffen_pads(False)
             self._wait_for_hand()
 
     def close(self, force: float) -> float:
@@ -252,6 +253,7 @@ class ActingArm(ABC):
         )
         self._wait_for_hand(lambda: self._give_way(compliance))
         self._grip_force = force
+        self._stiffen_pads(True)
         self._wait_for_hand()
         return self.opening
 
@@ -271,6 +273,10 @@ class ActingArm(ABC):
     @abstractmethod
     def suck(self) -> bool:
         """Switch the vacuum on; returns whether the lip seals on an object. If not it is off again."""
+
+    def _stiffen_pads(self, pressed: bool) -> None:
+        """Make pads stiff while they press, where the engine lets soft ones drag what they hold."""
+        del pressed
 
     def _give_way(self, compliance: Compliance) -> None:
         """Holds what a compliant arm would, with these forces on its pads."""

@@ -70,6 +70,7 @@ class SimulatedArm(ActingArm):
         self._arm_forces = [self._limit[name] for name in arm.joints]
         self._reset()
         self._couple_fingers()
+        self._soft_pads = self._softness()
         loads = JointLoads(world.client, self.id, self._arm_joints, world.time_step)
         self.wrist = Wrist(loads, arm, world.physics.gravity, world.time_step, noise, rng)
         self.vacuum: Vacuum | None = None
@@ -93,10 +94,27 @@ class SimulatedArm(ActingArm):
                     lateralFriction=self.jaw.friction,
                     spinningFriction=self.jaw.give,
                     frictionAnchor=0,
-                    contactStiffness=PAD_STIFFNESS,
-                    contactDamping=PAD_DAMPING,
                     physicsClientId=client,
                 )
+
+    def _softness(self) -> dict[int, tuple[float, float]]:
+        """Stiffness [N/m] and damping [N s/m] of the links with pads whose file says them."""
+        found: dict[int, tuple[float, float]] = {}
+        for link in map(self._link.__getitem__, self.jaw.links if self.jaw else ()):
+            info: Any = pybullet.getDynamicsInfo(self.id, link, physicsClientId=self.world.client)
+            if info[9] > 0.0:
+                found[link] = (info[9], info[8])
+        return found
+
+    def _stiffen_pads(self, pressed: bool) -> None:
+        for link, (stiffness, damping) in self._soft_pads.items():
+            pybullet.changeDynamics(
+                self.id,
+                link,
+                contactStiffness=PAD_STIFFNESS if pressed else stiffness,
+                contactDamping=PAD_DAMPING if pressed else damping,
+                physicsClientId=self.world.client,
+            )
 
     def _couple_fingers(self) -> None:
         """The fingers of a parallel jaw move as one: a gear holds the joints of the others to the first."""

@@ -83,10 +83,11 @@ STEP = 2e-4
 # -- simulated_arm
 
 PAD_STIFFNESS = 1e6
-"""[N/m] 40 N dent a pad by 0.04 mm. Bullet lets friction act at one point on either surface: where they lie
-deep in each other, the two travel differently as the hand turns, and what is held lags behind it by twice
-the depth over its width. With the 30 N/mm of PyBullet's own Panda that is a fifth for a spoon's neck, which
-works itself out of the hand. Rubber's friction is in one face; how it gives way is the jaw's `give`."""
+"""[N/m] of pads that press: 40 N dent them by 0.04 mm. Bullet lets friction act at one point on either
+surface: where they lie deep in each other, the two travel differently as the hand turns, and what is held
+lags behind by twice the depth over its width. With the 30 N/mm of PyBullet's own Panda that is a fifth for a
+spoon's neck, which works itself out of the hand. What pads only touch they touch as softly as their file
+says: a hard touch stops a guarded approach, and pushes what stands lightly."""
 
 PAD_DAMPING = 3.3e4
 """[N s/m] with which a step of 1/240 s takes back a ninth of the depth, as PyBullet's own Panda does."""
