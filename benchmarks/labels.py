@@ -42,6 +42,8 @@ class Truth:
     def named(self, objects: Collection[str]) -> Labels:
         """The labels under the names that a scene has for its objects.
 
+        What only stands before others gets a row as well: nobody can tell what had to go before it.
+
         Args:
             objects: The scene's names.
 
@@ -50,10 +52,11 @@ class Truth:
         """
         ways: list[Mapping[str, str]] = [{name: name for name in self.labels}, *self.aliases]
         best = max(ways, key=lambda way: len({way.get(name) for name in self.labels} & set(objects)))
-        names = {name: best.get(name, name) for name in self.labels}
+        listed = {name: None for y, row in self.labels.items() for name in (y, *row)}
+        names = {name: best.get(name, name) for name in listed}
         if not set(names.values()) & set(objects):
             raise UnknownObject(", ".join(self.labels), objects, role="labelled objects")
-        return {names[y]: {names[x]: value for x, value in row.items()} for y, row in self.labels.items()}
+        return {names[y]: {names[x]: value for x, value in self.labels.get(y, {}).items()} for y in listed}
 
 
 def read_truth(path: Path) -> Truth:
@@ -150,9 +153,10 @@ def _vmrd(path: Path) -> Truth:
         kinds[index] = (node.findtext("name") or "").strip()
         pairs += [(index, one) for one in _numbers(node, "father")]
         pairs += [(one, index) for one in _numbers(node, "children")]
-    stray = {one for pair in pairs for one in pair} - kinds.keys()
-    if not kinds or stray:
-        raise InvalidInput(f"names objects that it does not have: {', '.join(sorted(stray)) or 'none'}")
+    if not kinds:
+        raise InvalidInput("has no <object>: expected an annotation of VMRD")
+    if stray := {one for pair in pairs for one in pair} - kinds.keys():
+        raise InvalidInput(f"names objects that it does not have: {', '.join(sorted(stray))}")
     joined = [{key: f"{kind}{mark}{key}" for key, kind in kinds.items()} for mark in ("_", "-", "")]
     unique = len(set(kinds.values())) == len(kinds)
     return Truth("VMRD", _closed(kinds, pairs), (kinds, *joined) if unique else tuple(joined))

@@ -237,6 +237,8 @@ def _parents_first(links: Mapping[str, Link], joints: Mapping[str, Joint], path:
                 raise InvalidInput(
                     f"{path.name}: joint {joint.name!r} names the link {name!r}, which is not there"
                 )
+    if not links:
+        raise InvalidInput(f"{path.name}: has no links: expected at least one")
     roots = [name for name in links if name not in joints]
     if len(roots) != 1:
         raise InvalidInput(

@@ -6,7 +6,9 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from topple.benchmarks.guesses import Guess
 from topple.benchmarks.labels import read_truth
+from topple.benchmarks.scores import judged
 from topple.topology.errors import InvalidInput
 
 STACK = {("3", "1"), ("3", "2"), ("2", "1")}
@@ -104,6 +106,7 @@ def test_a_frame_leaves_open_what_its_annotator_was_not_sure_of(tmp_path: Path) 
         ("a.csv", "0,x\n1,0\n", "no table of numbers"),
         ("a.xml", "<a", "is not XML"),
         ("a.xml", "<a><object><index>1</index><father><num>2</num></father></object></a>", "names objects"),
+        ("a.xml", "<a/>", "has no <object>"),
         ("a.txt", "", "cannot tell what labels these are"),
     ],
 )
@@ -117,6 +120,14 @@ def test_what_is_no_label_is_refused_in_a_line_that_names_the_file(name, text, w
 def test_labels_of_another_scene_are_refused(tmp_path: Path) -> None:
     with pytest.raises(InvalidInput, match="unknown labelled objects '1, 2, 3, 4': the scene has cup, plate"):
         read_truth(plain(tmp_path / "a.json")).named(["plate", "cup"])
+
+
+def test_what_has_no_row_of_its_own_counts_where_it_is_named(tmp_path: Path) -> None:
+    (tmp_path / "a.json").write_text('{"cup": {"lid": 1}}', encoding="utf-8")
+    labels = read_truth(tmp_path / "a.json").named(["cup", "lid"])
+    assert labels == {"cup": {"lid": 1}, "lid": {}}
+    found = judged(Guess(frozenset({("lid", "cup")}), ("lid", "cup"), ()), labels, ("cup", "lid"))
+    assert (found.right, found.false, found.missed) == ((("lid", "cup"),), (), ())
 
 
 def test_an_archive_without_labels_is_none(tmp_path: Path) -> None:

@@ -31,6 +31,10 @@ _KNOWN = {
     b"\x1f\x8b": "a gzip file: unpack it first",
     b"\x80": "a Python pickle, which is never loaded: save plain arrays with numpy.savez",
 }
+_EXPECTED = (
+    "an .npz of clouds, an RGB-D .npz or .npy, a labelled .pcd, a recording of ROS (.mcap, .db3, .bag), or a "
+    "folder"
+)
 
 
 def read_arrays(path: Path) -> dict[str, Array]:
@@ -53,9 +57,9 @@ def read_arrays(path: Path) -> dict[str, Array]:
     if start.startswith(_NPY):
         return _read_npy(path)
     if not start:
-        raise InvalidInput("the file is empty: expected an .npz of clouds or an RGB-D frame")
-    what = next((text for magic, text in _KNOWN.items() if start.startswith(magic)), "neither .npz nor .npy")
-    raise InvalidInput(f"the file is {what}; expected an .npz of clouds, an RGB-D .npz or .npy, or a folder")
+        raise InvalidInput(f"the file is empty: expected {_EXPECTED}")
+    what = next((text for magic, text in _KNOWN.items() if start.startswith(magic)), "of no known format")
+    raise InvalidInput(f"the file is {what}; expected {_EXPECTED}")
 
 
 def is_rgbd(arrays: Mapping[str, Array]) -> bool:

@@ -28,7 +28,7 @@ def read_picture(source: Path | bytes, what: str) -> NDArray[Any]:
         InvalidInput: If it is broken, or would unpack to more than is allowed.
         OSError: If the file cannot be read.
     """
-    from PIL import Image
+    from PIL import Image, UnidentifiedImageError
 
     data = source if isinstance(source, bytes) else source.read_bytes()
     try:
@@ -39,6 +39,8 @@ def read_picture(source: Path | bytes, what: str) -> NDArray[Any]:
                 return np.asarray(picture)
     except InvalidInput:
         raise
+    except UnidentifiedImageError as error:
+        raise InvalidInput(f"{what} is no picture: expected a PNG, TIFF or JPEG file") from error
     except Exception as error:  # each of Pillow's readers fails on a broken file in its own way
         reason = " ".join(str(error).split())[:120] or type(error).__name__
         raise InvalidInput(f"{what} is no readable picture: {reason}") from error

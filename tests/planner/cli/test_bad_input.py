@@ -85,7 +85,7 @@ def test_files_that_are_not_scenes(refused: Refused, tmp_path: Path) -> None:
     assert "no such file" in refused("relate", tmp_path / "nothing.npz")
     assert "no clouds or meshes" in refused("relate", tmp_path)
     (tmp_path / "scene.npz").write_text("hello")
-    assert "neither .npz nor .npy" in refused("relate", tmp_path / "scene.npz")
+    assert "of no known format" in refused("relate", tmp_path / "scene.npz")
     folder = tmp_path / "folder"
     folder.mkdir()
     (folder / "cup.ply").write_text("hello")

@@ -14,6 +14,7 @@ TURNING = '<joint name="{}" type="continuous"><parent link="{}"/><child link="{}
 @pytest.mark.parametrize(
     ("body", "words"),
     [
+        ("", "has no links: expected at least one"),
         (SPHERE.format("a", "0"), "link 'a': expected a radius above 0, found '0'"),
         (SPHERE.format("a", "-0.1"), "expected a radius above 0"),
         (

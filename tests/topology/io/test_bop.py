@@ -135,7 +135,7 @@ def test_what_is_missing_or_broken_is_named(scene: Path) -> None:
     with pytest.raises(InvalidInput, match=r"has no mask_visib/000000_000002\.png"):
         load_scene(scene, image=0)
     (scene / "depth" / "000001.png").write_bytes(b"\x89PNG broken")
-    with pytest.raises(InvalidInput, match=r"depth/000001\.png is no readable picture"):
+    with pytest.raises(InvalidInput, match=r"depth/000001\.png is no picture: expected a PNG"):
         load_scene(scene, image=1)
     _changed(scene / "scene_gt.json", "1", obj_id="can")
     with pytest.raises(InvalidInput, match="object 0 has the obj_id 'can'"):

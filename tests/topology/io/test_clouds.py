@@ -181,7 +181,7 @@ def test_a_pickle_is_refused_and_never_loaded(tmp_path: Path) -> None:
     ("content", "words"),
     [
         (b"", "empty"),
-        (b"x y z\n0 0 0\n", "neither .npz nor .npy"),
+        (b"x y z\n0 0 0\n", "of no known format"),
         (b"\x89PNG\r\n\x1a\n", "PNG"),
         (b"\x80\x04\x95", "pickle"),
         (b"ply\nformat ascii 1.0\n", "PLY file: put it into a folder"),
