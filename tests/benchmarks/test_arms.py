@@ -35,7 +35,7 @@ def test_an_arm_is_understood_planned_for_and_takes_the_block(shipped: Shipped) 
 
 
 def test_the_arm_that_drops_the_block_cannot_carry_itself() -> None:
-    """A PR2 rests on springs that its URDF leaves out: its shoulder's effort is below what gravity asks at home."""
+    """A PR2 rests on springs that its URDF leaves out: gravity asks more of its shoulder than its effort."""
     pybullet = pytest.importorskip("pybullet")
     (shipped,) = [shipped for shipped in SHIPPED if shipped not in WORKING]
     try:
