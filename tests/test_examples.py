@@ -192,7 +192,7 @@ def test_grasps_of_another_pipeline_are_put_in_order(tmp_path: Path) -> None:
 
 @pytest.mark.slow
 def test_a_real_frame_becomes_a_world_to_act_in(tmp_path: Path) -> None:
-    frame = FRAMES / "osd_test52.npz"
+    frame = FRAMES / "osd_test46.npz"
     if not frame.exists():
         pytest.skip(f"no real frames in {FRAMES}")
     lines = _output(tmp_path, "real_frame.py", str(frame), "1")
