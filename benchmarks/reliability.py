@@ -117,7 +117,7 @@ def _ways(count: FaultCount) -> list[Row]:
         "said reached, was not": sum(run.lied for run in count.runs),
     }
     what = f"{count.fault}, of {len(count.runs)}"
-    return [Row(what, held, "", across=way) for way, held in ways.items()]
+    return [Row(what, held, "", column=way) for way, held in ways.items()]
 
 
 def _played(task: tuple[int, int]) -> Run:

@@ -30,7 +30,7 @@ class Row:
         tried: On how many cases it was counted, where it counts cases.
         held: In how many of them all was well.
         wrong: What went wrong in the first of the others, in sentences.
-        across: The column in which it stands where figures of several methods or kinds stand side by side,
+        column: The column in which it stands where figures of several methods or kinds stand side by side,
             one line for each `what`; empty where the figure has a line of its own.
     """
 
@@ -45,7 +45,7 @@ class Row:
     tried: int | None = None
     held: int | None = None
     wrong: tuple[str, ...] = ()
-    across: str = ""
+    column: str = ""
 
     @property
     def ok(self) -> bool | None:
@@ -75,8 +75,8 @@ class Row:
             row["interval"] = list(self.interval)
         if self.tried is not None:
             row |= {"tried": self.tried, "held": self.held, "wrong": list(self.wrong)}
-        if self.across:
-            row["across"] = self.across
+        if self.column:
+            row["column"] = self.column
         return row
 
 

@@ -126,7 +126,7 @@ class Basis(Protocol):
 
 
 @dataclass(frozen=True, eq=False)
-class Given:
+class LoadedBasis:
     """A scene and a rule that are there.
 
     Attributes:
@@ -340,7 +340,7 @@ class RelationTable:
             if i != j:
                 near[i, j] = rule.relate(prepared[i], prepared[j])
         made = tuple(prepared)
-        related = replace(self, basis=Given(scene, rule), near=near, extents=made, known_prepared=made)
+        related = replace(self, basis=LoadedBasis(scene, rule), near=near, extents=made, known_prepared=made)
         return rule.conclude(scene, related)
 
     def __eq__(self, other: object) -> bool:

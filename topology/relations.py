@@ -16,7 +16,7 @@ from topple.topology.io.relations import deviation_of, told_in
 from topple.topology.notebook import in_cell
 from topple.topology.pair import PairRelation
 from topple.topology.plugins import Table, expected
-from topple.topology.relation_table import Extent, Given, RelationTable, Rule, box_distance
+from topple.topology.relation_table import Extent, LoadedBasis, RelationTable, Rule, box_distance
 from topple.topology.rule.tolerances import MOST_OBJECTS, NEAR_EACH
 from topple.topology.scene import Scene
 from topple.topology.tolerances import TOLERANCES
@@ -140,7 +140,7 @@ def relate_all(
     found = all_of(partial(_told, each), given, executor)
     make = RULES[rule or ("plain" if plain else "robust")]
     return [
-        Relations(names, _ReadLater(source, make, deviation), near, extents)
+        Relations(names, _LazyBasis(source, make, deviation), near, extents)
         for source, (names, deviation, near, extents) in zip(given, found, strict=True)
     ]
 
@@ -156,7 +156,7 @@ def _told(each: Callable[[Scene], Relations], source: _Source) -> _Told:
 
 
 @dataclass(frozen=True, eq=False)
-class _ReadLater:
+class _LazyBasis:
     """The scene and the rule of a worker, which are read and made here only when they are asked for."""
 
     source: _Source = field(repr=False)
@@ -212,4 +212,4 @@ def _relate_by(rule: Rule, scene: Scene, most_pairs: int) -> Relations:
     _check_count(len(pairs), "pairs of objects near each other", most_pairs)
     for i, j in pairs.tolist():
         near[i, j] = expected(rule.relate(prepared[i], prepared[j]), PairRelation)
-    return Relations(tuple(scene.clouds), Given(scene, rule), near, prepared, prepared)
+    return Relations(tuple(scene.clouds), LoadedBasis(scene, rule), near, prepared, prepared)

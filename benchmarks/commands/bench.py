@@ -87,7 +87,9 @@ def execute(args: argparse.Namespace) -> int:
     if args.page:
         if args.name is None:
             raise InvalidInput("--page takes the table of one bench: name it before --page FILE")
-        replaced_table(_page(args.page), _place(args.name, args.part), [])  # refused now, not after hours
+        replaced_table(
+            _page(args.page), _table_name(args.name, args.part), []
+        )  # refused now, not after hours
     code = DONE
     for name in names:
         options = _options(args, name)
@@ -98,7 +100,7 @@ def execute(args: argparse.Namespace) -> int:
             progress = stack.enter_context(Progress(f"bench {name}"))
             document = bench(name, quick=args.quick, seed=args.seed, progress=progress, **options)
         if args.page:
-            write_whole(args.page, replaced_table(_page(args.page), _named(document), markdown(document)))
+            write_whole(args.page, replaced_table(_page(args.page), _title(document), markdown(document)))
         if args.json:
             print_json(document)
         elif args.markdown:
@@ -110,13 +112,13 @@ def execute(args: argparse.Namespace) -> int:
     return code
 
 
-def _place(name: str, part: str | None) -> str:
+def _table_name(name: str, part: str | None) -> str:
     """What the marks of a table name: the bench, and its part where that alone was measured."""
     return name if part is None or "part" not in options_of(name) else f"{name} --part {part}"
 
 
-def _named(document: Mapping[str, Any]) -> str:
-    return _place(document["bench"], document.get("part"))
+def _title(document: Mapping[str, Any]) -> str:
+    return _table_name(document["bench"], document.get("part"))
 
 
 def _options(args: argparse.Namespace, name: str) -> dict[str, Any]:
@@ -155,7 +157,7 @@ def markdown(document: Mapping[str, Any]) -> list[str]:
         The lines; columns that no row fills are left out.
     """
     machine, size = document["machine"], "--quick, " if document["quick"] else ""
-    said = f"`topple bench {_named(document)}`: {size}seed {document['seed']}, {machine['processor']}"
+    said = f"`topple bench {_title(document)}`: {size}seed {document['seed']}, {machine['processor']}"
     lines: list[str] = []
     for headings, cells, right in _tables(document["rows"]):
         lines += [*markdown_table([heading or "bar held" for heading in headings], cells, right), ""]
@@ -168,8 +170,8 @@ Table = tuple[list[str], list[tuple[str, ...]], list[int]]
 
 def _tables(rows: Sequence[Mapping[str, Any]]) -> list[Table]:
     """One figure a line, then those that stand side by side; with a line as well where they have a bar."""
-    lines = [row for row in rows if "across" not in row or row["bar"] is not None]
-    beside = [row for row in rows if "across" in row]
+    lines = [row for row in rows if "column" not in row or row["bar"] is not None]
+    beside = [row for row in rows if "column" in row]
     return [*([_listed(lines)] if lines else []), *([_side_by_side(beside)] if beside else [])]
 
 
@@ -184,12 +186,12 @@ def _listed(rows: Sequence[Mapping[str, Any]]) -> Table:
 
 def _side_by_side(rows: Sequence[Mapping[str, Any]]) -> Table:
     """A column for each method, then one for each baseline; a line for each thing that was measured."""
-    ours = dict.fromkeys(row["across"] for row in rows)
+    ours = dict.fromkeys(row["column"] for row in rows)
     theirs = dict.fromkeys(row["baseline"] for row in rows if row["baseline_value"] is not None)
     lines: dict[str, dict[str, str]] = {}
     for row in rows:
         line = lines.setdefault(f"{row['what']} [{row['unit']}]" if row["unit"] else row["what"], {})
-        line[row["across"]] = _figure(row["value"], "")
+        line[row["column"]] = _figure(row["value"], "")
         if row["baseline_value"] is not None:
             line[row["baseline"]] = _figure(row["baseline_value"], "")
     columns = [*ours, *theirs]
@@ -202,7 +204,7 @@ def _print(document: Mapping[str, Any]) -> None:
     machine = document["machine"]
     size = "quick" if document["quick"] else "full"
     print_text(
-        f"topple bench {_named(document)}, {size}, seed {document['seed']}: "
+        f"topple bench {_title(document)}, {size}, seed {document['seed']}: "
         f"{machine['processor']}, {machine['cores']} cores"
     )
     headings, cells, right = _listed(rows)  # a line each: many columns have no room in a terminal
@@ -226,7 +228,7 @@ def _cells(row: Mapping[str, Any]) -> tuple[str, ...]:
         value += f" [{low:.3g}, {high:.3g}]"
     verdict = {None: "", True: "ok", False: "MISSED"}[row["ok"]]
     return (
-        f"{row['what']}, {row['across']}" if "across" in row else row["what"],
+        f"{row['what']}, {row['column']}" if "column" in row else row["what"],
         *("" if row.get(key) is None else f"{row[key]:,}" for key in ("tried", "held")),
         value,
         row["baseline"] or "",

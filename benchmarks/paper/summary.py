@@ -84,10 +84,10 @@ def _mean(values: Sequence[float]) -> tuple[float, tuple[float, float] | None]:
 
 def _figure(
     what: str, unit: str, values: Sequence[float], theirs: str | None = None, their: float | None = None,
-    bar: str | None = None, across: str = "",
+    bar: str | None = None, column: str = "",
 ) -> Row:  # fmt: skip
     value, interval = _mean(values)
-    return Row(what, value, unit, theirs, their, None, bar, interval, across=across)
+    return Row(what, value, unit, theirs, their, None, bar, interval, column=column)
 
 
 def _count(variants: Sequence[Sequence[Outcome]], wanted: Callable[[Judged], bool]) -> list[float]:
@@ -111,11 +111,11 @@ def _sums(
         ),
         _figure(
             f"{what}: not disjoint and right of {contacts}", "pairs",
-            _count(variants, lambda pair: pair.right and pair.is_contact), across=column,
+            _count(variants, lambda pair: pair.right and pair.is_contact), column=column,
         ),
         _figure(
             f"{what}: CPU time", "s", seconds, f"{method}, published",
-            sum(published(method, number).seconds for number in numbers), across=column,
+            sum(published(method, number).seconds for number in numbers), column=column,
         ),
     ]  # fmt: skip
 
@@ -129,16 +129,16 @@ def _views(outcomes: Sequence[Outcome], how: str, column: str) -> list[Row]:
     what = f"scenes 8-14, {how}"
     right = [100 * value / total for value in _count(variants, lambda pair: pair.right)]
     return [
-        _figure(f"{what}: relations right", "%", right, bar=">= 90" if held else None, across=column),
+        _figure(f"{what}: relations right", "%", right, bar=">= 90" if held else None, column=column),
         _figure(
             f"{what}: contacts found of {contacts}", "pairs",
             _count(variants, lambda pair: pair.is_contact and pair.claimed), bar=">= 29" if held else None,
-            across=column,
+            column=column,
         ),
         _figure(
             f"{what}: false contacts", "pairs",
             _count(variants, lambda pair: pair.claimed and not pair.is_contact), bar="<= 1" if held else None,
-            across=column,
+            column=column,
         ),
     ]  # fmt: skip
 
@@ -153,7 +153,7 @@ def _classes(outcomes: Sequence[Outcome]) -> list[Row]:
                 every = _count(variants, lambda pair, relation=relation: pair.true is relation)
                 right = _count(variants, lambda pair, relation=relation: pair.true is relation and pair.right)
                 shares = [100 * r / e for r, e in zip(right, every, strict=True) if e]
-                found.append(_figure(f"{what}: right of the {relation} pairs", "%", shares, across=column))
+                found.append(_figure(f"{what}: right of the {relation} pairs", "%", shares, column=column))
     return found
 
 
@@ -163,5 +163,5 @@ def _scene(outcomes: Sequence[Outcome], number: int, how: str, column: str) -> R
     method = PUBLISHED[column]
     return _figure(
         f"scene {number}: right of {len(SCENES[number].pairs)}", "pairs", right, f"{method}, published",
-        published_right(method, (number,)), across=column,
+        published_right(method, (number,)), column=column,
     )  # fmt: skip

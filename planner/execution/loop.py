@@ -299,14 +299,14 @@ class ClosedLoop:
         waited = time.perf_counter() - max(look.taken, self._started)
         outcome, expected = self._carried_out(look, chosen)
         verdict = self.judge.verdict()
-        attempts = self._selector.acted(chosen, outcome)
+        attempts = self._selector.record_action(chosen, outcome)
         events += self._learned(chosen, outcome, attempts)
         seen = self.perception.look(expected)
         if outcome.success and not (seen.surprises or seen.faults):
             self._selector.preparer.prove(seen.scene)
         predicted = look.relations.updated(name, expected.clouds[name])
         different = unexpected(predicted, seen.relations)
-        self._selector.looked(chosen, outcome.success, seen.surprises, different)
+        self._selector.record_look(chosen, outcome.success, seen.surprises, different)
         events += [*seen.faults, *seen.surprises.values(), *different]
         if different or seen.surprises:
             events.append("the next step is planned from what is seen")
@@ -351,7 +351,7 @@ class ClosedLoop:
         if self._arms.queued:  # of an order that was begun
             left = left[left.index(chosen.transfer.object) :]
         else:
-            events = self._selector.changed(chosen)
+            events = self._selector.changes(chosen)
         for event in events:
             self._say(event)
         count = f"{done + 1} of {done + len(left)}"

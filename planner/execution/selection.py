@@ -118,7 +118,7 @@ class StepSelector:
         context = replace(context, station=replace(context.station, q=np.asarray(self._arms.first.arm.home)))
         self.preparer.begin(Question(look.situation, chosen.transfer, self.task, goal, context))
 
-    def changed(self, chosen: NextStep) -> list[str]:
+    def changes(self, chosen: NextStep) -> list[str]:
         """How a step differs from what was to come by the look before, and from the order it is of."""
         changed = None if self._ahead is None else self._ahead.changed(chosen.order)
         events = [] if changed is None else [f"The look before it changed the order: {changed}."]
@@ -127,7 +127,7 @@ class StepSelector:
             events.append(f"It goes before {first}: {chosen.reason}.")
         return events
 
-    def acted(self, chosen: NextStep, outcome: Outcome) -> int:
+    def record_action(self, chosen: NextStep, outcome: Outcome) -> int:
         """Remember what became of a step, before the look that follows.
 
         Args:
@@ -144,7 +144,7 @@ class StepSelector:
         self._ahead = Ahead.of(chosen.order, name if there else None)
         return attempts
 
-    def looked(
+    def record_look(
         self, chosen: NextStep, success: bool, surprises: Collection[str], different: Sequence[str]
     ) -> None:
         """Remember what the look after a step showed.

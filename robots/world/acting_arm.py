@@ -274,9 +274,9 @@ class ActingArm(ABC):
     def suck(self) -> bool:
         """Switch the vacuum on; returns whether the lip seals on an object. If not it is off again."""
 
-    def _stiffen_pads(self, pressed: bool) -> None:
+    def _stiffen_pads(self, pressing: bool) -> None:
         """Make pads stiff while they press, where the engine lets soft ones drag what they hold."""
-        del pressed
+        del pressing
 
     def _give_way(self, compliance: Compliance) -> None:
         """Holds what a compliant arm would, with these forces on its pads."""

@@ -70,7 +70,7 @@ class SimulatedArm(ActingArm):
         self._arm_forces = [self._limit[name] for name in arm.joints]
         self._reset()
         self._couple_fingers()
-        self._soft_pads = self._softness()
+        self._file_stiffness = self._stiffness_of_pads()
         loads = JointLoads(world.client, self.id, self._arm_joints, world.time_step)
         self.wrist = Wrist(loads, arm, world.physics.gravity, world.time_step, noise, rng)
         self.vacuum: Vacuum | None = None
@@ -97,7 +97,7 @@ class SimulatedArm(ActingArm):
                     physicsClientId=client,
                 )
 
-    def _softness(self) -> dict[int, tuple[float, float]]:
+    def _stiffness_of_pads(self) -> dict[int, tuple[float, float]]:
         """Stiffness [N/m] and damping [N s/m] of the links with pads whose file says them."""
         found: dict[int, tuple[float, float]] = {}
         for link in map(self._link.__getitem__, self.jaw.links if self.jaw else ()):
@@ -106,13 +106,13 @@ class SimulatedArm(ActingArm):
                 found[link] = (info[9], info[8])
         return found
 
-    def _stiffen_pads(self, pressed: bool) -> None:
-        for link, (stiffness, damping) in self._soft_pads.items():
+    def _stiffen_pads(self, pressing: bool) -> None:
+        for link, (stiffness, damping) in self._file_stiffness.items():
             pybullet.changeDynamics(
                 self.id,
                 link,
-                contactStiffness=PAD_STIFFNESS if pressed else stiffness,
-                contactDamping=PAD_DAMPING if pressed else damping,
+                contactStiffness=PAD_STIFFNESS if pressing else stiffness,
+                contactDamping=PAD_DAMPING if pressing else damping,
                 physicsClientId=self.world.client,
             )
 

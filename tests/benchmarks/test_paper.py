@@ -131,7 +131,7 @@ def test_outcomes_become_rows(outcomes: tuple[list[Outcome], Path]) -> None:
     assert any(row["bar"] == ">= 54" for row in rows)
     assert any("not installed" in row["what"] for row in rows)
     scene = [row for row in rows if row["what"] == "scene 1: right of 6"]
-    assert [row["across"] for row in scene] == [TOPPLE, PLAIN, ESTIMATED, NINE, BOXES, SUPPORT]
+    assert [row["column"] for row in scene] == [TOPPLE, PLAIN, ESTIMATED, NINE, BOXES, SUPPORT]
     assert scene[0]["baseline_value"] == 6
 
 

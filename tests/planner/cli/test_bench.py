@@ -217,9 +217,9 @@ def test_a_table_for_the_docs_has_a_column_for_each_heading() -> None:
 def test_figures_of_several_methods_stand_side_by_side() -> None:
     theirs = {"baseline": "paper", "baseline_value": 5.0}
     rows = [
-        Row("scene 1", 6.0, "pairs", **theirs, bar=">= 6", interval=(5.9, 6.1), across="ours"),
-        Row("scene 1", 2.25, "pairs", **theirs, across="boxes"),
-        Row("scene 2", 3.0, "pairs", across="boxes"),
+        Row("scene 1", 6.0, "pairs", **theirs, bar=">= 6", interval=(5.9, 6.1), column="ours"),
+        Row("scene 1", 2.25, "pairs", **theirs, column="boxes"),
+        Row("scene 2", 3.0, "pairs", column="boxes"),
     ]
     machine = {"processor": "a processor", "cores": 2}
     written = [row.to_json() for row in rows]
