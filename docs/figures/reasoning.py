@@ -11,6 +11,7 @@ import numpy as np
 import trimesh
 from PIL import Image, ImageDraw
 from relations import box, sampled, vessel
+from scipy.spatial import KDTree
 from studio import BLUE, GREEN, GREY, INK, ORANGE, PAPER, RED, SOFT, Studio, beside, font, save
 
 from topple.planner import order
@@ -177,6 +178,11 @@ def hidden_contacts() -> None:
         for contact in statics.contacts:
             for x, y in view.pixels(contact.points @ to_world)[0] if guessed and contact.inferred else ():
                 pen.ellipse((x - 13, y - 13, x + 13, y + 13), fill=RED, outline=PAPER, width=4)
+        flat = {} if guessed else {each.name: view.pixels(each.points)[0] for each in drawing.objects}
+        for name, spots in flat.items():  # where least of the others is near
+            others = np.concatenate([them for other, them in flat.items() if other != name])
+            x, y = spots[KDTree(others).query(spots)[0].argmax()]
+            pen.text((x, y), name, font=font(36), fill=INK, anchor="mm", stroke_width=6, stroke_fill=PAPER)
         pictures.append(image.resize((720, 520)).crop((0, 190, 720, 520)))
     titles = ("seen by one camera, from behind", "hatched: completed; red: contacts inferred")
     save(beside(*pictures, titles=titles), "hidden_contacts")
