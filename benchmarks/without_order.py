@@ -33,15 +33,15 @@ def named(stage: Scenario) -> Image.Image:
     picture = Image.fromarray(EYE.picture(stage.world))
     pen = ImageDraw.Draw(picture)
     to_camera = np.linalg.inv(EYE.pose_camera_to_world)
-    free: list[tuple[float, float, float, float]] = []
+    taken: list[tuple[float, float, float, float]] = []
     for name in sorted(set(stage.world.ids) - set(stage.fixed), key=lambda name: name not in stage.targets):
         corners = np.vstack(stage.world.parts(name))
         middle = (corners.min(axis=0) + corners.max(axis=0)) / 2
         x, y, depth = EYE.K @ (to_camera @ np.append(middle, 1.0))[:3]
         box = pen.textbbox((x / depth, y / depth), name, font=NAMES, anchor="mm", stroke_width=4)
-        apart = all(box[0] > b[2] or box[2] < b[0] or box[1] > b[3] or box[3] < b[1] for b in free)
+        apart = all(box[0] > b[2] or box[2] < b[0] or box[1] > b[3] or box[3] < b[1] for b in taken)
         if apart and box[0] >= 0 and box[1] >= 0 and box[2] <= EYE.width and box[3] <= EYE.height:
-            free.append(box)
+            taken.append(box)
             pen.text(
                 box[:2], name, font=NAMES, fill="black", anchor="la", stroke_width=4, stroke_fill="white"
             )
