@@ -4,6 +4,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from topple.robots.shapes import plate
 from topple.topology.confidence import Evidence, confidence
 from topple.topology.io import load_scene
 from topple.topology.relations import relate
@@ -90,6 +91,13 @@ def test_a_ball_in_the_bend_of_a_banana_is_not_contained():
 
 def test_nested_bowls_are_partial_within():
     assert between(bowl() + 0.012 * UP, bowl(seed=5)).relation is Relation.PARTIAL_WITHIN
+
+
+@pytest.mark.parametrize("seed", range(8))
+def test_nested_plates_are_partial_within_however_their_cells_begin(seed):
+    body, rng = plate(diameter=0.258, height=0.024, well=0.014), np.random.default_rng(seed)
+    lower, upper = (body.surface(10_000, rng) + rng.normal(0, 0.0003, (10_000, 3)) for _ in range(2))
+    assert between(upper + 0.014 * UP, lower, deviation=0.004).relation is Relation.PARTIAL_WITHIN
 
 
 def test_boxes_deep_in_each_other_cross_with_a_negative_gap():
