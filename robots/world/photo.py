@@ -37,6 +37,8 @@ AWAY = 2.0
 """Distance of a lamp [m]; its view is nearly parallel."""
 MAP = 700
 """Width of a lamp's picture [px]: a millimetre a pixel."""
+MARGIN = 1
+"""Of nothing, around that picture [px]."""
 SAMPLES = 14
 """Places that are asked of a lamp for each pixel, on a spiral over the shadow's edge."""
 GOLDEN = 2.39996
@@ -168,21 +170,21 @@ def _shadow(
         (float(eye[0]), float(eye[1]), float(eye[2])), (float(middle[0]), float(middle[1]), float(middle[2])),
         width=MAP, height=MAP, view=2 * float(np.arctan(reach / AWAY)), noise=Noise.none(),
     )  # fmt: skip
+    nearest = np.full((MAP + 2 * MARGIN,) * 2, np.inf, dtype=np.float32)  # beyond the map nothing hides
     depth = world.rendered(lamp)[0]
-    depth = np.where(depth > 0, depth, np.inf)
-    to_lamp = inverse(lamp.pose_camera_to_world)
-    seen = transformed(points, to_lamp).astype(np.float32)
-    scale = lamp.K[0, 0] / seen[:, 2]
-    u, v = seen[:, 0] * scale + lamp.K[0, 2], seen[:, 1] * scale + lamp.K[1, 2]
+    nearest[MARGIN:-MARGIN, MARGIN:-MARGIN] = np.where(depth > 0, depth, np.inf)
+    seen = transformed(points, inverse(lamp.pose_camera_to_world)).astype(np.float32)
+    scale = np.float32(lamp.K[0, 0]) / seen[:, 2]
+    place = seen[:, :2] * scale[:, None] + np.float32(lamp.K[:2, 2] + MARGIN)
+    # a slope rises over the shadow's edge: what is only a little nearer may be the same surface
+    limit = seen[:, 2] - np.float32(LIFTED + 0.35 * edge)
+    first = np.arange(len(points), dtype=np.float32) * np.float32(GOLDEN * GOLDEN)  # else edges show as rings
+    toward = np.stack([np.cos(first), np.sin(first)], axis=1) * (np.float32(edge) * scale)[:, None]
+    across = toward[:, ::-1] * np.float32([-1.0, 1.0])
     hidden = np.zeros(len(points), dtype=np.float32)
-    first = (
-        np.arange(len(points), dtype=np.float32) * GOLDEN * GOLDEN % (2 * np.pi)
-    )  # else edges show as rings
     for k in range(SAMPLES):
-        radius, turn = edge * np.sqrt((k + 0.5) / SAMPLES) * scale, first + GOLDEN * k
-        x, y = np.rint(u + radius * np.cos(turn)).astype(int), np.rint(v + radius * np.sin(turn)).astype(int)
-        inside = (x >= 0) & (x < MAP) & (y >= 0) & (y < MAP)
-        front = seen[:, 2] - depth[y.clip(0, MAP - 1), x.clip(0, MAP - 1)]
-        # a slope rises over the shadow's edge: what is only a little nearer may be the same surface
-        hidden += inside & (front > LIFTED + 0.35 * edge)
+        turn, radius = GOLDEN * k, np.sqrt((k + 0.5) / SAMPLES)
+        step = np.float32(radius * np.cos(turn)) * toward + np.float32(radius * np.sin(turn)) * across
+        pixel = np.rint(place + step).clip(0, len(nearest) - 1).astype(np.int32)
+        hidden += nearest[pixel[:, 1], pixel[:, 0]] < limit
     return hidden / SAMPLES
