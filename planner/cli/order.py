@@ -10,7 +10,7 @@ from topple.planner.cli.arguments import COMMON, GRIPPER, add, add_jobs, add_kep
 from topple.planner.cli.console import complain, print_json
 from topple.planner.cli.main import DONE, NO_SAFE_PLAN
 from topple.planner.cli.many import Kept, for_each_scene, kept_in
-from topple.planner.cli.options import Reading, orderer_of, rule_of, scene_paths
+from topple.planner.cli.options import Reading, finished, orderer_of, rule_of, scene_paths
 from topple.planner.cli.progress import Progress
 from topple.planner.cli.robot_options import arm_of
 from topple.planner.cli.tables import (
@@ -68,7 +68,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     add(
         parser,
         "--to",
-        help="say in which order to move things until they lie as in another scene, or as words say",
+        help="say in which order to move things until they lie as another scene, relations or words say",
     )
     add(parser, "--match")
 
@@ -79,6 +79,7 @@ def execute(args: argparse.Namespace) -> int:
         args.parser.error("--budget bounds --verify: give both or neither")
     if args.gripper is not None and not args.robot:
         args.parser.error("--gripper is what the robot holds with: give both or neither")
+    args.to = args.to if args.to is None else args.to or " "  # which is refused where it is read
     whole = "--build" if args.build else "--to"
     of_some = args.target or args.verify or args.robot or args.hands
     if (args.build or args.to) and (of_some or (args.build and args.to)):
@@ -171,12 +172,8 @@ def _built(situation: "Situation") -> _Answer:
 def _moved(reading: Reading, goal: str, match: str, situation: "Situation") -> _Answer:
     """The order in which things are moved until they lie as in another scene."""
     from topple.planner.rearranging.rearrange import rearrange
-    from topple.planner.rearranging.words import described, is_words
 
-    if is_words(goal):
-        moves = rearrange(situation, described(goal, situation).situation)
-    else:
-        moves = rearrange(situation, reading.scene(goal), match=match)
+    moves = rearrange(situation, finished(reading, goal), match=match)
     return _Answer(moves.to_json(), len(situation.movable))
 
 
