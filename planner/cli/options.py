@@ -17,7 +17,7 @@ if TYPE_CHECKING:
 
 _SCENE_SUFFIXES = (".npz", ".npy")
 _OF_FORMATS = ("image", "models", "depth", "info", "labels", "view")  # options that one format of scenes has
-_LISTS = ("fixed", "target")  # options that take one name after the other
+_LISTS = ("fixed", "target", "clamped")  # options that take one name after the other
 
 
 def rule_of(args: argparse.Namespace) -> "Callable[[Scene], Relations] | None":

@@ -56,6 +56,13 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         help="how many hands there are: where things hold each other, 1 has no safe order, and 2 or more may",
     )
     parser.add_argument(
+        "--clamped",
+        nargs="+",
+        default=[],
+        metavar="NAME",
+        help="what a fixture, such as a vice, keeps where it stands until it is taken",
+    )
+    parser.add_argument(
         "--next-view",
         action="store_true",
         help="say from where a camera would see most of what is hidden and decides the order",
@@ -81,13 +88,15 @@ def execute(args: argparse.Namespace) -> int:
         args.parser.error("--gripper is what the robot holds with: give both or neither")
     args.to = args.to if args.to is None else args.to or " "  # which is refused where it is read
     whole = "--build" if args.build else "--to"
-    of_some = args.target or args.verify or args.robot or args.hands
+    of_some = args.target or args.verify or args.robot or args.hands or args.clamped
     if (args.build or args.to) and (of_some or (args.build and args.to)):
-        others = "--target, --verify, --robot" + (", --hands and --to" if args.build else " and --hands")
+        others = "--target, --verify, --robot, --hands" + (
+            ", --clamped and --to" if args.build else " and --clamped"
+        )
         args.parser.error(f"{whole} is about the whole arrangement: leave {others} out")
-    own = args.verify or args.robot or args.hands or args.next_view or args.build or args.to
+    own = args.verify or args.robot or args.hands or args.clamped or args.next_view or args.build or args.to
     if args.orderer is not None and own:
-        others = "--verify, --robot, --hands, --next-view, --build and --to"
+        others = "--verify, --robot, --hands, --clamped, --next-view, --build and --to"
         args.parser.error(f"{others} are about topple's own order: leave out --orderer")
     orderer, relating = orderer_of(args), rule_of(args)
     if args.max_objects is not None:
@@ -101,6 +110,7 @@ def execute(args: argparse.Namespace) -> int:
         "budget": args.budget,
         "robot": arm,
         "hands": args.hands,
+        "clamped": args.clamped,
     }
     scene_paths(args)  # which may be among the names of --fixed and --target
     reading = Reading.of(args)
