@@ -14,6 +14,7 @@ from topple.planner.decide.hold import Hold
 from topple.planner.rearranging.arrangement import Arrangement
 from topple.planner.rearranging.problem import Act, Move, Pair, Problem, To
 from topple.planner.rearranging.steady import steadied
+from topple.planner.rearranging.tolerances import NAMED
 from topple.planner.tolerances import DISTURBED
 from topple.topology.arrays import FloatArray, bounds
 from topple.topology.evidence import Evidence
@@ -24,9 +25,6 @@ from topple.topology.statics.sweep import swept_matrix
 
 SIDES = DISTURBED * np.column_stack([around(8), np.zeros(8)])
 """Pushes [m] that do not count as a move."""
-
-NAMED = 3
-"""Things that a sentence names; of more it counts the rest."""
 
 
 @dataclass(frozen=True)

@@ -83,6 +83,12 @@ BESIDE = 0.04
 """[m] between a thing and what shall lie beside it: a finger gets down between them."""
 
 
+# -- precedences
+
+NAMED = 3
+"""Things that a sentence names; of more it counts the rest, since twelve fill a page."""
+
+
 # -- possible
 
 DEEP = 0.01
