@@ -11,7 +11,7 @@ from topple.planner.rearranging.arrangement import INSIDE, Arrangement
 from topple.planner.rearranging.words import laid_out
 from topple.topology.errors import InvalidInput
 from topple.topology.io.relations import told_in
-from topple.topology.relation_table import AnyTable
+from topple.topology.relation_table import RelationTable
 from topple.topology.scene import Scene
 from topple.topology.situation import Situation
 from topple.topology.sixim.table import Relation
@@ -94,7 +94,7 @@ def _clauses(told: Pairs, scene: Scene) -> list[Place]:
     return clauses
 
 
-def _missing(told: Pairs, found: AnyTable) -> tuple[str, ...]:
+def _missing(told: Pairs, found: RelationTable) -> tuple[str, ...]:
     """Pairs that would not be as told, in words; what is on a plate may also be within its rim."""
     missing: list[str] = []
     for (a, b), wanted in told.items():
