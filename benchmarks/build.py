@@ -19,10 +19,11 @@ held is kept still while others are taken. One hand clears those of them in whic
 Shares have Wilson's 95 % intervals. Seeds from `FIRST` on chose nothing.
 """
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
+from concurrent.futures import Executor
 from dataclasses import dataclass, field
 from statistics import median
-from time import perf_counter
+from time import perf_counter, process_time
 from typing import Any
 
 import networkx as nx
@@ -42,8 +43,9 @@ from topple.planner.tolerances import DISTURBED, TURNED
 from topple.robots.poses import angle_between
 from topple.robots.world.world import World
 from topple.topology.arrays import bounds
-from topple.topology.scene import Scene
+from topple.topology.errors import ToppleError
 from topple.topology.situation import Situation
+from topple.topology.workers import Lost, mapped, opened
 
 FIRST = 2_200_000
 ARRANGEMENTS = 200
@@ -53,7 +55,14 @@ VIEWS = {0: "whole surfaces", 3: "3 cameras"}
 Names = frozenset[str]
 
 
-def rows(quick: bool, seed: int, progress: Progress, *, minutes: float | None = None) -> list[dict[str, Any]]:
+def rows(
+    quick: bool,
+    seed: int,
+    progress: Progress,
+    *,
+    minutes: float | None = None,
+    executor: Executor | None = None,
+) -> list[dict[str, Any]]:
     """Measure.
 
     Args:
@@ -61,38 +70,99 @@ def rows(quick: bool, seed: int, progress: Progress, *, minutes: float | None = 
         seed: Transfers on to other arrangements.
         progress: Called before each part.
         minutes: Begin no arrangement but the first after that time.
+        executor: Whose workers try them; None for a process a core.
 
     Returns:
         The bench's rows.
     """
-    count, counts, seconds = (10 if quick else ARRANGEMENTS), Counts(), list[float]()
-    begun = perf_counter()
-    for number in range(count):
-        if number and minutes is not None and perf_counter() - begun > 60 * minutes:
-            break
-        one = FIRST + 1000 * seed + number
-        kind, pile = arrangement(one)
-        progress(f"arrangement {number + 1} of {count}: {kind} of {len(pile.bodies)}")
-        trial = Trial(pile)
-        for view in VIEWS:
-            scene = observe(pile, view, one)
-            if set(scene.movable) != set(pile.poses):
-                continue  # a thing that no camera sees is in nobody's order
-            started = perf_counter()
-            found = build_order(scene)
-            seconds.append(perf_counter() - started)
-            counts.add(view, "topple", kind, trial.stands(found.order, found), bool(found.holds))
-            for name, baseline in _baselines(scene, one).items():
-                counts.add(view, name, kind, trial.stands(baseline), bool(found.holds))
-            counts.clear(view, scene, trial)
-    found = [*counts.rows(), Row("build_order, median, wall time", median(seconds), "s")]
-    return [row.to_json() for row in [Row("arrangements", len(counts.built[0, "topple"]), ""), *found]]
+    count, counts, until = (10 if quick else ARRANGEMENTS), Counts(), None
+    if minutes is not None:
+        until = perf_counter() + 60 * minutes
+    seeds = [FIRST + 1000 * seed + number for number in range(count)]
+    waiting = (one for k, one in enumerate(seeds) if not k or until is None or perf_counter() < until)
+    found: dict[int, Trials] = {}
+    with opened(executor) as pool:
+        for answer in mapped(tried, waiting, pool, in_turn=False):
+            if isinstance(answer, Lost):
+                raise ToppleError(f"arrangement {answer.task} was lost with the process that tried it")
+            found[answer.seed] = answer
+            progress(f"arrangement {len(found)} of {count}: {answer.kind}")
+    for one in sorted(found):
+        counts.add(found[one])
+    seconds = [looked.seconds for each in found.values() for looked in each.looks]
+    measured = [*counts.rows(), Row("build_order, median, CPU time", median(seconds), "s")]
+    return [row.to_json() for row in [Row("arrangements", len(found), ""), *measured]]
 
 
-def _baselines(scene: Scene, seed: int) -> dict[str, tuple[str, ...]]:
+@dataclass(frozen=True)
+class Look:
+    """What became of an arrangement as it was seen.
+
+    Attributes:
+        view: How many cameras saw it; 0: whole surfaces.
+        held: Whether topple's build order holds something.
+        prefixes: Whose order -> whether each of its prefixes stood.
+        cleared: How it was cleared by two hands.
+        seconds: CPU time of the build order, relations included [s].
+    """
+
+    view: int
+    held: bool
+    prefixes: Mapping[str, tuple[bool, ...]]
+    cleared: "Cleared"
+    seconds: float
+
+
+@dataclass(frozen=True)
+class Trials:
+    """An arrangement that was put together and cleared in every order."""
+
+    seed: int
+    kind: str
+    looks: tuple[Look, ...]
+
+
+def tried(seed: int) -> Trials:
+    """Put an arrangement together, and clear it, in every order that somebody gives.
+
+    Args:
+        seed: Of the arrangement.
+    """
+    kind, pile = arrangement(seed)
+    trial, looks = Trial(pile), list[Look]()
+    for view in VIEWS:
+        scene = observe(pile, view, seed)
+        if set(scene.movable) != set(pile.poses):
+            continue  # a thing that no camera sees is in nobody's order
+        started = process_time()
+        situation = Situation(scene)  # read once, for every order of topple's
+        found = build_order(situation)
+        seconds = process_time() - started
+        prefixes = {"topple": tuple(trial.stands(found.order, found))}
+        for name, baseline in _baselines(situation, seed).items():
+            prefixes[name] = tuple(trial.stands(baseline))
+        looks.append(Look(view, bool(found.holds), prefixes, _cleared(situation, trial), seconds))
+    return Trials(seed, kind, tuple(looks))
+
+
+def _cleared(situation: Situation, trial: "Trial") -> "Cleared":
+    """How an arrangement is cleared with two hands."""
+    found = order(situation, hands=2)
+    calm = trial.cleared(found.order, found.holds)
+    return Cleared(
+        holds=bool(found.holds),
+        planned=not found.unresolved,
+        calm=calm,
+        unheld=trial.cleared(found.order) if found.holds else calm,
+        unasked=trial.cleared(order(situation).order),
+    )
+
+
+def _baselines(situation: Situation, seed: int) -> dict[str, tuple[str, ...]]:
+    scene = situation.scene
     carried: nx.DiGraph[str] = nx.DiGraph()
     carried.add_nodes_from(scene.movable)
-    carriers = ((s.supporter, s.supported) for s in Situation(scene).supports)
+    carriers = ((s.supporter, s.supported) for s in situation.supports)
     carried.add_edges_from((a, b) for a, b in carriers if a not in scene.fixed)
     draw = dict(zip(scene.movable, np.random.default_rng(seed).permutation(len(carried)), strict=True))
     units = nx.condensation(carried)  # what seems to carry each other comes in any order
@@ -116,26 +186,15 @@ class Counts:
     free: dict[tuple[int, str], list[bool]] = field(default_factory=dict[tuple[int, str], list[bool]])
     cleared: "dict[int, list[Cleared]]" = field(default_factory=lambda: {})
 
-    def add(self, view: int, who: str, kind: str, prefixes: Sequence[bool], held: bool) -> None:
+    def add(self, trials: Trials) -> None:
         """Count one arrangement."""
-        self.stood.setdefault((view, who, kind), []).extend(prefixes)
-        self.built.setdefault((view, who), []).append(all(prefixes))
-        if not held:
-            self.free.setdefault((view, who), []).extend(prefixes)
-
-    def clear(self, view: int, scene: Scene, trial: "Trial") -> None:
-        """Count one arrangement that is cleared."""
-        found = order(scene, hands=2)
-        calm = trial.cleared(found.order, found.holds)
-        self.cleared.setdefault(view, []).append(
-            Cleared(
-                holds=bool(found.holds),
-                planned=not found.unresolved,
-                calm=calm,
-                unheld=trial.cleared(found.order) if found.holds else calm,
-                unasked=trial.cleared(order(scene).order),
-            )
-        )
+        for look in trials.looks:
+            self.cleared.setdefault(look.view, []).append(look.cleared)
+            for who, prefixes in look.prefixes.items():
+                self.stood.setdefault((look.view, who, trials.kind), []).extend(prefixes)
+                self.built.setdefault((look.view, who), []).append(all(prefixes))
+                if not look.held:
+                    self.free.setdefault((look.view, who), []).extend(prefixes)
 
     def cleared_rows(self) -> list[Row]:
         """What one hand clears, and two."""

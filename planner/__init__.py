@@ -23,7 +23,7 @@ if TYPE_CHECKING:
     from topple.planner.planning.two_handed import plan_two_handed
     from topple.planner.rearranging.arrangement import Arrangement
     from topple.planner.rearranging.rearrange import Rearrangement, rearrange
-    from topple.planner.rearranging.task import ArrangementTask, DescribedTask, SameShapesTask
+    from topple.planner.rearranging.task import ArrangementTask, DescribedTask, RelatedTask, SameShapesTask
     from topple.planner.report.plan_page import plan_page
     from topple.planner.report.run_page import run_page
 
@@ -42,6 +42,7 @@ __all__ = [
     "Order",
     "Plan",
     "Rearrangement",
+    "RelatedTask",
     "RunLimits",
     "SameShapesTask",
     "arrange",
@@ -85,7 +86,7 @@ __getattr__ = lazy_names(
         "planning.two_handed": "plan_two_handed",
         "rearranging.arrangement": "Arrangement",
         "rearranging.rearrange": "Rearrangement rearrange",
-        "rearranging.task": "SameShapesTask DescribedTask ArrangementTask",
+        "rearranging.task": "SameShapesTask DescribedTask ArrangementTask RelatedTask",
         "report.plan_page": "plan_page",
         "report.run_page": "run_page",
     },

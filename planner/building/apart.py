@@ -1,6 +1,7 @@
 """How what holds each other comes apart: with the fewest holds of a second hand."""
 
 from collections.abc import Collection, Sequence
+from dataclasses import replace
 from functools import cache
 
 import networkx as nx
@@ -14,7 +15,9 @@ from topple.topology.situation import Situation
 from topple.topology.statics.rest import Statics
 
 
-def taking_apart(situation: Situation, full: DependencyGraph, hands: int | None) -> TakeApart:
+def taking_apart(
+    situation: Situation, full: DependencyGraph, hands: int | None, clamped: Names = frozenset()
+) -> TakeApart:
     """What takes the groups of an order apart; with a number of hands, whatever else does not stand either.
 
     A removal is a build backwards: whatever stands while things are put together with some holds also stands
@@ -26,6 +29,7 @@ def taking_apart(situation: Situation, full: DependencyGraph, hands: int | None)
         full: Its dependencies, with every edge. Those that static equilibrium does not find, since simulation
             did, are heeded too.
         hands: How many hands there are; None where nobody said, and the groups alone are asked about.
+        clamped: What a fixture holds where it stands until it is taken.
     """
     over = [(then, first) for first, then in full.swept()]
     statics = situation.statics
@@ -37,18 +41,21 @@ def taking_apart(situation: Situation, full: DependencyGraph, hands: int | None)
         for part in groups if hands is None else [steps]:
             begin = steps.index(part[0])
             falling = _falling(falls(), situation, full, frozenset(part), frozenset(steps[:begin]))
-            units, found = removals(part, over, falling, meeting)
+            units, found = removals(part, over, falling, meeting, clamped & frozenset(part))
             taken = [units[k] for k in found.path]
             order[begin : begin + len(part)] = [name for unit in taken for name in unit]
             holds += [
-                held(name, taken[since][0], taken[until][-1], taken[since][0], full, situation)
+                replace(
+                    held(name, taken[since][0], taken[until][-1], taken[since][0], full, situation),
+                    fixture=name in clamped,
+                )
                 for name, (since, until) in sorted(found.held.items(), key=lambda each: each[1])
             ]
             hooked += [unit for unit in taken if len(unit) > 1]  # in each other's way, whatever is held
             proven = proven and found.proven
         if hands is None:
             return Apart(tuple(order), tuple(holds), proven)
-        lacking = holds if hands_for(order, holds) > hands else ()
+        lacking = [hold for hold in holds if not hold.fixture] if hands_for(order, holds) > hands else []
         unresolved = (*hooked, *((*hold.meanwhile(order), hold.object) for hold in lacking))
         return Apart(tuple(order), tuple(holds), proven, unresolved)
 
@@ -56,7 +63,11 @@ def taking_apart(situation: Situation, full: DependencyGraph, hands: int | None)
 
 
 def removals(
-    group: Sequence[str], over: Collection[tuple[str, str]], falling: Falling, meeting: "nx.Graph[str]"
+    group: Sequence[str],
+    over: Collection[tuple[str, str]],
+    falling: Falling,
+    meeting: "nx.Graph[str]",
+    clamped: Names = frozenset(),
 ) -> tuple[list[tuple[str, ...]], Prefixes]:
     """The order of removals that needs the fewest holds.
 
@@ -65,13 +76,14 @@ def removals(
         over: (below, above): the lift of the first of each pair would meet the second.
         falling: What does not stand; nothing where everything is in place, and nothing that is held.
         meeting: Which objects are in contact.
+        clamped: What a fixture holds until it is taken.
 
     Returns:
         What is taken at once, and in which order that is; each hold from when one of them is taken until
         another is.
     """
     units, before = in_units(group, over, lambda name: -group.index(name))
-    built = fewest_holds(units, before, falling, meeting)
+    built = fewest_holds(units, before, falling, meeting, clamped=clamped)
     last = len(units) - 1
     spans = {name: (last - until, last - since) for name, (since, until) in built.held.items()}
     return [unit[::-1] for unit in units], Prefixes(built.path[::-1], spans, built.proven)

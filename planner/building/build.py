@@ -19,7 +19,8 @@ from topple.planner.decide.hold import Hold
 from topple.topology.errors import InvalidInput
 from topple.topology.situation import Situation
 from topple.topology.statics.gravity import check_up
-from topple.topology.statics.rest import Statics
+from topple.topology.statics.holding import deficits
+from topple.topology.statics.rest import Statics, within_reach
 from topple.topology.statics.tolerances import UNSTEADY
 from topple.topology.values import FrozenDict
 
@@ -136,9 +137,21 @@ def _standing_beside(falling: Falling, others: Names, placed: Names, held: Names
 def _unsteady(statics: Statics) -> tuple[str, ...]:
     """What does not stand in the finished arrangement, as far as its weights are known."""
     found = [name for name, missing in statics.unexplained.items() if missing > UNSTEADY]
-    return tuple(
-        f"{name} stands in the whole arrangement, though its contacts do not show how" for name in found
-    )
+    said = [f"{name} stands in the whole arrangement, though its contacts do not show how" for name in found]
+    return (*said, *_propped(statics))
+
+
+def _propped(statics: Statics) -> list[str]:
+    """What would fall but for a contact that was not seen, of bodies that cameras did not hide parts of."""
+    seen = [contact for contact in statics.contacts if not contact.inferred]
+    if statics.sight is not None or len(seen) == len(statics.contacts):
+        return []
+    without = deficits(statics.weights, within_reach(seen, statics.weights))
+    return [
+        f"{name} would not stand on what it touches: something that is not in its cloud is taken to carry it"
+        for name, missing in without.items()
+        if missing > UNSTEADY >= statics.unexplained[name]
+    ]
 
 
 def _risks(

@@ -55,6 +55,7 @@ def fewest_holds(
     falling: Falling,
     meeting: "nx.Graph[str]",
     most_states: int = MOST_STATES,
+    clamped: Names = frozenset(),
 ) -> Prefixes:
     """Search all orders, those with fewer holds first, and of these those that prefer earlier units.
 
@@ -64,6 +65,7 @@ def fewest_holds(
         falling: What does not stand; nothing where everything is in place, and nothing that is held.
         meeting: Which objects are in contact: holding one helps only those it hangs together with.
         most_states: How many partial arrangements are tried until the first order found is taken.
+        clamped: What a fixture holds from when it is down: it costs no hold.
 
     Returns:
         The order, with holds as short as they can be.
@@ -75,7 +77,7 @@ def fewest_holds(
         counts = (len(held), -len(path)) if tried < most_states else (-len(path), len(held))
         return (*counts, path, sorted(held))
 
-    heappush(queue, (cost((), frozenset()), ((), frozenset())))
+    heappush(queue, (cost((), clamped), ((), clamped)))
     stood: dict[frozenset[int], list[Names]] = {}
     while True:
         path, held = heappop(queue)[1]

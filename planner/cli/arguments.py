@@ -86,7 +86,8 @@ OPTIONS: dict[str, dict[str, Any]] = {
     },
     "--to": {
         "metavar": "GOAL",
-        "help": "how things shall lie: another scene of them, or words (cup left of plate)",
+        "help": "how things shall lie: another scene of them, what `topple relate --json` wrote, or words "
+        "(cup left of plate)",
     },
     "--match": {
         "choices": ("name", "shape"),

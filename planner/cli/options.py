@@ -6,6 +6,7 @@ import sys
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from functools import partial
+from pathlib import Path
 from typing import TYPE_CHECKING, Any, cast
 
 if TYPE_CHECKING:
@@ -16,7 +17,7 @@ if TYPE_CHECKING:
 
 _SCENE_SUFFIXES = (".npz", ".npy")
 _OF_FORMATS = ("image", "models", "depth", "info", "labels", "view")  # options that one format of scenes has
-_LISTS = ("fixed", "target")  # options that take one name after the other
+_LISTS = ("fixed", "target", "clamped")  # options that take one name after the other
 
 
 def rule_of(args: argparse.Namespace) -> "Callable[[Scene], Relations] | None":
@@ -127,6 +128,38 @@ class Reading:
 def read_scene(args: argparse.Namespace, path: str) -> "Scene":
     """Read one of the scenes as the options say; see `Reading.scene`."""
     return Reading.of(args).scene(path)
+
+
+def finished(reading: Reading, goal: str) -> "Scene | str | dict[str, Any]":
+    """What --to gives: words, a document of relations, or a scene.
+
+    Args:
+        reading: How scenes are read.
+        goal: The words or the path.
+
+    Raises:
+        InvalidInput: It is empty, or cannot be read.
+    """
+    from topple.planner.rearranging.words import is_words
+    from topple.topology.errors import InvalidInput
+    from topple.topology.io.limits import check_size
+    from topple.topology.io.strict_json import read_json
+    from topple.topology.io.tolerances import MOST_BYTES
+
+    if not goal.strip():
+        raise InvalidInput('--to is empty: expected a scene, relations.json, or words as "cup left of plate"')
+    if is_words(goal):
+        return goal
+    path = Path(goal)
+    if path.suffix != ".json" or not path.is_file():
+        return reading.scene(goal)
+    with path.open("rb") as file:
+        data = file.read(MOST_BYTES + 1)
+    check_size(len(data), goal)
+    document = read_json(data.decode("utf-8", "replace"), goal)
+    if not isinstance(document, dict) or "relations" not in document:
+        raise InvalidInput(f"{goal}: expected what `topple relate --json` prints, an object with 'relations'")
+    return document
 
 
 def read_plan(path: str) -> "Plan":

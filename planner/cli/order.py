@@ -10,7 +10,7 @@ from topple.planner.cli.arguments import COMMON, GRIPPER, add, add_jobs, add_kep
 from topple.planner.cli.console import complain, print_json
 from topple.planner.cli.main import DONE, NO_SAFE_PLAN
 from topple.planner.cli.many import Kept, for_each_scene, kept_in
-from topple.planner.cli.options import Reading, orderer_of, rule_of, scene_paths
+from topple.planner.cli.options import Reading, finished, orderer_of, rule_of, scene_paths
 from topple.planner.cli.progress import Progress
 from topple.planner.cli.robot_options import arm_of
 from topple.planner.cli.tables import (
@@ -56,6 +56,13 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         help="how many hands there are: where things hold each other, 1 has no safe order, and 2 or more may",
     )
     parser.add_argument(
+        "--clamped",
+        nargs="+",
+        default=[],
+        metavar="NAME",
+        help="what a fixture, such as a vice, keeps where it stands until it is taken",
+    )
+    parser.add_argument(
         "--next-view",
         action="store_true",
         help="say from where a camera would see most of what is hidden and decides the order",
@@ -68,7 +75,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     add(
         parser,
         "--to",
-        help="say in which order to move things until they lie as in another scene, or as words say",
+        help="say in which order to move things until they lie as another scene, relations or words say",
     )
     add(parser, "--match")
 
@@ -79,14 +86,17 @@ def execute(args: argparse.Namespace) -> int:
         args.parser.error("--budget bounds --verify: give both or neither")
     if args.gripper is not None and not args.robot:
         args.parser.error("--gripper is what the robot holds with: give both or neither")
+    args.to = args.to if args.to is None else args.to or " "  # which is refused where it is read
     whole = "--build" if args.build else "--to"
-    of_some = args.target or args.verify or args.robot or args.hands
+    of_some = args.target or args.verify or args.robot or args.hands or args.clamped
     if (args.build or args.to) and (of_some or (args.build and args.to)):
-        others = "--target, --verify, --robot" + (", --hands and --to" if args.build else " and --hands")
+        others = "--target, --verify, --robot, --hands" + (
+            ", --clamped and --to" if args.build else " and --clamped"
+        )
         args.parser.error(f"{whole} is about the whole arrangement: leave {others} out")
-    own = args.verify or args.robot or args.hands or args.next_view or args.build or args.to
+    own = args.verify or args.robot or args.hands or args.clamped or args.next_view or args.build or args.to
     if args.orderer is not None and own:
-        others = "--verify, --robot, --hands, --next-view, --build and --to"
+        others = "--verify, --robot, --hands, --clamped, --next-view, --build and --to"
         args.parser.error(f"{others} are about topple's own order: leave out --orderer")
     orderer, relating = orderer_of(args), rule_of(args)
     if args.max_objects is not None:
@@ -100,6 +110,7 @@ def execute(args: argparse.Namespace) -> int:
         "budget": args.budget,
         "robot": arm,
         "hands": args.hands,
+        "clamped": args.clamped,
     }
     scene_paths(args)  # which may be among the names of --fixed and --target
     reading = Reading.of(args)
@@ -171,12 +182,8 @@ def _built(situation: "Situation") -> _Answer:
 def _moved(reading: Reading, goal: str, match: str, situation: "Situation") -> _Answer:
     """The order in which things are moved until they lie as in another scene."""
     from topple.planner.rearranging.rearrange import rearrange
-    from topple.planner.rearranging.words import described, is_words
 
-    if is_words(goal):
-        moves = rearrange(situation, described(goal, situation).situation)
-    else:
-        moves = rearrange(situation, reading.scene(goal), match=match)
+    moves = rearrange(situation, finished(reading, goal), match=match)
     return _Answer(moves.to_json(), len(situation.movable))
 
 

@@ -4,7 +4,7 @@ import argparse
 import math
 from typing import TYPE_CHECKING
 
-from topple.planner.cli.options import read_scene
+from topple.planner.cli.options import Reading, finished
 from topple.planner.files import check_writable
 from topple.topology.errors import InvalidInput
 
@@ -24,7 +24,7 @@ def goal_of(args: argparse.Namespace) -> "str | list[str] | Task":
         args: The parsed arguments, scenes told apart from targets already.
 
     Returns:
-        The goal's words, the names to free, or the task to make things lie as in another scene.
+        The goal's words, the names to free, or the task to make things lie as --to says.
 
     Raises:
         InvalidInput: That scene cannot be read.
@@ -33,12 +33,18 @@ def goal_of(args: argparse.Namespace) -> "str | list[str] | Task":
         args.parser.error("give one of --target NAME, --goal TEXT and --to GOAL")
     if args.to is not None:
         from topple.planner.rearranging.arrangement import Arrangement
-        from topple.planner.rearranging.task import ArrangementTask, DescribedTask, SameShapesTask
-        from topple.planner.rearranging.words import is_words
+        from topple.planner.rearranging.task import (
+            ArrangementTask,
+            DescribedTask,
+            RelatedTask,
+            SameShapesTask,
+        )
 
-        if is_words(args.to):
-            return DescribedTask(args.to)
-        scene = read_scene(args, args.to)
+        scene = finished(Reading.of(args), args.to)
+        if isinstance(scene, str):
+            return DescribedTask(scene)
+        if isinstance(scene, dict):
+            return RelatedTask(scene)
         return SameShapesTask(scene) if args.match == "shape" else ArrangementTask(Arrangement(scene))
     return args.goal if args.goal is not None else args.target
 

@@ -70,8 +70,9 @@ def print_order(title: str, document: Document, movable: int | None = None) -> N
         print_table(("supporter", "supported", "kind", "confidence", ""), rows, right=(3,))
     for group in document["groups"]:
         print_text(f"{listed(group)} hold each other: take them together, or hold the others.")
-    for words in holds_in_words(document):
-        print_text(f"With a second hand, {words}.")
+    for hold, words in zip(document.get("holds", ()), holds_in_words(document), strict=True):
+        by = "With the fixture" if hold.get("fixture") else "With a second hand"
+        print_text(f"{by}, {words}.")
     for bar in document.get("access", ()):
         print_text(f"{bar['reason']}: it has to go before a hand gets there.")
 

@@ -171,7 +171,7 @@ def parse_goal(goal: str | Sequence[str], scene: "Scene") -> Goal:
     free: list[str] = []
     empty: list[str] = []
     places: list[Place] = []
-    for clause in _clauses(text, scene):
+    for clause in clauses_in(text, scene):
         _read_clause(clause, scene, free, empty, places)
     ordered = _in_order(text, places)
     for name in free:
@@ -180,8 +180,8 @@ def parse_goal(goal: str | Sequence[str], scene: "Scene") -> Goal:
     return Goal(text, tuple(dict.fromkeys(free)), tuple(dict.fromkeys(empty)), ordered)
 
 
-def _clauses(text: str, scene: "Scene") -> list[str]:
-    """Split at commas, semicolons and "and", but not inside an object's name."""
+def clauses_in(text: str, scene: "Scene") -> list[str]:
+    """Split words at commas, semicolons and "and", but not inside the name of an object of the scene."""
     marked = text
     names = sorted((n for n in scene.clouds if re.search(r"[,;]|\band\b", n)), key=len, reverse=True)
     for i, name in enumerate(names):

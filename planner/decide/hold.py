@@ -19,6 +19,7 @@ class Hold:
             or what it could not carry alone.
         because: Why, in words.
         evidence: The relations this rests on.
+        fixture: Whether what clamps the object where it stands holds it, and no hand has to.
     """
 
     object: str
@@ -26,6 +27,7 @@ class Hold:
     until: str
     because: str
     evidence: tuple[Evidence, ...] = ()
+    fixture: bool = False
 
     def to_json(self) -> dict[str, Any]:
         """The hold as the JSON of `topple order` has it."""
@@ -33,6 +35,7 @@ class Hold:
         return {
             "object": self.object, "since": self.since, "until": self.until,
             "because": self.because, "evidence": evidence,
+            **({"fixture": True} if self.fixture else {}),
         }  # fmt: skip
 
     def meanwhile(self, order: Sequence[str]) -> tuple[str, ...]:
@@ -44,10 +47,12 @@ class Hold:
         """What to do in an order of removals, and why."""
         taken = self.meanwhile(order)
         verb = "is" if len(taken) == 1 else "are"
-        return f"hold {self.object} while {' and '.join(taken)} {verb} taken: {self.because}"
+        begin = "keep" if self.fixture else "hold"
+        kept = " clamped" if self.fixture else ""
+        return f"{begin} {self.object}{kept} while {' and '.join(taken)} {verb} taken: {self.because}"
 
 
 def hands_for(order: Sequence[str], holds: Sequence[Hold]) -> int:
-    """How many hands an order takes: one that takes or puts down, and those that hold meanwhile."""
-    held = [name for hold in holds for name in hold.meanwhile(order)]
+    """How many hands an order takes: one that takes or puts down, and those that hold what is not clamped."""
+    held = [name for hold in holds if not hold.fixture for name in hold.meanwhile(order)]
     return 1 + max((held.count(name) for name in held), default=0)

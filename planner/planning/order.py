@@ -44,6 +44,7 @@ def order(
     beliefs: Beliefs | None = None,
     check_gravity: bool = True,
     hands: int | None = None,
+    clamped: Sequence[str] | str = (),
 ) -> Order:
     """Find the order that frees the targets with the fewest removals, or with the least risk.
 
@@ -66,6 +67,8 @@ def order(
         hands: How many hands there are, one that takes and those that hold meanwhile. With it every step is
             asked about as things are by then, and what takes more hands is `unresolved`. Without it `holds`
             names what would take the groups apart.
+        clamped: Names that a fixture, such as a vice, keeps where they stand until they are taken: a second
+            hand that cannot move. Where `hands` is not given, there is one.
 
     Returns:
         The order. What must go before a target is what has a path to it in the dependency graph,
@@ -79,9 +82,15 @@ def order(
     if hands is not None and hands < 1:
         raise InvalidInput(f"hands is {hands}: expected how many there are, 1 or more")
     started = time.monotonic()
+    fixture = frozenset([clamped] if isinstance(clamped, str) else clamped)
+    if fixture and hands is None:
+        hands = 1
     situation = Situation.of(scene, relations)
     scene = situation.scene
     wanted = check_targets(scene, targets)
+    if unknown := sorted(fixture - scene.clouds.keys()):
+        raise UnknownObject(unknown[0], scene.movable)
+    fixture -= scene.fixed
     statics = situation.statics
     if check_gravity:
         check_up(scene, statics)
@@ -102,7 +111,7 @@ def order(
     tops = {name: _top(statics.surfaces[name]) for name in full.names}
     edges = {(edge.first, edge.then) for edge in full.dependencies}
     risked = (beliefs or Beliefs()).weighed(chance, edges)
-    apart = taking_apart(situation, full, hands)
+    apart = taking_apart(situation, full, hands, fixture)
     found = arrange(full.reduced(), wanted, tops, situation.supports, said, risked, removal_risk, apart)
     checked = verify and not notes["budget_exhausted"]
     found = replace(found, verified=checked, chances=FrozenDict(chance), notes=FrozenDict(notes))

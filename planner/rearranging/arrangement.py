@@ -8,9 +8,11 @@ import numpy as np
 from topple.planner.building.build import BuildOrder, build_order
 from topple.planner.building.standing import falling_in
 from topple.planner.decide.goal import Goal, Place, PlaceRelation
-from topple.planner.rearranging.matching import Match, matched
+from topple.planner.rearranging.matching import Match, matched, sizes
+from topple.planner.rearranging.possible import check_possible
 from topple.planner.rearranging.registration import Registration, least, registered
 from topple.planner.rearranging.steady import steadied
+from topple.planner.rearranging.tolerances import OTHER, SIZES
 from topple.topology.arrays import FloatArray
 from topple.topology.bodies.solids import up_of
 from topple.topology.errors import InvalidInput
@@ -72,17 +74,31 @@ class Arrangement:
             start: How things lie.
 
         Raises:
-            InvalidInput: It has other things, or another up.
+            InvalidInput: It has other things, of other shapes, or another up; or no things can lie as in the
+                goal.
         """
         goal = self.situation
         for here, there, words in ((start, goal, "the goal"), (goal, start, "the start")):
             missing = [name for name in here.movable if name not in there.movable]
             if missing:
                 raise InvalidInput(
-                    f"{', '.join(missing)}: not among what moves in {words}; things match by name"
+                    f"{', '.join(missing)}: not among what moves in {words}, which has "
+                    f"{', '.join(there.movable) or 'nothing'}; things match by name: give both the same "
+                    "things, or match by shape"
                 )
         if float(start.up @ goal.up) < np.cos(np.radians(5.0)):
             raise InvalidInput("start and goal have another up: give both in one frame")
+        check_possible(goal)
+        whole = start.statics.sight is None and goal.statics.sight is None
+        for name in start.movable:
+            size, other = (sizes(each.scene.clouds[name]) for each in (start, goal))
+            longer = float(np.abs(size - other).max()) if whole else 0.0
+            if max(longer - SIZES, self.fit(name, start).residual - OTHER) > 0.0:
+                here, there = (" x ".join(f"{1e3 * length:.0f}" for length in each) for each in (size, other))
+                raise InvalidInput(
+                    f"{name} has another shape in the goal: {there} mm, and {here} mm at the start; "
+                    "expected the same thing under the same name"
+                )
 
     def in_frame(self, pose: FloatArray, up: FloatArray) -> "Arrangement":
         """The same in another frame: pose (4, 4) leads there, up (3,) is against gravity there."""

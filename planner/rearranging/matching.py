@@ -59,7 +59,7 @@ def matched(start: Scene, goal: Scene, up: FloatArray) -> tuple[Scene, tuple[Mat
     residuals = costs.copy()
     for i, name in enumerate(here):
         for j, other in enumerate(there):
-            if np.abs(_sizes(start.clouds[name]) - _sizes(goal.clouds[other])).max() < SIZES:
+            if np.abs(sizes(start.clouds[name]) - sizes(goal.clouds[other])).max() < SIZES:
                 fit = registered(start.clouds[name], goal.clouds[other], up)
                 residuals[i, j], costs[i, j] = fit.residual, fit.residual + NEARER * fit.way
     rows, columns = linear_sum_assignment(np.minimum(costs, 1.0))
@@ -72,7 +72,7 @@ def matched(start: Scene, goal: Scene, up: FloatArray) -> tuple[Scene, tuple[Mat
     return _renamed(goal, {match.goal: match.object for match in found}), tuple(found)
 
 
-def _sizes(cloud: FloatArray) -> FloatArray:
+def sizes(cloud: FloatArray) -> FloatArray:
     """(3,) extents of a cloud along its principal axes, longest first [m]."""
     centred = cloud - cloud.mean(axis=0)
     return np.ptp(centred @ np.linalg.svd(centred, full_matrices=False)[2].T, axis=0)

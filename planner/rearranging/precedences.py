@@ -1,6 +1,6 @@
 """What has to happen before what, to turn one arrangement into another: removals, footings, places."""
 
-from collections.abc import Collection, Iterable, Mapping
+from collections.abc import Collection, Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from itertools import permutations
 from typing import Any
@@ -14,6 +14,7 @@ from topple.planner.decide.hold import Hold
 from topple.planner.rearranging.arrangement import Arrangement
 from topple.planner.rearranging.problem import Act, Move, Pair, Problem, To
 from topple.planner.rearranging.steady import steadied
+from topple.planner.rearranging.tolerances import NAMED
 from topple.planner.tolerances import DISTURBED
 from topple.topology.arrays import FloatArray, bounds
 from topple.topology.evidence import Evidence
@@ -75,12 +76,17 @@ class Precedences:
         for move in moves:
             why: list[str] = []
             if move.object not in off:
-                why += [e.sentence() for e in self.removals if e.first == move.object and e.then not in off]
-                why += [p.sentence() for p in self.places if p.first == move.object and p.then not in down]
+                why += [e.sentence() for e in _direct(self.removals, off) if e.first == move.object]
+                taken = [p.then for p in self.places if p.first == move.object and p.then not in down]
+                why += [f"{move.object} is where {_counted(taken)} shall be"] if taken else []
                 off.add(move.object)
             if move.to is To.GOAL:
                 down.add(move.object)
-                why += [e.sentence() for e in self.footings if e.first == move.object and e.then not in down]
+                why += [
+                    e.sentence()
+                    for e in _direct(self.footings, down - {move.object})
+                    if e.first == move.object
+                ]
                 why += [
                     f"hold {h.object} until {h.until} is down" for h in self.holds if h.since == move.object
                 ]
@@ -118,6 +124,31 @@ def precedences(
     moving = tuple(name for name in names if name not in staying)
     problem = Problem(moving, staying, frozenset(pairs))
     return Precedences(problem, removals, arrangement.built.footings, places, arrangement.built.holds)
+
+
+def _counted(names: Sequence[str]) -> str:
+    """Names as words, of many the first two and how many there are besides."""
+    if len(names) > NAMED:
+        return f"{', '.join(names[:2])} and {len(names) - 2} others"
+    return " and ".join((", ".join(names[:-1]), names[-1])) if len(names) > 1 else names[0]
+
+
+def _direct(edges: Iterable[Dependency], over: Collection[str]) -> list[Dependency]:
+    """Those of some dependencies that do not follow from two others, among what is still to come.
+
+    Args:
+        edges: Dependencies, with those that follow.
+        over: What has come already.
+    """
+    left = {(e.first, e.then): e for e in edges if not {e.first, e.then} & set(over)}
+    later: dict[str, set[str]] = {}
+    for first, then in left:
+        later.setdefault(first, set()).add(then)
+    return [
+        edge
+        for (first, then), edge in left.items()
+        if not any(then in later.get(between, ()) for between in later[first] - {then})
+    ]
 
 
 def _places(

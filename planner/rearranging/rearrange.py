@@ -88,14 +88,18 @@ class Rearrangement(ByValue):
 
 @overload
 def rearrange(
-    start: "Scene | Situation", goal: "Scene | Situation", *, match: str = ..., seconds: float = ...
+    start: "Scene | Situation",
+    goal: "Scene | Situation | str | Mapping[str, Any]",
+    *,
+    match: str = ...,
+    seconds: float = ...,
 ) -> Rearrangement: ...
 
 
 @overload
 def rearrange(
     start: "Scene | Situation",
-    goal: "Scene | Situation",
+    goal: "Scene | Situation | str | Mapping[str, Any]",
     robot: "Arm | str",
     *,
     match: str = ...,
@@ -105,7 +109,7 @@ def rearrange(
 
 def rearrange(
     start: "Scene | Situation",
-    goal: "Scene | Situation",
+    goal: "Scene | Situation | str | Mapping[str, Any]",
     robot: "Arm | str | None" = None,
     *,
     match: str = "name",
@@ -121,7 +125,8 @@ def rearrange(
 
     Args:
         start: How things lie.
-        goal: How they shall lie, in the same frame.
+        goal: How they shall lie: a scene in the same frame; words, as "bowl on plate, spoon left of plate";
+            or a document of relations, as `Relations.to_json` gives it.
         robot: The arm, or its name; None: the moves alone.
         match: By what things are matched: "name", or "shape", where those of the goal have other names; what
             is taken to be what, and how far their clouds are apart, is among the assumptions.
@@ -132,20 +137,36 @@ def rearrange(
         The moves, with the least number there can be; with an arm, the certified plan.
 
     Raises:
-        InvalidInput: A scene has no `up` or nothing that moves, the two have other things or another `up`, or
-            nothing is matched by what `match` says.
+        InvalidInput: A scene has no `up` or nothing that moves, the two have other things or another `up`,
+            nothing is matched by what `match` says, or nothing can lie as the goal has it.
         NoSafePlan: What must happen before what closes a cycle that no buffer opens; or the arm cannot do it.
     """
     if match not in MATCHES:
         raise InvalidInput(f"match is {match!r}: expected one of {', '.join(MATCHES)}")
-    before, after = Situation.of(start), Situation.of(goal)
-    wanted = Arrangement(after) if match == "name" else Arrangement.alike(before.scene, after.scene)
+    before = Situation.of(start)
+    wanted = _wanted(goal, before, match)
     if robot is None:
         return _fewest(before, wanted, seconds)
     from topple.planner.planning.plan import plan
     from topple.planner.rearranging.task import ArrangementTask
 
     return plan(before.scene, ArrangementTask(wanted, seconds), robot, **options)
+
+
+def _wanted(
+    goal: "Scene | Situation | str | Mapping[str, Any]", before: Situation, match: str
+) -> Arrangement:
+    """How things shall lie, worked out where it is told."""
+    if isinstance(goal, str):
+        from topple.planner.rearranging.words import described  # lets things go in simulation
+
+        return described(goal, before)
+    if isinstance(goal, Mapping):
+        from topple.planner.rearranging.related import related
+
+        return related(goal, before)
+    after = Situation.of(goal)
+    return Arrangement(after) if match == "name" else Arrangement.alike(before.scene, after.scene)
 
 
 def _fewest(before: Situation, arrangement: Arrangement, seconds: float) -> Rearrangement:

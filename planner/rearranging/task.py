@@ -1,8 +1,9 @@
 """Turning one arrangement into another as a task for an arm, of a plan or of a run."""
 
 from abc import ABC, abstractmethod
-from collections.abc import Collection, Sequence
+from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass, field
+from typing import Any
 
 from topple.planner.decide.goal import Goal
 from topple.planner.planning.step import Chooser, Context, Task
@@ -130,6 +131,25 @@ class DescribedTask(_LazyTask):
         from topple.planner.rearranging.words import described  # lets things go in simulation
 
         return described(self.words, Situation.of(scene))
+
+
+class RelatedTask(_LazyTask):
+    """The task to give things the relations of a document: see `topple.planner.rearranging.related.related`.
+
+    Args:
+        document: What `topple relate --json` prints, of this scene or another one of the same things.
+        seconds: As `ArrangementTask` takes it.
+    """
+
+    def __init__(self, document: Mapping[str, Any], seconds: float = SECONDS) -> None:
+        super().__init__(seconds)
+        self.document = document
+
+    def arrangement(self, scene: Scene) -> Arrangement:
+        """The relations worked out."""
+        from topple.planner.rearranging.related import related  # lets things go in simulation
+
+        return related(self.document, Situation.of(scene))
 
 
 class SameShapesTask(_LazyTask):

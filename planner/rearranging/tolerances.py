@@ -83,6 +83,25 @@ BESIDE = 0.04
 """[m] between a thing and what shall lie beside it: a finger gets down between them."""
 
 
+# -- precedences
+
+NAMED = 3
+"""Things that a sentence names; of more it counts the rest, since twelve fill a page."""
+
+
+# -- possible
+
+DEEP = 0.01
+"""[m] by which bodies of which all is given may be in each other: what does not count as a move."""
+
+DEEP_SHARE = 0.03
+"""Share of the points of one that are that deep: of two cubes that overlap by half, part of one face."""
+
+OTHER = 0.02
+"""[m] between two clouds of one name, once registered, from where on they are of other things: looks of one
+thing in a heap and on a table leave 4 mm, and things of one size and another shape 1 cm."""
+
+
 # -- matching
 
 SIZES = 0.03

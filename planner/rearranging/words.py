@@ -1,13 +1,13 @@
 """An arrangement in words, worked out: "plate on table, bowl on plate, spoon left of plate"."""
 
 import re
-from collections.abc import Sequence
+from collections.abc import Collection, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
 
 import numpy as np
 
-from topple.planner.decide.goal import Place, PlaceRelation, holds, parse_goal
+from topple.planner.decide.goal import Place, PlaceRelation, clauses_in, holds, parse_goal
 from topple.planner.errors import NoSafePlan
 from topple.planner.placement.lowered import lowered
 from topple.planner.placement.placement import Placement, placements
@@ -67,14 +67,32 @@ def described(words: str, situation: Situation) -> Arrangement:
         UnknownObject: A name is not in the scene.
         NoSafePlan: Somewhere there is no room; or the words go round in a circle.
     """
-    return _Laying(situation).all(_read(words, situation))
+    if not words.strip():
+        raise InvalidInput('the arrangement is empty: say where things shall lie, as "cup left of plate"')
+    return laid_out(_read(words, situation), situation)
+
+
+def laid_out(
+    clauses: Sequence[Place | Beside], situation: Situation, leaving: Collection[str] = ()
+) -> Arrangement:
+    """Find places for some things, with as little moved as they ask for.
+
+    Args:
+        clauses: What shall lie where, each thing once.
+        situation: How things lie now.
+        leaving: Of these, what has to go elsewhere even where it lies as told.
+
+    Raises:
+        NoSafePlan: Somewhere there is no room; or the clauses go round in a circle.
+    """
+    return _Laying(situation, leaving).all(_below_first(clauses))
 
 
 def _read(words: str, situation: Situation) -> list[Place | Beside]:
-    """The clauses, what is below or beside others first."""
+    """The clauses."""
     scene, sides, said = situation.scene, list[Beside](), list[str]()
     pattern = re.compile(rf"^(.+?)\s+({'|'.join(Side)})\s+(.+)$")
-    for clause in filter(None, re.split(r"\s*[,;]\s*|\s+and\s+", words.strip())):
+    for clause in clauses_in(words, scene):
         found = pattern.match(clause)
         if found is None:
             said.append(clause)
@@ -93,7 +111,12 @@ def _read(words: str, situation: Situation) -> list[Place | Beside]:
     names = [clause.object for clause in clauses]
     if twice := sorted({name for name in names if names.count(name) > 1}):
         raise InvalidInput(f"{words!r} names two places for {', '.join(twice)}: give one")
-    done, left = list[Place | Beside](), clauses
+    return clauses
+
+
+def _below_first(clauses: Sequence[Place | Beside]) -> list[Place | Beside]:
+    """Clauses, what is below or beside others first."""
+    done, left = list[Place | Beside](), list(clauses)
     while left:
         ready = [each for each in left if each.where not in {other.object for other in left}]
         if not ready:
@@ -114,10 +137,11 @@ class _Laying:
 
     Args:
         situation: How they lie now.
+        leaving: What may not stay, even where it lies as told.
     """
 
-    def __init__(self, situation: Situation) -> None:
-        self._start, self._up = situation, situation.up
+    def __init__(self, situation: Situation, leaving: Collection[str] = ()) -> None:
+        self._start, self._up, self._leaving = situation, situation.up, leaving
         self._poses: dict[str, FloatArray] = {}
 
     def all(self, clauses: Sequence[Place | Beside]) -> Arrangement:
@@ -153,7 +177,7 @@ class _Laying:
 
     def _kept(self, clause: Place | Beside) -> bool:
         """Whether a thing lies as told already, on what stays where it is."""
-        if isinstance(clause, Beside) or clause.where in self._poses:
+        if isinstance(clause, Beside) or clause.where in self._poses or clause.object in self._leaving:
             return False
         return holds(clause, self._start.relations, self._start.supports)
 

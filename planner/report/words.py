@@ -96,7 +96,13 @@ def order_in_words(order: Document) -> list[tuple[str, str]]:
 def holds_in_words(order: Document) -> list[str]:
     """What to hold while an order is carried out, a sentence each, of a `topple.order` document."""
     holds = [
-        Hold(str(hold["object"]), str(hold["since"]), str(hold["until"]), str(hold["because"]))
+        Hold(
+            str(hold["object"]),
+            str(hold["since"]),
+            str(hold["until"]),
+            str(hold["because"]),
+            fixture=bool(hold.get("fixture")),
+        )
         for hold in order.get("holds", ())
     ]
     return [hold.sentence(order["order"]) for hold in holds]

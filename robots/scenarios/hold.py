@@ -1,13 +1,14 @@
-"""Things that stand only together, for two arms: packets that lean on each other, a plank on a trestle."""
+"""Things that stand only together, for two arms: packets, a plank on a trestle, a can in a leaning bowl."""
 
 from dataclasses import replace
 
 import numpy as np
 from scipy.spatial.transform import Rotation
 
+from topple.robots.poses import angle_between
 from topple.robots.scenarios.scenario import Scenario, Unlucky, pose_at, settle, settled
-from topple.robots.scenarios.tolerances import SECOND_ARM, SLID
-from topple.robots.shapes import box
+from topple.robots.scenarios.tolerances import CLEARLY, COMES_BACK, LEANING, LEANS, SECOND_ARM, SLID
+from topple.robots.shapes import bowl, box, can
 from topple.robots.shapes.materials import CARD, WOOD
 from topple.robots.world.bodies import Color
 from topple.robots.world.physical_world import PhysicalWorld
@@ -20,22 +21,28 @@ PAINT: dict[str, Color] = {
     "trestle": (0.45, 0.35, 0.28, 1.0),
     "load": (0.8, 0.15, 0.12, 1.0),
     "weight": (0.15, 0.6, 0.2, 1.0),
+    "board": (0.82, 0.68, 0.47, 1.0),
 }
 
 
 def hold(seed: int = 0) -> Scenario:
     """Make the scene: of even seeds two flat packets that lean on each other, of odd ones a loaded plank.
 
+    Of every tenth seed, 9, 19 and so on, it is a can in a bowl that leans.
+
     The packets overlap along a part of their upper edges, so that each has an edge of its own for a hand.
     The plank lies across a narrow trestle with a box near either end and tips as soon as one is gone.
+    The bowl stands over the edge of a board, and the weight of the can leans it down to the table: as the can
+    is lifted out it comes back.
 
     Args:
         seed: Any number.
 
     Returns:
-        The scenario: `left` and `right`, or `trestle`, `plank`, `load` and `weight`.
+        The scenario: `left`, `right`; `trestle`, `plank`, `load`, `weight`; or `board`, `bowl`, `can`.
     """
-    made = settled("hold", seed, _plank if seed % 2 else _packets, robot="panda")
+    layout = _bowl if seed % 10 == LEANING else _plank if seed % 2 else _packets
+    made = settled("hold", seed, layout, robot="panda")
     around = pose_at(0.0, 0.0, 0.0, Rotation.from_euler("z", SECOND_ARM))
     return replace(made, pose_second_to_world=around @ made.pose_base_to_world)
 
@@ -66,6 +73,37 @@ def _plank(world: PhysicalWorld, rng: np.random.Generator) -> tuple[str, tuple[s
         body = box(name, (0.05, 0.05, tall), density=2 * CARD.density, color=PAINT[name])
         world.add(body, about @ pose_at(side * lever, 0.0, high + thick + 4e-4))
     return _standing(world, "free plank")
+
+
+def _bowl(world: PhysicalWorld, rng: np.random.Generator) -> tuple[str, tuple[str, ...]]:
+    wide, high, thick = rng.uniform([0.18, 0.05, 0.009], [0.21, 0.06, 0.013]).tolist()
+    about, inside = _somewhere(rng), rng.uniform(0.020, 0.026)  # [m] of its middle, before the board's edge
+    world.add(box("board", (0.12, 0.14, thick), density=WOOD.density, color=PAINT["board"]), about)
+    edge = about @ pose_at(0.06, 0.0, thick + 1e-3)
+    lean = edge @ pose_at(0.0, 0.0, 0.0, Rotation.from_euler("y", rng.uniform(0.45, 0.64)))
+    hollow = bowl("bowl", diameter=wide, height=high)
+    world.add(hollow, lean @ pose_at(-inside, 0.0, 0.0))
+    across, tall, mass = rng.uniform([0.058, 0.085, 0.40], [0.068, 0.105, 0.50]).tolist()
+    low = wide / 4 - across / 2 + rng.uniform(0.005, 0.017)  # towards the lower side of its base
+    heavy = can("can", diameter=across, height=tall, mass=mass)
+    world.add(heavy, lean @ pose_at(low - inside, 0.0, 0.009))
+    settle(world)
+    before = world.poses()
+    if before["bowl"][2, 2] > np.cos(LEANS) or before["can"][2, 2] < np.cos(2 * LEANS):
+        raise Unlucky("the can does not lean the bowl over, or lies in it")
+    middle = np.linalg.solve(edge, before["bowl"] @ [*hollow.centre_of_mass, 1.0])
+    if middle[0] > -CLEARLY:
+        raise Unlucky("the bowl leans by itself, or nearly")
+    away = before["can"].copy()
+    away[0, 3] += 2.0  # beside the table
+    world.place("can", away)
+    world.step(round(COMES_BACK / world.time_step))
+    alone = angle_between(before["bowl"], world.pose("bowl"))
+    for name, pose in before.items():
+        world.place(name, pose)
+    if alone < LEANS:
+        raise Unlucky("the bowl leans without the can")
+    return "free bowl", ("bowl",)
 
 
 def _somewhere(rng: np.random.Generator) -> FloatArray:

@@ -11,6 +11,18 @@ RIM = 0.022
 
 # -- hold
 
+LEANING = 9
+"""Of every ten seeds the one that is a can in a leaning bowl: those up to 8 were counted without."""
+
+LEANS = 0.3
+"""[rad] by which a bowl leans, and comes back: twice what counts as moved."""
+
+CLEARLY = 0.008
+"""[m] by which the weight of that bowl is on the side it comes back to: beyond what statics concedes."""
+
+COMES_BACK = 1.5
+"""[s] in which a bowl from which the can is gone comes back, if it does."""
+
 SECOND_ARM = -2.0944
 """Angle [rad] about the middle of the table from the first arm to the second: 60 degrees from two cameras."""
 

@@ -4,8 +4,10 @@ import numpy as np
 import pytest
 
 from topple.robots.catalog import robot
+from topple.robots.poses import angle_between
 from topple.robots.scenarios import SCENARIOS, scenario_called
 from topple.robots.scenarios.scenario import BASE, touching
+from topple.robots.scenarios.tolerances import LEANS
 from topple.robots.world.simulated_arm import SimulatedArm
 from topple.topology.errors import InvalidInput
 from topple.topology.scene import Scene
@@ -105,3 +107,16 @@ def test_a_finished_arrangement_is_of_the_same_things_at_rest_elsewhere(name: st
         finished.step(240)
         for thing, pose in finished.poses().items():
             assert np.linalg.norm((pose - after[thing])[:3, 3]) < 2e-3
+
+
+def test_a_bowl_that_a_can_leans_over_comes_back_without_it() -> None:
+    with scenario_called("hold", 9) as scenario:
+        world = scenario.world
+        leaning = world.pose("bowl")
+        assert scenario.goal == "free bowl" and leaning[2, 2] < np.cos(LEANS)
+        assert frozenset(("bowl", "can")) in touching(world)
+        away = world.pose("can")
+        away[0, 3] += 2.0
+        world.place("can", away)
+        world.step(360)
+        assert angle_between(leaning, world.pose("bowl")) > LEANS

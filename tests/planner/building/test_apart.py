@@ -9,6 +9,8 @@ from on_table import balance, cards, on_table
 
 from topple.planner import NoSafePlan, order, plan
 from topple.planner.cli.main import main
+from topple.robots import scene_from_world
+from topple.robots.scenarios import scenario_called
 from topple.robots.shapes import box
 from topple.topology import InvalidInput
 
@@ -95,3 +97,39 @@ def test_the_command_heeds_how_many_hands_there_are(
     assert "With a second hand, hold " in capsys.readouterr().out
     assert main(["order", path, "--build", "--hands", "2"]) == 2
     assert "--hands" in capsys.readouterr().err
+
+
+def test_a_bowl_that_a_can_leans_over_is_held_while_the_can_is_taken() -> None:
+    with scenario_called("hold", 9) as stage:
+        names = {number: name for name, number in stage.world.ids.items()}
+        scene = scene_from_world(stage.world.client, names=names)
+    found = order(scene, "bowl", hands=2)
+    assert found.order == ("can", "bowl")
+    assert [(hold.object, hold.since, hold.until) for hold in found.holds] == [("bowl", "can", "bowl")]
+    assert order(scene, "bowl", hands=1).certificate
+
+
+def test_what_a_fixture_keeps_still_takes_one_hand(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    found = order(balance(), "plank", clamped="plank")
+    assert found.order == ("weight", "plank") and not found.unresolved
+    assert [(hold.object, hold.fixture) for hold in found.holds] == [("plank", True)]
+    assert found.to_json()["holds"][0]["fixture"] is True
+    scene = balance()
+    place = tmp_path / "balance.npz"
+    masses = json.dumps(dict(scene.masses))
+    np.savez(place, **scene.clouds, up=[0, 0, 1], fixed=["table"], masses=masses)
+    assert main(["order", str(place), "--target", "plank", "--hands", "1"]) == 1
+    capsys.readouterr()
+    assert main(["order", "--target", "plank", "--clamped", "plank", str(place)]) == 0
+    assert "With the fixture, keep plank clamped while weight is taken" in capsys.readouterr().out
+    assert main(["order", str(place), "--clamped", "shelf"]) == 2
+    assert "unknown object 'shelf'" in capsys.readouterr().err
+
+
+def test_a_fixture_at_the_wrong_thing_helps_nothing_and_is_not_named() -> None:
+    found = order(balance(), "plank", clamped=["weight", "table"])
+    assert found.unresolved and [(hold.object, hold.fixture) for hold in found.holds] == [("plank", False)]
+    clear = order(on_table((box("a", (0.05, 0.05, 0.05)), (0.0, 0.0, 0.0))), clamped="a")
+    assert clear.order == ("a",) and not clear.holds

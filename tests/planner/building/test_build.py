@@ -82,3 +82,15 @@ def test_a_build_order_is_of_everything(capsys: pytest.CaptureFixture[str]) -> N
 def test_nothing_to_build_is_refused() -> None:
     with pytest.raises(InvalidInput, match="nothing in the scene can move"):
         build_order(on_table())
+
+
+def test_what_would_tip_though_all_of_it_is_given_is_said_to_need_something_more() -> None:
+    tipping = on_table(
+        (box("a", (0.05, 0.05, 0.05)), (0.0, 0.0, 0.0)), (box("b", (0.2, 0.05, 0.02)), (0.08, 0.0, 0.05))
+    )
+    said = [line for line in build_order(tipping).assumptions if "would not stand on what it touches" in line]
+    assert [line.split()[0] for line in said] == ["b"]
+    steady = on_table(
+        (box("a", (0.05, 0.05, 0.05)), (0.0, 0.0, 0.0)), (box("b", (0.2, 0.05, 0.02)), (0.0, 0.0, 0.05))
+    )
+    assert not any("would not stand" in line for line in build_order(steady).assumptions)
