@@ -2,7 +2,7 @@
 
 `import topple` then gives the calls that most programs need: `topple.order(topple.load_scene("scene.npz"))`.
 Each is imported when it is first used, so that neither `import topple` nor `topple --help` waits for numpy.
-Where Gymnasium has been imported before, its environments are there as well: `gymnasium.make("topple/Pile-v0")`.
+Where Gymnasium was imported before, its environments are there as well: `gymnasium.make("topple/Pile-v0")`.
 """
 
 from importlib import import_module
