@@ -49,7 +49,8 @@ def execute(args: argparse.Namespace) -> int:
     pairs = list(zip(paths[::2], paths[1::2], strict=True))
     if [grasps for _, grasps in pairs].count(PIPE) > 1:
         args.parser.error("grasps of standard input can be read once: give one -")
-    orderer_of(args), rule_of(args)  # refused before anything is read
+    for asked in (orderer_of, rule_of):
+        asked(args)  # refused before anything is read
     arm, code = arm_of(args), DONE
     with Progress("rank") as progress:
         for scene, grasps in pairs:
