@@ -2,7 +2,8 @@
 
 Usage: python -m topple.benchmarks.arms [NAME...] [--write docs/robots.md]
 
-It needs the extra `arms`.
+It needs the extra `arms`, and for some arms packages whose files alone are read (`BARE`): what those depend
+on, among it torch, is not needed. With names, the rows of those arms are written anew and the others stay.
 """
 
 import argparse
@@ -19,8 +20,10 @@ from topple.planner.planning.plan import plan
 from topple.robots.arm.arm import Arm
 from topple.robots.arm.gripper_file import ArmPart, Cup, Gripper, Hand
 from topple.robots.catalog import robot
-from topple.topology.errors import NotInstalled, ToppleError
+from topple.topology.errors import InvalidInput, NotInstalled, ToppleError
 
+BARE = "pip install --no-deps franky-sim robosuite mani-skill"
+"""Installs the packages whose files are read and whose code is not run."""
 ROBOTS = "cmeel.prefix/share/example-robot-data/robots"
 HEADINGS = (
     "arm",
@@ -63,7 +66,7 @@ class Shipped:
 
         Raises:
             NotInstalled: A package is not installed.
-            InvalidInput: It cannot be used.
+            InvalidInput: It cannot be used, or a package of `BARE` is not installed.
         """
         gripper = self.gripper
         if self.hand_package is not None and gripper is not None and gripper.hand is not None:
@@ -77,13 +80,26 @@ def _located(package: str, path: str) -> Path:
     try:
         return Path(str(distribution(package).locate_file(path)))
     except PackageNotFoundError as error:
-        raise NotInstalled(f"{package}, which ships the arm, is not installed", "arms") from error
+        missing = f"{package}, which ships the arm, is not installed"
+        if package in BARE.split():
+            raise InvalidInput(f"{missing}: {BARE}") from error
+        raise NotInstalled(missing, "arms") from error
 
 
 ROBOTIQ = Gripper(hand=Hand(urdf="airo_models/grippers/robotiq_2f_85/urdf/robotiq_2f_85.urdf"))
 SCHUNK = Gripper(hand=Hand(urdf="airo_models/grippers/schunk_egk40_magneto/schunk_egk40_magneto.urdf"))
 WSG50 = Gripper(hand=Hand(urdf="wsg50"))
 OUT = [0.0, 0.0, 0.0, 0.0, np.pi / 2, 0.0]  # where x, not z, points out of the flange
+FETCH = [
+    "shoulder_pan_joint",
+    "shoulder_lift_joint",
+    "upperarm_roll_joint",
+    "elbow_flex_joint",
+    "forearm_roll_joint",
+    "wrist_flex_joint",
+    "wrist_roll_joint",
+]
+"""The arm's joints: that URDF has three more for its base, which would be the first of the chain."""
 
 SHIPPED = (
     Shipped(
@@ -123,6 +139,21 @@ SHIPPED = (
         f"{ROBOTS}/panda_description/urdf/panda.urdf",
         "its own",
         srdf=f"{ROBOTS}/panda_description/srdf/panda.srdf",
+    ),
+    Shipped("Franka FR3", "franky-sim", "franky_sim/assets/fr3.urdf", "its own"),
+    Shipped(
+        "Rethink Sawyer",
+        "robosuite",
+        "robosuite/models/assets/bullet_data/sawyer_description/urdf/sawyer_arm.urdf",
+        "Schunk WSG 50",
+        WSG50,
+    ),
+    Shipped(
+        "Fetch",
+        "mani-skill",
+        "mani_skill/assets/robots/fetch/fetch.urdf",
+        "its own",
+        Gripper(arm=ArmPart(joints=FETCH, rest={"torso_lift_joint": 0.2})),
     ),
     Shipped(
         "Kinova Jaco 2, 6 joints",
@@ -222,15 +253,23 @@ def main(arguments: list[str] | None = None) -> int:
         failed = "" if found.grasped is None or found.grasped.success else "; ".join(found.grasped.why)
         _say(f"{shipped.name}: {wrong or 'plan verified'}; {failed or 'grasp held'}")
         rows.append(row(shipped, found, wrong))
-    table = "\n".join(markdown_table(HEADINGS, rows, range(3, 7)))
     if args.write is None:
-        sys.stdout.write(table + "\n")
+        sys.stdout.write("\n".join(markdown_table(HEADINGS, rows, range(3, 7))) + "\n")
         return 0
     text = args.write.read_text(encoding="utf-8")
     head, _, rest = text.partition(BEGIN)
-    _, _, tail = rest.partition(END)
+    before, _, tail = rest.partition(END)
+    table = "\n".join(markdown_table(HEADINGS, _together(before, rows), range(3, 7)))
     args.write.write_text(f"{head}{BEGIN}\n{table}\n{END}{tail}", encoding="utf-8")
     return 0
+
+
+def _together(table: str, rows: list[list[str]]) -> list[list[str]]:
+    """The rows of a table and new ones, which replace those of the same arms, as `SHIPPED` has them."""
+    lines = [line for line in table.splitlines() if line.startswith("|")][2:]
+    cells = [[cell.strip() for cell in line.strip("|").split("|")] for line in lines]
+    known = {row[0]: row for row in [*cells, *rows]}
+    return [known[shipped.name] for shipped in SHIPPED if shipped.name in known]
 
 
 def _say(line: str) -> None:

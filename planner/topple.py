@@ -2,10 +2,12 @@
 
 `import topple` then gives the calls that most programs need: `topple.order(topple.load_scene("scene.npz"))`.
 Each is imported when it is first used, so that neither `import topple` nor `topple --help` waits for numpy.
+Where Gymnasium was imported before, its environments are there as well: `gymnasium.make("topple/Pile-v0")`.
 """
 
 from importlib import import_module
 from importlib.metadata import version
+from sys import modules
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
@@ -67,3 +69,7 @@ def __getattr__(name: str) -> Any:
     value = getattr(import_module(f"topple.{_PACKAGE_OF[name]}"), name)
     globals()[name] = value
     return value
+
+
+if "gymnasium" in modules:  # it has no entry points since 1.0: packages of environments register as they load
+    import_module("topple.planner.environment")

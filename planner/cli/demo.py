@@ -8,6 +8,7 @@ from typing import Any
 from topple.planner.cli.arguments import COMMON, SIMULATION, add
 from topple.planner.cli.console import complain, print_json, print_text
 from topple.planner.cli.main import DONE, INTERRUPTED, NO_SAFE_PLAN
+from topple.planner.cli.options import orderer_of, rule_of
 from topple.planner.cli.progress import Progress
 from topple.planner.cli.robot_options import recordings_of
 from topple.planner.cli.tables import print_order, print_relations, print_run
@@ -19,7 +20,8 @@ _FILES = ("relations.json", "order.json", "plan.json", "run.json", "report.html"
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Add the options; see `topple.planner.cli.main`."""
     parser.add_argument("name", nargs="?", default="dishes", metavar="NAME", help="the scene (dishes)")
-    add(parser, *COMMON, *SIMULATION)
+    add(parser, "--orderer", help="what orders: fewest, cautious, support-tree or a plugin's (cautious)")
+    add(parser, "--rule", *COMMON, *SIMULATION)
     parser.set_defaults(seed=None)  # one of the scene's own that is known to succeed
     made_for = "panda, panda-suction, iiwa, xarm6 or FILE.urdf (the one the scene is made for)"
     add(parser, "--robot", help=made_for)
@@ -32,7 +34,7 @@ def execute(args: argparse.Namespace) -> int:
     """Play the scene and say what happened; 1 where the goal was not reached or a thing disturbed."""
     if args.fixed or args.up:
         complain("--fixed and --up are ignored: a built-in scene knows its table and which way is up")
-    folder = Path(args.output)
+    folder, orderer, relating = Path(args.output), orderer_of(args), rule_of(args)
     with Progress("demo") as progress:
         progress(f"setting up {args.name}")
         from topple.planner.execution.demo import demo
@@ -41,7 +43,7 @@ def execute(args: argparse.Namespace) -> int:
         record = demo(
             args.name, seed=args.seed, robot=args.robot, cameras=args.cameras, mask_noise=args.mask_noise,
             wrist_camera=args.wrist_camera, ahead=args.ahead, engine=args.engine, folder=folder, video=video,
-            rerun=rerun, progress=progress,
+            rerun=rerun, orderer=orderer, relate=relating, progress=progress,
         )  # fmt: skip
     run = record.to_json()
     if args.json:
@@ -56,7 +58,7 @@ def _as_counted(args: argparse.Namespace) -> bool:
     """Whether the scene is played with what its seeds were counted with."""
     from topple.planner.execution.demo_seeds import CAMERAS
 
-    plain = not (args.mask_noise or args.wrist_camera or args.ahead)
+    plain = not (args.mask_noise or args.wrist_camera or args.ahead or args.rule or args.orderer)
     same = args.robot is None and args.engine == "bullet"
     return same and args.cameras == CAMERAS and plain
 

@@ -11,16 +11,18 @@ from typing import TYPE_CHECKING, Any
 from topple.planner.cli.arguments import COMMON, add, add_robot, add_scenes
 from topple.planner.cli.console import complain, print_json, print_table, print_text
 from topple.planner.cli.main import DONE, WRONG_USE
-from topple.planner.cli.options import read_scene, scene_paths
+from topple.planner.cli.options import orderer_of, read_scene, rule_of, scene_paths
 from topple.planner.cli.progress import Progress
 from topple.planner.cli.robot_options import arm_of, base_of
 from topple.planner.cli.tables import print_assumptions
 from topple.topology.errors import InvalidInput, UnknownObject
 
 if TYPE_CHECKING:
+    from topple.planner.decide.dependency import DependencyGraph
     from topple.planner.grasp.foreign import ForeignGrasps
     from topple.planner.grasp.rank import RankedGrasp
     from topple.robots.arm.arm import Arm
+    from topple.topology.scene import Scene
 
 PIPE = "-"
 """Names standard input."""
@@ -36,7 +38,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     add_scenes(parser, "SCENE GRASPS", purpose)
     parser.add_argument("--object", metavar="NAME", help="only the grasps that hold this object (all)")
     add_robot(parser)
-    add(parser, *COMMON)
+    add(parser, "--rule", "--orderer", *COMMON)
 
 
 def execute(args: argparse.Namespace) -> int:
@@ -47,6 +49,8 @@ def execute(args: argparse.Namespace) -> int:
     pairs = list(zip(paths[::2], paths[1::2], strict=True))
     if [grasps for _, grasps in pairs].count(PIPE) > 1:
         args.parser.error("grasps of standard input can be read once: give one -")
+    for asked in (orderer_of, rule_of):
+        asked(args)  # refused before anything is read
     arm, code = arm_of(args), DONE
     with Progress("rank") as progress:
         for scene, grasps in pairs:
@@ -71,7 +75,7 @@ def _rank(args: argparse.Namespace, path: str, file: str, arm: "Arm", progress: 
     grasps = _read(file)
     progress(f"{path}: ranking {len(grasps)} grasps")
     base = base_of(args, scene)
-    ranked = rank_grasps(scene, grasps, arm, pose_base_to_world=base)
+    ranked = rank_grasps(scene, grasps, arm, pose_base_to_world=base, graph=_graph(args, scene))
     progress.clear()
     if args.object is not None:
         ranked = [entry for entry in ranked if entry.grasp.object == args.object]
@@ -83,6 +87,18 @@ def _rank(args: argparse.Namespace, path: str, file: str, arm: "Arm", progress: 
     if not reach:
         print_text("Reach was not asked: give --base, or a scene with robot_base.")
     print_assumptions(list(scene.assumptions))
+
+
+def _graph(args: argparse.Namespace, scene: "Scene") -> "DependencyGraph | None":
+    """What has to go before what by the rule and the orderer that were named; None where none was."""
+    orderer, relating = orderer_of(args), rule_of(args)
+    if orderer is None and relating is None:
+        return None
+    from topple.planner.planning.order import ordered
+    from topple.planner.planning.step import order_by
+
+    relations = None if relating is None else relating(scene)
+    return order_by(orderer or ordered, scene, None, relations, args.seed).graph
 
 
 def _read(file: str) -> "ForeignGrasps":

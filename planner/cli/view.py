@@ -6,14 +6,14 @@ import sys
 from topple.planner.cli.arguments import COMMON, add, add_scenes
 from topple.planner.cli.console import print_json, print_text
 from topple.planner.cli.main import DONE
-from topple.planner.cli.options import read_plan, read_scene, scene_paths
+from topple.planner.cli.options import orderer_of, read_plan, read_scene, rule_of, scene_paths
 from topple.planner.cli.progress import Progress
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Add the options; see `topple.planner.cli.main`."""
     add_scenes(parser)
-    add(parser, *COMMON)
+    add(parser, "--rule", "--orderer", *COMMON)
     parser.add_argument(
         "--plan", metavar="FILE", help="a plan of the scene, whose steps are shown (its order)"
     )
@@ -30,12 +30,16 @@ def execute(args: argparse.Namespace) -> int:
     (path,) = scene_paths(args, many=False)
     if not 0 < args.port < 65536:
         args.parser.error(f"--port {args.port} is no port: expected 1 to 65535")
+    orderer = orderer_of(args)
+    rule_of(args)  # refused before anything is read
     with Progress("view") as progress:
         progress(f"reading {path}")
         scene = read_scene(args, path)
         plan = None if args.plan is None else read_plan(args.plan)
         progress(f"{path}: relating {len(scene.names)} objects")
-        page = LivePage(scene, plan, host=args.host, port=args.port)
+        page = LivePage(
+            scene, plan, rule=args.rule, orderer=orderer, seed=args.seed, host=args.host, port=args.port
+        )
     try:
         if args.json:
             print_json({"format": "topple.view", "format_version": 1, "scene": path, "url": page.url})

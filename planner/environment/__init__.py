@@ -1,7 +1,7 @@
 """Gymnasium environments in which to learn what to take: piles, dishes and a bowl of fruit.
 
-Importing this registers `topple/Pile-v0`, `topple/Dishes-v0` and `topple/Lemon-v0`;
-`gymnasium.make("topple.planner.environment:topple/Pile-v0")` does so by itself.
+Importing this registers `topple/Pile-v0`, `topple/Dishes-v0` and `topple/Lemon-v0`, as does `import topple`
+after `import gymnasium`; `gymnasium.make("topple.planner.environment:topple/Pile-v0")` needs neither.
 """
 
 from topple.topology.errors import NotInstalled

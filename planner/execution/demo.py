@@ -10,7 +10,7 @@ import numpy as np
 
 from topple.planner.errors import NoSafePlan
 from topple.planner.execution.demo_seeds import CAMERAS, default_seed
-from topple.planner.execution.look import Look, Observer
+from topple.planner.execution.look import Look, Observer, Relate
 from topple.planner.execution.loop import ClosedLoop
 from topple.planner.execution.two_arms import check_recording
 from topple.planner.files import check_writable, make_folder, write_all, write_whole
@@ -19,7 +19,7 @@ from topple.planner.formats.run_record import INTERRUPTED, Document, RunRecord
 from topple.planner.planning.next_step import GoalTask
 from topple.planner.planning.order import cautious
 from topple.planner.planning.plan import plan, plan_as_done
-from topple.planner.planning.step import Orderer, Station, Task
+from topple.planner.planning.step import Orderer, Station, Task, order_by
 from topple.planner.rearranging.arrangement import Arrangement
 from topple.planner.rearranging.task import ArrangementTask
 from topple.planner.report.rerun_file import RATE as RERUN_RATE
@@ -53,6 +53,8 @@ def demo(
     folder: str | Path = "topple-demo",
     video: Path | None = None,
     rerun: Path | None = None,
+    orderer: Orderer | None = None,
+    relate: Relate | None = None,
     progress: Progress | None = None,
 ) -> RunRecord:
     """Plays a built-in scene.
@@ -70,6 +72,8 @@ def demo(
         folder: Where relations.json, order.json, plan.json, run.json and report.html are written.
         video: Where a film of it is written, an MP4 file.
         rerun: Where a recording for the Rerun viewer is written, an .rrd file.
+        orderer: What decides the order; the least risk where None.
+        relate: What relates what is seen, a function of the scene; topple's own rule where None.
         progress: Called with a line before and after each action.
 
     Returns:
@@ -79,7 +83,7 @@ def demo(
         InvalidInput: There is no such scene or robot, the folder cannot be written, or a recording of two
             arms is asked for.
     """
-    seed = default_seed(name) if seed is None else seed
+    seed, orderer = default_seed(name) if seed is None else seed, orderer or cautious
     with scenario_called(name, seed, engine) as stage:
         place, two = make_folder(folder), stage.pose_second_to_world is not None
         check_recording(rerun, two)
@@ -88,7 +92,7 @@ def demo(
         robot = robot or stage.robot
         loop = loop_in(
             stage, robot=robot, cameras=cameras, mask_noise=mask_noise, wrist_camera=wrist_camera,
-            ahead=ahead, photos=True, seed=seed, progress=progress,
+            ahead=ahead, photos=True, orderer=orderer, relate=relate, seed=seed, progress=progress,
         )  # fmt: skip
         acting, first = loop.robot, loop.look()
         assert isinstance(acting, ActingArm)
@@ -96,7 +100,7 @@ def demo(
         with get_context("spawn").Pool(1, serve) as other:  # leaving it ends what still plans
             base = stage.pose_base_to_world
             task = (first.scene, loop.task, robot)
-            asked = {"base": base, "orderer": cautious, "seed": seed}
+            asked = {"base": base, "orderer": orderer, "relations": relate, "seed": seed}
             planned = None if two else other.apply_async(plan, task, asked)
             recording = recorded(acting, RERUN_RATE) if rerun is not None else None
             with filmed(video, acting, stage.cameras[0]):
@@ -111,7 +115,7 @@ def demo(
         if whole is None and not two:
             arm, goal = robot_named(robot), loop.task.goal(first.scene)
             whole = plan_as_done(first.scene, goal, Station(arm, base, arm.home), loop.followed, seed)
-        decided = _decided_by(record, first, stage, seed)
+        decided = _decided_by(record, first, stage, orderer, seed)
         if rerun is not None and recording is not None:
             write_whole(rerun, rerun_file(record, recording))
     texts = (
@@ -128,12 +132,12 @@ def demo(
     return record
 
 
-def _decided_by(record: RunRecord, first: Look, stage: Scenario, seed: int) -> Document:
+def _decided_by(record: RunRecord, first: Look, stage: Scenario, orderer: Orderer, seed: int) -> Document:
     """The order that the first action was chosen from; where there was none, that of the targets."""
     chosen = record.steps[0].order if record.steps else None
     if chosen is not None:
         return chosen
-    return cautious(first.scene, stage.targets, relations=first.relations, seed=seed).to_json()
+    return order_by(orderer, first.scene, stage.targets, first.relations, seed).to_json()
 
 
 def loop_in(
@@ -147,6 +151,7 @@ def loop_in(
     ahead: bool = False,
     photos: bool = False,
     orderer: Orderer = cautious,
+    relate: Relate | None = None,
     alone: bool = False,
     seed: int = 0,
     progress: Progress | None = None,
@@ -163,6 +168,7 @@ def loop_in(
         ahead: Whether the next step is chosen while the arm acts.
         photos: Whether photos for people are taken at every look, for a report.
         orderer: What decides the order.
+        relate: What relates what is seen, a function of the scene; topple's own rule where None.
         alone: Whether there is one arm, also where the scene is made for two.
         seed: Of the sensor noise and every search.
         progress: Called with a line before and after each action.
@@ -184,6 +190,7 @@ def loop_in(
         fixed=stage.fixed,
         up=stage.up,
         orderer=orderer,
+        relate=relate,
         seed=seed,
         progress=progress,
         shuffle_labels=shuffle_labels,

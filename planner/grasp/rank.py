@@ -11,7 +11,7 @@ from typing import Any
 import numpy as np
 from scipy.spatial import KDTree
 
-from topple.planner.decide.dependency import dependencies
+from topple.planner.decide.dependency import DependencyGraph, dependencies
 from topple.planner.grasp.foreign import ForeignGrasps, grasps_from_array, read_grasps
 from topple.planner.grasp.grasp import Grasp, GraspKind
 from topple.planner.grasp.reach import reachable
@@ -66,6 +66,7 @@ def rank_grasps(
     pose_source_to_world: FloatArray | None = None,
     pose_base_to_world: FloatArray | None = None,
     reach: Reach | None = None,
+    graph: DependencyGraph | None = None,
 ) -> list[RankedGrasp]:
     """Rank grasps by what may be taken first.
 
@@ -87,6 +88,7 @@ def rank_grasps(
             asked.
         reach: Asked instead of the arm's kinematics: takes the grasps that nothing else speaks against, gives
             for each True, False, or why not: "joint 4 at its limit". Poses are of the tool, in the world.
+        graph: What has to go before what; found in the scene where None.
 
     Returns:
         All grasps, best first; those that cannot be used now say all that speaks against them.
@@ -104,7 +106,7 @@ def rank_grasps(
         return []
     _check(given, scene, arm)
     check_up(scene)
-    graph = dependencies(scene)
+    graph = dependencies(scene) if graph is None else graph
     room = Room.of(scene, up_of(scene), arm)
     found = _held(given, told, room)
     against = in_the_way([entry.grasp for entry in found], room)

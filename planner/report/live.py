@@ -8,7 +8,8 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from topple.planner.planning.order import order
+from topple.planner.planning.order import ordered
+from topple.planner.planning.step import Orderer, order_by
 from topple.planner.report.drawing import Drawing
 from topple.planner.report.limits import LIMITS
 from topple.planner.report.palette import relation_colour
@@ -16,13 +17,15 @@ from topple.planner.report.plan_page import check_scene
 from topple.planner.report.view import is_inferred
 from topple.topology.arrays import FloatArray
 from topple.topology.errors import NotInstalled
-from topple.topology.relations import Relations, relate
+from topple.topology.relations import relate
 from topple.topology.scene import Scene
 from topple.topology.sixim.table import Relation
 
 if TYPE_CHECKING:
     from topple.planner.formats.plan_format import Plan
 
+Moves = Sequence[tuple[str, FloatArray | None]]
+"""What each step does: the object, and the rigid transform (4, 4) of it; None takes it away."""
 LEAST, MOST = 0.5, 12.0  # [mm] of the deviation: below any camera's noise, and above the worst
 
 
@@ -36,23 +39,35 @@ class LivePage:
     """
 
     def __init__(
-        self, scene: Scene, plan: "Plan | None" = None, *, host: str = "127.0.0.1", port: int = 8080
+        self,
+        scene: Scene,
+        plan: "Plan | None" = None,
+        *,
+        rule: str | None = None,
+        orderer: Orderer | None = None,
+        seed: int = 0,
+        host: str = "127.0.0.1",
+        port: int = 8080,
     ) -> None:
         """Relate and order the scene, and begin to serve it.
 
         Args:
             scene: The scene; without `up` there is no order.
             plan: What is done in it; the order, where None.
+            rule: Name of what relates; topple's own where None.
+            orderer: What orders; the fewest removals where None.
+            seed: Of every search of the order.
             host: Which addresses may connect: this machine alone, or "0.0.0.0" for any.
             port: Where to listen, or the next that is free.
 
         Raises:
             NotInstalled: viser is not there.
-            InvalidInput: The plan is of other objects.
+            InvalidInput: The plan is of other objects, or there is no such rule.
         """
         viser = _viser()
-        self.scene, self.relations, self.step = scene, relate(scene), 0
-        self.moves = _moves(scene, self.relations, plan)
+        self._rule = rule
+        self.scene, self.relations, self.step = scene, relate(scene, rule=rule), 0
+        self.moves = _done_by(plan, scene) if plan is not None else self._taken(orderer or ordered, seed)
         self._drawing = Drawing.of(scene, LIMITS.live_points)
         with redirect_stdout(io.StringIO()):  # its banner: what is said, the caller says
             self._server: Any = viser.ViserServer(host=host, port=port, label="topple", verbose=False)
@@ -77,7 +92,7 @@ class LivePage:
             deviation: The deviation factor δ [m].
         """
         if deviation != self.relations.deviation:
-            self.relations = relate(self.scene, deviation)
+            self.relations = relate(self.scene, deviation, rule=self._rule)
         self._relate()
 
     def show_step(self, count: int) -> None:
@@ -109,6 +124,13 @@ class LivePage:
         """Stop serving."""
         with redirect_stdout(io.StringIO()):
             self._server.stop()
+
+    def _taken(self, orderer: Orderer, seed: int) -> Moves:
+        """The order that an orderer gives of the scene, each object taken away."""
+        if self.scene.up is None or not self.scene.movable:
+            return []
+        found = order_by(orderer, self.scene, None, self.relations, seed)
+        return [(name, None) for name in found.order]
 
     def _draw(self) -> None:
         add = self._server.scene
@@ -167,13 +189,8 @@ def _viser() -> ModuleType:
     return viser
 
 
-def _moves(
-    scene: Scene, relations: Relations, plan: "Plan | None"
-) -> Sequence[tuple[str, FloatArray | None]]:
-    """What each step does."""
-    if plan is None:
-        found = () if scene.up is None or not scene.movable else order(scene, relations=relations).order
-        return [(name, None) for name in found]
+def _done_by(plan: "Plan", scene: Scene) -> Moves:
+    """What each step of a plan does."""
     check_scene(plan, scene)
     return [(step.object, np.array(step.placement.pose_before_to_after)) for step in plan.steps]
 

@@ -382,5 +382,5 @@ def _refuse_undriven(model: Model, joints: tuple[Joint, ...], tools: Mapping[str
     if left:
         raise InvalidInput(
             f"{named}: nothing drives the joints {', '.join(left)}; name them in the gripper ([jaw] of a "
-            "gripper file)"
+            "gripper file), or name the arm's there ([arm] joints), and these hold still"
         )

@@ -80,6 +80,9 @@ ANGULAR_ACCELERATION = 10.0
 SHORTEST_ROD = 0.005
 """Rod [m] of a cup whose lip stands on the link itself."""
 
+MOST_NAMED = 6
+"""Links that an assumption names: more fill the screen, and a mobile robot has dozens."""
+
 
 # -- prepared
 

@@ -24,7 +24,7 @@ from topple.robots.arm.gripper_file import (
 from topple.robots.arm.home import home_of
 from topple.robots.arm.prepared import prepared
 from topple.robots.arm.srdf import Semantics, read_srdf, srdf_beside
-from topple.robots.arm.tolerances import ACCELERATION, ANGULAR_ACCELERATION, SHORTEST_ROD
+from topple.robots.arm.tolerances import ACCELERATION, ANGULAR_ACCELERATION, MOST_NAMED, SHORTEST_ROD
 from topple.robots.arm.tree import Tree
 from topple.robots.arm.urdf import Model, model_of, urdf_root
 from topple.robots.catalog.data import data_path
@@ -72,8 +72,10 @@ def arm_from_file(
     wanted, assumed = _whole(robot, path, wanted, semantics, group)
     model = model_of(robot, path)
     check_names(wanted, model, where)
+    assumed += _bare(robot, model)
     fingers = _fingers(model, wanted.jaw)
     jaw = None if fingers is None else measured_jaw(model, fingers, wanted.jaw)
+    moved = () if fingers is None else tuple(rigid_groups(model, fingers))
     fingers = None if jaw is None else fingers
     tools: dict[str, Tool] = {} if jaw is None else {ToolName.FINGERS: jaw}
     if wanted.cup is not None:
@@ -88,11 +90,42 @@ def arm_from_file(
     acceleration = [ACCELERATION.get(kind, ANGULAR_ACCELERATION) for kind in kinds]
     assumed += (*estimated, _accelerations(path.name), *_guessed_force(model, fingers, wanted))
     arm = Arm.from_urdf(made, frame, tools, name=model.name, acceleration=acceleration, source=path)
+    if jaw is None and wanted.jaw is not None:
+        raise InvalidInput(
+            f"{where}: `$.jaw.joints` {', '.join(wanted.jaw.joints)} of {path.name} move {', '.join(moved)}, "
+            "no two of which close on each other: expected two fingers that do; a cup, or a hand of its own "
+            "(--gripper HAND.urdf), may take the place of the jaw"
+        )
     if wanted.arm is not None:
         arm = replace(arm, apart=frozenset(frozenset(pair) for pair in wanted.arm.apart))
     arm = replace(arm, home=home_of(arm, next(iter(tools), None)))
     given = wanted if wanted != Gripper() else None
     return replace(arm, gripper=given, assumptions=assumed)
+
+
+def _bare(robot: ElementTree.Element, model: Model) -> tuple[str, ...]:
+    """What is assumed of links that are drawn and have no collision geometry.
+
+    Raises:
+        InvalidInput: No link has any, so that motions would go through everything.
+    """
+    if not any(link.parts for link in model.links.values()):
+        raise InvalidInput(
+            f"{model.path.name}: none of its links has collision geometry, so nothing would keep the arm "
+            "clear of anything: expected <collision> in its links, of the meshes of their <visual> at least"
+        )
+    bare = [
+        link.get("name", "")
+        for link in robot.findall("link")
+        if link.find("visual") is not None and link.find("collision") is None
+    ]
+    if not bare:
+        return ()
+    more = f" and {len(bare) - MOST_NAMED} more" if len(bare) > MOST_NAMED else ""
+    return (
+        f"links of {model.path.name} that are drawn and have no collision geometry meet nothing: "
+        f"{', '.join(bare[:MOST_NAMED])}{more}",
+    )
 
 
 def _whole(

@@ -1,13 +1,16 @@
 """Arms of others, from the files their packages ship: read, tried, planned for and run."""
 
+import re
+from importlib.metadata import PackageNotFoundError, distribution
 from importlib.util import find_spec
 from pathlib import Path
 
 import pytest
 
-from topple.benchmarks.arms import BEGIN, END, SHIPPED, Shipped, planned
+from topple.benchmarks.arms import BARE, BEGIN, END, SHIPPED, Shipped, _together, planned
 from topple.planner.execution.examine import examine
-from topple.topology.errors import NotInstalled
+from topple.robots.arm.arm import Arm
+from topple.topology.errors import InvalidInput, NotInstalled
 
 PAGE = (Path(__file__).parents[2] / "docs" / "robots.md").read_text(encoding="utf-8")
 ROWS = PAGE[PAGE.index(BEGIN) : PAGE.index(END)].splitlines()[3:]
@@ -19,15 +22,46 @@ def test_the_page_has_every_arm_and_most_work() -> None:
     assert len(WORKING) >= 6
 
 
+def test_rows_of_some_arms_replace_theirs_and_the_others_stay() -> None:
+    row = ["Franka FR3", "franky-sim", "its own", "7", "0.00", "0", "0.0", "yes", "yes"]
+    again = _together("\n".join(["| a |", "| - |", *ROWS]), [row])
+    assert [cells[0] for cells in again] == [shipped.name for shipped in SHIPPED]
+    others = [line for line in ROWS if "Franka FR3" not in line]
+    assert [f"| {' | '.join(cells)} |" for cells in again if cells[0] != row[0]] == others
+    assert row in again
+
+
+def test_a_package_that_is_missing_is_named_with_what_installs_it() -> None:
+    with pytest.raises(NotInstalled, match="example-robot-datum, which ships the arm, is not installed: pip"):
+        Shipped("x", "example-robot-datum", "x.urdf", "x").arm()
+    assert all(name in BARE for name in ("franky-sim", "robosuite", "mani-skill"))
+    for shipped in SHIPPED:
+        if shipped.package in BARE and not is_installed(shipped.package):
+            with pytest.raises(InvalidInput, match=f"{shipped.package}, which .* {re.escape(BARE)}"):
+                shipped.arm()
+
+
+def is_installed(package: str) -> bool:
+    try:
+        return distribution(package) is not None
+    except PackageNotFoundError:
+        return False
+
+
+def installed(shipped: Shipped) -> Arm:
+    """The arm; skips where a package is not there."""
+    for package in filter(None, (shipped.package, shipped.hand_package)):
+        if not is_installed(package):
+            pytest.skip(f"{package} is not installed")
+    return shipped.arm()
+
+
 @pytest.mark.slow
 @pytest.mark.parametrize("shipped", WORKING, ids=lambda shipped: shipped.name)
 def test_an_arm_is_understood_planned_for_and_takes_the_block(shipped: Shipped) -> None:
     if find_spec("collada") is None:
         pytest.skip("pycollada is not installed: pip install '.[arms]'")
-    try:
-        arm = shipped.arm()
-    except NotInstalled as error:
-        pytest.skip(str(error))
+    arm = installed(shipped)
     found = examine(arm)
     assert found.solved >= 0.995 * found.poses > 0
     assert found.grasped is not None and found.grasped.success, found.grasped
@@ -38,10 +72,7 @@ def test_the_arm_that_drops_the_block_cannot_carry_itself() -> None:
     """A PR2 rests on springs that its URDF leaves out: gravity asks more of its shoulder than its effort."""
     pybullet = pytest.importorskip("pybullet")
     (shipped,) = [shipped for shipped in SHIPPED if shipped not in WORKING]
-    try:
-        arm = shipped.arm()
-    except NotInstalled as error:
-        pytest.skip(str(error))
+    arm = installed(shipped)
     client = pybullet.connect(pybullet.DIRECT)
     try:
         pybullet.setGravity(0.0, 0.0, -9.81, physicsClientId=client)

@@ -207,6 +207,62 @@ def test_commands_take_them_by_name(
     )
 
 
+@pytest.mark.usefixtures("kitchen")
+def test_grasps_are_ranked_by_the_order_of_another_package(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    np.savez("scene.npz", up=[0, 0, 1], fixed=["table"], **dict(_scene().clouds))
+    Path("grasps.csv").write_text("0.25,0.05,0.08,0.08\n")  # of beside, which nothing touches
+    waits = {}
+    for options in ([], ["--orderer", "highest"], ["--rule", "boxes"]):
+        assert main(["rank", "scene.npz", "grasps.csv", *options, "--json"]) == 0
+        (grasp,) = json.loads(capsys.readouterr().out)["grasps"]
+        assert grasp["object"] == "beside"
+        waits["".join(options)] = grasp["before"]
+    assert waits == {"": [], "--orderer" + "highest": ["upper"], "--rule" + "boxes": []}
+
+
+COMMANDS = [
+    ["relate", "scene.npz"],
+    ["order", "scene.npz"],
+    ["plan", "scene.npz", "--target", "lower"],
+    ["run", "scene.npz", "--target", "lower"],
+    ["rank", "scene.npz", "grasps.csv"],
+    ["score", "scene.npz"],
+    ["show", "scene.npz"],
+    ["view", "scene.npz"],
+    ["demo", "tower"],
+]
+
+
+@pytest.mark.parametrize("command", COMMANDS, ids=lambda command: command[0])
+def test_every_command_that_relates_and_orders_takes_both(
+    command: list[str], tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    np.savez("scene.npz", up=[0, 0, 1], fixed=["table"], **dict(_scene().clouds))
+    for option in ("--rule", "--orderer")[: 1 if command[0] == "relate" else 2]:
+        assert main([*command, option, "x"]) == 2
+        assert f"there is no {option[2:]} 'x': expected " in capsys.readouterr().err
+
+
+@pytest.mark.slow
+@pytest.mark.usefixtures("kitchen")
+def test_a_plan_is_written_in_the_format_of_another_package(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    with scenario_called("cups", 3) as stage:
+        seen = Scene.from_images([eye.look(stage.world) for eye in stage.cameras], fixed=stage.fixed)
+        found = plan(seen.with_up([0, 0, 1]), stage.goal, "panda", base=stage.pose_base_to_world)
+    (tmp_path / "plan.json").write_bytes(plan_to_json(found))
+    assert main(["export", str(tmp_path / "plan.json"), "--to", "list", "-o", str(tmp_path / "list")]) == 0
+    assert (tmp_path / "list").read_text().endswith(". free low\n")
+    capsys.readouterr()
+    assert main(["export", str(tmp_path / "plan.json"), "--to", "x"]) == 2
+    assert "expected json, dot, graphml, pddl, bt, moveit, ros2, list" in capsys.readouterr().err
+
+
 @pytest.mark.slow
 def test_an_installed_package_is_found_by_the_command(installed: Path, tmp_path: Path) -> None:
     np.savez(tmp_path / "scene.npz", **STACK)

@@ -20,7 +20,7 @@ from topple.topology.io.geometry import read_geometry
 from topple.topology.io.picture import read_picture
 from topple.topology.io.strict_json import read_json
 from topple.topology.scene import Mesh
-from topple.topology.tolerances import FEWEST_SEEN
+from topple.topology.tolerances import FARTHEST_DEPTH, FEWEST_SEEN
 
 _CAMERAS, _TRUTH = "scene_camera.json", "scene_gt.json"
 _MODELS = ("models", "models_cad", "models_fine", "models_reconst", "models_eval")
@@ -29,8 +29,8 @@ _MILLIMETRE = 1e-3  # [m]
 
 
 def reads(path: Path) -> bool:
-    """Tell the folder of a scene, such as test/000048, by the file of its cameras."""
-    return (path / _CAMERAS).is_file() or (path / _TRUTH).is_file()
+    """Tell the folder of a scene, such as test/000048, by the file of its cameras, or of what holds such."""
+    return (path / _CAMERAS).is_file() or (path / _TRUTH).is_file() or _scene_below(path) is not None
 
 
 def read(path: Path, image: int | None = None, models: bool = False) -> Parts:
@@ -53,6 +53,8 @@ def read(path: Path, image: int | None = None, models: bool = False) -> Parts:
         InvalidInput: If there is no such image, or a file is missing or broken; names it.
         OSError: If a file cannot be read.
     """
+    if (scene := _scene_below(path)) is not None:
+        raise InvalidInput(f"is no scene, and holds scenes of BOP: give the folder of one, such as {scene}")
     cameras, truth = (_by_image(path / name) for name in (_CAMERAS, _TRUTH))
     number, notes = _chosen(image, cameras)
     camera, poses = cameras[number], truth.get(number, [])
@@ -65,6 +67,7 @@ def read(path: Path, image: int | None = None, models: bool = False) -> Parts:
     seen = _seen(path, number, cast(dict[str, Any], camera), to_world, names, notes)
     if models or seen is None:
         if not models:
+            _refuse_gap(path, number)
             notes.append("there is no depth with masks: the models at their true poses are taken")
         parts = _placed(path, cast(list[Any], poses), names, to_world)
         parts.background = np.empty((0, 3)) if seen is None else seen.background()
@@ -78,6 +81,29 @@ def read(path: Path, image: int | None = None, models: bool = False) -> Parts:
         )
     parts.notes = notes
     return parts
+
+
+def _scene_below(path: Path) -> Path | None:
+    """A scene of the dataset, or of the part of one, whose folder this is; None where it is neither."""
+    if (path / _CAMERAS).is_file() or (path / _TRUTH).is_file():
+        return None
+    found = (file for depth in ("*", "*/*") for file in sorted(path.glob(f"{depth}/{_CAMERAS}")))
+    return next((file.parent for file in found), None)
+
+
+def _refuse_gap(path: Path, number: int) -> None:
+    """Refuse to take models in silence for an image whose depth is missing where that of others is there.
+
+    Raises:
+        InvalidInput: It is.
+    """
+    stem, folder = f"{number:06d}", path / "depth"
+    others = sorted(file.name for file in folder.glob("*") if file.suffix in _DEPTHS)
+    if others and _found(folder, stem, _DEPTHS) is None:
+        raise InvalidInput(
+            f"has no depth/{stem}.png, and has depth/{others[0]}: expected the depth of image {number}; "
+            "--models (models=True) takes the models at their true poses"
+        )
 
 
 def _by_image(path: Path) -> dict[int, Any]:
@@ -163,6 +189,12 @@ def _seen(
             f"{_CAMERAS}: depth_scale is {scale}: expected what makes depth millimetres, 0.1 or 1"
         )
     depth = _plane(file) * (float(scale) * _MILLIMETRE)
+    if depth.max(initial=0.0) > FARTHEST_DEPTH:
+        given = "" if "depth_scale" in camera else ", since none is given"
+        raise InvalidInput(
+            f"depth/{file.name} reaches {depth.max():.4g} m with depth_scale {scale:g} in {_CAMERAS}{given}: "
+            f"expected at most {FARTHEST_DEPTH:g} m; depth_scale times the picture's numbers are millimetres"
+        )
     label, claims = np.zeros(depth.shape, dtype=np.int64), np.zeros(depth.shape, dtype=np.int64)
     for row, mask in masks.items():
         covered = _plane(mask) > 0

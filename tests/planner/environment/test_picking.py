@@ -159,6 +159,19 @@ def test_gymnasium_makes_one_without_anything_imported_before() -> None:
     assert done.stdout == "topple/Pile-v0 Discrete(12)\n"
 
 
+def test_plain_names_do_where_both_are_imported() -> None:
+    for code in (
+        "import gymnasium, topple; print(gymnasium.make('topple/Pile-v0').spec.id)",
+        "import gymnasium; print(gymnasium.make('topple:topple/Pile-v0').spec.id)",
+        "import gymnasium, topple.planner.environment; print(gymnasium.make('topple/Pile-v0').spec.id)",
+    ):
+        done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
+        assert done.stdout == "topple/Pile-v0\n"
+    loads = "import sys, topple; print('gymnasium' in sys.modules or 'numpy' in sys.modules)"
+    done = subprocess.run([sys.executable, "-c", loads], capture_output=True, text=True, check=True)
+    assert done.stdout == "False\n"  # who does not learn does not wait
+
+
 def test_a_goal_is_judged_by_poses_and_forces_and_not_by_relations(monkeypatch: pytest.MonkeyPatch) -> None:
     made = Picking("tower", slots=4)
     _, info = made.reset(seed=0)

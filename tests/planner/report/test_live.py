@@ -16,6 +16,7 @@ pytest.importorskip("viser", reason="viser is not installed: pip install '.[view
 pytestmark = pytest.mark.filterwarnings("ignore::DeprecationWarning")  # of the server's own libraries
 
 from topple.planner.report.live import LivePage, _cell  # noqa: E402
+from topple.topology.relations import relate  # noqa: E402
 
 
 def free_port() -> int:
@@ -52,6 +53,25 @@ def test_it_serves_answers_its_sliders_and_closes(stack) -> None:
         page.close()
     with pytest.raises(OSError):
         fetched(url)
+
+
+def test_the_rule_and_the_orderer_that_are_named_are_used(stack) -> None:
+    from topple.planner.decide.arrange import arrange
+    from topple.planner.decide.dependency import DependencyGraph
+
+    def backwards(situation, targets, **_):
+        names = tuple(reversed(situation.movable))
+        return arrange(DependencyGraph(names, ()), targets, {name: [0, 0, k] for k, name in enumerate(names)})
+
+    scene = stack[0]
+    page = LivePage(scene, rule="plain", orderer=backwards, port=free_port())
+    try:
+        assert page.relations.deviation == 0.002  # the paper's
+        assert [name for name, _ in page.moves] == list(scene.movable)
+        page.show_deviation(0.004)
+        assert page.relations == relate(scene, 0.004, plain=True)
+    finally:
+        page.close()
 
 
 def test_steps_of_a_plan_put_things_where_they_go(stack) -> None:

@@ -267,3 +267,26 @@ def test_a_file_of_more_links_than_a_robot_has_is_refused(tmp_path: Path) -> Non
     path.write_text(f'<robot name="r">{links}</robot>')
     with pytest.raises(InvalidInput, match="2001 links and shapes; expected those of a robot, 2000 at most"):
         robot(str(path))
+
+
+def test_an_arm_that_would_go_through_everything_is_refused(tmp_path: Path) -> None:
+    path = written(tmp_path)
+    drawn = path.read_text().replace("<collision>", "<visual>").replace("</collision>", "</visual>")
+    path.write_text(drawn)
+    with pytest.raises(InvalidInput, match=r"none of its links has collision geometry, .* <collision> in"):
+        robot(path)
+    path.write_text(drawn.replace("<visual>", "<collision>", 1).replace("</visual>", "</collision>", 1))
+    (said,) = [words for words in robot(path).assumptions if "meet nothing" in words]
+    assert said == (
+        "links of arm.urdf that are drawn and have no collision geometry meet nothing: "
+        "link0, link1, link2, link3, link4, link5"
+    )
+
+
+def test_a_finger_that_closes_on_nothing_that_moves_is_no_jaw(tmp_path: Path) -> None:
+    path = written(tmp_path, fingers=True)
+    text = path.read_text().replace("right_slide' type='prismatic'", "right_slide' type='fixed'")
+    path.write_text(text)
+    message = r"gripper: `\$\.jaw\.joints` left_slide of arm\.urdf move left, no two of which close on"
+    with pytest.raises(InvalidInput, match=message):
+        robot(path, Jaw(joints=["left_slide"]))

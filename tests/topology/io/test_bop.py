@@ -145,7 +145,7 @@ def test_what_is_missing_or_broken_is_named(scene: Path) -> None:
 @pytest.mark.parametrize(
     ("file", "values", "said"),
     [
-        ("scene_camera.json", {"depth_scale": 100.0}, "looks like millimetres"),
+        ("scene_camera.json", {"depth_scale": 100.0}, "reaches 3977 m with depth_scale 100"),
         ("scene_camera.json", {"depth_scale": 0}, "depth_scale is 0"),
         ("scene_camera.json", {"cam_K": [1, 2]}, "cam_K has shape"),
         ("scene_camera.json", {"cam_R_w2c": [2, 0, 0, 0, 2, 0, 0, 0, 2]}, "not rigid"),
@@ -156,6 +156,39 @@ def test_numbers_that_make_no_sense_are_refused(
 ) -> None:
     _changed(scene / file, "0", **values)
     with pytest.raises(InvalidInput, match=said):
+        load_scene(scene, image=0)
+
+
+def test_a_gap_in_the_depth_is_told_and_models_are_taken_when_asked_for(scene: Path) -> None:
+    (scene / "depth" / "000000.png").unlink()
+    with pytest.raises(
+        InvalidInput, match=r"has no depth/000000\.png, and has depth/000001\.png: .* --models"
+    ):
+        load_scene(scene, image=0)
+    assert CAN in load_scene(scene, image=0, models=True).names
+    assert CAN in load_scene(scene, image=1).names
+    shutil.rmtree(scene / "depth")  # a dataset without any is one of models
+    assert CAN in load_scene(scene, image=0).names
+
+
+def test_the_folder_of_a_dataset_is_told_which_scenes_it_has(scene: Path) -> None:
+    for folder in (scene.parent, scene.parent.parent):
+        with pytest.raises(InvalidInput, match=r"is no scene, and holds scenes of BOP: .*test/000001$"):
+            load_scene(folder)
+
+
+def test_a_scale_that_is_missing_or_wrong_is_named_beside_the_depth_it_makes(scene: Path) -> None:
+    _changed(scene / "scene_camera.json", "0", depth_scale=100.0)
+    with pytest.raises(
+        InvalidInput, match=r"depth/000000\.png reaches \d+ m with depth_scale 100 in scene_cam"
+    ):
+        load_scene(scene, image=0)
+    document = json.loads((scene / "scene_camera.json").read_text())
+    del document["0"]["depth_scale"]
+    (scene / "scene_camera.json").write_text(json.dumps(document))
+    picture = np.asarray(Image.open(scene / "depth" / "000000.png")).astype(np.int64) * 4
+    Image.fromarray(picture.clip(0, 65535).astype(np.uint16)).save(scene / "depth" / "000000.png")
+    with pytest.raises(InvalidInput, match=r"with depth_scale 1 in scene_camera\.json, since none is given"):
         load_scene(scene, image=0)
 
 
