@@ -1,7 +1,8 @@
 """The hidden parts of bodies: what no camera saw, guessed from symmetry, convexity and free space."""
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 from scipy.spatial import ConvexHull, Delaunay, KDTree, QhullError
@@ -51,6 +52,30 @@ class Box:
         return np.minimum(np.abs(local - self.lower), np.abs(local - self.upper)).min(axis=1)
 
 
+@dataclass(frozen=True, eq=False)
+class _Seen:
+    """What was seen of a body, with what several guesses ask of it.
+
+    Attributes:
+        points: (N, 3) points [m].
+    """
+
+    points: FloatArray
+
+    @cached_property
+    def tree(self) -> KDTree:
+        """Search tree of the points."""
+        return KDTree(self.points)
+
+    @cached_property
+    def normals(self) -> FloatArray:
+        """(M, 3) local normals at the flat ones among some two hundred spots."""
+        spots = self.points[:: max(1, len(self.points) // 200)]
+        neighbours = self.points[self.tree.query(spots, k=min(12, len(self.points)))[1]]
+        _, normals, squares = patch_planes(neighbours)
+        return normals[squares[:, 0] < 0.05 * squares[:, 1]]
+
+
 def complete(upright: Upright, sight: FreeSpace | None) -> Mapping[str, FloatArray]:
     """Add the surfaces that no camera saw.
 
@@ -87,20 +112,22 @@ def complete_body(points: FloatArray, sight: FreeSpace | None, floor: float = -n
     hull = None if _is_furniture(points) else _hull(points)
     if hull is None:
         return points
-    if sight is None and _is_closed(points, hull):
+    seen = _Seen(points)
+    if sight is None and _is_closed(seen, hull):
         return points
-    hollow = _mouth_share(points, hull, sight) > MOUTH
-    box = bounding_box(points, upright_only=hollow)
-    if not hollow and len(guess := _as_round(points, box, sight, floor)):
+    hollow = _mouth_share(seen, hull, sight) > MOUTH
+    box = _bounding_box(seen, upright_only=hollow)
+    if not hollow and len(guess := _as_round(seen, box, sight, floor)):
         return np.concatenate([points, guess])
     mirrored = _turned(points, box) if hollow else 2 * box.centre - points
-    extra = [_believable(mirrored, points, sight)]
+    extra = [_believable(mirrored, [seen.tree], sight)]
     known = np.concatenate([points, extra[0]])
+    trees = [seen.tree, KDTree(extra[0])] if len(extra[0]) else [seen.tree]
     if hollow:
-        extra.append(_believable(_roof(known), known, sight))
+        extra.append(_believable(_roof(known), trees, sight))
     hull = _hull(known)
     if hull is not None:
-        extra.append(_believable(_underside(known, hull), known, sight, partly=True))
+        extra.append(_believable(_underside(known, hull), trees, sight, partly=True))
     return np.concatenate([points, *extra])
 
 
@@ -114,22 +141,19 @@ def _is_furniture(points: FloatArray) -> bool:
 def is_hollow(points: FloatArray, sight: FreeSpace | None) -> bool:
     """Whether a body has a cavity: its hull has a mouth, with none of the (N, 3) points [m] near it."""
     hull = _hull(points)
-    return hull is not None and _mouth_share(points, hull, sight) > MOUTH
+    return hull is not None and _mouth_share(_Seen(points), hull, sight) > MOUTH
 
 
-def bounding_box(points: FloatArray, upright_only: bool = False) -> Box:
-    """The smallest oriented box among those that stand upright or lie along a flat side.
+def _bounding_box(seen: _Seen, upright_only: bool = False) -> Box:
+    """The box of least volume among those that stand upright, preferred by a tenth, or lie along a flat side.
 
     Args:
-        points: (N, 3) points [m].
+        seen: What was seen of the body.
         upright_only: Consider upright boxes only.
-
-    Returns:
-        The box of least volume; upright ones are preferred by a tenth.
     """
     best: tuple[float, Box] | None = None
-    for k, up in enumerate(_candidate_axes(points, upright_only)):
-        box = _box_along(points, up)
+    for k, up in enumerate(_candidate_axes(seen, upright_only)):
+        box = _box_along(seen.points, up)
         extent = np.maximum(box.upper - box.lower, VOXEL)
         cost = float(np.prod(extent)) * (0.9 if k == 0 else 1.0)
         if best is None or cost < best[0]:
@@ -138,12 +162,12 @@ def bounding_box(points: FloatArray, upright_only: bool = False) -> Box:
     return best[1]
 
 
-def _candidate_axes(points: FloatArray, upright_only: bool) -> list[FloatArray]:
+def _candidate_axes(seen: _Seen, upright_only: bool) -> list[FloatArray]:
     """Up, and the normals of the flat sides (the main directions of local normals)."""
     axes: list[FloatArray] = [np.array([0.0, 0.0, 1.0])]
-    if upright_only or len(points) < 12:
+    if upright_only or len(seen.points) < 12:
         return axes
-    normals = _normals(points[:: max(1, len(points) // 200)], points)
+    normals = seen.normals
     for _ in range(2):  # the two best supported directions that are not yet there
         if len(normals) < 8:
             break
@@ -158,13 +182,6 @@ def _candidate_axes(points: FloatArray, upright_only: bool) -> list[FloatArray]:
     return axes
 
 
-def _normals(spots: FloatArray, points: FloatArray) -> FloatArray:
-    """(M, 3) local normals of the flat spots among the given ones."""
-    neighbours = points[KDTree(points).query(spots, k=min(12, len(points)))[1]]
-    _, normals, squares = patch_planes(neighbours)
-    return normals[squares[:, 0] < 0.05 * squares[:, 1]]
-
-
 def _box_along(points: FloatArray, axis: FloatArray) -> Box:
     """The smallest box with one direction given: the least rectangle of the projection."""
     across = np.stack(perpendiculars(axis))
@@ -176,17 +193,17 @@ def _box_along(points: FloatArray, axis: FloatArray) -> Box:
     return Box(axes, lower, upper)
 
 
-def _as_round(points: FloatArray, box: Box, sight: FreeSpace | None, floor: float) -> FloatArray:
+def _as_round(seen: _Seen, box: Box, sight: FreeSpace | None, floor: float) -> FloatArray:
     """The hidden surface of a ball, a spheroid or a cylinder; (0, 3) where the body is none."""
-    normals = _normals(points[:: max(1, len(points) // 200)], points)
+    points = seen.points
     box_residual = float(np.sqrt(np.mean(box.distances(points) ** 2)))
-    fit = round_body(points, normals, box_residual, floor)
+    fit = round_body(points, seen.normals, box_residual, floor)
     # what a camera sees of a body is turned to it: the inside of a bowl is round as well, and is no ball
     if fit is None or (sight is not None and sight.facing(points, fit.outward(points)).mean() <= OUTSIDE):
         return points[:0]
     surface = fit.surface(VOXEL)
     surface[:, 2] = np.maximum(surface[:, 2], floor)
-    return _believable(surface, points, sight, refuted=ROUND_REFUTED)
+    return _believable(surface, [seen.tree], sight, refuted=ROUND_REFUTED)
 
 
 def _turned(points: FloatArray, box: Box) -> FloatArray:
@@ -198,7 +215,7 @@ def _turned(points: FloatArray, box: Box) -> FloatArray:
 
 def _believable(
     guess: FloatArray,
-    known: FloatArray,
+    known: Sequence[KDTree],
     sight: FreeSpace | None,
     partly: bool = False,
     refuted: float = REFUTED,
@@ -207,7 +224,7 @@ def _believable(
 
     Args:
         guess: (N, 3) guessed points.
-        known: (M, 3) points known before: a guess next to them adds nothing.
+        known: Search trees of points known before: a guess next to one of them adds nothing.
         sight: What was seen to be empty.
         partly: Keep what is not refuted however much is; a refuted symmetry is given up as a whole.
         refuted: Share from which it is.
@@ -216,8 +233,9 @@ def _believable(
         return guess
     guess = voxel_means(guess, VOXEL)
     near = 1.5 * VOXEL
-    distance, _ = KDTree(known).query(guess, distance_upper_bound=np.nextafter(near, np.inf))
-    guess = guess[distance > near]
+    for tree in known:
+        distance, _ = tree.query(guess, distance_upper_bound=np.nextafter(near, np.inf))
+        guess = guess[distance > near]
     if sight is None or len(guess) == 0:
         return guess
     empty = sight.empty(guess)
@@ -334,18 +352,18 @@ def _hull(points: FloatArray) -> ConvexHull | None:
         return None
 
 
-def _is_closed(points: FloatArray, hull: ConvexHull) -> bool:
+def _is_closed(seen: _Seen, hull: ConvexHull) -> bool:
     """Does the cloud show its underside?"""
-    underside = _underside(points, hull)
+    underside = _underside(seen.points, hull)
     if len(underside) == 0:
         return True
-    distance, _ = KDTree(points).query(underside)
+    distance, _ = seen.tree.query(underside)
     return bool((distance < 2.5 * VOXEL).mean() > COMPLETE_CLOSED)
 
 
-def _mouth_share(points: FloatArray, hull: ConvexHull, sight: FreeSpace | None) -> float:
+def _mouth_share(seen: _Seen, hull: ConvexHull, sight: FreeSpace | None) -> float:
     """Share of the hull's surface that is a mouth: no points near it, and seen through if anybody looked."""
-    corners = points[hull.simplices]
+    corners = seen.points[hull.simplices]
     areas = np.linalg.norm(np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0]), axis=1)
     which = np.searchsorted(np.cumsum(areas) / areas.sum(), (np.arange(PLACES) + 0.5) / PLACES)
     # A low-discrepancy sequence: the same places for the same hull, without a seed.
@@ -355,7 +373,7 @@ def _mouth_share(points: FloatArray, hull: ConvexHull, sight: FreeSpace | None) 
     u, v = np.where(flip, 1 - u, u)[:, None], np.where(flip, 1 - v, v)[:, None]
     first, second, third = corners[np.minimum(which, len(corners) - 1)].transpose(1, 0, 2)
     spots = first + u * (second - first) + v * (third - first)
-    bare = KDTree(points).query(spots)[0] > BARE
+    bare = seen.tree.query(spots)[0] > BARE
     if sight is not None:
         bare[bare] = sight.empty(spots[bare])
     return float(bare.mean())
