@@ -5,7 +5,7 @@ from dataclasses import dataclass, field, replace
 
 import numpy as np
 
-from topple.topology.arrays import FloatArray, bounds, frozen, rounded
+from topple.topology.arrays import FloatArray, bounds, frozen, middle_of, rounded, within_corners
 from topple.topology.bodies.tolerances import SUNK
 from topple.topology.bodies.tops import Tops, tops_of
 from topple.topology.errors import InvalidInput
@@ -124,8 +124,8 @@ def _axes(scene: Scene, up: FloatArray) -> FloatArray:
     widest = max(plans, key=lambda plan: float(plan.var(axis=0).sum()), default=np.zeros((1, 2)))
     side = least_rectangle(widest)
     sides = np.stack([side, [-side[1], side[0]]])
-    far = (widest - widest.mean(axis=0)) @ sides.T
-    tails = (far * far * far).sum(axis=0)
+    far = (widest - middle_of(widest)) @ sides.T
+    tails = np.einsum("ni->i", far * far * far)
     most = int(np.argmax(np.abs(tails)))
     along = sides[most] * (1.0 if tails[most] >= 0 else -1.0) @ level
     return np.stack([along, np.cross(up, along), up]).astype(np.float64)
@@ -155,7 +155,7 @@ def _meet(one: _Box, other: _Box) -> bool:
 
 def _cut(points: FloatArray, boxes: list[_Box]) -> FloatArray:
     """The points inside of boxes, thinned in each by itself: what is far away moves no cell."""
-    inside = [points[((points >= lower) & (points <= upper)).all(axis=1)] for lower, upper in boxes]
+    inside = [points[within_corners(points, lower, upper)] for lower, upper in boxes]
     return np.concatenate([voxel_means(part, 2 * VOXEL) for part in inside])
 
 

@@ -7,7 +7,7 @@ from functools import cached_property
 import numpy as np
 from scipy.spatial import ConvexHull, Delaunay, KDTree, QhullError
 
-from topple.topology.arrays import FloatArray, bounds
+from topple.topology.arrays import FloatArray, bounds, lengths
 from topple.topology.bodies.tolerances import (
     BARE,
     COMPLETE_CLOSED,
@@ -258,7 +258,7 @@ def _roof(points: FloatArray) -> FloatArray:
     tops = points[order[np.unique(keys[order], return_index=True)[1]]]
     if len(tops) < 4:
         return points[:0]
-    lower, upper = tops[:, :2].min(axis=0), tops[:, :2].max(axis=0)
+    lower, upper = bounds(tops[:, :2])
     cells = _grid(lower, upper)
     taken = KDTree(tops[:, :2]).query(cells)[0] < 2 * VOXEL
     cells = _over(tops[:, :2], cells[~taken])
@@ -321,7 +321,7 @@ def _heights(
 def _plan_cells(points: FloatArray, hull: ConvexHull) -> FloatArray:
     """(N, 2) cell centres inside the plan view of a hull."""
     corners = points[hull.vertices][:, :2]
-    return _over(corners, _grid(corners.min(axis=0), corners.max(axis=0)))
+    return _over(corners, _grid(*bounds(corners)))
 
 
 def _over(corners: FloatArray, cells: FloatArray) -> FloatArray:
@@ -364,7 +364,7 @@ def _is_closed(seen: _Seen, hull: ConvexHull) -> bool:
 def _mouth_share(seen: _Seen, hull: ConvexHull, sight: FreeSpace | None) -> float:
     """Share of the hull's surface that is a mouth: no points near it, and seen through if anybody looked."""
     corners = seen.points[hull.simplices]
-    areas = np.linalg.norm(np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0]), axis=1)
+    areas = lengths(np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0]))
     which = np.searchsorted(np.cumsum(areas) / areas.sum(), (np.arange(PLACES) + 0.5) / PLACES)
     # A low-discrepancy sequence: the same places for the same hull, without a seed.
     u = (np.arange(PLACES) * 0.7548776662466927) % 1.0

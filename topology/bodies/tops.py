@@ -13,7 +13,7 @@ import numpy as np
 from scipy.ndimage import binary_closing, binary_dilation, distance_transform_edt
 from scipy.spatial import ConvexHull, KDTree
 
-from topple.topology.arrays import BoolArray, FloatArray, IntArray, frozen
+from topple.topology.arrays import BoolArray, FloatArray, IntArray, bounds, frozen, middle_of
 from topple.topology.bodies.tolerances import (
     FACES,
     FILLED,
@@ -100,7 +100,7 @@ class Tops:
             The highest top that lies below its middle and within whose box it is; without regard to the
             box where it is over none, as a cloud may be cut off.
         """
-        middle = points.mean(axis=0)
+        middle = middle_of(points)
         below = [top for top in self.tops if float(top.above(middle[None])[0]) > -DEPTH_NOISE]
         over = [top for top in below if _beside(top, points, margin)]
         return next(iter(over or below), None)
@@ -149,10 +149,8 @@ def _beside(top: Top, points: FloatArray, margin: float) -> bool:
     """Whether points (N, 3) lie, in part, over the box around a top."""
     axes = np.stack(perpendiculars(top.normal), axis=1)
     own, other = top.points @ axes, points @ axes
-    return bool(
-        (other.max(axis=0) > own.min(axis=0) - margin).all()
-        and (other.min(axis=0) < own.max(axis=0) + margin).all()
-    )
+    (least, most), (lowest, highest) = bounds(own), bounds(other)
+    return bool((highest > least - margin).all() and (lowest < most + margin).all())
 
 
 def _surface(cloud: FloatArray, up: FloatArray) -> tuple[FloatArray, float] | None:
@@ -217,7 +215,8 @@ class _Grid:
         """The grid for a cloud, with the spacing of (N, 3) points on one of its levels."""
         axes = np.stack(perpendiculars(up), axis=1)
         plan = cloud @ axes
-        corner, extent = plan.min(axis=0), np.ptp(plan, axis=0)
+        corner, upper = bounds(plan)
+        extent = upper - corner
         own = plan if level is None else level @ axes
         own = own[:: max(1, len(own) // MANY)]
         near = np.asarray(KDTree(own).query(own[:: max(1, len(own) // ENOUGH)], k=min(5, len(own)))[0])
@@ -284,7 +283,7 @@ def _levels(cloud: FloatArray, up: FloatArray) -> tuple[_Level, ...]:
         found += levels
     if grid is None:
         return ()
-    found.sort(key=lambda level: -float(cloud[level.members].mean(axis=0) @ up))
+    found.sort(key=lambda level: -float(middle_of(cloud[level.members]) @ up))
     return _with_room(found, cloud, up, grid)
 
 
@@ -344,6 +343,6 @@ def _with_room(levels: list[_Level], cloud: FloatArray, up: FloatArray, grid: _G
 def _around(plan: FloatArray, heights: FloatArray, own: FloatArray, low: float, high: float) -> int:
     """In how many directions from the middle of a level something stands between two heights."""
     between = (heights > low) & (heights < high)
-    rays = plan[between] - (own.min(axis=0) + own.max(axis=0)) / 2.0
+    rays = plan[between] - np.add(*bounds(own)) / 2.0
     turns = np.arctan2(rays[:, 1], rays[:, 0]) / (2.0 * np.pi) + 0.5
     return len(np.unique(np.floor(turns * SECTORS).astype(np.int64) % SECTORS))

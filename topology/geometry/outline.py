@@ -7,7 +7,7 @@ crescent, but over the circle the crescent is part of.
 import numpy as np
 from scipy.spatial import ConvexHull, QhullError
 
-from topple.topology.arrays import FloatArray
+from topple.topology.arrays import FloatArray, bounds, lengths
 from topple.topology.geometry.axes import level_axes
 from topple.topology.geometry.hull import Hull
 from topple.topology.geometry.round import sphere_through
@@ -73,10 +73,11 @@ def _circle(flat: FloatArray) -> tuple[FloatArray, float] | None:
     if fit is None:
         return None
     centre, radius = fit
-    chord = float(np.linalg.norm(np.ptp(flat, axis=0)))
+    lower, upper = bounds(flat)
+    chord = float(np.linalg.norm(upper - lower))
     if radius > OPENED * chord:
         return None
-    off = np.linalg.norm(flat - centre, axis=1) - radius
+    off = lengths(flat - centre) - radius
     if float(np.sqrt(np.mean(off**2))) > ROUND * radius:
         return None
     return centre, radius

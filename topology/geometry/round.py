@@ -4,7 +4,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from topple.topology.arrays import BoolArray, FloatArray
+from topple.topology.arrays import BoolArray, FloatArray, lengths, middle_of, sum_of_rows
 from topple.topology.geometry.axes import perpendiculars
 from topple.topology.geometry.tolerances import (
     BELOW_FLOOR,
@@ -45,8 +45,8 @@ class Spheroid:
     def distances(self, points: FloatArray) -> FloatArray:
         """(N,) distances of points from its surface [m], along the ray from its centre."""
         rays = points - self.centre
-        far = np.linalg.norm(rays, axis=1)
-        there = np.linalg.norm(_squeezed(rays, self.axis, self.stretch), axis=1)
+        far = lengths(rays)
+        there = lengths(_squeezed(rays, self.axis, self.stretch))
         return far * np.abs(1.0 - self.radius / np.maximum(there, 1e-9))
 
     def outward(self, points: FloatArray) -> FloatArray:
@@ -75,15 +75,15 @@ class Cylinder:
     def distances(self, points: FloatArray) -> FloatArray:
         """(N,) distances of points from its side or an end, whichever is nearer [m]."""
         along = (points - self.centre) @ self.axis
-        across = np.linalg.norm(points - self.centre - np.outer(along, self.axis), axis=1)
+        across = lengths(points - self.centre - np.outer(along, self.axis))
         return np.minimum(np.abs(across - self.radius), np.abs(np.abs(along) - self.half))
 
     def outward(self, points: FloatArray) -> FloatArray:
         """(N, 3) directions out of it at points of its surface; of no unit length."""
         along = ((points - self.centre) @ self.axis)[:, None] * self.axis
         across = points - self.centre - along
-        end = np.abs(np.linalg.norm(along, axis=1) - self.half)
-        side = np.abs(np.linalg.norm(across, axis=1) - self.radius)
+        end = np.abs(lengths(along) - self.half)
+        side = np.abs(lengths(across) - self.radius)
         return np.where((end < side)[:, None], along, across)
 
     def surface(self, spacing: float) -> FloatArray:
@@ -157,13 +157,13 @@ def _ball(points: FloatArray, axis: FloatArray, stretch: float) -> Spheroid | No
     fit = _sphere(squeezed)
     if fit is None:
         return None
-    off = np.abs(np.linalg.norm(squeezed - fit[0], axis=1) - fit[1])
+    off = np.abs(lengths(squeezed - fit[0]) - fit[1])
     fit = _sphere(squeezed[off <= np.quantile(off, 1.0 - STRAY)])
     if fit is None or fit[1] * stretch > LARGEST_RADIUS:
         return None
     centre, radius = fit
     rays = (squeezed - centre) / radius
-    towards = rays.mean(axis=0)
+    towards = middle_of(rays)
     towards /= max(float(np.linalg.norm(towards)), 1e-9)
     depth = 1.0 - float(np.quantile(rays @ towards, STRAY))
     centre = _squeezed(centre[None], axis, 1.0 / stretch)[0]
@@ -180,11 +180,11 @@ def sphere_through(points: FloatArray) -> tuple[FloatArray, float] | None:
         (d,) centre and radius [m]; None where the points lie in a plane (on a line).
     """
     size = points.shape[1]
-    middle = points.mean(axis=0)
+    middle = middle_of(points)
     local = points - middle
     # |p|^2 = 2 c.p + r^2 - |c|^2 is linear in c and in what remains.
     system = np.column_stack([2.0 * local, np.ones(len(local))])
-    solution, _, rank, _ = np.linalg.lstsq(system, (local**2).sum(axis=1), rcond=None)
+    solution, _, rank, _ = np.linalg.lstsq(system, sum_of_rows(local * local), rcond=None)
     if rank <= size:
         return None
     centre = solution[:size]
@@ -197,7 +197,7 @@ def _sphere(points: FloatArray) -> tuple[FloatArray, float] | None:
     if first is None:
         return None
     size = points.shape[1]
-    middle = points.mean(axis=0)
+    middle = middle_of(points)
     centre, radius = first[0] - middle, first[1]
     columns = np.ascontiguousarray((points - middle).T)  # an axis at a time takes half as long
     system = np.ones((len(points), size + 1))
@@ -244,7 +244,7 @@ def _cylinder(points: FloatArray, axis: FloatArray) -> Cylinder | None:
         circle = _sphere(flat[side])
         if circle is None:
             return None
-        off = np.abs(np.linalg.norm(flat - circle[0], axis=1) - circle[1])
+        off = np.abs(lengths(flat - circle[0]) - circle[1])
         before, side = side, off < max(0.003, 0.1 * circle[1])
         if np.count_nonzero(side) < 12:
             return None

@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from topple.topology.arrays import FloatArray
+from topple.topology.arrays import FloatArray, middle_of
 from topple.topology.bodies.surfaces import carry_over, surfaces_of
 from topple.topology.confidence import Evidence, confidence
 from topple.topology.geometry.axes import level_axes
@@ -102,7 +102,7 @@ def _uppermost(
     Between the two lies the upper one, hidden as it may be: a bowl on two plates meets the upper plate.
     """
     up = np.asarray(scene.up)
-    middle = scene.clouds[name].mean(axis=0) @ np.stack(level_axes(up), axis=1)
+    middle = middle_of(scene.clouds[name]) @ np.stack(level_axes(up), axis=1)
     seen = {pair.b for pair in relations.of(name) if _holds(pair, scene.clouds, up, scene.fixed)}
     height = {other: _height(scene.clouds[other], up) for other in seen.union(one.supporter for one in below)}
     reaching = [
@@ -146,7 +146,7 @@ def _held(name: str, scene: Scene, relations: RelationTable, up: FloatArray) -> 
         return True
     if not holders:
         return False
-    middle = scene.clouds[name].mean(axis=0) @ np.stack(level_axes(up), axis=1)
+    middle = middle_of(scene.clouds[name]) @ np.stack(level_axes(up), axis=1)
     return covers([outline(scene.clouds[pair.b], up) for pair in holders], middle, TOLERANCES.flat)
 
 

@@ -8,11 +8,11 @@ from scipy.sparse import coo_matrix
 from scipy.sparse.csgraph import connected_components
 from scipy.spatial import KDTree
 
-from topple.topology.arrays import BoolArray, FloatArray, IntArray, bounds
+from topple.topology.arrays import BoolArray, FloatArray, IntArray, bounds, lengths, middle_of
 from topple.topology.geometry.axes import own_axes
 from topple.topology.geometry.hull import Hull
 from topple.topology.geometry.normals import patch_planes
-from topple.topology.geometry.thin import cell_keys
+from topple.topology.geometry.thin import cell_keys, sorted_cells
 from topple.topology.rule.tolerances import (
     AROUND,
     BESIDE,
@@ -128,8 +128,7 @@ def _cells(cloud: FloatArray) -> tuple[IntArray, IntArray, float]:
     occupied = len(np.unique(cell_keys(probe, lower, upper, cell)))
     cell = min(float(np.clip(cell * (occupied / COARSE) ** 0.5, cell / 6, 2 * cell)), LARGEST_CELL)
     keys = cell_keys(local, lower, upper, cell)
-    order = np.argsort(keys, kind="stable")
-    ordered = keys[order]
+    ordered, order = sorted_cells(keys)
     starts = np.flatnonzero(np.concatenate([[True], ordered[1:] != ordered[:-1]]))
     return order, np.append(starts, len(cloud)), cell
 
@@ -187,7 +186,7 @@ def _main_pieces(tree: KDTree) -> tuple[BoolArray, FloatArray]:
 
 def _width(points: FloatArray) -> float:
     """Spread (standard deviation) across the longest direction of a piece [m]."""
-    centred = points - points.mean(axis=0)
+    centred = points - middle_of(points)
     return float(np.sqrt(max(np.linalg.eigvalsh(centred.T @ centred)[1], 0.0) / len(points)))
 
 
@@ -218,7 +217,7 @@ class Closest:
     @property
     def apart(self) -> float:
         """Distance of the closest samples [m], which is never less than the surfaces'."""
-        return float(np.linalg.norm(self.pairs[:, 0] - self.pairs[:, 1], axis=1).min())
+        return float(lengths(self.pairs[:, 0] - self.pairs[:, 1]).min())
 
 
 def closest(a: SurfaceCloud, b: SurfaceCloud) -> Closest:

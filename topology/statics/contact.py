@@ -6,7 +6,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 from scipy.spatial import KDTree
 
-from topple.topology.arrays import BoolArray, FloatArray, IntArray, bounds
+from topple.topology.arrays import BoolArray, FloatArray, IntArray, bounds, middle_of, sum_of_rows, within_corners
 from topple.topology.geometry.broadphase import near_pairs
 from topple.topology.geometry.thin import cell_keys, voxel_means
 from topple.topology.statics.grounds import Plane, planes_and_rest
@@ -235,7 +235,7 @@ def _between(
     lower, upper = corners[:, 0].max(axis=0) - reach, corners[:, 1].min(axis=0) + reach
     if (lower > upper).any():
         return None
-    candidates = second[((second >= lower) & (second <= upper)).all(axis=1)]
+    candidates = second[within_corners(second, lower, upper)]
     if len(candidates) == 0:
         return None
     for name in (a, b):
@@ -276,7 +276,7 @@ def _patch(
     # b lies on the side of the contact where its points are; two faces that lie flat on each
     # other have none there, and the rest of the bodies tells.
     offsets = near_b.mean(normals) - near_a.mean(normals)
-    apart = normals @ (second.mean(axis=0) - first.mean(axis=0))
+    apart = normals @ (middle_of(second) - middle_of(first))
     offsets = np.where(np.abs(offsets) < TOLERANCES.smooth, apart, offsets)
     normals = np.where(offsets[:, None] < 0, -normals, normals)
     gaps = np.where(
@@ -285,7 +285,7 @@ def _patch(
         near_b.mean(normals) + near_a.lowest(-normals),
     )
     smooth = np.maximum(spreads_a[known], spreads_b[known]) < TOLERANCES.smooth
-    between = np.arccos(np.minimum(1.0, np.abs((normals_a * normals_b).sum(axis=1))))
+    between = np.arccos(np.minimum(1.0, np.abs(sum_of_rows(normals_a * normals_b))))
     patch = Contact(a, b, spots[known], normals, gaps, np.where(smooth, between, 0.0))
     return patch.only(gaps <= reach)
 
@@ -314,7 +314,7 @@ class _Groups:
 
     def _along(self, directions: FloatArray) -> FloatArray:
         """(N,) how far each point lies along the (k, 3) direction of its group [m]."""
-        return np.asarray((self.points * np.repeat(directions, self.counts, axis=0)).sum(axis=1))
+        return sum_of_rows(self.points * np.repeat(directions, self.counts, axis=0))
 
     def mean(self, directions: FloatArray) -> FloatArray:
         """(k,) how far the points of each group lie along its (k, 3) direction [m]."""

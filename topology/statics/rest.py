@@ -7,7 +7,7 @@ from functools import cached_property
 import numpy as np
 from scipy.spatial import KDTree
 
-from topple.topology.arrays import BoolArray, FloatArray, bounds
+from topple.topology.arrays import BoolArray, FloatArray, bounds, middle_of
 from topple.topology.bodies.surfaces import surfaces_of
 from topple.topology.geometry.axes import around
 from topple.topology.geometry.sides import hull_volume
@@ -195,7 +195,7 @@ def weigh(points: FloatArray, mass: float | None = None) -> Weight:
         The weight. A mass not given is `DENSITY` times a volume: the hull's for solid things, the surface
         times a wall for hollow ones, whichever is less.
     """
-    centre = points.mean(axis=0)
+    centre = middle_of(points)
     if mass is not None:
         return Weight(1e3 * mass / DENSITY, centre, LEVER)
     volume = volume_around(points)
