@@ -11,6 +11,7 @@ from topple.topology.arrays import FloatArray, bounds, lengths
 from topple.topology.bodies.tolerances import (
     BARE,
     COMPLETE_CLOSED,
+    KEPT_BODIES,
     LARGEST,
     MOUTH,
     OUTSIDE,
@@ -22,9 +23,10 @@ from topple.topology.bodies.tolerances import (
 from topple.topology.geometry.axes import perpendiculars
 from topple.topology.geometry.normals import patch_planes
 from topple.topology.geometry.outline import least_rectangle
-from topple.topology.geometry.round import flattest_side, round_body
+from topple.topology.geometry.round import Fit, fits_of, flattest_side, round_body
 from topple.topology.geometry.sides import beyond, sides_of
 from topple.topology.geometry.thin import cell_keys, voxel_means
+from topple.topology.remembered import remembered
 from topple.topology.tolerances import VOXEL
 from topple.topology.upright import Upright
 from topple.topology.views.free_space import FreeSpace
@@ -46,6 +48,11 @@ class Box:
         """(3,) centre [m]."""
         return (self.lower + self.upper) / 2 @ self.axes
 
+    @property
+    def volume(self) -> float:
+        """In [m³]; that of a flat one as if it were a voxel thick."""
+        return float(np.prod(np.maximum(self.upper - self.lower, VOXEL)))
+
     def distances(self, points: FloatArray) -> FloatArray:
         """(N,) distances of points from the nearest of its planes [m]."""
         local = points @ self.axes.T
@@ -63,6 +70,26 @@ class _Seen:
     points: FloatArray
 
     @cached_property
+    def hull(self) -> ConvexHull | None:
+        """Convex hull; None of points without volume."""
+        return _hull(self.points)
+
+    @cached_property
+    def fits(self) -> tuple[Fit, ...]:
+        """Round bodies that it may be."""
+        return fits_of(self.points, self.normals)
+
+    @cached_property
+    def upright_box(self) -> Box:
+        """The smallest box around it that stands upright."""
+        return _box_along(self.points, np.array([0.0, 0.0, 1.0]))
+
+    @cached_property
+    def box(self) -> Box:
+        """The box of least volume among those that stand upright or lie along a flat side."""
+        return _least_box(self)
+
+    @cached_property
     def tree(self) -> KDTree:
         """Search tree of the points."""
         return KDTree(self.points)
@@ -74,6 +101,9 @@ class _Seen:
         neighbours = self.points[self.tree.query(spots, k=min(12, len(self.points)))[1]]
         _, normals, squares = patch_planes(neighbours)
         return normals[squares[:, 0] < 0.05 * squares[:, 1]]
+
+
+seen_of = remembered(KEPT_BODIES)(_Seen)
 
 
 def complete(upright: Upright, sight: FreeSpace | None) -> Mapping[str, FloatArray]:
@@ -109,14 +139,14 @@ def complete_body(points: FloatArray, sight: FreeSpace | None, floor: float = -n
     Returns:
         (M, 3) points, M >= N, the seen ones first.
     """
-    hull = None if _is_furniture(points) else _hull(points)
+    seen = seen_of(points)
+    hull = None if _is_furniture(points) else seen.hull
     if hull is None:
         return points
-    seen = _Seen(points)
     if sight is None and _is_closed(seen, hull):
         return points
     hollow = _mouth_share(seen, hull, sight) > MOUTH
-    box = _bounding_box(seen, upright_only=hollow)
+    box = seen.upright_box if hollow else seen.box
     if not hollow and len(guess := _as_round(seen, box, sight, floor)):
         return np.concatenate([points, guess])
     mirrored = _turned(points, box) if hollow else 2 * box.centre - points
@@ -125,7 +155,7 @@ def complete_body(points: FloatArray, sight: FreeSpace | None, floor: float = -n
     trees = [seen.tree, KDTree(extra[0])] if len(extra[0]) else [seen.tree]
     if hollow:
         extra.append(_believable(_roof(known), trees, sight))
-    hull = _hull(known)
+    hull = hull_of(known)
     if hull is not None:
         extra.append(_believable(_underside(known, hull), trees, sight, partly=True))
     return np.concatenate([points, *extra])
@@ -140,34 +170,21 @@ def _is_furniture(points: FloatArray) -> bool:
 
 def is_hollow(points: FloatArray, sight: FreeSpace | None) -> bool:
     """Whether a body has a cavity: its hull has a mouth, with none of the (N, 3) points [m] near it."""
-    hull = _hull(points)
-    return hull is not None and _mouth_share(_Seen(points), hull, sight) > MOUTH
+    seen = seen_of(points)
+    return seen.hull is not None and _mouth_share(seen, seen.hull, sight) > MOUTH
 
 
-def _bounding_box(seen: _Seen, upright_only: bool = False) -> Box:
-    """The box of least volume among those that stand upright, preferred by a tenth, or lie along a flat side.
-
-    Args:
-        seen: What was seen of the body.
-        upright_only: Consider upright boxes only.
-    """
-    best: tuple[float, Box] | None = None
-    for k, up in enumerate(_candidate_axes(seen, upright_only)):
-        box = _box_along(seen.points, up)
-        extent = np.maximum(box.upper - box.lower, VOXEL)
-        cost = float(np.prod(extent)) * (0.9 if k == 0 else 1.0)
-        if best is None or cost < best[0]:
-            best = cost, box
-    assert best is not None
-    return best[1]
+def _least_box(seen: _Seen) -> Box:
+    """The box of least volume; upright ones are preferred by a tenth."""
+    lying = [_box_along(seen.points, axis) for axis in _flat_sides(seen)]
+    costs = [0.9 * seen.upright_box.volume, *(box.volume for box in lying)]
+    return [seen.upright_box, *lying][int(np.argmin(costs))]
 
 
-def _candidate_axes(seen: _Seen, upright_only: bool) -> list[FloatArray]:
-    """Up, and the normals of the flat sides (the main directions of local normals)."""
+def _flat_sides(seen: _Seen) -> list[FloatArray]:
+    """The normals of the flat sides, the main directions of local normals, other than up."""
     axes: list[FloatArray] = [np.array([0.0, 0.0, 1.0])]
-    if upright_only or len(seen.points) < 12:
-        return axes
-    normals = seen.normals
+    normals = seen.normals if len(seen.points) >= 12 else np.empty((0, 3))
     for _ in range(2):  # the two best supported directions that are not yet there
         if len(normals) < 8:
             break
@@ -179,7 +196,7 @@ def _candidate_axes(seen: _Seen, upright_only: bool) -> list[FloatArray]:
         if all(abs(float(axis @ other)) < np.cos(np.radians(4.0)) for other in axes):
             axes.append(axis)
         normals = normals[~side]
-    return axes
+    return axes[1:]
 
 
 def _box_along(points: FloatArray, axis: FloatArray) -> Box:
@@ -197,7 +214,7 @@ def _as_round(seen: _Seen, box: Box, sight: FreeSpace | None, floor: float) -> F
     """The hidden surface of a ball, a spheroid or a cylinder; (0, 3) where the body is none."""
     points = seen.points
     box_residual = float(np.sqrt(np.mean(box.distances(points) ** 2)))
-    fit = round_body(points, seen.normals, box_residual, floor)
+    fit = round_body(seen.fits, box_residual, floor)
     # what a camera sees of a body is turned to it: the inside of a bowl is round as well, and is no ball
     if fit is None or (sight is not None and sight.facing(points, fit.outward(points)).mean() <= OUTSIDE):
         return points[:0]
@@ -350,6 +367,9 @@ def _hull(points: FloatArray) -> ConvexHull | None:
         return ConvexHull(points)
     except (QhullError, ValueError):
         return None
+
+
+hull_of = remembered(KEPT_BODIES)(_hull)
 
 
 def _is_closed(seen: _Seen, hull: ConvexHull) -> bool:

@@ -5,7 +5,6 @@ and walls of a shelf. A top is a level surface wide enough to stand something on
 underside of a board, nor the inside of something solid.
 """
 
-import hashlib
 from collections.abc import Sequence
 from dataclasses import dataclass
 
@@ -42,11 +41,10 @@ from topple.topology.bodies.tolerances import (
 from topple.topology.geometry.axes import perpendiculars
 from topple.topology.geometry.plane import fit_plane, plane_through
 from topple.topology.geometry.tolerances import ENOUGH
+from topple.topology.remembered import remembered
 from topple.topology.tolerances import DEPTH_NOISE
 
 REMEMBERED = 64  # clouds whose tops are kept
-
-_FOUND: dict[bytes, "tuple[_Level, ...]"] = {}
 
 
 @dataclass(frozen=True, eq=False)
@@ -131,14 +129,9 @@ def tops_of(cloud: FloatArray, up: FloatArray) -> Tops:
     Returns:
         The tops and the rest of the points. Deterministic, and remembered.
     """
-    key = hashlib.blake2b(cloud.tobytes() + up.tobytes()).digest()
-    if key not in _FOUND:
-        if len(_FOUND) >= REMEMBERED:
-            _FOUND.pop(next(iter(_FOUND)))
-        _FOUND[key] = _levels(cloud, up)
     rest = np.ones(len(cloud), dtype=np.bool_)
     tops: list[Top] = []
-    for level in _FOUND[key]:
+    for level in _levels(cloud, up):
         rest &= ~level.members
         points = cloud if level.members.all() else cloud[level.members]
         tops.append(Top(frozen(level.normal), level.height, points, level.thickness, level.walled))
@@ -262,6 +255,7 @@ class _Level:
     walled: bool = False
 
 
+@remembered(REMEMBERED)
 def _levels(cloud: FloatArray, up: FloatArray) -> tuple[_Level, ...]:
     """The tops of a cloud, highest first."""
     surface = _surface(cloud, up)

@@ -1,5 +1,6 @@
 """Balls, spheroids and cylinders: the round bodies whose hidden half follows from the half that was seen."""
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -98,14 +99,42 @@ class Cylinder:
         return self.centre + np.vstack([side.reshape(-1, 3), *ends])
 
 
-def round_body(
-    points: FloatArray, normals: FloatArray, box_residual: float, floor: float = -np.inf
-) -> Spheroid | Cylinder | None:
-    """The ball, spheroid or cylinder that explains what was seen of a body.
+@dataclass(frozen=True, eq=False)
+class Fit:
+    """A round body fitted to points.
+
+    Attributes:
+        body: The body.
+        lowest: Height of its lowest point [m].
+        residual: How far the points are off it [m], root mean square.
+    """
+
+    body: Spheroid | Cylinder
+    lowest: float
+    residual: float
+
+
+def fits_of(points: FloatArray, normals: FloatArray) -> tuple[Fit, ...]:
+    """Fit balls, spheroids and cylinders to what was seen of a body.
 
     Args:
         points: (N, 3) seen points [m].
         normals: (M, 3) normals at flat spots among them.
+    """
+    balls = [_ball(points, axis, stretch) for axis, stretch in _stretches(points)]
+    found = [body for body in (*balls, *_cylinders(points, normals)) if body is not None]
+    return tuple(
+        Fit(body, float(body.surface(COARSE)[:, 2].min()), _residual(body, points)) for body in found
+    )
+
+
+def round_body(
+    fits: Sequence[Fit], box_residual: float, floor: float = -np.inf
+) -> Spheroid | Cylinder | None:
+    """The ball, spheroid or cylinder that explains what was seen of a body.
+
+    Args:
+        fits: What may be it, from `fits_of`.
         box_residual: How far the points are off the best box [m], root mean square.
         floor: Height of what everything stands on [m].
 
@@ -113,14 +142,12 @@ def round_body(
         What explains the points better than a box does; None where neither does, or where too little is seen
         to say how large it is.
     """
-    balls = [_ball(points, axis, stretch) for axis, stretch in _stretches(points)]
-    found = [fit for fit in (*balls, *_cylinders(points, normals)) if fit is not None]
-    found = [fit for fit in found if fit.surface(COARSE)[:, 2].min() > floor - BELOW_FLOOR * fit.radius]
+    found = [fit for fit in fits if fit.lowest > floor - BELOW_FLOOR * fit.body.radius]
     if not found:
         return None
-    errors = [_residual(fit, points) for fit in found]
-    best, error = found[int(np.argmin(errors))], min(errors)
-    return best if error < min(LARGEST_RESIDUAL * best.radius, BETTER_THAN_BOX * box_residual) else None
+    best = min(found, key=lambda fit: fit.residual)
+    limit = min(LARGEST_RESIDUAL * best.body.radius, BETTER_THAN_BOX * box_residual)
+    return best.body if best.residual < limit else None
 
 
 def flattest_side(normals: FloatArray) -> tuple[BoolArray, int]:

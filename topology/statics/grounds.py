@@ -5,6 +5,8 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from topple.topology.arrays import BoolArray, FloatArray, bounds, frozen, middle_of
+from topple.topology.bodies.tolerances import KEPT_FRAMES
+from topple.topology.remembered import remembered
 from topple.topology.statics.tolerances import EDGE, FLAT, MARGIN
 from topple.topology.upright import Upright
 
@@ -28,6 +30,7 @@ class Plane:
     ends: bool = False
 
     @staticmethod
+    @remembered(KEPT_FRAMES)
     def of(points: FloatArray) -> "Plane | None":
         """Fit a plane to a cloud, robustly.
 

@@ -9,10 +9,12 @@ from scipy.spatial import KDTree
 
 from topple.topology.arrays import BoolArray, FloatArray, bounds, middle_of
 from topple.topology.bodies.surfaces import surfaces_of
+from topple.topology.bodies.tolerances import KEPT_BODIES
 from topple.topology.geometry.axes import around
 from topple.topology.geometry.sides import hull_volume
 from topple.topology.geometry.thin import voxel_means
 from topple.topology.relation_table import RelationTable
+from topple.topology.remembered import remembered
 from topple.topology.scene import Scene
 from topple.topology.sixim.table import Relation
 from topple.topology.statics.contact import TOLERANCES, Contact, closed, find_contacts
@@ -184,6 +186,7 @@ def _closed(
     ]
 
 
+@remembered(KEPT_BODIES)
 def weigh(points: FloatArray, mass: float | None = None) -> Weight:
     """Guess weight and centre of mass of a body from its surface.
 

@@ -7,7 +7,8 @@ from scipy.ndimage import maximum_filter
 
 from topple.topology.arrays import FloatArray, IntArray, bounds
 from topple.topology.geometry.axes import around
-from topple.topology.statics.tolerances import CLEAR, LIFT, SWEEP_CELL
+from topple.topology.remembered import remembered
+from topple.topology.statics.tolerances import CLEAR, KEPT_PAIRS, LIFT, SWEEP_CELL
 
 DIRECTIONS = around(24)
 
@@ -30,6 +31,7 @@ class Overlap:
     clearance: float
 
 
+@remembered(KEPT_PAIRS)
 def overlap(upper: FloatArray, lower: FloatArray) -> Overlap | None:
     """How one object hangs over another.
 
@@ -68,6 +70,7 @@ def overlap(upper: FloatArray, lower: FloatArray) -> Overlap | None:
     )
 
 
+@remembered(KEPT_PAIRS)
 def swept_matrix(swept: FloatArray, other: FloatArray) -> IntArray:
     """The 6-intersection matrix of a body with all that it passes on its way up, and another body.
 

@@ -143,6 +143,9 @@ CANCELLED = 0.05
 
 # -- sweep
 
+KEPT_PAIRS = 1000
+"""Pairs of bodies of which what was worked out is kept, a kilobyte each."""
+
 LIFT = 0.25
 """Height of the lift [m]: what is higher than this above an object is not met."""
 
