@@ -11,7 +11,8 @@ from topple.topology.arrays import FloatArray, bounds, lengths
 from topple.topology.geometry.axes import level_axes
 from topple.topology.geometry.hull import Hull
 from topple.topology.geometry.round import sphere_through
-from topple.topology.geometry.tolerances import FEWEST, OPENED, ROUND
+from topple.topology.geometry.sides import beyond, sides_of
+from topple.topology.geometry.tolerances import FEWEST, INSIDE, OPENED, ROUND
 
 CORNERS = np.arange(24) * (2 * np.pi / 24)
 """Directions in which a circle gets a corner: its area is a hundredth too small."""
@@ -56,6 +57,12 @@ def least_rectangle(flat: FloatArray) -> FloatArray:
     across = np.stack([-sides[:, 1], sides[:, 0]], axis=1)
     areas = np.ptp(corners @ sides.T, axis=0) * np.ptp(corners @ across.T, axis=0)
     return sides[int(np.argmin(areas))]
+
+
+def amid(flat: FloatArray, place: FloatArray) -> bool:
+    """Whether a place (2,) lies inside the hull of points (N, 2), by more than rounding may take away."""
+    sides = sides_of(flat)
+    return sides is not None and float(beyond(sides, place)) < -INSIDE
 
 
 def covers(outlines: list[FloatArray], place: FloatArray, slack: float) -> bool:

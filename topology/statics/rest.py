@@ -21,7 +21,7 @@ from topple.topology.statics.contact import TOLERANCES, Contact, closed, find_co
 from topple.topology.statics.equilibrium import Weight, islands
 from topple.topology.statics.falling import Fall, catching, falls
 from topple.topology.statics.hidden import hidden_contacts
-from topple.topology.statics.holding import Duals, deficits
+from topple.topology.statics.holding import Search, deficits
 from topple.topology.statics.tolerances import (
     DENSITY,
     GUESSED,
@@ -123,12 +123,12 @@ class Statics:
     @cached_property
     def _settled(self) -> Mapping[str, Fall]:
         """How far bodies seem to sink while everything is in place: what contacts leave open."""
-        return falls(self.weights, self._catching, duals=self._duals)
+        return falls(self.weights, self._catching, search=self._search)
 
     @cached_property
-    def _duals(self) -> Duals:
-        """Where the search for forces begins, left by the one before: it changes no answer."""
-        return {}
+    def _search(self) -> Search:
+        """What searches for forces left for the next ones."""
+        return Search()
 
     def fallen_without(self, away: Collection[str], held: Collection[str] = ()) -> dict[str, float]:
         """What falls once some objects are gone, for clouds that show whole surfaces.
@@ -142,8 +142,9 @@ class Statics:
         """
         met = {name for c in self._catching if c.a in away or c.b in away for name in (c.a, c.b)}
         free = {name: weight for name, weight in self.weights.items() if name not in held}
-        found = falls(free, self._catching, beside=met, without=away, duals=self._duals)
-        far = {name: fall.beyond(self._settled[name]) for name, fall in found.items()}
+        before = self._settled  # first, since the forces of what is in place shorten the search
+        found = falls(free, self._catching, beside=met, without=away, search=self._search)
+        far = {name: fall.beyond(before[name]) for name, fall in found.items()}
         return {name: share for name, share in far.items() if share > 1.0}
 
     def unsteady_without(self, away: Collection[str], held: Collection[str] = ()) -> dict[str, float]:
