@@ -48,5 +48,5 @@ def remembered(most: int) -> Callable[[Callable[_Given, _Made]], Callable[_Given
 def _standing_for(value: Any) -> Hashable:
     """What stands for an argument in a key: of an array its shape and a digest of its numbers."""
     if isinstance(value, np.ndarray):
-        return value.shape, value.dtype.char, hashlib.sha256(np.ascontiguousarray(value)).digest()
+        return value.shape, value.dtype.char, hashlib.sha256(np.ascontiguousarray(value).data).digest()
     return value

@@ -20,7 +20,7 @@ CONE_EDGES = 6
 # -- falling
 
 ALONE = 0.7
-"""Share of an island up to which what falls is asked about alone: a programme of that takes half of the time."""
+"""Share of an island up to which what falls is asked about alone: programmes grow with their cube."""
 
 FARTHEST = 0.02
 """Displacement [m] at which a body is followed no further: twice what counts as a move."""
