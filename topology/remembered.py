@@ -3,6 +3,7 @@
 import hashlib
 from collections import OrderedDict
 from collections.abc import Callable, Hashable
+from contextlib import suppress
 from functools import wraps
 from typing import Any, ParamSpec, TypeVar
 
@@ -10,6 +11,7 @@ import numpy as np
 
 _Given = ParamSpec("_Given")
 _Made = TypeVar("_Made")
+_MISSING: Any = object()
 
 
 def remembered(most: int) -> Callable[[Callable[_Given, _Made]], Callable[_Given, _Made]]:
@@ -22,22 +24,24 @@ def remembered(most: int) -> Callable[[Callable[_Given, _Made]], Callable[_Given
         most: How many answers are kept; what was not asked for the longest goes first.
 
     Returns:
-        What makes such a function of one that takes arrays and what can be hashed, by position.
+        What makes such a function of one that takes arrays and what can be hashed.
     """
 
     def keeping(work: Callable[_Given, _Made]) -> Callable[_Given, _Made]:
-        kept: OrderedDict[tuple[Hashable, ...], _Made] = OrderedDict()
+        kept: OrderedDict[tuple[Hashable, ...], Any] = OrderedDict()
 
         @wraps(work)
         def asked(*given: _Given.args, **named: _Given.kwargs) -> _Made:
-            key = tuple(map(_standing_for, given))
-            try:
-                kept.move_to_end(key)
-                return kept[key]
-            except KeyError:  # never asked, or dropped by another thread
+            by_name = ((name, _standing_for(value)) for name, value in sorted(named.items()))
+            key = (*map(_standing_for, given), *by_name)
+            made = kept.get(key, _MISSING)
+            if made is _MISSING:
                 made = kept[key] = work(*given, **named)
-            if len(kept) > most:
-                kept.popitem(last=False)
+                if len(kept) > most:
+                    kept.popitem(last=False)
+            else:
+                with suppress(KeyError):  # another thread dropped it
+                    kept.move_to_end(key)
             return made
 
         return asked

@@ -25,6 +25,8 @@ def test_arrays_count_by_their_numbers_and_the_longest_unused_answer_goes_first(
     total(one, "b")
     total(two, "a")
     assert len(asked) == 5, "what else is given counts, too"
+    total(two, more="b")
+    assert len(asked) == 6
 
 
 def test_an_array_that_was_written_to_is_another_one() -> None:
