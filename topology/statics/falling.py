@@ -111,17 +111,14 @@ def falls(
     stood = {name for name in beside or () if name in left and left[name].centre[2] > lowest}
     found: dict[str, Fall] = {}
     for island in islands(left, near, beside):
-        # Within half of what is free every motion costs more than it gains.
-        if without and search is not None and search.holds_without(island, without, FREE / 2):
-            found |= dict.fromkeys(island, Fall(0.0, 0.0))
-            continue
         bodies = {name: weight for name, weight in left.items() if name in island}
         holding = [c for c in near if c.a in island or c.b in island]
-        seated = [part for c in holding if (part := c.only(c.gaps <= SEATED)) is not None]
-        if is_held(bodies, seated, FREE / 2, search, whole=not without):
-            found |= dict.fromkeys(bodies, Fall(0.0, 0.0))
-        else:
-            found |= _fallen(bodies, holding, stood, search)
+        # Within half of what is free every motion costs more than it gains.
+        held = search.holds_without(island, without, FREE / 2) if without and search is not None else None
+        if held is None:
+            seated = [part for c in holding if (part := c.only(c.gaps <= SEATED)) is not None]
+            held = is_held(bodies, seated, FREE / 2, search, whole=not without)
+        found |= dict.fromkeys(bodies, Fall(0.0, 0.0)) if held else _fallen(bodies, holding, stood, search)
     return {name: found[name] for name in weights if name in found}
 
 

@@ -41,7 +41,7 @@ class Search:
         """Keep the forces that hold an island while everything is in place."""
         self._held.append(held)
 
-    def holds_without(self, island: frozenset[str], away: Collection[str], within: float) -> bool:
+    def holds_without(self, island: frozenset[str], away: Collection[str], within: float) -> bool | None:
         """Whether what is left of an island is held by the forces kept, of which some have to change.
 
         Args:
@@ -50,9 +50,10 @@ class Search:
             within: As for `is_held`.
 
         Returns:
-            True where such forces were found; else nothing is known.
+            Whether such forces were found; None where none are kept that held it.
         """
-        return any(held.without(island, away, within) for held in self._held if island <= held.names)
+        kept = next((held for held in self._held if island <= held.names), None)
+        return None if kept is None else kept.without(island, away, within)
 
 
 def deficits(weights: Mapping[str, Weight], contacts: Sequence[Contact]) -> dict[str, float]:
