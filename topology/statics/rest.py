@@ -109,6 +109,17 @@ class Statics:
         )
 
     @cached_property
+    def touching(self) -> Mapping[tuple[str, str], float]:
+        """(a, b) -> upward part of the mean contact normal from a into b, for pairs that touch."""
+        normals: dict[tuple[str, str], float] = {}
+        for contact in self.contacts:
+            if contact.gaps.min() <= TOLERANCES.catch:
+                up = float(contact.normals[:, 2].mean())
+                normals[contact.a, contact.b] = up
+                normals[contact.b, contact.a] = -up
+        return normals
+
+    @cached_property
     def _catching(self) -> tuple[Contact, ...]:
         """All contacts a falling body may meet."""
         near = [self._apart(c) for c in find_contacts(self.upright, self.surfaces, REACH)]
