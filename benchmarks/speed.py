@@ -64,15 +64,15 @@ class Extent:
 
     Attributes:
         relations: Points of each of ten objects, and the bar against Qhull alone.
-        walls: Bricks, and the bar [s].
-        stacks: Objects of the small and the large scene.
+        walls: Bricks, and the bar [s]; None where there is none.
+        stacks: Objects of the scenes, rising: the last are held against the first.
         repeats: How often tasks in processes of their own are done.
         whole: Whether plan, closed loop and demo are measured: minutes.
     """
 
     relations: tuple[tuple[int, float], ...] = ((10_000, 3.5), (50_000, 1.7), (200_000, 1.1))
-    walls: tuple[tuple[int, float], ...] = ((30, 1.0), (60, 4.0))
-    stacks: tuple[int, int] = (100, 1000)
+    walls: tuple[tuple[int, float | None], ...] = ((30, 1.0), (60, 4.0), (120, None))
+    stacks: tuple[int, ...] = (100, 200, 400, 1000)
     repeats: int = 3
     whole: bool = True
 
@@ -118,8 +118,8 @@ def rows(
     for bricks, seconds in extent.walls:
         progress(f"a wall of {bricks} bricks")
         found.append(wall_row(bricks, seconds, seed))
-    progress(f"stacks of four: {extent.stacks[0]} and {extent.stacks[1]} objects")
-    found.append(stacks_row(*extent.stacks, seed))
+    progress(f"stacks of four: {', '.join(map(str, extent.stacks))} objects")
+    found.append(stacks_row(extent.stacks, seed))
     return [row.to_json() for row in found]
 
 
@@ -338,21 +338,25 @@ def waiting_rows(trees: Trees, seeds: Sequence[int], progress: Progress) -> list
     ]
 
 
-def wall_row(bricks: int, seconds: float, seed: int) -> Row:
-    """The order of a wall of so many bricks, with its bar [s]."""
-    scene = brick_wall(bricks, seed)
-    return Row(f"order of a wall of {bricks} bricks", _ordered(scene), "s", bar=f"<= {seconds:g}")
+def wall_row(bricks: int, seconds: float | None, seed: int) -> Row:
+    """The order of a wall of so many bricks, with its bar [s] where there is one."""
+    bar = None if seconds is None else f"<= {seconds:g}"
+    return Row(f"order of a wall of {bricks} bricks", _ordered(brick_wall(bricks, seed)), "s", bar=bar)
 
 
-def stacks_row(few: int, many: int, seed: int) -> Row:
-    """How the order of stacks of four grows between two numbers of bricks."""
-    times = [_ordered(stacks_of_four(count, seed)) for count in (few, many)]
-    what = f"order of stacks of four, {many} objects against {few}: exponent ({times[1]:.3g} s)"
-    return Row(what, exponent((few, many), times), "", bar="<= 1.2")
+def stacks_row(counts: Sequence[int], seed: int) -> Row:
+    """How the order of stacks of four grows between the first and the last of some numbers of bricks."""
+    times = [_ordered(stacks_of_four(count, seed)) for count in counts]
+    taken = ", ".join(f"{seconds:.3g}" for seconds in times[1:])
+    others = ", ".join(map(str, counts[1:]))
+    what = f"order of stacks of four, {others} objects against {counts[0]}: exponent ({taken} s)"
+    return Row(what, exponent(counts, times), "", bar="<= 1.2")
 
 
 def _ordered(scene: Scene) -> float:
-    return cpu_seconds(partial(order, scene))
+    """CPU time [s] of relations and order of a scene of any size."""
+    most = len(scene.clouds)
+    return cpu_seconds(lambda: order(scene, relations=relate(scene, most_objects=most)))
 
 
 def _rendered(folder: Path, seed: int) -> Path:

@@ -5,13 +5,14 @@ from dataclasses import dataclass, field, replace
 
 import numpy as np
 
-from topple.topology.arrays import FloatArray, bounds, frozen, rounded
-from topple.topology.bodies.tolerances import SUNK
+from topple.topology.arrays import FloatArray, bounds, frozen, middle_of, rounded, within_corners
+from topple.topology.bodies.tolerances import KEPT_BODIES, KEPT_FRAMES, SUNK
 from topple.topology.bodies.tops import Tops, tops_of
 from topple.topology.errors import InvalidInput
 from topple.topology.geometry.axes import level_axes
 from topple.topology.geometry.outline import least_rectangle
 from topple.topology.geometry.thin import voxel_means
+from topple.topology.remembered import remembered
 from topple.topology.scene import Scene
 from topple.topology.tolerances import KEPT_AROUND, VOXEL
 from topple.topology.values import FrozenDict
@@ -88,17 +89,17 @@ class Upright:
                 f"the scene does not say where up is, so nothing can be said about gravity: {cure}"
             )
         rotation = _axes(scene, scene.up) if rotation is None else rotation
-        turned = {name: rounded(np.asarray(cloud) @ rotation.T) for name, cloud in scene.clouds.items()}
-        movable = [name for name in turned if name not in scene.fixed]
-        clouds = {name: voxel_means(turned[name], VOXEL) for name in movable}
+        movable = [name for name in scene.clouds if name not in scene.fixed]
+        clouds = {name: _thinned(scene.clouds[name], rotation) for name in movable}
         near = _surroundings(list(clouds.values()))
         tops: dict[str, tuple[FloatArray, ...]] = {}
         rest: dict[str, FloatArray] = {}
-        for name in turned:
+        for name, cloud in scene.clouds.items():
             if name in scene.fixed:
-                cut = _cut(turned[name], near)
-                clouds[name] = cut if len(cut) else voxel_means(turned[name], 2 * VOXEL)
-                tops[name], rest[name] = _taken_apart(turned[name], clouds[name], near)
+                turned = _turned(cloud, rotation)
+                cut = _cut(turned, near)
+                clouds[name] = cut if len(cut) else voxel_means(turned, 2 * VOXEL)
+                tops[name], rest[name] = _taken_apart(turned, clouds[name], near)
         lowest = min((float(clouds[name][:, 2].min()) for name in movable), default=np.inf)
         views = None if len(scene.viewpoints) == 0 else scene.viewpoints @ rotation.T
         return Upright(
@@ -113,6 +114,17 @@ class Upright:
         )
 
 
+def _turned(cloud: FloatArray, rotation: FloatArray) -> FloatArray:
+    """A cloud (N, 3) in a frame whose axes are the rows of a rotation."""
+    return rounded(cloud @ rotation.T)
+
+
+@remembered(KEPT_BODIES)
+def _thinned(cloud: FloatArray, rotation: FloatArray) -> FloatArray:
+    """The same with one point a voxel."""
+    return frozen(voxel_means(_turned(cloud, rotation), VOXEL))
+
+
 def _axes(scene: Scene, up: FloatArray) -> FloatArray:
     """(3, 3) upright axes that turn with the scene: x is along a side of the widest fixed thing.
 
@@ -120,15 +132,24 @@ def _axes(scene: Scene, up: FloatArray) -> FloatArray:
     comes into the scene; where nothing is, the widest object does.
     """
     level = np.stack(level_axes(up))
-    plans = [scene.clouds[name] @ level.T for name in scene.names if name in scene.fixed or not scene.fixed]
-    widest = max(plans, key=lambda plan: float(plan.var(axis=0).sum()), default=np.zeros((1, 2)))
+    telling = [scene.clouds[name] for name in scene.names if name in scene.fixed or not scene.fixed]
+    if len(telling) > 1:
+        telling = [max(telling, key=lambda cloud: float((cloud @ level.T).var(axis=0).sum()))]
+    return _along(telling[0] if telling else np.zeros((1, 3)), up)
+
+
+@remembered(KEPT_FRAMES)
+def _along(cloud: FloatArray, up: FloatArray) -> FloatArray:
+    """(3, 3) upright axes that turn with a cloud (N, 3)."""
+    level = np.stack(level_axes(up))
+    widest = cloud @ level.T
     side = least_rectangle(widest)
     sides = np.stack([side, [-side[1], side[0]]])
-    far = (widest - widest.mean(axis=0)) @ sides.T
-    tails = (far * far * far).sum(axis=0)
+    far = (widest - middle_of(widest)) @ sides.T
+    tails = np.einsum("ni->i", far * far * far)
     most = int(np.argmax(np.abs(tails)))
     along = sides[most] * (1.0 if tails[most] >= 0 else -1.0) @ level
-    return np.stack([along, np.cross(up, along), up]).astype(np.float64)
+    return frozen(np.stack([along, np.cross(up, along), up]))
 
 
 def _surroundings(clouds: list[FloatArray]) -> list[_Box]:
@@ -155,7 +176,7 @@ def _meet(one: _Box, other: _Box) -> bool:
 
 def _cut(points: FloatArray, boxes: list[_Box]) -> FloatArray:
     """The points inside of boxes, thinned in each by itself: what is far away moves no cell."""
-    inside = [points[((points >= lower) & (points <= upper)).all(axis=1)] for lower, upper in boxes]
+    inside = [points[within_corners(points, lower, upper)] for lower, upper in boxes]
     return np.concatenate([voxel_means(part, 2 * VOXEL) for part in inside])
 
 

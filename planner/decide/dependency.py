@@ -203,7 +203,7 @@ def dependencies(
     """
     situation = Situation.of(scene, relations)
     statics, names = situation.statics, situation.movable
-    touching = _touching(statics)
+    touching = statics.touching
     hanging, lost = _hanging(statics), _lost(situation)
     found = [_lifted(first, then, over, touching, situation) for (first, then), over in hanging.items()]
     found += [_falls(first, then, missing, touching) for (first, then), missing in lost.items()]
@@ -292,7 +292,7 @@ def fallen_without(statics: Statics, away: Collection[str], held: Collection[str
     if statics.sight is not None:
         return statics.unsteady_without(away, held)
     lost = {name: far - 1.0 for name, far in statics.fallen_without(away, held).items()}
-    touching = _touching(statics)
+    touching = statics.touching
     normals = {name: [touching[gone, name] for gone in away if (gone, name) in touching] for name in lost}
     freed = [name for name in lost if max(normals[name], default=0.0) < PRESSED]
     unheld = statics.unsteady_without(away, held) if freed else {}
@@ -329,17 +329,6 @@ def _over_each_other(surfaces: Mapping[str, FloatArray], names: Sequence[str]) -
     """Ordered pairs of the names whose boxes meet in plan, or nearly: no others hang over each other."""
     plans = [(lower[:2], upper[:2]) for lower, upper in (bounds(surfaces[name]) for name in names)]
     return [(names[i], names[j]) for i, j in near_both_ways(plans, 3 * SWEEP_CELL)]
-
-
-def _touching(statics: Statics) -> Mapping[tuple[str, str], float]:
-    """(a, b) -> upward part of the mean contact normal from a into b, for pairs that touch."""
-    normals: dict[tuple[str, str], float] = {}
-    for contact in statics.contacts:
-        if contact.gaps.min() <= 0.005:
-            up = float(contact.normals[:, 2].mean())
-            normals[contact.a, contact.b] = up
-            normals[contact.b, contact.a] = -up
-    return normals
 
 
 def _lifted(

@@ -1,15 +1,17 @@
 """The hidden parts of bodies: what no camera saw, guessed from symmetry, convexity and free space."""
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 from scipy.spatial import ConvexHull, Delaunay, KDTree, QhullError
 
-from topple.topology.arrays import FloatArray, bounds
+from topple.topology.arrays import FloatArray, bounds, lengths
 from topple.topology.bodies.tolerances import (
     BARE,
     COMPLETE_CLOSED,
+    KEPT_BODIES,
     LARGEST,
     MOUTH,
     OUTSIDE,
@@ -21,9 +23,10 @@ from topple.topology.bodies.tolerances import (
 from topple.topology.geometry.axes import perpendiculars
 from topple.topology.geometry.normals import patch_planes
 from topple.topology.geometry.outline import least_rectangle
-from topple.topology.geometry.round import flattest_side, round_body
+from topple.topology.geometry.round import Fit, fits_of, flattest_side, round_body
 from topple.topology.geometry.sides import beyond, sides_of
 from topple.topology.geometry.thin import cell_keys, voxel_means
+from topple.topology.remembered import remembered
 from topple.topology.tolerances import VOXEL
 from topple.topology.upright import Upright
 from topple.topology.views.free_space import FreeSpace
@@ -45,10 +48,62 @@ class Box:
         """(3,) centre [m]."""
         return (self.lower + self.upper) / 2 @ self.axes
 
+    @property
+    def volume(self) -> float:
+        """In [m³]; that of a flat one as if it were a voxel thick."""
+        return float(np.prod(np.maximum(self.upper - self.lower, VOXEL)))
+
     def distances(self, points: FloatArray) -> FloatArray:
         """(N,) distances of points from the nearest of its planes [m]."""
         local = points @ self.axes.T
         return np.minimum(np.abs(local - self.lower), np.abs(local - self.upper)).min(axis=1)
+
+
+@dataclass(frozen=True, eq=False)
+class _Seen:
+    """What was seen of a body, with what several guesses ask of it.
+
+    Attributes:
+        points: (N, 3) points [m].
+    """
+
+    points: FloatArray
+
+    @cached_property
+    def hull(self) -> ConvexHull | None:
+        """Convex hull; None of points without volume."""
+        return _hull(self.points)
+
+    @cached_property
+    def fits(self) -> tuple[Fit, ...]:
+        """Round bodies that it may be."""
+        return fits_of(self.points, self.normals)
+
+    @cached_property
+    def upright_box(self) -> Box:
+        """The smallest box around it that stands upright."""
+        return _box_along(self.points, np.array([0.0, 0.0, 1.0]))
+
+    @cached_property
+    def box(self) -> Box:
+        """The box of least volume among those that stand upright or lie along a flat side."""
+        return _least_box(self)
+
+    @cached_property
+    def tree(self) -> KDTree:
+        """Search tree of the points."""
+        return KDTree(self.points)
+
+    @cached_property
+    def normals(self) -> FloatArray:
+        """(M, 3) local normals at the flat ones among some two hundred spots."""
+        spots = self.points[:: max(1, len(self.points) // 200)]
+        neighbours = self.points[self.tree.query(spots, k=min(12, len(self.points)))[1]]
+        _, normals, squares = patch_planes(neighbours)
+        return normals[squares[:, 0] < 0.05 * squares[:, 1]]
+
+
+seen_of = remembered(KEPT_BODIES)(_Seen)
 
 
 def complete(upright: Upright, sight: FreeSpace | None) -> Mapping[str, FloatArray]:
@@ -84,23 +139,25 @@ def complete_body(points: FloatArray, sight: FreeSpace | None, floor: float = -n
     Returns:
         (M, 3) points, M >= N, the seen ones first.
     """
-    hull = None if _is_furniture(points) else _hull(points)
+    seen = seen_of(points)
+    hull = None if _is_furniture(points) else seen.hull
     if hull is None:
         return points
-    if sight is None and _is_closed(points, hull):
+    if sight is None and _is_closed(seen, hull):
         return points
-    hollow = _mouth_share(points, hull, sight) > MOUTH
-    box = bounding_box(points, upright_only=hollow)
-    if not hollow and len(guess := _as_round(points, box, sight, floor)):
+    hollow = _mouth_share(seen, hull, sight) > MOUTH
+    box = seen.upright_box if hollow else seen.box
+    if not hollow and len(guess := _as_round(seen, box, sight, floor)):
         return np.concatenate([points, guess])
     mirrored = _turned(points, box) if hollow else 2 * box.centre - points
-    extra = [_believable(mirrored, points, sight)]
+    extra = [_believable(mirrored, [seen.tree], sight)]
     known = np.concatenate([points, extra[0]])
+    trees = [seen.tree, KDTree(extra[0])] if len(extra[0]) else [seen.tree]
     if hollow:
-        extra.append(_believable(_roof(known), known, sight))
-    hull = _hull(known)
+        extra.append(_believable(_roof(known), trees, sight))
+    hull = hull_of(known)
     if hull is not None:
-        extra.append(_believable(_underside(known, hull), known, sight, partly=True))
+        extra.append(_believable(_underside(known, hull), trees, sight, partly=True))
     return np.concatenate([points, *extra])
 
 
@@ -113,37 +170,21 @@ def _is_furniture(points: FloatArray) -> bool:
 
 def is_hollow(points: FloatArray, sight: FreeSpace | None) -> bool:
     """Whether a body has a cavity: its hull has a mouth, with none of the (N, 3) points [m] near it."""
-    hull = _hull(points)
-    return hull is not None and _mouth_share(points, hull, sight) > MOUTH
+    seen = seen_of(points)
+    return seen.hull is not None and _mouth_share(seen, seen.hull, sight) > MOUTH
 
 
-def bounding_box(points: FloatArray, upright_only: bool = False) -> Box:
-    """The smallest oriented box among those that stand upright or lie along a flat side.
-
-    Args:
-        points: (N, 3) points [m].
-        upright_only: Consider upright boxes only.
-
-    Returns:
-        The box of least volume; upright ones are preferred by a tenth.
-    """
-    best: tuple[float, Box] | None = None
-    for k, up in enumerate(_candidate_axes(points, upright_only)):
-        box = _box_along(points, up)
-        extent = np.maximum(box.upper - box.lower, VOXEL)
-        cost = float(np.prod(extent)) * (0.9 if k == 0 else 1.0)
-        if best is None or cost < best[0]:
-            best = cost, box
-    assert best is not None
-    return best[1]
+def _least_box(seen: _Seen) -> Box:
+    """The box of least volume; upright ones are preferred by a tenth."""
+    lying = [_box_along(seen.points, axis) for axis in _flat_sides(seen)]
+    costs = [0.9 * seen.upright_box.volume, *(box.volume for box in lying)]
+    return [seen.upright_box, *lying][int(np.argmin(costs))]
 
 
-def _candidate_axes(points: FloatArray, upright_only: bool) -> list[FloatArray]:
-    """Up, and the normals of the flat sides (the main directions of local normals)."""
+def _flat_sides(seen: _Seen) -> list[FloatArray]:
+    """The normals of the flat sides, the main directions of local normals, other than up."""
     axes: list[FloatArray] = [np.array([0.0, 0.0, 1.0])]
-    if upright_only or len(points) < 12:
-        return axes
-    normals = _normals(points[:: max(1, len(points) // 200)], points)
+    normals = seen.normals if len(seen.points) >= 12 else np.empty((0, 3))
     for _ in range(2):  # the two best supported directions that are not yet there
         if len(normals) < 8:
             break
@@ -155,14 +196,7 @@ def _candidate_axes(points: FloatArray, upright_only: bool) -> list[FloatArray]:
         if all(abs(float(axis @ other)) < np.cos(np.radians(4.0)) for other in axes):
             axes.append(axis)
         normals = normals[~side]
-    return axes
-
-
-def _normals(spots: FloatArray, points: FloatArray) -> FloatArray:
-    """(M, 3) local normals of the flat spots among the given ones."""
-    neighbours = points[KDTree(points).query(spots, k=min(12, len(points)))[1]]
-    _, normals, squares = patch_planes(neighbours)
-    return normals[squares[:, 0] < 0.05 * squares[:, 1]]
+    return axes[1:]
 
 
 def _box_along(points: FloatArray, axis: FloatArray) -> Box:
@@ -176,17 +210,17 @@ def _box_along(points: FloatArray, axis: FloatArray) -> Box:
     return Box(axes, lower, upper)
 
 
-def _as_round(points: FloatArray, box: Box, sight: FreeSpace | None, floor: float) -> FloatArray:
+def _as_round(seen: _Seen, box: Box, sight: FreeSpace | None, floor: float) -> FloatArray:
     """The hidden surface of a ball, a spheroid or a cylinder; (0, 3) where the body is none."""
-    normals = _normals(points[:: max(1, len(points) // 200)], points)
+    points = seen.points
     box_residual = float(np.sqrt(np.mean(box.distances(points) ** 2)))
-    fit = round_body(points, normals, box_residual, floor)
+    fit = round_body(seen.fits, box_residual, floor)
     # what a camera sees of a body is turned to it: the inside of a bowl is round as well, and is no ball
     if fit is None or (sight is not None and sight.facing(points, fit.outward(points)).mean() <= OUTSIDE):
         return points[:0]
     surface = fit.surface(VOXEL)
     surface[:, 2] = np.maximum(surface[:, 2], floor)
-    return _believable(surface, points, sight, refuted=ROUND_REFUTED)
+    return _believable(surface, [seen.tree], sight, refuted=ROUND_REFUTED)
 
 
 def _turned(points: FloatArray, box: Box) -> FloatArray:
@@ -198,7 +232,7 @@ def _turned(points: FloatArray, box: Box) -> FloatArray:
 
 def _believable(
     guess: FloatArray,
-    known: FloatArray,
+    known: Sequence[KDTree],
     sight: FreeSpace | None,
     partly: bool = False,
     refuted: float = REFUTED,
@@ -207,7 +241,7 @@ def _believable(
 
     Args:
         guess: (N, 3) guessed points.
-        known: (M, 3) points known before: a guess next to them adds nothing.
+        known: Search trees of points known before: a guess next to one of them adds nothing.
         sight: What was seen to be empty.
         partly: Keep what is not refuted however much is; a refuted symmetry is given up as a whole.
         refuted: Share from which it is.
@@ -216,8 +250,9 @@ def _believable(
         return guess
     guess = voxel_means(guess, VOXEL)
     near = 1.5 * VOXEL
-    distance, _ = KDTree(known).query(guess, distance_upper_bound=np.nextafter(near, np.inf))
-    guess = guess[distance > near]
+    for tree in known:
+        distance, _ = tree.query(guess, distance_upper_bound=np.nextafter(near, np.inf))
+        guess = guess[distance > near]
     if sight is None or len(guess) == 0:
         return guess
     empty = sight.empty(guess)
@@ -240,7 +275,7 @@ def _roof(points: FloatArray) -> FloatArray:
     tops = points[order[np.unique(keys[order], return_index=True)[1]]]
     if len(tops) < 4:
         return points[:0]
-    lower, upper = tops[:, :2].min(axis=0), tops[:, :2].max(axis=0)
+    lower, upper = bounds(tops[:, :2])
     cells = _grid(lower, upper)
     taken = KDTree(tops[:, :2]).query(cells)[0] < 2 * VOXEL
     cells = _over(tops[:, :2], cells[~taken])
@@ -303,7 +338,7 @@ def _heights(
 def _plan_cells(points: FloatArray, hull: ConvexHull) -> FloatArray:
     """(N, 2) cell centres inside the plan view of a hull."""
     corners = points[hull.vertices][:, :2]
-    return _over(corners, _grid(corners.min(axis=0), corners.max(axis=0)))
+    return _over(corners, _grid(*bounds(corners)))
 
 
 def _over(corners: FloatArray, cells: FloatArray) -> FloatArray:
@@ -334,19 +369,22 @@ def _hull(points: FloatArray) -> ConvexHull | None:
         return None
 
 
-def _is_closed(points: FloatArray, hull: ConvexHull) -> bool:
+hull_of = remembered(KEPT_BODIES)(_hull)
+
+
+def _is_closed(seen: _Seen, hull: ConvexHull) -> bool:
     """Does the cloud show its underside?"""
-    underside = _underside(points, hull)
+    underside = _underside(seen.points, hull)
     if len(underside) == 0:
         return True
-    distance, _ = KDTree(points).query(underside)
+    distance, _ = seen.tree.query(underside)
     return bool((distance < 2.5 * VOXEL).mean() > COMPLETE_CLOSED)
 
 
-def _mouth_share(points: FloatArray, hull: ConvexHull, sight: FreeSpace | None) -> float:
+def _mouth_share(seen: _Seen, hull: ConvexHull, sight: FreeSpace | None) -> float:
     """Share of the hull's surface that is a mouth: no points near it, and seen through if anybody looked."""
-    corners = points[hull.simplices]
-    areas = np.linalg.norm(np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0]), axis=1)
+    corners = seen.points[hull.simplices]
+    areas = lengths(np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0]))
     which = np.searchsorted(np.cumsum(areas) / areas.sum(), (np.arange(PLACES) + 0.5) / PLACES)
     # A low-discrepancy sequence: the same places for the same hull, without a seed.
     u = (np.arange(PLACES) * 0.7548776662466927) % 1.0
@@ -355,7 +393,7 @@ def _mouth_share(points: FloatArray, hull: ConvexHull, sight: FreeSpace | None) 
     u, v = np.where(flip, 1 - u, u)[:, None], np.where(flip, 1 - v, v)[:, None]
     first, second, third = corners[np.minimum(which, len(corners) - 1)].transpose(1, 0, 2)
     spots = first + u * (second - first) + v * (third - first)
-    bare = KDTree(points).query(spots)[0] > BARE
+    bare = seen.tree.query(spots)[0] > BARE
     if sight is not None:
         bare[bare] = sight.empty(spots[bare])
     return float(bare.mean())

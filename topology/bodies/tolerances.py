@@ -48,6 +48,12 @@ OUTSIDE = 0.8
 PLACES = 400
 """Places on a hull that are looked at: a mouth of a tenth of its surface is 40 of them."""
 
+KEPT_BODIES = 100
+"""Bodies of which what was worked out is kept, some 0.3 MB each: ten scenes of ten things."""
+
+KEPT_FRAMES = 8
+"""Tables whose sides' directions are kept."""
+
 TILE = 0.04
 """Edge [m] of the squares of a plan view whose cells are looked at with the triangles over them alone."""
 

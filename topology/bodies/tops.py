@@ -5,7 +5,6 @@ and walls of a shelf. A top is a level surface wide enough to stand something on
 underside of a board, nor the inside of something solid.
 """
 
-import hashlib
 from collections.abc import Sequence
 from dataclasses import dataclass
 
@@ -13,7 +12,7 @@ import numpy as np
 from scipy.ndimage import binary_closing, binary_dilation, distance_transform_edt
 from scipy.spatial import ConvexHull, KDTree
 
-from topple.topology.arrays import BoolArray, FloatArray, IntArray, frozen
+from topple.topology.arrays import BoolArray, FloatArray, IntArray, bounds, frozen, middle_of
 from topple.topology.bodies.tolerances import (
     FACES,
     FILLED,
@@ -42,11 +41,10 @@ from topple.topology.bodies.tolerances import (
 from topple.topology.geometry.axes import perpendiculars
 from topple.topology.geometry.plane import fit_plane, plane_through
 from topple.topology.geometry.tolerances import ENOUGH
+from topple.topology.remembered import remembered
 from topple.topology.tolerances import DEPTH_NOISE
 
 REMEMBERED = 64  # clouds whose tops are kept
-
-_FOUND: dict[bytes, "tuple[_Level, ...]"] = {}
 
 
 @dataclass(frozen=True, eq=False)
@@ -100,7 +98,7 @@ class Tops:
             The highest top that lies below its middle and within whose box it is; without regard to the
             box where it is over none, as a cloud may be cut off.
         """
-        middle = points.mean(axis=0)
+        middle = middle_of(points)
         below = [top for top in self.tops if float(top.above(middle[None])[0]) > -DEPTH_NOISE]
         over = [top for top in below if _beside(top, points, margin)]
         return next(iter(over or below), None)
@@ -131,14 +129,9 @@ def tops_of(cloud: FloatArray, up: FloatArray) -> Tops:
     Returns:
         The tops and the rest of the points. Deterministic, and remembered.
     """
-    key = hashlib.blake2b(cloud.tobytes() + up.tobytes()).digest()
-    if key not in _FOUND:
-        if len(_FOUND) >= REMEMBERED:
-            _FOUND.pop(next(iter(_FOUND)))
-        _FOUND[key] = _levels(cloud, up)
     rest = np.ones(len(cloud), dtype=np.bool_)
     tops: list[Top] = []
-    for level in _FOUND[key]:
+    for level in _levels(cloud, up):
         rest &= ~level.members
         points = cloud if level.members.all() else cloud[level.members]
         tops.append(Top(frozen(level.normal), level.height, points, level.thickness, level.walled))
@@ -149,10 +142,8 @@ def _beside(top: Top, points: FloatArray, margin: float) -> bool:
     """Whether points (N, 3) lie, in part, over the box around a top."""
     axes = np.stack(perpendiculars(top.normal), axis=1)
     own, other = top.points @ axes, points @ axes
-    return bool(
-        (other.max(axis=0) > own.min(axis=0) - margin).all()
-        and (other.min(axis=0) < own.max(axis=0) + margin).all()
-    )
+    (least, most), (lowest, highest) = bounds(own), bounds(other)
+    return bool((highest > least - margin).all() and (lowest < most + margin).all())
 
 
 def _surface(cloud: FloatArray, up: FloatArray) -> tuple[FloatArray, float] | None:
@@ -217,7 +208,8 @@ class _Grid:
         """The grid for a cloud, with the spacing of (N, 3) points on one of its levels."""
         axes = np.stack(perpendiculars(up), axis=1)
         plan = cloud @ axes
-        corner, extent = plan.min(axis=0), np.ptp(plan, axis=0)
+        corner, upper = bounds(plan)
+        extent = upper - corner
         own = plan if level is None else level @ axes
         own = own[:: max(1, len(own) // MANY)]
         near = np.asarray(KDTree(own).query(own[:: max(1, len(own) // ENOUGH)], k=min(5, len(own)))[0])
@@ -263,6 +255,7 @@ class _Level:
     walled: bool = False
 
 
+@remembered(REMEMBERED)
 def _levels(cloud: FloatArray, up: FloatArray) -> tuple[_Level, ...]:
     """The tops of a cloud, highest first."""
     surface = _surface(cloud, up)
@@ -284,7 +277,7 @@ def _levels(cloud: FloatArray, up: FloatArray) -> tuple[_Level, ...]:
         found += levels
     if grid is None:
         return ()
-    found.sort(key=lambda level: -float(cloud[level.members].mean(axis=0) @ up))
+    found.sort(key=lambda level: -float(middle_of(cloud[level.members]) @ up))
     return _with_room(found, cloud, up, grid)
 
 
@@ -344,6 +337,6 @@ def _with_room(levels: list[_Level], cloud: FloatArray, up: FloatArray, grid: _G
 def _around(plan: FloatArray, heights: FloatArray, own: FloatArray, low: float, high: float) -> int:
     """In how many directions from the middle of a level something stands between two heights."""
     between = (heights > low) & (heights < high)
-    rays = plan[between] - (own.min(axis=0) + own.max(axis=0)) / 2.0
+    rays = plan[between] - np.add(*bounds(own)) / 2.0
     turns = np.arctan2(rays[:, 1], rays[:, 0]) / (2.0 * np.pi) + 0.5
     return len(np.unique(np.floor(turns * SECTORS).astype(np.int64) % SECTORS))

@@ -5,7 +5,7 @@ from dataclasses import dataclass
 import numpy as np
 from scipy.spatial import ConvexHull, QhullError
 
-from topple.topology.arrays import FloatArray, IntArray, frozen, frozen_int
+from topple.topology.arrays import FloatArray, IntArray, bounds, frozen, frozen_int
 from topple.topology.errors import InvalidInput
 from topple.topology.geometry.axes import own_axes
 from topple.topology.geometry.extremes import without_inner_points
@@ -169,7 +169,8 @@ def _principal(local: FloatArray) -> tuple[FloatArray, FloatArray]:
     spread = local - local.mean(axis=0)
     _, vectors = np.linalg.eigh(spread.T @ spread)
     axes = vectors.T[::-1]
-    return axes, np.ptp(local @ axes.T, axis=0)
+    lower, upper = bounds(local @ axes.T)
+    return axes, upper - lower
 
 
 def _solid(local: FloatArray, centre: FloatArray, lower: FloatArray, upper: FloatArray) -> Hull:

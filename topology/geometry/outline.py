@@ -7,11 +7,12 @@ crescent, but over the circle the crescent is part of.
 import numpy as np
 from scipy.spatial import ConvexHull, QhullError
 
-from topple.topology.arrays import FloatArray
+from topple.topology.arrays import FloatArray, bounds, lengths
 from topple.topology.geometry.axes import level_axes
 from topple.topology.geometry.hull import Hull
 from topple.topology.geometry.round import sphere_through
-from topple.topology.geometry.tolerances import FEWEST, OPENED, ROUND
+from topple.topology.geometry.sides import beyond, sides_of
+from topple.topology.geometry.tolerances import FEWEST, INSIDE, OPENED, ROUND
 
 CORNERS = np.arange(24) * (2 * np.pi / 24)
 """Directions in which a circle gets a corner: its area is a hundredth too small."""
@@ -58,6 +59,12 @@ def least_rectangle(flat: FloatArray) -> FloatArray:
     return sides[int(np.argmin(areas))]
 
 
+def amid(flat: FloatArray, place: FloatArray) -> bool:
+    """Whether a place (2,) lies inside the hull of points (N, 2), by more than rounding may take away."""
+    sides = sides_of(flat)
+    return sides is not None and float(beyond(sides, place)) < -INSIDE
+
+
 def covers(outlines: list[FloatArray], place: FloatArray, slack: float) -> bool:
     """Whether a place (2,) lies in the hull of some outlines together, or within `slack` [m] of it."""
     together = np.concatenate(outlines)
@@ -73,10 +80,11 @@ def _circle(flat: FloatArray) -> tuple[FloatArray, float] | None:
     if fit is None:
         return None
     centre, radius = fit
-    chord = float(np.linalg.norm(np.ptp(flat, axis=0)))
+    lower, upper = bounds(flat)
+    chord = float(np.linalg.norm(upper - lower))
     if radius > OPENED * chord:
         return None
-    off = np.linalg.norm(flat - centre, axis=1) - radius
+    off = lengths(flat - centre) - radius
     if float(np.sqrt(np.mean(off**2))) > ROUND * radius:
         return None
     return centre, radius

@@ -1,10 +1,11 @@
 """Balls, spheroids and cylinders: the round bodies whose hidden half follows from the half that was seen."""
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
 
-from topple.topology.arrays import BoolArray, FloatArray
+from topple.topology.arrays import BoolArray, FloatArray, lengths, middle_of, sum_of_rows
 from topple.topology.geometry.axes import perpendiculars
 from topple.topology.geometry.tolerances import (
     BELOW_FLOOR,
@@ -45,8 +46,8 @@ class Spheroid:
     def distances(self, points: FloatArray) -> FloatArray:
         """(N,) distances of points from its surface [m], along the ray from its centre."""
         rays = points - self.centre
-        far = np.linalg.norm(rays, axis=1)
-        there = np.linalg.norm(_squeezed(rays, self.axis, self.stretch), axis=1)
+        far = lengths(rays)
+        there = lengths(_squeezed(rays, self.axis, self.stretch))
         return far * np.abs(1.0 - self.radius / np.maximum(there, 1e-9))
 
     def outward(self, points: FloatArray) -> FloatArray:
@@ -75,15 +76,15 @@ class Cylinder:
     def distances(self, points: FloatArray) -> FloatArray:
         """(N,) distances of points from its side or an end, whichever is nearer [m]."""
         along = (points - self.centre) @ self.axis
-        across = np.linalg.norm(points - self.centre - np.outer(along, self.axis), axis=1)
+        across = lengths(points - self.centre - np.outer(along, self.axis))
         return np.minimum(np.abs(across - self.radius), np.abs(np.abs(along) - self.half))
 
     def outward(self, points: FloatArray) -> FloatArray:
         """(N, 3) directions out of it at points of its surface; of no unit length."""
         along = ((points - self.centre) @ self.axis)[:, None] * self.axis
         across = points - self.centre - along
-        end = np.abs(np.linalg.norm(along, axis=1) - self.half)
-        side = np.abs(np.linalg.norm(across, axis=1) - self.radius)
+        end = np.abs(lengths(along) - self.half)
+        side = np.abs(lengths(across) - self.radius)
         return np.where((end < side)[:, None], along, across)
 
     def surface(self, spacing: float) -> FloatArray:
@@ -98,14 +99,42 @@ class Cylinder:
         return self.centre + np.vstack([side.reshape(-1, 3), *ends])
 
 
-def round_body(
-    points: FloatArray, normals: FloatArray, box_residual: float, floor: float = -np.inf
-) -> Spheroid | Cylinder | None:
-    """The ball, spheroid or cylinder that explains what was seen of a body.
+@dataclass(frozen=True, eq=False)
+class Fit:
+    """A round body fitted to points.
+
+    Attributes:
+        body: The body.
+        lowest: Height of its lowest point [m].
+        residual: How far the points are off it [m], root mean square.
+    """
+
+    body: Spheroid | Cylinder
+    lowest: float
+    residual: float
+
+
+def fits_of(points: FloatArray, normals: FloatArray) -> tuple[Fit, ...]:
+    """Fit balls, spheroids and cylinders to what was seen of a body.
 
     Args:
         points: (N, 3) seen points [m].
         normals: (M, 3) normals at flat spots among them.
+    """
+    balls = [_ball(points, axis, stretch) for axis, stretch in _stretches(points)]
+    found = [body for body in (*balls, *_cylinders(points, normals)) if body is not None]
+    return tuple(
+        Fit(body, float(body.surface(COARSE)[:, 2].min()), _residual(body, points)) for body in found
+    )
+
+
+def round_body(
+    fits: Sequence[Fit], box_residual: float, floor: float = -np.inf
+) -> Spheroid | Cylinder | None:
+    """The ball, spheroid or cylinder that explains what was seen of a body.
+
+    Args:
+        fits: What may be it, from `fits_of`.
         box_residual: How far the points are off the best box [m], root mean square.
         floor: Height of what everything stands on [m].
 
@@ -113,14 +142,12 @@ def round_body(
         What explains the points better than a box does; None where neither does, or where too little is seen
         to say how large it is.
     """
-    balls = [_ball(points, axis, stretch) for axis, stretch in _stretches(points)]
-    found = [fit for fit in (*balls, *_cylinders(points, normals)) if fit is not None]
-    found = [fit for fit in found if fit.surface(COARSE)[:, 2].min() > floor - BELOW_FLOOR * fit.radius]
+    found = [fit for fit in fits if fit.lowest > floor - BELOW_FLOOR * fit.body.radius]
     if not found:
         return None
-    errors = [_residual(fit, points) for fit in found]
-    best, error = found[int(np.argmin(errors))], min(errors)
-    return best if error < min(LARGEST_RESIDUAL * best.radius, BETTER_THAN_BOX * box_residual) else None
+    best = min(found, key=lambda fit: fit.residual)
+    limit = min(LARGEST_RESIDUAL * best.body.radius, BETTER_THAN_BOX * box_residual)
+    return best.body if best.residual < limit else None
 
 
 def flattest_side(normals: FloatArray) -> tuple[BoolArray, int]:
@@ -157,13 +184,13 @@ def _ball(points: FloatArray, axis: FloatArray, stretch: float) -> Spheroid | No
     fit = _sphere(squeezed)
     if fit is None:
         return None
-    off = np.abs(np.linalg.norm(squeezed - fit[0], axis=1) - fit[1])
+    off = np.abs(lengths(squeezed - fit[0]) - fit[1])
     fit = _sphere(squeezed[off <= np.quantile(off, 1.0 - STRAY)])
     if fit is None or fit[1] * stretch > LARGEST_RADIUS:
         return None
     centre, radius = fit
     rays = (squeezed - centre) / radius
-    towards = rays.mean(axis=0)
+    towards = middle_of(rays)
     towards /= max(float(np.linalg.norm(towards)), 1e-9)
     depth = 1.0 - float(np.quantile(rays @ towards, STRAY))
     centre = _squeezed(centre[None], axis, 1.0 / stretch)[0]
@@ -180,11 +207,11 @@ def sphere_through(points: FloatArray) -> tuple[FloatArray, float] | None:
         (d,) centre and radius [m]; None where the points lie in a plane (on a line).
     """
     size = points.shape[1]
-    middle = points.mean(axis=0)
+    middle = middle_of(points)
     local = points - middle
     # |p|^2 = 2 c.p + r^2 - |c|^2 is linear in c and in what remains.
     system = np.column_stack([2.0 * local, np.ones(len(local))])
-    solution, _, rank, _ = np.linalg.lstsq(system, (local**2).sum(axis=1), rcond=None)
+    solution, _, rank, _ = np.linalg.lstsq(system, sum_of_rows(local * local), rcond=None)
     if rank <= size:
         return None
     centre = solution[:size]
@@ -197,7 +224,7 @@ def _sphere(points: FloatArray) -> tuple[FloatArray, float] | None:
     if first is None:
         return None
     size = points.shape[1]
-    middle = points.mean(axis=0)
+    middle = middle_of(points)
     centre, radius = first[0] - middle, first[1]
     columns = np.ascontiguousarray((points - middle).T)  # an axis at a time takes half as long
     system = np.ones((len(points), size + 1))
@@ -244,7 +271,7 @@ def _cylinder(points: FloatArray, axis: FloatArray) -> Cylinder | None:
         circle = _sphere(flat[side])
         if circle is None:
             return None
-        off = np.abs(np.linalg.norm(flat - circle[0], axis=1) - circle[1])
+        off = np.abs(lengths(flat - circle[0]) - circle[1])
         before, side = side, off < max(0.003, 0.1 * circle[1])
         if np.count_nonzero(side) < 12:
             return None

@@ -2,6 +2,9 @@
 
 # -- outline
 
+INSIDE = 1e-6
+"""Depth [m] inside an outline that no rounding explains."""
+
 ROUND = 0.06
 """Distance from the circle, as a share of its radius, that an arc may have (rms): a plate's rim, seen from
 above and from beside, is that wide; a corner of a box is three times as far from its best circle."""

@@ -6,7 +6,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike
 
-from topple.topology.arrays import FloatArray
+from topple.topology.arrays import FloatArray, bounds, middle_of, within_corners
 from topple.topology.checks import as_plane, as_points, as_viewpoints
 from topple.topology.errors import InvalidInput
 from topple.topology.geometry.axes import perpendiculars
@@ -131,15 +131,15 @@ def _is_table(name: str, clouds: dict[str, FloatArray], plane: FloatArray) -> bo
     points = clouds[name]
     if float((np.abs(points @ plane[:3] + plane[3]) <= ON_PLANE).mean()) < ON_PLANE_SHARE:
         return False
-    middles = [cloud.mean(axis=0) for other, cloud in clouds.items() if other != name]
+    middles = [middle_of(cloud) for other, cloud in clouds.items() if other != name]
     if not middles:
         return False
     along = np.stack(perpendiculars(plane[:3]), axis=1)  # (3, 2)
-    lower, upper = (points @ along).min(axis=0), (points @ along).max(axis=0)
+    lower, upper = bounds(points @ along)
     if float((upper - lower).min()) < NARROWEST_TABLE:
         return False
     flat = np.array(middles) @ along
-    return float(((flat >= lower) & (flat <= upper)).all(axis=1).mean()) >= UNDER_SHARE
+    return float(within_corners(flat, lower, upper).mean()) >= UNDER_SHARE
 
 
 def _flat_cloud(points: FloatArray, plane: FloatArray) -> FloatArray:
@@ -148,7 +148,8 @@ def _flat_cloud(points: FloatArray, plane: FloatArray) -> FloatArray:
     second, first = perpendiculars(normal)
     axes = np.stack([-first, second])
     flat = points @ axes.T
-    lower, upper = flat.min(axis=0) - TABLE_MARGIN, flat.max(axis=0) + TABLE_MARGIN
+    lower, upper = bounds(flat)
+    lower, upper = lower - TABLE_MARGIN, upper + TABLE_MARGIN
     fine = _grid(lower, upper, TABLE_SPACING)
     beyond = TABLE_REACH - TABLE_MARGIN
     coarse = _grid(lower - beyond, upper + beyond, FAR_SPACING)

@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from topple.topology.arrays import BoolArray, FloatArray, bounds
+from topple.topology.arrays import BoolArray, FloatArray, bounds, within_corners
 from topple.topology.geometry.axes import perpendiculars
 from topple.topology.rule.tolerances import AZIMUTHS
 from topple.topology.tolerances import TOLERANCES
@@ -74,4 +74,4 @@ def _beside(places: FloatArray, wall: FloatArray, up: FloatArray, aside: float) 
     lower, upper = bounds(places @ level)
     margin = aside * (1 + 1e-6) + 1e-9  # more than rounding takes away
     flat = wall @ level
-    return wall[((flat >= lower - margin) & (flat <= upper + margin)).all(axis=1)]
+    return wall[within_corners(flat, lower - margin, upper + margin)]

@@ -1,19 +1,20 @@
 """Contacts that no camera saw and gravity demands: what floats in the clouds is held by something."""
 
-from collections.abc import Callable, Collection, Mapping, Sequence
+from collections.abc import Callable, Collection, Sequence
 from dataclasses import replace
+from functools import cache
 from typing import TYPE_CHECKING
 
 import numpy as np
 
-from topple.topology.arrays import FloatArray
+from topple.topology.arrays import FloatArray, middle_of
 from topple.topology.bodies.surfaces import carry_over, surfaces_of
 from topple.topology.confidence import Evidence, confidence
 from topple.topology.geometry.axes import level_axes
-from topple.topology.geometry.outline import covers, outline
+from topple.topology.geometry.outline import amid, covers, outline
 from topple.topology.pair import PairRelation
 from topple.topology.relation_table import AnyTable, RelationTable
-from topple.topology.rule.tolerances import CLOSE
+from topple.topology.rule.tolerances import CLOSE, FEW_IN_PLAN
 from topple.topology.scene import Scene
 from topple.topology.sixim.table import Relation
 from topple.topology.statics.contact import TOLERANCES as CONTACT
@@ -102,16 +103,16 @@ def _uppermost(
     Between the two lies the upper one, hidden as it may be: a bowl on two plates meets the upper plate.
     """
     up = np.asarray(scene.up)
-    middle = scene.clouds[name].mean(axis=0) @ np.stack(level_axes(up), axis=1)
-    seen = {pair.b for pair in relations.of(name) if _holds(pair, scene.clouds, up, scene.fixed)}
-    height = {other: _height(scene.clouds[other], up) for other in seen.union(one.supporter for one in below)}
+    middle = middle_of(scene.clouds[name]) @ np.stack(level_axes(up), axis=1)
+    height = cache(lambda name: _height(scene.clouds[name], up))
+    seen = {pair.b for pair in relations.of(name) if _holds(pair, height, scene.fixed)}
     reaching = [
-        height[other]
-        for other in height.keys() - scene.fixed
-        if height[other] < _height(scene.clouds[name], up)
+        height(other)
+        for other in seen.union(one.supporter for one in below) - scene.fixed
+        if height(other) < height(name)
         and covers([outline(scene.clouds[other], up)], middle, TOLERANCES.flat)
     ]
-    return [one for one in below if height[one.supporter] >= max(reaching, default=-np.inf)]
+    return [one for one in below if height(one.supporter) >= max(reaching, default=-np.inf)]
 
 
 def _hanging_together(names: Collection[str], scene: Scene, relations: RelationTable) -> frozenset[str]:
@@ -136,29 +137,34 @@ def floating_objects(scene: Scene, relations: RelationTable) -> frozenset[str]:
         relations: Its relations.
     """
     up = np.asarray(scene.up)
-    return frozenset(name for name in scene.movable if not _held(name, scene, relations, up))
+    height = cache(lambda name: _height(scene.clouds[name], up))
+    return frozenset(name for name in scene.movable if not _held(name, scene, relations, up, height))
 
 
-def _held(name: str, scene: Scene, relations: RelationTable, up: FloatArray) -> bool:
+def _held(
+    name: str, scene: Scene, relations: RelationTable, up: FloatArray, height: Callable[[str], float]
+) -> bool:
     """Whether an object is in something, stands on what is fixed, or has its middle over what it touches."""
-    holders = [pair for pair in relations.of(name) if _holds(pair, scene.clouds, up, scene.fixed)]
+    holders = [pair for pair in relations.of(name) if _holds(pair, height, scene.fixed)]
     if any(pair.relation in _HELD_BY or pair.b in scene.fixed for pair in holders):
         return True
     if not holders:
         return False
-    middle = scene.clouds[name].mean(axis=0) @ np.stack(level_axes(up), axis=1)
-    return covers([outline(scene.clouds[pair.b], up) for pair in holders], middle, TOLERANCES.flat)
+    level = np.stack(level_axes(up), axis=1)
+    middle = middle_of(scene.clouds[name]) @ level
+    below = [scene.clouds[pair.b] for pair in holders]
+    if amid(np.concatenate([some[:: -(-len(some) // FEW_IN_PLAN)] for some in below]) @ level, middle):
+        return True
+    return covers([outline(points, up) for points in below], middle, TOLERANCES.flat)
 
 
-def _holds(
-    pair: PairRelation, clouds: Mapping[str, FloatArray], up: FloatArray, fixed: frozenset[str]
-) -> bool:
+def _holds(pair: PairRelation, height: Callable[[str], float], fixed: frozenset[str]) -> bool:
     """Whether b may carry a: a is in b, or touches it and lies higher."""
     if pair.relation in _HELD_BY:
         return True
     if pair.relation is not Relation.TOUCH:
         return False
-    return pair.b in fixed or _height(clouds[pair.b], up) < _height(clouds[pair.a], up)
+    return pair.b in fixed or height(pair.b) < height(pair.a)
 
 
 def _height(points: FloatArray, up: FloatArray) -> float:

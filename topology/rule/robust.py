@@ -13,7 +13,7 @@ from dataclasses import dataclass, field, replace
 import numpy as np
 from scipy.spatial import KDTree
 
-from topple.topology.arrays import BoolArray, FloatArray, IntArray
+from topple.topology.arrays import BoolArray, FloatArray, IntArray, middle_of, within_corners
 from topple.topology.cloud import estimate_deviation
 from topple.topology.confidence import Evidence, confidence
 from topple.topology.pair import PairRelation
@@ -123,7 +123,7 @@ class RobustRule:
         inside = np.zeros(a.size, dtype=np.bool_)
         if (a.lower > b.hull.upper).any() or (a.upper < b.hull.lower).any() or b.hull.dimension < 3:
             return inside
-        candidates = np.flatnonzero(_in_box(a.coarse, b.hull.lower, b.hull.upper))
+        candidates = np.flatnonzero(within_corners(a.coarse, b.hull.lower, b.hull.upper))
         candidates = candidates[b.hull.facet_distance(a.coarse[candidates]) < -self.deviation]
         if len(candidates) == 0:
             return inside
@@ -151,7 +151,7 @@ class RobustRule:
         """Directions in which an object may be open: up, or its own axes where up is not known."""
         if self.up is not None:
             return [self.up]
-        centred = b.coarse - b.coarse.mean(axis=0)
+        centred = b.coarse - middle_of(b.coarse)
         _, axes = np.linalg.eigh(centred.T @ centred)
         return [sign * axis for axis in axes.T for sign in (1.0, -1.0)]
 
@@ -246,10 +246,6 @@ def _reason(matrix: IntArray, relation: Relation) -> str | None:
     if interior.any():
         return FEW
     return CLOSE if relation is Relation.TOUCH else APART
-
-
-def _in_box(points: FloatArray, lower: FloatArray, upper: FloatArray) -> BoolArray:
-    return np.asarray(((points >= lower) & (points <= upper)).all(axis=1))
 
 
 def seen_in(scene: Scene) -> FreeSpace | None:

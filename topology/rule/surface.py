@@ -8,11 +8,11 @@ from scipy.sparse import coo_matrix
 from scipy.sparse.csgraph import connected_components
 from scipy.spatial import KDTree
 
-from topple.topology.arrays import BoolArray, FloatArray, IntArray, bounds
+from topple.topology.arrays import BoolArray, FloatArray, IntArray, bounds, lengths, middle_of
 from topple.topology.geometry.axes import own_axes
 from topple.topology.geometry.hull import Hull
 from topple.topology.geometry.normals import patch_planes
-from topple.topology.geometry.thin import cell_keys
+from topple.topology.geometry.thin import cell_keys, sorted_cells
 from topple.topology.rule.tolerances import (
     AROUND,
     BESIDE,
@@ -46,6 +46,7 @@ class SurfaceCloud:
         cell: Edge of the cells [m], 0 where every point is a cell of its own.
         dropped: Number of stray points left out.
         tree: Search tree of the mean points.
+        spacing: Typical distance from a mean point to its fourth neighbour [m].
     """
 
     name: str
@@ -55,6 +56,7 @@ class SurfaceCloud:
     cell: float
     dropped: int
     tree: KDTree
+    spacing: float
 
     @staticmethod
     def of(name: str, cloud: FloatArray) -> "SurfaceCloud":
@@ -71,26 +73,21 @@ class SurfaceCloud:
         tree = KDTree(coarse)
         kept = _well_connected(tree, sizes, cell)
         tree = tree if kept.all() else KDTree(coarse[kept])
-        main = _main_pieces(tree)
+        main, fourth = _main_pieces(tree)
         kept[kept] = main
         dropped = len(points) - int(sizes[kept].sum())
         if dropped:
             points, sizes, coarse = points[np.repeat(kept, sizes)], sizes[kept], coarse[kept]
             starts = np.concatenate([[0], np.cumsum(sizes)])
-            tree = tree if main.all() else KDTree(coarse)
-        return SurfaceCloud(name, points, starts, coarse, cell, dropped, tree)
+            if not main.all():
+                tree = KDTree(coarse)
+                fourth = _neighbours(tree, 4)[0][:, -1]
+        return SurfaceCloud(name, points, starts, coarse, cell, dropped, tree, float(np.median(fourth)))
 
     @cached_property
     def hull(self) -> Hull:
         """Hull of the mean points: trimmed of noise by half a cell's worth of averaging."""
         return Hull.of(self.coarse)
-
-    @cached_property
-    def spacing(self) -> float:
-        """Typical distance from a mean point to its fourth neighbour [m]."""
-        if len(self.coarse) < 5:
-            return 0.0
-        return float(np.median(np.asarray(self.tree.query(self.coarse, k=5)[0])[:, -1]))
 
     @cached_property
     def _box(self) -> tuple[FloatArray, FloatArray]:
@@ -131,8 +128,7 @@ def _cells(cloud: FloatArray) -> tuple[IntArray, IntArray, float]:
     occupied = len(np.unique(cell_keys(probe, lower, upper, cell)))
     cell = min(float(np.clip(cell * (occupied / COARSE) ** 0.5, cell / 6, 2 * cell)), LARGEST_CELL)
     keys = cell_keys(local, lower, upper, cell)
-    order = np.argsort(keys, kind="stable")
-    ordered = keys[order]
+    ordered, order = sorted_cells(keys)
     starts = np.flatnonzero(np.concatenate([[True], ordered[1:] != ordered[:-1]]))
     return order, np.append(starts, len(cloud)), cell
 
@@ -157,18 +153,27 @@ def _well_connected(tree: KDTree, sizes: IntArray, cell: float) -> BoolArray:
     return kept
 
 
-def _main_pieces(tree: KDTree) -> BoolArray:
-    """Which points belong to a piece of the cloud that is no stray: large enough a share of the whole."""
+def _neighbours(tree: KDTree, count: int) -> tuple[FloatArray, IntArray]:
+    """(N, count + 1) distances of the points of a tree to themselves and their neighbours, and their rows."""
+    distance, index = tree.query(tree.data, k=count + 1)
+    return np.asarray(distance), np.asarray(index)
+
+
+def _main_pieces(tree: KDTree) -> tuple[BoolArray, FloatArray]:
+    """Which points belong to a piece of the cloud that is no stray: large enough a share of the whole.
+
+    Also the distance of each to its fourth neighbour [m], of few points 0.
+    """
     coarse = np.asarray(tree.data)
     if len(coarse) < 30:
-        return np.ones(len(coarse), dtype=np.bool_)
-    distance, index = tree.query(coarse, k=LINKS + 1)
-    distance = np.asarray(distance)
+        fourth = _neighbours(tree, 4)[0][:, -1] if len(coarse) >= 5 else np.zeros(len(coarse))
+        return np.ones(len(coarse), dtype=np.bool_), fourth
+    distance, index = _neighbours(tree, LINKS)
     limit = BREAK * float(np.median(distance[:, 4]))
     rows = np.repeat(np.arange(len(coarse)), LINKS)
     linked = (distance[:, 1:] <= limit).ravel()
     graph = coo_matrix(
-        (np.ones(int(linked.sum())), (rows[linked], np.asarray(index)[:, 1:].ravel()[linked])),
+        (np.ones(int(linked.sum())), (rows[linked], index[:, 1:].ravel()[linked])),
         shape=(len(coarse), len(coarse)),
     )
     labels = connected_components(graph, directed=False)[1]
@@ -176,12 +181,12 @@ def _main_pieces(tree: KDTree) -> BoolArray:
     stray = sizes < min(TOLERANCES.stray_share * len(coarse), sizes.max())
     for label in np.flatnonzero(stray & (sizes >= FEW)):
         stray[label] = _width(coarse[labels == label]) < limit / BREAK
-    return ~stray[labels]
+    return ~stray[labels], distance[:, 4]
 
 
 def _width(points: FloatArray) -> float:
     """Spread (standard deviation) across the longest direction of a piece [m]."""
-    centred = points - points.mean(axis=0)
+    centred = points - middle_of(points)
     return float(np.sqrt(max(np.linalg.eigvalsh(centred.T @ centred)[1], 0.0) / len(points)))
 
 
@@ -212,7 +217,7 @@ class Closest:
     @property
     def apart(self) -> float:
         """Distance of the closest samples [m], which is never less than the surfaces'."""
-        return float(np.linalg.norm(self.pairs[:, 0] - self.pairs[:, 1], axis=1).min())
+        return float(lengths(self.pairs[:, 0] - self.pairs[:, 1]).min())
 
 
 def closest(a: SurfaceCloud, b: SurfaceCloud) -> Closest:
@@ -237,11 +242,11 @@ def closest(a: SurfaceCloud, b: SurfaceCloud) -> Closest:
         return _far(a, b, of_a)
     limit = apart * more + slack
     near_b = distances(b.coarse, a, limit)
-    fine_a = _at_most(a.rows_of(np.flatnonzero(near_a <= limit)), FINE)
-    fine_b = _at_most(b.rows_of(np.flatnonzero(near_b <= limit)), FINE)
+    fine_a, about_a = _fine(a, near_a, limit)
+    fine_b, about_b = _fine(b, near_b, limit)
     tree_a, tree_b = KDTree(fine_a), KDTree(fine_b)
-    fine_a = _nearest(fine_a, tree_b)
-    fine_b = _nearest(fine_b, tree_a)
+    fine_a = _nearest(fine_a, about_a, tree_b)
+    fine_b = _nearest(fine_b, about_b, tree_a)
     rank = min(8, 1 + min(len(a.points), len(b.points)) // 60)  # so many strays may come closer
     forward, feet = _to_surface(fine_a, tree_b)
     backward, heads = _to_surface(fine_b, tree_a)
@@ -319,11 +324,23 @@ def _at_most(points: FloatArray, count: int) -> FloatArray:
     return points[:: max(1, -(-len(points) // count))]
 
 
-def _nearest(points: FloatArray, tree: KDTree) -> FloatArray:
-    """The points nearest to the samples of a surface: where the surfaces are closest, one of them is."""
+def _fine(surface: SurfaceCloud, near: FloatArray, limit: float) -> tuple[FloatArray, FloatArray]:
+    """The kept points (N, 3) of the cells within a limit [m], and (N,) how far away their cells are [m]."""
+    cells = np.flatnonzero(near <= limit)
+    about = np.repeat(near[cells], surface.starts[cells + 1] - surface.starts[cells])
+    return _at_most(surface.rows_of(cells), FINE), _at_most(about, FINE)
+
+
+def _nearest(points: FloatArray, about: FloatArray, tree: KDTree) -> FloatArray:
+    """The points nearest to the samples of a surface: where the surfaces are closest, one of them is.
+
+    Those whose cells are nearest bound how far the others may be: most are not searched for.
+    """
     if len(points) <= CANDIDATES:
         return points
-    distance = np.asarray(tree.query(points)[0])
+    likely = np.argpartition(about, CANDIDATES)[:CANDIDATES]
+    bound = float(np.max(tree.query(points[likely])[0]))
+    distance = np.asarray(tree.query(points, distance_upper_bound=np.nextafter(bound, np.inf))[0])
     return points[np.sort(np.argpartition(distance, CANDIDATES)[:CANDIDATES])]
 
 

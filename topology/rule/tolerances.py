@@ -48,6 +48,10 @@ CLOSE = 0.02
 """Gap [m] from which objects carry each other no more: twice what a search for contacts allows."""
 
 
+FEW_IN_PLAN = 1000
+"""Points of each holder that are looked at first: the middle of what stands is mostly well amid them."""
+
+
 # -- nineim.matrix
 
 SURFACE_SPACING = 0.004

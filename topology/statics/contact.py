@@ -6,12 +6,22 @@ from dataclasses import dataclass, replace
 import numpy as np
 from scipy.spatial import KDTree
 
-from topple.topology.arrays import BoolArray, FloatArray, IntArray, bounds
+from topple.topology.arrays import (
+    BoolArray,
+    FloatArray,
+    IntArray,
+    bounds,
+    middle_of,
+    sum_of_rows,
+    within_corners,
+)
+from topple.topology.bodies.tolerances import KEPT_BODIES
 from topple.topology.geometry.broadphase import near_pairs
 from topple.topology.geometry.thin import cell_keys, voxel_means
+from topple.topology.remembered import remembered
 from topple.topology.statics.grounds import Plane, planes_and_rest
 from topple.topology.statics.matter import friction_between
-from topple.topology.statics.tolerances import BELOW, FRICTION, SOLE
+from topple.topology.statics.tolerances import BELOW, FRICTION, KEPT_PAIRS, SOLE
 from topple.topology.tolerances import VOXEL
 from topple.topology.upright import Upright
 
@@ -106,7 +116,6 @@ def find_contacts(
     grounds = {name: planes_and_rest(upright, name) for name in surfaces if name in upright.fixed}
     planes = {name: planes for name, (planes, _) in grounds.items()}
     sides = {**surfaces, **{name: rest for name, (_, rest) in grounds.items()}}
-    trees: dict[str, KDTree] = {}
     found: list[Contact] = []
     pairs = _meeting(surfaces, planes) if among is None else _named(surfaces, among)
     for a, b in pairs:
@@ -117,7 +126,7 @@ def find_contacts(
             _on_plane(ground, plane, other, surfaces[other], reach) for plane in planes.get(ground, ())
         ]
         if len(sides[ground]):
-            touching.append(_between(a, b, sides, trees, reach))
+            touching.append(_between(a, b, sides[a], sides[b], reach))
         found += _joined([contact for contact in touching if contact is not None])
     return tuple(rubbing(contact, upright.friction) for contact in found)
 
@@ -226,43 +235,40 @@ def _first_of_cells(points: FloatArray, cell: float) -> IntArray:
     return np.sort(np.unique(cell_keys(flat, *bounds(flat), cell), return_index=True)[1])
 
 
-def _between(
-    a: str, b: str, surfaces: Mapping[str, FloatArray], trees: dict[str, KDTree], reach: float
-) -> Contact | None:
+def _between(a: str, b: str, first: FloatArray, second: FloatArray, reach: float) -> Contact | None:
     """Contact of two clouds."""
-    first, second = surfaces[a], surfaces[b]
     corners = np.array([bounds(first), bounds(second)])
     lower, upper = corners[:, 0].max(axis=0) - reach, corners[:, 1].min(axis=0) + reach
     if (lower > upper).any():
         return None
-    candidates = second[((second >= lower) & (second <= upper)).all(axis=1)]
-    if len(candidates) == 0:
-        return None
-    for name in (a, b):
-        if name not in trees:
-            trees[name] = KDTree(surfaces[name])
-    answer = trees[a].query(candidates, distance_upper_bound=reach)
+    candidates = second[within_corners(second, lower, upper)]
+    return _meeting_at(a, b, first, second, candidates, reach) if len(candidates) else None
+
+
+_tree_of = remembered(KEPT_BODIES)(KDTree)
+
+
+@remembered(KEPT_PAIRS)
+def _meeting_at(
+    a: str, b: str, first: FloatArray, second: FloatArray, candidates: FloatArray, reach: float
+) -> Contact | None:
+    """Contact of two clouds of which some points (C, 3) of the second may be near the first."""
+    answer = _tree_of(first).query(candidates, distance_upper_bound=reach)
     distances, nearest = np.asarray(answer[0]), np.asarray(answer[1])
     close = np.isfinite(distances)
     if not close.any():
         return None
     middles = (candidates[close] + first[nearest[close]]) / 2
     spots = voxel_means(middles, TOLERANCES.footprint)
-    return _patch(a, b, spots, surfaces, trees, reach)
+    return _patch(a, b, spots, first, second, reach)
 
 
 def _patch(
-    a: str,
-    b: str,
-    spots: FloatArray,
-    surfaces: Mapping[str, FloatArray],
-    trees: dict[str, KDTree],
-    reach: float,
+    a: str, b: str, spots: FloatArray, first: FloatArray, second: FloatArray, reach: float
 ) -> Contact | None:
     """Normals and gaps at the spots: taken from the flatter of the two surfaces there."""
-    first, second = surfaces[a], surfaces[b]
-    around_a: list[list[int]] = list(trees[a].query_ball_point(spots, TOLERANCES.patch))
-    around_b: list[list[int]] = list(trees[b].query_ball_point(spots, TOLERANCES.patch))
+    around_a: list[list[int]] = list(_tree_of(first).query_ball_point(spots, TOLERANCES.patch))
+    around_b: list[list[int]] = list(_tree_of(second).query_ball_point(spots, TOLERANCES.patch))
     normals_a, spreads_a = local_normals(first, around_a)
     normals_b, spreads_b = local_normals(second, around_b)
     known = np.flatnonzero(np.isfinite(spreads_a) & np.isfinite(spreads_b))
@@ -276,7 +282,7 @@ def _patch(
     # b lies on the side of the contact where its points are; two faces that lie flat on each
     # other have none there, and the rest of the bodies tells.
     offsets = near_b.mean(normals) - near_a.mean(normals)
-    apart = normals @ (second.mean(axis=0) - first.mean(axis=0))
+    apart = normals @ (middle_of(second) - middle_of(first))
     offsets = np.where(np.abs(offsets) < TOLERANCES.smooth, apart, offsets)
     normals = np.where(offsets[:, None] < 0, -normals, normals)
     gaps = np.where(
@@ -285,7 +291,7 @@ def _patch(
         near_b.mean(normals) + near_a.lowest(-normals),
     )
     smooth = np.maximum(spreads_a[known], spreads_b[known]) < TOLERANCES.smooth
-    between = np.arccos(np.minimum(1.0, np.abs((normals_a * normals_b).sum(axis=1))))
+    between = np.arccos(np.minimum(1.0, np.abs(sum_of_rows(normals_a * normals_b))))
     patch = Contact(a, b, spots[known], normals, gaps, np.where(smooth, between, 0.0))
     return patch.only(gaps <= reach)
 
@@ -314,7 +320,7 @@ class _Groups:
 
     def _along(self, directions: FloatArray) -> FloatArray:
         """(N,) how far each point lies along the (k, 3) direction of its group [m]."""
-        return np.asarray((self.points * np.repeat(directions, self.counts, axis=0)).sum(axis=1))
+        return sum_of_rows(self.points * np.repeat(directions, self.counts, axis=0))
 
     def mean(self, directions: FloatArray) -> FloatArray:
         """(k,) how far the points of each group lie along its (k, 3) direction [m]."""

@@ -19,8 +19,18 @@ from scipy.spatial import ConvexHull, QhullError
 from topple.topology.arrays import FloatArray
 from topple.topology.statics.contact import Contact
 from topple.topology.statics.equilibrium import Weight, equations, islands, rising
-from topple.topology.statics.holding import Duals, is_held
-from topple.topology.statics.tolerances import CONE_EDGES, FARTHEST, FREE, ROLL, SEATED, SUNK, TILTED, TURNED
+from topple.topology.statics.holding import Search, holds_besides, is_held
+from topple.topology.statics.tolerances import (
+    ALONE,
+    CONE_EDGES,
+    FARTHEST,
+    FREE,
+    ROLL,
+    SEATED,
+    SUNK,
+    TILTED,
+    TURNED,
+)
 
 
 @dataclass(frozen=True)
@@ -81,7 +91,7 @@ def falls(
     contacts: Sequence[Contact],
     beside: Collection[str] | None = None,
     without: Collection[str] = (),
-    duals: Duals | None = None,
+    search: Search | None = None,
 ) -> dict[str, Fall]:
     """How far every body sinks, all together.
 
@@ -90,28 +100,90 @@ def falls(
         contacts: Patches between them and with anything fixed, from `catching`.
         beside: Only what hangs together with one of these is asked about; everything where not given.
         without: Names that are gone.
-        duals: As for `is_held`.
+        search: As for `is_held`: what earlier questions about the same contacts left.
 
     Returns:
         name -> fall, for all that are left and asked about.
     """
     left = {name: weight for name, weight in rising(weights).items() if name not in without}
     near = [c for c in contacts if c.a not in without and c.b not in without]
+    lowest = min((weights[name].centre[2] for name in without if name in weights), default=np.inf)
+    stood = {name for name in beside or () if name in left and left[name].centre[2] > lowest}
     found: dict[str, Fall] = {}
     for island in islands(left, near, beside):
         bodies = {name: weight for name, weight in left.items() if name in island}
         holding = [c for c in near if c.a in island or c.b in island]
-        seated = [part for c in holding if (part := c.only(c.gaps <= SEATED)) is not None]
         # Within half of what is free every motion costs more than it gains.
-        if is_held(bodies, seated, FREE / 2, duals):
-            found |= dict.fromkeys(bodies, Fall(0.0, 0.0))
-        else:
-            found |= _sunk(bodies, holding)
+        held = search.holds_without(island, without, FREE / 2) if without and search is not None else None
+        if held is None:
+            seated = [part for c in holding if (part := c.only(c.gaps <= SEATED)) is not None]
+            held = is_held(bodies, seated, FREE / 2, search, whole=not without)
+        found |= dict.fromkeys(bodies, Fall(0.0, 0.0)) if held else _fallen(bodies, holding, stood, search)
     return {name: found[name] for name in weights if name in found}
 
 
-def _sunk(left: Mapping[str, Weight], near: Sequence[Contact]) -> dict[str, Fall]:
-    """How far the bodies of an island sink."""
+def _fallen(
+    bodies: Mapping[str, Weight],
+    contacts: Sequence[Contact],
+    stood: Collection[str],
+    search: Search | None,
+) -> dict[str, Fall]:
+    """How far the bodies of an island sink, from which something was taken away beside some of them.
+
+    What falls stood on what is gone, or leant on it, or is above such a body. How far it sinks a programme
+    says in which all others are fixed. Where forces hold these that leave less than half of the free share
+    over, pressed as they are by what sinks, no motion of theirs is part of a best answer: the programme of
+    all has the same ones.
+
+    Args:
+        bodies: The objects that are left, rising.
+        contacts: Patches between them and with anything fixed.
+        stood: Those that met what is gone from above.
+        search: Where searches for forces begin; None: the programme of all is solved.
+    """
+    falling = _above(bodies, contacts, stood)
+    if search is not None and 0 < len(falling) <= ALONE * len(bodies):
+        found, pressing = _sunk_alone(falling, bodies, contacts)
+        rest = {name: weight for name, weight in bodies.items() if name not in falling}
+        others = [c for c in contacts if c.a not in falling and c.b not in falling]
+        seated = [part for c in others if (part := c.only(c.gaps <= SEATED)) is not None]
+        if holds_besides(rest, seated, pressing, FREE / 2, search):
+            return found | dict.fromkeys(rest, Fall(0.0, 0.0))
+    return _sunk(bodies, contacts)[0]
+
+
+def _sunk_alone(
+    falling: Collection[str], bodies: Mapping[str, Weight], contacts: Sequence[Contact]
+) -> tuple[dict[str, Fall], list[tuple[Contact, FloatArray]]]:
+    """How far some bodies sink while the others are fixed, and with what forces they press on these."""
+    concerned = [c for c in contacts if c.a in falling or c.b in falling]
+    found, forces = _sunk({name: w for name, w in bodies.items() if name in falling}, concerned)
+    each = np.split(forces, np.cumsum([CONE_EDGES * len(c.gaps) for c in concerned])[:-1])
+    pairs = zip(concerned, each, strict=True)
+    return found, [(c, f) for c, f in pairs if {c.a, c.b} & bodies.keys() - set(falling)]
+
+
+def _above(
+    bodies: Mapping[str, Weight], contacts: Sequence[Contact], beside: Collection[str]
+) -> frozenset[str]:
+    """Some bodies and all that meets them or others of these from above."""
+    lower: dict[str, set[str]] = {}
+    place = {name: i for i, name in enumerate(bodies)}  # rising
+    for contact in contacts:
+        if contact.a in place and contact.b in place:
+            low, high = sorted((contact.a, contact.b), key=place.__getitem__)
+            lower.setdefault(low, set()).add(high)
+    found = {name for name in beside if name in place}
+    border = list(found)
+    while border:
+        more = lower.get(border.pop(), set()) - found
+        found |= more
+        border += more
+    return frozenset(found)
+
+
+def _sunk(left: Mapping[str, Weight], near: Sequence[Contact]) -> tuple[dict[str, Fall], FloatArray]:
+    """How far the bodies of an island sink, and the forces along the edges of the contacts' pyramids."""
     matrix, demand, count = equations(left, near)
     litres = np.array([weight.litres for weight in left.values()])
     share = litres / litres.mean()
@@ -134,8 +206,9 @@ def _sunk(left: Mapping[str, Weight], near: Sequence[Contact]) -> dict[str, Fall
         options={"presolve": False},  # it takes longer than it saves on programmes this small
     )
     if solution.x is None:  # feasible and bounded by construction: a solver failure
-        return dict.fromkeys(left, Fall(0.0, 0.0))
+        return dict.fromkeys(left, Fall(0.0, 0.0)), np.zeros(count)
     moved: FloatArray = np.asarray(solution.eqlin.marginals).reshape(-1, 6)
     shifts = np.linalg.norm(moved[:, :3], axis=1) / share
     turns = np.linalg.norm(moved[:, 3:], axis=1) / (share * size)
-    return {name: Fall(float(s), float(t)) for name, s, t in zip(left, shifts, turns, strict=True)}
+    falls_of = zip(left, shifts, turns, strict=True)
+    return {name: Fall(float(s), float(t)) for name, s, t in falls_of}, np.asarray(solution.x[:count])

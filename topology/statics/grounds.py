@@ -4,7 +4,9 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from topple.topology.arrays import BoolArray, FloatArray, frozen
+from topple.topology.arrays import BoolArray, FloatArray, bounds, frozen, middle_of
+from topple.topology.bodies.tolerances import KEPT_FRAMES
+from topple.topology.remembered import remembered
 from topple.topology.statics.tolerances import EDGE, FLAT, MARGIN
 from topple.topology.upright import Upright
 
@@ -28,6 +30,7 @@ class Plane:
     ends: bool = False
 
     @staticmethod
+    @remembered(KEPT_FRAMES)
     def of(points: FloatArray) -> "Plane | None":
         """Fit a plane to a cloud, robustly.
 
@@ -46,7 +49,7 @@ class Plane:
         if spread > FLAT or abs(normal[2]) < 0.5:
             return None
         normal = normal if normal[2] > 0 else -normal
-        return Plane(frozen(normal), -float(normal @ centre), points.min(axis=0), points.max(axis=0))
+        return Plane(frozen(normal), -float(normal @ centre), *bounds(points))
 
     def heights(self, points: FloatArray) -> FloatArray:
         """(N,) heights of (N, 3) points above the plane [m]."""
@@ -81,7 +84,7 @@ def planes_and_rest(upright: Upright, name: str) -> tuple[tuple[Plane, ...], Flo
 
 def _fit(kept: FloatArray, points: FloatArray) -> tuple[FloatArray, FloatArray, float]:
     """Centre and normal of the plane through `kept`, and the robust spread [m] of `points` about it."""
-    centre = kept.mean(axis=0)
+    centre = middle_of(kept)
     normal = np.linalg.eigh(np.cov((kept - centre).T))[1][:, 0]
     heights = (points - centre) @ normal
     return centre, normal, max(1.4826 * float(np.median(np.abs(heights))), 1e-4)

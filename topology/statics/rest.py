@@ -7,19 +7,21 @@ from functools import cached_property
 import numpy as np
 from scipy.spatial import KDTree
 
-from topple.topology.arrays import BoolArray, FloatArray, bounds
+from topple.topology.arrays import BoolArray, FloatArray, bounds, middle_of
 from topple.topology.bodies.surfaces import surfaces_of
+from topple.topology.bodies.tolerances import KEPT_BODIES
 from topple.topology.geometry.axes import around
 from topple.topology.geometry.sides import hull_volume
 from topple.topology.geometry.thin import voxel_means
 from topple.topology.relation_table import RelationTable
+from topple.topology.remembered import remembered
 from topple.topology.scene import Scene
 from topple.topology.sixim.table import Relation
 from topple.topology.statics.contact import TOLERANCES, Contact, closed, find_contacts
 from topple.topology.statics.equilibrium import Weight, islands
 from topple.topology.statics.falling import Fall, catching, falls
 from topple.topology.statics.hidden import hidden_contacts
-from topple.topology.statics.holding import Duals, deficits
+from topple.topology.statics.holding import Search, deficits
 from topple.topology.statics.tolerances import (
     DENSITY,
     GUESSED,
@@ -107,6 +109,17 @@ class Statics:
         )
 
     @cached_property
+    def touching(self) -> Mapping[tuple[str, str], float]:
+        """(a, b) -> upward part of the mean contact normal from a into b, for pairs that touch."""
+        normals: dict[tuple[str, str], float] = {}
+        for contact in self.contacts:
+            if contact.gaps.min() <= TOLERANCES.catch:
+                up = float(contact.normals[:, 2].mean())
+                normals[contact.a, contact.b] = up
+                normals[contact.b, contact.a] = -up
+        return normals
+
+    @cached_property
     def _catching(self) -> tuple[Contact, ...]:
         """All contacts a falling body may meet."""
         near = [self._apart(c) for c in find_contacts(self.upright, self.surfaces, REACH)]
@@ -121,12 +134,12 @@ class Statics:
     @cached_property
     def _settled(self) -> Mapping[str, Fall]:
         """How far bodies seem to sink while everything is in place: what contacts leave open."""
-        return falls(self.weights, self._catching, duals=self._duals)
+        return falls(self.weights, self._catching, search=self._search)
 
     @cached_property
-    def _duals(self) -> Duals:
-        """Where the search for forces begins, left by the one before: it changes no answer."""
-        return {}
+    def _search(self) -> Search:
+        """What searches for forces left for the next ones."""
+        return Search()
 
     def fallen_without(self, away: Collection[str], held: Collection[str] = ()) -> dict[str, float]:
         """What falls once some objects are gone, for clouds that show whole surfaces.
@@ -140,8 +153,9 @@ class Statics:
         """
         met = {name for c in self._catching if c.a in away or c.b in away for name in (c.a, c.b)}
         free = {name: weight for name, weight in self.weights.items() if name not in held}
-        found = falls(free, self._catching, beside=met, without=away, duals=self._duals)
-        far = {name: fall.beyond(self._settled[name]) for name, fall in found.items()}
+        before = self._settled  # first, since the forces of what is in place shorten the search
+        found = falls(free, self._catching, beside=met, without=away, search=self._search)
+        far = {name: fall.beyond(before[name]) for name, fall in found.items()}
         return {name: share for name, share in far.items() if share > 1.0}
 
     def unsteady_without(self, away: Collection[str], held: Collection[str] = ()) -> dict[str, float]:
@@ -184,6 +198,7 @@ def _closed(
     ]
 
 
+@remembered(KEPT_BODIES)
 def weigh(points: FloatArray, mass: float | None = None) -> Weight:
     """Guess weight and centre of mass of a body from its surface.
 
@@ -195,7 +210,7 @@ def weigh(points: FloatArray, mass: float | None = None) -> Weight:
         The weight. A mass not given is `DENSITY` times a volume: the hull's for solid things, the surface
         times a wall for hollow ones, whichever is less.
     """
-    centre = points.mean(axis=0)
+    centre = middle_of(points)
     if mass is not None:
         return Weight(1e3 * mass / DENSITY, centre, LEVER)
     volume = volume_around(points)

@@ -7,7 +7,8 @@ from scipy.ndimage import maximum_filter
 
 from topple.topology.arrays import FloatArray, IntArray, bounds
 from topple.topology.geometry.axes import around
-from topple.topology.statics.tolerances import CLEAR, LIFT, SWEEP_CELL
+from topple.topology.remembered import remembered
+from topple.topology.statics.tolerances import CLEAR, KEPT_PAIRS, LIFT, SWEEP_CELL
 
 DIRECTIONS = around(24)
 
@@ -30,6 +31,7 @@ class Overlap:
     clearance: float
 
 
+@remembered(KEPT_PAIRS)
 def overlap(upper: FloatArray, lower: FloatArray) -> Overlap | None:
     """How one object hangs over another.
 
@@ -68,6 +70,7 @@ def overlap(upper: FloatArray, lower: FloatArray) -> Overlap | None:
     )
 
 
+@remembered(KEPT_PAIRS)
 def swept_matrix(swept: FloatArray, other: FloatArray) -> IntArray:
     """The 6-intersection matrix of a body with all that it passes on its way up, and another body.
 
@@ -81,7 +84,8 @@ def swept_matrix(swept: FloatArray, other: FloatArray) -> IntArray:
     """
     low, high = bounds(swept)
     cells = np.floor((other[:, :2] - low[:2]) / SWEEP_CELL).astype(np.int64)
-    least, most = cells.min(axis=0).clip(0), cells.max(axis=0)  # of a room only what the other is in
+    least, most = bounds(cells)
+    least = least.clip(0)  # of a room only what the other is in
     size = np.minimum(np.ceil((high[:2] - low[:2]) / SWEEP_CELL).astype(np.int64), most) + 1 - least
     if (size <= 0).any():
         return np.array([[0, 0, len(swept)], [0, 0, len(other)]])
@@ -103,7 +107,7 @@ def swept_matrix(swept: FloatArray, other: FloatArray) -> IntArray:
 def _cells(points: FloatArray) -> int:
     """How many cells of a plan view points lie in."""
     cells = np.floor(points[:, :2] / SWEEP_CELL).astype(np.int64)
-    cells -= cells.min(axis=0)
+    cells -= bounds(cells)[0]
     return len(np.unique(cells[:, 0] * (cells[:, 1].max() + 1) + cells[:, 1]))
 
 

@@ -19,6 +19,9 @@ CONE_EDGES = 6
 
 # -- falling
 
+ALONE = 0.7
+"""Share of an island up to which what falls is asked about alone: programmes grow with their cube."""
+
 FARTHEST = 0.02
 """Displacement [m] at which a body is followed no further: twice what counts as a move."""
 
@@ -142,6 +145,9 @@ CANCELLED = 0.05
 
 
 # -- sweep
+
+KEPT_PAIRS = 1000
+"""Pairs of bodies of which what was worked out is kept, a kilobyte each."""
 
 LIFT = 0.25
 """Height of the lift [m]: what is higher than this above an object is not met."""

@@ -13,7 +13,7 @@ from functools import cached_property
 import numpy as np
 from scipy.spatial import KDTree
 
-from topple.topology.arrays import BoolArray, FloatArray
+from topple.topology.arrays import BoolArray, FloatArray, lengths
 from topple.topology.image import DepthImage
 from topple.topology.views.tolerances import MARGIN, WIDTH, WITNESSES
 
@@ -29,7 +29,7 @@ class _Rays:
     @staticmethod
     def of(points: FloatArray, centre: FloatArray) -> "_Rays":
         rays = points - centre
-        ranges = np.linalg.norm(rays, axis=1)
+        ranges = lengths(rays)
         return _Rays(centre, KDTree(rays / np.maximum(ranges, 1e-12)[:, None]), ranges)
 
     def past(self, places: FloatArray) -> FloatArray:
@@ -37,7 +37,7 @@ class _Rays:
         if len(self.ranges) < WITNESSES:
             return np.full(len(places), np.nan)
         rays = places - self.centre
-        far = np.linalg.norm(rays, axis=1)
+        far = lengths(rays)
         nearest = self.directions.query(
             rays / np.maximum(far, 1e-12)[:, None], k=WITNESSES, distance_upper_bound=WIDTH
         )

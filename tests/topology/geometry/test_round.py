@@ -5,7 +5,7 @@ import pytest
 
 from topple.topology.arrays import FloatArray
 from topple.topology.bodies.complete import complete_body
-from topple.topology.geometry.round import Cylinder, Spheroid, round_body
+from topple.topology.geometry.round import Cylinder, Spheroid, fits_of, round_body
 from topple.topology.views.free_space import FreeSpace
 
 EYE = np.array([0.6, 0.0, 0.6])
@@ -50,14 +50,14 @@ def _box(size: tuple[float, float, float] = (0.06, 0.04, 0.08)) -> tuple[FloatAr
 
 
 def test_half_a_ball_tells_the_whole() -> None:
-    found = round_body(*_seen(*_ball(0.035)), box_residual=0.01, floor=0.0)
+    found = round_body(fits_of(*_seen(*_ball(0.035))), box_residual=0.01, floor=0.0)
     assert isinstance(found, Spheroid)
     assert found.radius == pytest.approx(0.035, abs=0.002)
     assert found.centre == pytest.approx([0.0, 0.0, 0.035], abs=0.002)
 
 
 def test_a_lemon_is_longer_than_thick() -> None:
-    found = round_body(*_seen(*_ball(0.03, stretch=1.45)), box_residual=0.01, floor=0.0)
+    found = round_body(fits_of(*_seen(*_ball(0.03, stretch=1.45))), box_residual=0.01, floor=0.0)
     assert isinstance(found, Spheroid)
     assert found.stretch > 1.0
     assert abs(found.axis[1]) > 0.95
@@ -65,7 +65,7 @@ def test_a_lemon_is_longer_than_thick() -> None:
 
 
 def test_a_can_that_lies_is_as_thick_as_wide() -> None:
-    found = round_body(*_seen(*_lying_can()), box_residual=0.01, floor=0.0)
+    found = round_body(fits_of(*_seen(*_lying_can())), box_residual=0.01, floor=0.0)
     assert isinstance(found, Cylinder)
     assert abs(found.axis[1]) > 0.98
     assert found.radius == pytest.approx(0.033, abs=0.003)
@@ -73,15 +73,17 @@ def test_a_can_that_lies_is_as_thick_as_wide() -> None:
 
 
 def test_a_box_stays_a_box() -> None:
-    assert round_body(*_seen(*_box()), box_residual=0.001, floor=0.0) is None
+    assert round_body(fits_of(*_seen(*_box())), box_residual=0.001, floor=0.0) is None
 
 
 def test_a_dome_is_no_ball() -> None:
     points, outward = _seen(*_ball(0.07))
     above = points[:, 2] > 0.07  # a bowl upside down: the upper half of a ball, on the ground
     assert np.count_nonzero(above) > 200
-    assert isinstance(round_body(points, outward, box_residual=0.02, floor=0.0), Spheroid), "the whole is one"
-    found = round_body(points[above], outward[above], box_residual=0.02, floor=0.07)
+    assert isinstance(round_body(fits_of(points, outward), box_residual=0.02, floor=0.0), Spheroid), (
+        "the whole is one"
+    )
+    found = round_body(fits_of(points[above], outward[above]), box_residual=0.02, floor=0.07)
     assert not isinstance(found, Spheroid)
 
 
