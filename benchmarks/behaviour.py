@@ -9,7 +9,7 @@ import json
 from collections.abc import Mapping, Sequence
 from typing import Any
 
-BEHAVIOUR = 7
+BEHAVIOUR = 8
 """Version of what topple does. Raise it by one with every change that is meant and that `topple bench frozen`
 reports, then run `topple bench frozen --data DIR --write`. Results in the journals of benches count as long
 as it stays the same."""

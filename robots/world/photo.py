@@ -180,7 +180,7 @@ def _shadow(
     limit = seen[:, 2] - np.float32(LIFTED + 0.35 * edge)
     first = np.arange(len(points), dtype=np.float32) * np.float32(GOLDEN * GOLDEN)  # else edges show as rings
     toward = np.stack([np.cos(first), np.sin(first)], axis=1) * (np.float32(edge) * scale)[:, None]
-    across = toward[:, ::-1] * np.float32([-1.0, 1.0])
+    across = toward[:, ::-1] * np.array([-1.0, 1.0], dtype=np.float32)
     hidden = np.zeros(len(points), dtype=np.float32)
     for k in range(SAMPLES):
         turn, radius = GOLDEN * k, np.sqrt((k + 0.5) / SAMPLES)
