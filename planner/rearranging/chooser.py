@@ -6,14 +6,16 @@ from dataclasses import replace
 import numpy as np
 
 from topple.planner.decide.arrange import Order
-from topple.planner.decide.goal import Goal
+from topple.planner.decide.goal import Goal, Place, holds
 from topple.planner.errors import NoSafePlan
 from topple.planner.failure import Check, FailedCheck, TransferFailure
 from topple.planner.fallbacks import Fallback
 from topple.planner.placement.lowered import lowered
 from topple.planner.placement.placement import Placement
 from topple.planner.placement.resting import about
+from topple.planner.planning.next_step import StepChooser
 from topple.planner.planning.step import Action, Context, NextStep
+from topple.planner.planning.tolerances import CHOICE
 from topple.planner.planning.transfers import Transfers
 from topple.planner.rearranging.arrangement import Arrangement
 from topple.planner.rearranging.moves import Moves, contracted, fewest_moves
@@ -65,7 +67,8 @@ class MoveChooser:
 
     def unmet(self) -> tuple[str, ...]:
         """What is not where it shall be, and what is not in or on what it shall be, in words."""
-        far = tuple(f"{name} is {_off(self._fits[name])}" for name in self._moving)
+        told = (name for name in self._moving if name not in self._arrangement.anyhow)
+        far = tuple(f"{name} is {_off(self._fits[name])}" for name in told)
         return (
             *self._lost(),
             *far,
@@ -106,6 +109,9 @@ class MoveChooser:
         last = next((action for other, action in reversed(self._context.done) if other == name), None)
         if last is not None and not self._context.observed:
             return last == Action.PLACE
+        place = self._arrangement.anyhow.get(name)
+        if place is not None:
+            return holds(place, self._situation.relations, self._situation.supports)
         return self._fits[name].stays
 
     def _needed(self, taken: Order) -> Precedences:
@@ -135,6 +141,8 @@ class MoveChooser:
 
     def _to_goal(self, name: str) -> Transfer | TransferFailure:
         """An object to where it shall be, however round things are turned there."""
+        if name in self._arrangement.anyhow:
+            return self._into(self._arrangement.anyhow[name])
         pose, up = self._fits[name].pose, self._situation.up
         place = lowered(name, self._situation, pose)
         raised = 0.0 if place is None else float(up @ (place.pose_at_rest(up) - pose)[:3, 3])
@@ -145,6 +153,16 @@ class MoveChooser:
             failed = FailedCheck(SegmentKind.PLACE, Check.ROOM, text)
             return TransferFailure(name, {text: 1}, next(iter(barring), None), failed, barring)
         return self._transfers.to(name, self._turned(name, place))
+
+    def _into(self, place: Place) -> Transfer | TransferFailure:
+        """An object to a spot in what it shall lie in: best where it pushes nothing that lies there."""
+        name, contents = place.object, self._transfers.inside(place.where)
+        every, gentle, kept = StepChooser(self._situation, self._goal, self._context).spots(place, CHOICE)
+        spots = gentle if set(contents) - {name} else gentle or kept or every
+        if not spots:
+            text = f"{name} would not stay {place.how} {place.where}"
+            return TransferFailure(name, {text: 1}, None, FailedCheck(SegmentKind.PLACE, Check.ROOM, text))
+        return self._transfers.to(name, spots)
 
     def _turned(self, name: str, place: Placement) -> list[Placement]:
         """A placement, and those that look the same as the object is turned onto itself."""

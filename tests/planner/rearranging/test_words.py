@@ -4,9 +4,9 @@ import numpy as np
 import pytest
 from on_table import on_table
 
-from topple.planner import NoSafePlan
+from topple.planner import NoSafePlan, rearrange
 from topple.planner.rearranging.words import described, is_words
-from topple.robots.shapes import bowl, box, can, lemon, spoon
+from topple.robots.shapes import bowl, box, can, lemon, plate, spoon
 from topple.topology import InvalidInput, Scene, UnknownObject
 from topple.topology.arrays import FloatArray
 from topple.topology.situation import Situation
@@ -75,6 +75,35 @@ def test_a_tower_in_words_stands_on_what_stays() -> None:
 def test_words_that_describe_nothing_are_refused(words: str, error: type[Exception], told: str) -> None:
     with pytest.raises(error, match=told):
         goal(words)
+
+
+def test_of_what_shall_be_within_it_counts_that_it_is_there() -> None:
+    arrangement = described("lemon within bowl, spoon left of bowl", Situation(SCENE))
+    assert set(arrangement.anyhow) == {"lemon"}
+    told = arrangement.goal(SCENE)
+    assert "lemon" not in told.poses and "spoon" in told.poses
+    assert "lemon within bowl" in told.text
+    turned = arrangement.in_frame(np.diag([-1.0, -1.0, 1.0, 1.0]), np.array([0.0, 0.0, 1.0]))
+    assert turned.anyhow == arrangement.anyhow
+
+
+@pytest.mark.slow
+def test_a_hand_that_does_not_fit_around_it_puts_it_elsewhere_in_the_bowl() -> None:
+    table = (
+        (plate("plate"), (0.2, -0.15, 0.0)),
+        (bowl("bowl"), (0.0, 0.0, 0.0)),
+        (lemon("lemon"), (0.2, 0.12, 0.0)),
+        (spoon("spoon"), (-0.1, -0.25, 0.0)),
+    )
+    scene = on_table(*table)
+    words = "plate on table, bowl on plate, lemon within bowl, spoon left of plate"
+    plan = rearrange(scene, words, "panda-suction")
+    assert [(step.action, step.object) for step in plan.steps] == [
+        ("place", "bowl"),
+        ("place", "lemon"),
+        ("place", "spoon"),
+    ]
+    assert plan.verify(scene).ok
 
 
 def test_a_path_is_no_words() -> None:
