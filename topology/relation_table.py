@@ -356,14 +356,22 @@ class RelationTable:
         """Hash the names."""
         return hash(self.objects)
 
-    def to_json(self) -> dict[str, Any]:
-        """The relations as plain JSON data: format "topple.relations", version 1."""
+    def to_json(self, *, far: bool = True) -> dict[str, Any]:
+        """The relations as plain JSON data: format "topple.relations", version 1.
+
+        Args:
+            far: Whether pairs out of each other's reach are listed, which are disjoint: they grow with the
+                square of the objects. Where they are not, `far_pairs_left_out` says how many there are.
+        """
+        pairs = self.pairs if far else tuple(self._pair(*key) for key in sorted(self.near))
+        count = len(self.objects)
         return {
             "format": FORMAT,
             "format_version": FORMAT_VERSION,
             "deviation": self.deviation,
             "objects": list(self.objects),
-            "relations": [pair.to_json() for pair in self.pairs],
+            "relations": [pair.to_json() for pair in pairs],
+            **({} if far else {"far_pairs_left_out": count * (count - 1) // 2 - len(pairs)}),
         }
 
     def _position(self, name: str) -> int:

@@ -12,6 +12,9 @@ from topple.planner.cli.options import Reading, rule_of, scene_paths
 from topple.planner.cli.progress import Progress
 from topple.planner.cli.tables import print_assumptions, print_relations
 
+WHOLE = 200
+"""Objects up to which every pair is listed: 19,900 pairs, 6 MB of JSON."""
+
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Add the options; see `topple.planner.cli.main`."""
@@ -30,6 +33,11 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         action="store_true",
         help="the paper's rule to the letter of its Table 1 (deviation 0.002 unless given)",
     )
+    parser.add_argument(
+        "--all-pairs",
+        action="store_true",
+        help=f"list pairs that are far apart as well where there are more than {WHOLE} objects",
+    )
 
 
 def execute(args: argparse.Namespace) -> int:
@@ -41,18 +49,19 @@ def execute(args: argparse.Namespace) -> int:
     options = {
         "deviation": args.deviation, "plain": args.plain, "most_objects": args.max_objects, "rule": args.rule
     }  # fmt: skip
-    work = partial(_document, Reading.of(args), options)
+    work = partial(_document, Reading.of(args), options, args.all_pairs)
     with kept_in(args, lambda answer: DONE) as kept, Progress("relate") as progress:
         return for_each_scene(args, work, partial(_show, args.json, kept), progress, kept=kept)
 
 
-def _document(reading: Reading, options: dict[str, Any], path: str) -> dict[str, Any]:
+def _document(reading: Reading, options: dict[str, Any], all_pairs: bool, path: str) -> dict[str, Any]:
     """The relations of a scene file, and what was assumed."""
     from topple.topology.relations import relate
 
     scene = reading.scene(path)
     relations = relate(scene, **options)
-    return {**relations.to_json(), "assumptions": list(scene.assumptions)}
+    told = relations.to_json(far=all_pairs or len(scene.names) <= WHOLE)
+    return {**told, "assumptions": list(scene.assumptions)}
 
 
 def _show(as_json: bool, kept: Kept | None, path: str, document: dict[str, Any]) -> int:

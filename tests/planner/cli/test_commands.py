@@ -292,3 +292,26 @@ def test_interrupting_is_code_130(
     monkeypatch.setattr("topple.topology.io.load_scene", interrupted)
     assert main(["relate", str(stack)]) == 130
     assert capsys.readouterr().err.endswith("topple: interrupted\n")
+
+
+def test_of_many_objects_only_pairs_that_are_not_far_are_listed(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    places = [(k % 15, k // 15) for k in range(201)]
+    clouds = {
+        f"box {k}": _surface((0.2 * x, 0.2 * y, 0), (0.2 * x + 0.05, 0.2 * y + 0.05, 0.05), 60)
+        for k, (x, y) in enumerate(places)
+    }
+    clouds["on box 0"] = _surface((0, 0, 0.05), (0.05, 0.05, 0.1), 60)
+    np.savez(tmp_path / "many.npz", **clouds)  # pyright: ignore[reportArgumentType]
+    command = ["relate", str(tmp_path / "many.npz"), "--plain", "--json"]
+    assert main(command) == 0
+    few = json.loads(capsys.readouterr().out)
+    assert main([*command, "--all-pairs"]) == 0
+    every = json.loads(capsys.readouterr().out)
+    assert len(every["relations"]) == 202 * 201 // 2 and "far_pairs_left_out" not in every
+    assert few["far_pairs_left_out"] == len(every["relations"]) - len(few["relations"]) > 19_000
+    listed = {(pair["a"], pair["b"]) for pair in few["relations"]}
+    assert ("box 0", "on box 0") in listed
+    left = [pair for pair in every["relations"] if (pair["a"], pair["b"]) not in listed]
+    assert {pair["relation"] for pair in left} == {"disjoint"}
