@@ -13,7 +13,8 @@ bar in x compares the two. Without it these bars are not judged.
 - How long the arm waits for a decision once it has done something, from the pictures to its next motion,
   where the next step is chosen while it acts and where it is not; for the first it waits in any case.
 - A brick wall of whole noisy surfaces, every brick across two others: one island of contacts. Stacks of four,
-  far from each other: how the time grows with their number (2 is quadratic).
+  far from each other: how the time grows with their number (2 is quadratic), and how large their relations are
+  as JSON without pairs that are far.
 - Relations of many recorded scenes by two workers, processes and those of a dask cluster where there is dask,
   against one after the other; the workers have done a scene each before.
 
@@ -120,6 +121,8 @@ def rows(
         found.append(wall_row(bricks, seconds, seed))
     progress(f"stacks of four: {', '.join(map(str, extent.stacks))} objects")
     found.append(stacks_row(extent.stacks, seed))
+    progress(f"relations JSON of {extent.stacks[-1]} objects")
+    found.append(json_row(extent.stacks[-1], seed))
     return [row.to_json() for row in found]
 
 
@@ -351,6 +354,14 @@ def stacks_row(counts: Sequence[int], seed: int) -> Row:
     others = ", ".join(map(str, counts[1:]))
     what = f"order of stacks of four, {others} objects against {counts[0]}: exponent ({taken} s)"
     return Row(what, exponent(counts, times), "", bar="<= 1.2")
+
+
+def json_row(count: int, seed: int) -> Row:
+    """How large the relations of so many objects are as JSON, against every pair of them."""
+    found = relate(stacks_of_four(count, seed))
+    some, every = (len(json.dumps(found.to_json(far=far))) / 1e3 / count for far in (False, True))
+    what = f"relations JSON of {count} objects in stacks of four without far pairs, for each object"
+    return Row(what, some, "kB", "every pair", every, some / every, "<= 3")
 
 
 def _ordered(scene: Scene) -> float:

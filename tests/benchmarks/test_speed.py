@@ -32,6 +32,9 @@ def test_rows_say_against_what_and_how_far(tmp_path: Path) -> None:
     grows = speed.stacks_row((8, 16), 0)
     assert grows.bar == "<= 1.2"
     assert "16 objects against 8" in grows.what
+    small, large = speed.json_row(8, 0), speed.json_row(40, 0)
+    assert small.value == pytest.approx(large.value, rel=0.3)  # for each object, however many there are
+    assert large.baseline_value is not None and large.value < 0.6 * large.baseline_value
     alone = Trees(tmp_path, None).row("a figure", 2.0, None, ">= 2x")
     assert (alone.bar, alone.ok) == (None, None)
 
