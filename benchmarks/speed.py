@@ -13,8 +13,8 @@ bar in x compares the two. Without it these bars are not judged.
 - How long the arm waits for a decision once it has done something, from the pictures to its next motion,
   where the next step is chosen while it acts and where it is not; for the first it waits in any case.
 - A brick wall of whole noisy surfaces, every brick across two others: one island of contacts. Stacks of four,
-  far from each other: how the time grows with their number (2 is quadratic), and how large their relations are
-  as JSON without pairs that are far.
+  far from each other: how the time grows with their number (2 is quadratic), and how large their relations
+  are as JSON without pairs that are far.
 - Relations of many recorded scenes by two workers, processes and those of a dask cluster where there is dask,
   against one after the other; the workers have done a scene each before.
 
