@@ -11,9 +11,7 @@ from topple.planner.cli.many import Kept, for_each_scene, kept_in
 from topple.planner.cli.options import Reading, rule_of, scene_paths
 from topple.planner.cli.progress import Progress
 from topple.planner.cli.tables import print_assumptions, print_relations
-
-WHOLE = 200
-"""Objects up to which every pair is listed: 19,900 pairs, 6 MB of JSON."""
+from topple.planner.tolerances import ALL_PAIRS_UP_TO
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
@@ -36,7 +34,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         "--all-pairs",
         action="store_true",
-        help=f"list pairs that are far apart as well where there are more than {WHOLE} objects",
+        help=f"list pairs that are far apart as well where there are more than {ALL_PAIRS_UP_TO} objects",
     )
 
 
@@ -60,7 +58,7 @@ def _document(reading: Reading, options: dict[str, Any], all_pairs: bool, path: 
 
     scene = reading.scene(path)
     relations = relate(scene, **options)
-    told = relations.to_json(far=all_pairs or len(scene.names) <= WHOLE)
+    told = relations.to_json(far=all_pairs or len(scene.names) <= ALL_PAIRS_UP_TO)
     return {**told, "assumptions": list(scene.assumptions)}
 
 

@@ -37,8 +37,6 @@ AWAY = 2.0
 """Distance of a lamp [m]; its view is nearly parallel."""
 MAP = 700
 """Width of a lamp's picture [px]: a millimetre a pixel."""
-MARGIN = 1
-"""Of nothing, around that picture [px]."""
 SAMPLES = 14
 """Places that are asked of a lamp for each pixel, on a spiral over the shadow's edge."""
 GOLDEN = 2.39996
@@ -170,12 +168,12 @@ def _shadow(
         (float(eye[0]), float(eye[1]), float(eye[2])), (float(middle[0]), float(middle[1]), float(middle[2])),
         width=MAP, height=MAP, view=2 * float(np.arctan(reach / AWAY)), noise=Noise.none(),
     )  # fmt: skip
-    nearest = np.full((MAP + 2 * MARGIN,) * 2, np.inf, dtype=np.float32)  # beyond the map nothing hides
     depth = world.rendered(lamp)[0]
-    nearest[MARGIN:-MARGIN, MARGIN:-MARGIN] = np.where(depth > 0, depth, np.inf)
+    # around the map is nothing that hides anything
+    nearest = np.pad(np.where(depth > 0, depth, np.inf).astype(np.float32), 1, constant_values=np.inf)
     seen = transformed(points, inverse(lamp.pose_camera_to_world)).astype(np.float32)
     scale = np.float32(lamp.K[0, 0]) / seen[:, 2]
-    place = seen[:, :2] * scale[:, None] + np.float32(lamp.K[:2, 2] + MARGIN)
+    place = seen[:, :2] * scale[:, None] + np.float32(lamp.K[:2, 2] + 1)
     # a slope rises over the shadow's edge: what is only a little nearer may be the same surface
     limit = seen[:, 2] - np.float32(LIFTED + 0.35 * edge)
     first = np.arange(len(points), dtype=np.float32) * np.float32(GOLDEN * GOLDEN)  # else edges show as rings
