@@ -33,16 +33,16 @@ class Arrangement:
     Args:
         scene: How things shall lie, in the frame of what they lie in now, or the situation it was read as.
         matches: Which thing of it was taken to be which, where its names did not say.
-        anyhow: Things of which it counts what they lie in, not how they lie there.
+        pose_free: Things of which it counts what they lie in, not in which pose.
     """
 
     def __init__(
         self,
         scene: "Scene | Situation",
         matches: tuple[Match, ...] = (),
-        anyhow: Mapping[str, Place] | None = None,
+        pose_free: Mapping[str, Place] | None = None,
     ) -> None:
-        self.situation, self.matches, self.anyhow = Situation.of(scene), matches, dict(anyhow or {})
+        self.situation, self.matches, self.pose_free = Situation.of(scene), matches, dict(pose_free or {})
         self._fits: dict[str, tuple[FloatArray, Registration]] = {}
 
     @staticmethod
@@ -109,7 +109,7 @@ class Arrangement:
 
     def in_frame(self, pose: FloatArray, up: FloatArray) -> "Arrangement":
         """The same in another frame: pose (4, 4) leads there, up (3,) is against gravity there."""
-        return Arrangement(in_frame(self.situation.scene, pose, up), self.matches, self.anyhow)
+        return Arrangement(in_frame(self.situation.scene, pose, up), self.matches, self.pose_free)
 
     def fit(self, name: str, situation: Situation) -> Registration:
         """How an object has to be moved from where it is to where it shall be.
@@ -143,15 +143,15 @@ class Arrangement:
         if not places:
             raise InvalidInput("nothing in the goal is seen to rest on anything: expected an arrangement")
         fits = {name: self.fit(name, start) for name in scene.movable}
-        told = {name: fit for name, fit in fits.items() if name not in self.anyhow}
+        told = {name: fit for name, fit in fits.items() if name not in self.pose_free}
         poses = {name: np.eye(4) if fit.stays else fit.pose for name, fit in told.items()}
         text = ", ".join(f"{place.object} {place.how} {place.where}" for place in places)
         return Goal(text, places=places, poses=poses, assumptions=tuple(map(str, self.matches)))
 
     def _place(self, name: str) -> Place | None:
         """What an object lies in, or rests on, in the goal."""
-        if name in self.anyhow:
-            return self.anyhow[name]
+        if name in self.pose_free:
+            return self.pose_free[name]
         carrying = [each for each in self.situation.supports if each.supported == name]
         between, clouds, up = self.situation.relations.between, self.situation.scene.clouds, self.situation.up
         for each in carrying:

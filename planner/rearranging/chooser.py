@@ -67,7 +67,7 @@ class MoveChooser:
 
     def unmet(self) -> tuple[str, ...]:
         """What is not where it shall be, and what is not in or on what it shall be, in words."""
-        told = (name for name in self._moving if name not in self._arrangement.anyhow)
+        told = (name for name in self._moving if name not in self._arrangement.pose_free)
         far = tuple(f"{name} is {_off(self._fits[name])}" for name in told)
         return (
             *self._lost(),
@@ -109,7 +109,7 @@ class MoveChooser:
         last = next((action for other, action in reversed(self._context.done) if other == name), None)
         if last is not None and not self._context.observed:
             return last == Action.PLACE
-        place = self._arrangement.anyhow.get(name)
+        place = self._arrangement.pose_free.get(name)
         if place is not None:
             return holds(place, self._situation.relations, self._situation.supports)
         return self._fits[name].stays
@@ -141,8 +141,8 @@ class MoveChooser:
 
     def _to_goal(self, name: str) -> Transfer | TransferFailure:
         """An object to where it shall be, however round things are turned there."""
-        if name in self._arrangement.anyhow:
-            return self._into(self._arrangement.anyhow[name])
+        if name in self._arrangement.pose_free:
+            return self._into(self._arrangement.pose_free[name])
         pose, up = self._fits[name].pose, self._situation.up
         place = lowered(name, self._situation, pose)
         raised = 0.0 if place is None else float(up @ (place.pose_at_rest(up) - pose)[:3, 3])

@@ -161,7 +161,7 @@ class _Laying:
                 there = self._there((), but=name)
                 self._poses[name] = self._held(name, there, placements(name, there, limit=CHOICE))
         inside = [c for c in clauses if isinstance(c, Place) and c.how is PlaceRelation.WITHIN]
-        return Arrangement(self._there(()).scene, anyhow={place.object: place for place in inside})
+        return Arrangement(self._there(()).scene, pose_free={place.object: place for place in inside})
 
     def _there(self, waiting: Sequence[str], but: str | None = None) -> Situation:
         """Things where they shall be, without those that have no place yet; one of them where it is now."""
