@@ -30,7 +30,7 @@ import time
 from collections.abc import Callable, Generator, Sequence
 from concurrent.futures import Executor
 from contextlib import AbstractContextManager, ExitStack, contextmanager, suppress
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import partial
 from pathlib import Path
 from statistics import median
@@ -116,9 +116,9 @@ def rows(
             found += many_rows(sorted(data.rglob("*.npz"))[:MANY], progress)
         if extent.whole:
             found += _whole(trees, extent.repeats, seed, progress)
-    for bricks, seconds in extent.walls:
-        progress(f"a wall of {bricks} bricks")
-        found.append(wall_row(bricks, seconds, seed))
+        for bricks, seconds in extent.walls:
+            progress(f"a wall of {bricks} bricks")
+            found.append(wall_row(trees, bricks, seconds, seed))
     progress(f"stacks of four: {', '.join(map(str, extent.stacks))} objects")
     found.append(stacks_row(extent.stacks, seed))
     progress(f"relations JSON of {extent.stacks[-1]} objects")
@@ -304,10 +304,8 @@ def _whole(trees: Trees, repeats: int, seed: int, progress: Progress) -> list[Ro
     found.append(trees.row(what, ours, median(old) if old else None, ">= 2.5x"))
     found += waiting_rows(trees, range(seed, seed + repeats), progress)
     progress("topple demo")
-    begun = time.perf_counter()
-    command = [sys.executable, "-m", "topple.planner.cli.main", "demo", "--json"]
-    subprocess.run(command, cwd=trees.scratch, capture_output=True, check=True)
-    return [*found, Row("topple demo, wall", time.perf_counter() - begun, "s")]
+    ours, theirs = trees.measure("demo", {"folder": str(trees.scratch)}, 1)
+    return [*found, trees.row("topple demo, wall", ours[0], None if theirs is None else theirs[0], ">= 2x")]
 
 
 def waiting_rows(trees: Trees, seeds: Sequence[int], progress: Progress) -> list[Row]:
@@ -341,10 +339,18 @@ def waiting_rows(trees: Trees, seeds: Sequence[int], progress: Progress) -> list
     ]
 
 
-def wall_row(bricks: int, seconds: float | None, seed: int) -> Row:
-    """The order of a wall of so many bricks, with its bar [s] where there is one."""
-    bar = None if seconds is None else f"<= {seconds:g}"
-    return Row(f"order of a wall of {bricks} bricks", _ordered(brick_wall(bricks, seed)), "s", bar=bar)
+def wall_row(trees: Trees, bricks: int, seconds: float | None, seed: int) -> Row:
+    """The order of a wall of so many bricks; with its bar [s], and by the older tree, where there is one."""
+    small, wall = (
+        str(written(brick_wall(count, seed), trees.scratch / f"wall_{count}_scene.npz"))
+        for count in (8, bricks)
+    )
+    what, settings = f"order of a wall of {bricks} bricks", {"paths": [small, wall]}
+    if seconds is None:
+        return Row(what, trees.ours("order", settings)[-1], "s")
+    ours, theirs = trees.measure("order", settings, 1)
+    row = trees.row(what, ours[-1], None if theirs is None else theirs[-1], "")
+    return replace(row, bar=f"<= {seconds:g}")
 
 
 def stacks_row(counts: Sequence[int], seed: int) -> Row:

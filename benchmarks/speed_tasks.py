@@ -5,6 +5,7 @@ arguments are used that older trees have as well; where a module has moved since
 """
 
 import json
+import subprocess
 import sys
 import time
 from collections.abc import Callable, Sequence
@@ -93,6 +94,14 @@ def wait(settings: Settings) -> list[float]:
     return [record.seconds, *(step.waited for step in record.steps[1:])]
 
 
+def demo(settings: Settings) -> list[float]:
+    """Wall time of `topple demo` [s], which writes into a folder."""
+    command = [sys.executable, "-m", "topple.planner.cli.main", "demo", "--json"]
+    begun = time.perf_counter()
+    subprocess.run(command, cwd=settings["folder"], capture_output=True, check=True)
+    return [time.perf_counter() - begun]
+
+
 class _Acting:
     """The time that arms and cameras take: their methods are timed, the outermost calls alone."""
 
@@ -151,6 +160,7 @@ TASKS: dict[str, Callable[[Settings], list[float]]] = {
     "plan": plan_scene,
     "think": think,
     "wait": wait,
+    "demo": demo,
 }
 
 

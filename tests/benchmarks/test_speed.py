@@ -65,6 +65,9 @@ def test_another_tree_does_the_same_task_in_a_process_of_its_own(tmp_path: Path)
     assert (row.baseline, row.bar) == (here.name, ">= 2x")
     assert row.ratio == pytest.approx(theirs[0] / ours[0])
     assert np.isfinite(row.value)
+    wall = speed.wall_row(trees, 12, 9.0, 0)
+    assert (wall.baseline, wall.bar, wall.ok) == (here.name, "<= 9", wall.value <= 9)
+    assert speed.wall_row(trees, 10, None, 0).bar is None
 
 
 @pytest.mark.slow
