@@ -14,6 +14,10 @@ BEHAVIOUR = 8
 reports, then run `topple bench frozen --data DIR --write`. Results in the journals of benches count as long
 as it stays the same."""
 
+PLAYS_LIKE = frozenset({7})
+"""Earlier versions whose episodes count, too: they went digit for digit as today's wherever both were played.
+Empty it with the next change, unless that is shown again."""
+
 DIGITS = 5
 """Decimals that count: steps of 0.01 mm or 0.01 mrad. What is to be noticed, 0.1 mm, is ten of them and never
 lost; the noise of sums in another order, at most 1e-12, changes one number in ten million."""

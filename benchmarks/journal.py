@@ -5,7 +5,7 @@ from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
-from topple.benchmarks.behaviour import BEHAVIOUR
+from topple.benchmarks.behaviour import BEHAVIOUR, PLAYS_LIKE
 from topple.benchmarks.episodes import FORMAT, Ending
 from topple.planner.json_lines import JsonLines
 from topple.topology.errors import InvalidInput
@@ -15,7 +15,7 @@ START = json.dumps({"format": FORMAT})[:-1]
 
 
 class Journal(JsonLines):
-    """Endings of episodes; each tells which version of behaviour it is of, and only today's count.
+    """Endings of episodes; each tells which version of behaviour it is of: today's, or one like it, counts.
 
     Args:
         path: The file; see `JsonLines`.
@@ -36,7 +36,7 @@ class Journal(JsonLines):
     def _take(self, entry: Any) -> None:
         if not isinstance(entry, dict) or entry.get("format") != FORMAT:
             raise InvalidInput(f"it is no result, expected {START}, ...}}")
-        if entry.get("behaviour") != BEHAVIOUR:
+        if entry.get("behaviour") not in {BEHAVIOUR, *PLAYS_LIKE}:
             self.stale += 1
             return
         Ending.from_json(entry)

@@ -6,14 +6,15 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from topple.benchmarks.behaviour import BEHAVIOUR
+from topple import benchmarks
+from topple.benchmarks.behaviour import BEHAVIOUR, PLAYS_LIKE
 from topple.benchmarks.episodes import Ending, Episode, play
 from topple.benchmarks.frames import frames_in, wanted_of
 from topple.benchmarks.journal import Journal
 from topple.benchmarks.recorded import Frame
 from topple.benchmarks.row import Row
 from topple.benchmarks.rules import RULES, order_by
-from topple.benchmarks.run import QUICK, Series, endurance, fallback_rows, figures, rows
+from topple.benchmarks.run import QUICK, Series, collected, endurance, fallback_rows, figures, rows
 from topple.planner.decide.beliefs import Beliefs
 from topple.topology.errors import InvalidInput
 from topple.topology.scene import Scene
@@ -75,7 +76,7 @@ def test_a_line_that_was_cut_off_is_left_out_and_the_next_is_whole(tmp_path: Pat
     assert [entry["episode"]["seed"] for entry in Journal(path).entries] == [0, 1]
 
 
-@pytest.mark.parametrize("version", [{}, {"behaviour": BEHAVIOUR - 1}, {"behaviour": BEHAVIOUR + 1}])
+@pytest.mark.parametrize("version", [{}, {"behaviour": 1}, {"behaviour": BEHAVIOUR + 1}])
 def test_results_of_another_behaviour_do_not_count(version: dict[str, int], tmp_path: Path) -> None:
     path = tmp_path / "endings.jsonl"
     path.write_text(json.dumps({**Ending(Episode("pile", 3), "success").to_json(), **version}) + "\n")
@@ -83,6 +84,31 @@ def test_results_of_another_behaviour_do_not_count(version: dict[str, int], tmp_
         assert (book.entries, book.stale) == ([], 1)
         book.add(Ending(Episode("pile", 4), "success").to_json())
     assert [entry["behaviour"] for entry in Journal(path).entries] == [BEHAVIOUR]
+
+
+def test_what_counts_as_played_like_today_was_played_alike() -> None:
+    went: dict[Episode, dict[int, tuple[object, ...]]] = {}
+    for line in (Path(benchmarks.__file__).parent / "played.jsonl").read_text().splitlines():
+        entry = json.loads(line)
+        if entry["behaviour"] in {BEHAVIOUR, *PLAYS_LIKE}:
+            end = Ending.from_json(entry)
+            told = (end.ending, end.violations, end.steps, end.robot_seconds, end.used)
+            went.setdefault(end.episode, {})[entry["behaviour"]] = told
+    for version in PLAYS_LIKE:
+        both = [some for some in went.values() if {version, BEHAVIOUR} <= some.keys()]
+        assert len(both) >= 12
+        assert all(some[version] == some[BEHAVIOUR] for some in both)
+
+
+def test_an_episode_is_kept_with_its_folders_as_they_were_given(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    (tmp_path / "empty").mkdir()
+    monkeypatch.chdir(tmp_path)
+    frame = Episode("none", 0, folder="empty")  # no such frame: the episode crashes
+    found = collected([frame], lambda text: None, tmp_path / "endings.jsonl")
+    assert list(found) == [frame]
+    assert [entry["episode"]["folder"] for entry in Journal(tmp_path / "endings.jsonl").entries] == ["empty"]
 
 
 @pytest.mark.parametrize(

@@ -126,7 +126,7 @@ def test_machines_are_told_apart_without_their_names() -> None:
 
 @pytest.mark.slow
 def test_order_runs_on_one_small_pile(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(order, "QUICK", order.Extent(1, views=(0,)))
+    monkeypatch.setattr(order, "QUICK", order.Extent(1, views=(0,), scenes=1))
     monkeypatch.setattr(order, "FIRST_PILE", 502)
     document = bench("order", quick=True)
     assert all(set(row) - {"interval"} == KEYS for row in document["rows"])
