@@ -51,12 +51,12 @@ def printed_by(text: str, folder: Path, language: str = "sh") -> set[str]:
     return {line.rstrip() for line in done.stdout.splitlines()}
 
 
-def test_eight_arms_have_their_command_each_from_the_file_that_the_table_names() -> None:
+def test_ten_arms_have_their_command_each_from_the_file_that_the_table_names() -> None:
     from topple.benchmarks.arms import SHIPPED
 
     typed = commands(ARMS)[2:]
     files = {f"packages/{shipped.urdf}" for shipped in SHIPPED}
-    assert len(typed) == len({command.split()[7] for command in typed}) == 8
+    assert len(typed) == len({command.split()[7] for command in typed}) == 10
     assert {command.split()[7] for command in typed} <= files
     assert all("--verify" in command for command in typed)
 
