@@ -10,16 +10,13 @@ import numpy as np
 from topple.planner.execution.associate import associated, middle, seen_through
 from topple.planner.execution.frames import Eye, Frames
 from topple.planner.execution.masks import misnamed, renamed
-from topple.planner.execution.tolerances import COARSE, FINE, GONE, MOVED, POST, THERE
+from topple.planner.execution.tolerances import COARSE, FINE, GONE, MOVED, THERE
 from topple.planner.formats.pictures import picture
-from topple.robots.poses import inverse
-from topple.robots.world.body_clouds import Piece
 from topple.robots.world.physical_world import PhysicalWorld
-from topple.topology.arrays import BoolArray, FloatArray
+from topple.topology.arrays import FloatArray
 from topple.topology.bodies.solids import up_of
 from topple.topology.bodies.tops import tops_of
 from topple.topology.cloud import clean
-from topple.topology.geometry.rigid import transformed
 from topple.topology.geometry.thin import thinned
 from topple.topology.image import DepthImage
 from topple.topology.photo import Photo
@@ -40,7 +37,6 @@ class Look:
         situation: What is seen, and what was seen before and may be hidden now, and what was read of it.
         picture: PNG bytes of the first camera's view, or None.
         photo: The same taken for people, where that was asked for.
-        assumed: Name -> (N,) which points of its cloud are of posts that hold up a rebuilt body, likewise.
         taken: When its pictures were there [s], by `time.perf_counter`.
         surprises: What was not as expected, by name, in sentences: newly seen, moved, hidden or gone.
         faults: What was wrong with cameras and masks and was put right or left out, in sentences.
@@ -52,7 +48,6 @@ class Look:
     surprises: Mapping[str, str] = field(default_factory=dict[str, str])
     faults: tuple[str, ...] = ()
     photo: Photo | None = None
-    assumed: Mapping[str, BoolArray] = field(default_factory=dict[str, BoolArray])
     taken: float = field(default_factory=time.perf_counter)
 
     @property
@@ -146,8 +141,7 @@ class Observer:
         self._last = scene
         relations = None if self.relate is None else self.relate(scene)
         shown = _seen(images[0]) if photo is None else picture(photo.rgb)
-        assumed = {} if photo is None else posts_in(self.world, scene)
-        return Look(images, Situation(scene, relations), shown, surprises, faults, photo, assumed, taken)
+        return Look(images, Situation(scene, relations), shown, surprises, faults, photo, taken)
 
     def _scene(self, images: Sequence[DepthImage]) -> Scene:
         fixed = [name for name in self.fixed if any(name in image.names.values() for image in images)]
@@ -248,21 +242,6 @@ def unexpected(predicted: Relations, observed: Relations) -> list[str]:
         if apart != (now.relation is Relation.DISJOINT) and pair.observed and now.observed:
             found.append(f"{pair.a} and {pair.b}: {pair.relation} expected, {now.relation} seen")
     return found
-
-
-def posts_in(world: PhysicalWorld, scene: Scene) -> dict[str, BoolArray]:
-    """Which points of clouds are of posts under rebuilt bodies: name -> (N,), of those that have any."""
-    found: dict[str, BoolArray] = {}
-    for name in set(scene.movable) & set(world.names):
-        body = world.body(name)
-        if body.posts:
-            to_body = inverse(world.pose(name))
-            points = transformed(scene.clouds[name], to_body)
-            planes = [Piece(part, np.empty((0, 3))).planes for part in body.parts]
-            away = np.stack([(points @ each[:, :3].T + each[:, 3]).max(axis=1) for each in planes])
-            posts = np.isin(np.arange(len(body.parts)), body.posts)
-            found[name] = np.asarray(away[posts].min(axis=0) < away[~posts].min(axis=0) - POST)
-    return {name: points for name, points in found.items() if points.any()}
 
 
 def _seen(image: DepthImage) -> bytes | None:

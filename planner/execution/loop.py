@@ -168,7 +168,7 @@ class ClosedLoop:
         rng = np.random.default_rng(seed)
         perception = Observer(
             world, cameras, rng, fixed, up, masses or {}, friction or {}, shuffle_labels, relate,
-            partial(photograph, world, cameras[0], robot) if photos else None,
+            partial(photograph, world, cameras[0]) if photos else None,
         )  # fmt: skip
         wrist = WristCamera(robot, cameras[0], rng) if wrist_camera else None
         return cls(
@@ -252,7 +252,6 @@ class ClosedLoop:
             notes=(*goal.assumptions, *(f"at the first look, {text}" for text in first.faults)),
             stopped=stopped,
             arm_parts=self.robot.arm.parts,
-            assumed=look.assumed,
         )
 
     def _looked_closer(
@@ -327,7 +326,6 @@ class ClosedLoop:
             picture_before=look.picture,
             picture_after=seen.picture,
             photo=look.photo,
-            assumed=look.assumed,
             scene=look.scene,
             relations=look.relations.to_json(),
             order=chosen.order.to_json(),

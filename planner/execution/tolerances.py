@@ -211,9 +211,6 @@ TRIAL_BESIDE = 0.1
 TRIAL_OVER = 0.12
 """[m] above the block that the hand gets to as well: it comes from there, and lifts the block there."""
 
-POST = 0.002
-"""A point this much nearer to a post [m] than to the body that the post holds up is the post's."""
-
 TRIAL_TURNS = 8
 """Turns of the hand about the vertical that are tried."""
 

@@ -5,7 +5,7 @@ from dataclasses import dataclass, field
 from typing import Any
 
 from topple.planner.formats.arm_motion import ArmMotion
-from topple.topology.arrays import BoolArray, FloatArray
+from topple.topology.arrays import FloatArray
 from topple.topology.notebook import in_cell
 from topple.topology.photo import Photo
 from topple.topology.scene import Scene
@@ -45,8 +45,6 @@ class StepRecord(ByValue):
         observed: `topple.relations` document of what was seen after the action, or None.
         tool_path: (k, 3) path of the tool centre point during the action [m, the scene's frame], or None.
         motion: How the arm moved, as planned, or None.
-        assumed: Name -> (N,) which points of its cloud are of posts that hold up a rebuilt body: they are
-            assumed, and not drawn.
         forces: Largest contact force of the robot on an object not handled: name -> [N].
         impulses: What that contact amounted to over time: name -> [N s].
         tilts: How far the others were tipped, turns about the vertical left out: name -> [rad].
@@ -77,7 +75,6 @@ class StepRecord(ByValue):
     observed: Document | None = None
     tool_path: FloatArray | None = None
     motion: ArmMotion | None = None
-    assumed: Mapping[str, BoolArray] = field(default_factory=dict[str, BoolArray])
     forces: Mapping[str, float] = field(default_factory=dict[str, float])
     impulses: Mapping[str, float] = field(default_factory=dict[str, float])
     tilts: Mapping[str, float] = field(default_factory=dict[str, float])
@@ -132,7 +129,6 @@ class RunRecord(ByValue):
         notes: What a reader should know besides: where the base stands, what was assumed.
         arm_parts: Per link of the arm, in the order of the motions' poses, the (V, 3) vertices of its convex
             parts in the link frame [m]; empty where nobody knows.
-        assumed: Of the scene at the end, as in a step.
         stopped: Why no more was done though the goal was not reached: "no plan", "budget", "blind" (nothing
             could be seen any more), "arm" (its hand does not let go, or it is not where it should be) or
             "interrupted" (by somebody); else empty.
@@ -151,7 +147,6 @@ class RunRecord(ByValue):
     notes: tuple[str, ...] = ()
     stopped: str = ""
     arm_parts: tuple[tuple[FloatArray, ...], ...] = ()
-    assumed: Mapping[str, BoolArray] = field(default_factory=dict[str, BoolArray])
 
     @property
     def interrupted(self) -> bool:

@@ -10,7 +10,7 @@ from scipy.spatial import KDTree
 
 from topple.planner.report.limits import LIMITS
 from topple.planner.report.palette import Colour, css, ink_on, object_colours
-from topple.topology.arrays import BoolArray, FloatArray, IntArray
+from topple.topology.arrays import FloatArray, IntArray
 from topple.topology.bodies.surfaces import whole_surfaces
 from topple.topology.geometry.hull import Hull
 from topple.topology.geometry.normals import patch_planes
@@ -68,15 +68,12 @@ class Drawing:
     eye: FloatArray
 
     @staticmethod
-    def of(
-        scene: Scene, points: int = LIMITS.page_points, assumed: Mapping[str, BoolArray] | None = None
-    ) -> "Drawing":
+    def of(scene: Scene, points: int = LIMITS.page_points) -> "Drawing":
         """Thin a scene's clouds, add what is guessed of their surfaces, and outline their hulls.
 
         Args:
             scene: The scene.
             points: Points that may be drawn in all.
-            assumed: Name -> (N,) points of its cloud that are left out: posts under a rebuilt body.
 
         Returns:
             The drawing; the same scene gives the same drawing.
@@ -86,8 +83,8 @@ class Drawing:
         up = _up(scene)
         whole = whole_surfaces(scene) if scene.up is not None and len(scene.viewpoints) else {}
         objects = tuple(
-            _drawn(name, cloud, completed, colours[name], name in scene.fixed, shares[name], up)
-            for name, (cloud, completed) in _believed(scene, whole, assumed or {}).items()
+            _drawn(name, cloud, whole.get(name), colours[name], name in scene.fixed, shares[name], up)
+            for name, cloud in scene.clouds.items()
         )
         lower, upper = _box(objects)
         centre = (lower + upper) / 2
@@ -110,22 +107,6 @@ def thin_path(path: FloatArray) -> list[list[float]]:
     path = np.asarray(path, dtype=np.float64).reshape(-1, 3)
     kept = np.unique(np.linspace(0, len(path) - 1, min(len(path), LIMITS.path_points)).astype(np.int64))
     return [_rounded(point) for point in path[kept]]
-
-
-def _believed(
-    scene: Scene, whole: Mapping[str, FloatArray], assumed: Mapping[str, BoolArray]
-) -> dict[str, tuple[FloatArray, FloatArray | None]]:
-    """Cloud and completed surface of each object, without posts that were assumed."""
-    found: dict[str, tuple[FloatArray, FloatArray | None]] = {}
-    for name, cloud in scene.clouds.items():
-        completed, posts = whole.get(name), assumed.get(name)
-        if posts is not None and not posts.all():
-            if completed is not None:
-                own, others = (KDTree(some).query(completed)[0] for some in (cloud[~posts], cloud[posts]))
-                completed = completed[np.asarray(own) <= np.asarray(others)]
-            cloud = cloud[~posts]
-        found[name] = cloud, completed
-    return found
 
 
 def _shares(scene: Scene, points: int) -> Mapping[str, int]:

@@ -73,7 +73,7 @@ class _RunPage:
         if step.events:
             html += f"<ul>{''.join(f'<li>{escape(sentence(text))}</li>' for text in step.events)}</ul>"
         html += _facts(step)
-        drawing = None if step.scene is None else Drawing.of(step.scene, self.points, step.assumed)
+        drawing = None if step.scene is None else Drawing.of(step.scene, self.points)
         html += self.picture_pair(step, drawing)
         html += (
             '<div class="columns even"><div>'
@@ -105,7 +105,7 @@ class _RunPage:
             html += (
                 "<h2>Notes</h2><ul>" + "".join(f"<li>{escape(note)}</li>" for note in record.notes) + "</ul>"
             )
-        drawing = None if record.scene is None else Drawing.of(record.scene, self.points, record.assumed)
+        drawing = None if record.scene is None else Drawing.of(record.scene, self.points)
         html += self.seen(drawing, record.scene, record.relations, record.order, None, "Seen at the end")
         return html + "</section>"
 
@@ -160,13 +160,6 @@ class _RunPage:
             path=moved,
             motion=None if shown is None else spans(shown),
         )
-        left_out = sorted((self.record if step is None else step).assumed)
-        if left_out:
-            names = escape(listed(left_out))
-            html += (
-                f'<p class="note">Not drawn: posts under {names}. No camera saw what holds up what stands on '
-                "them, and the rebuilding assumed it.</p>"
-            )
         html += dependency_section(scene, drawing, order) if order is not None else ""
         html += "</div><div>"
         html += "<h2>Order from here</h2>" + order_list(order, index) if order is not None else ""

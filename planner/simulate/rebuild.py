@@ -105,7 +105,6 @@ def rebuild(statics: Statics, jitter: float = 0.0, seed: int = 0) -> Rebuilt:
         parts = [piece.corners - origin for piece in shape]
         rough = upright.friction.get(name, FRICTION)
         body = Body.of(name, parts, mass=masses.get(name), friction=rough, kind="cloud")
-        body = replace(body, posts=tuple(k for k, piece in enumerate(shape) if piece.post))
         bodies[name] = body if fixed else replace(body, centre_of_mass=centres[name] - origin)
         poses[name] = np.eye(4)
         poses[name][:3, 3] = origin

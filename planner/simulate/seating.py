@@ -74,7 +74,7 @@ def _cut(a: Piece, b: Piece) -> tuple[Piece, Piece] | None:
     kept = clipped(a.corners, directions[best], limit), clipped(b.corners, -directions[best], -limit)
     if kept[0] is None or kept[1] is None:
         return None
-    return Piece(kept[0], a.seen, a.post), Piece(kept[1], b.seen, b.post)
+    return Piece(kept[0], a.seen), Piece(kept[1], b.seen)
 
 
 def clipped(corners: FloatArray, normal: FloatArray, limit: float) -> FloatArray | None:
@@ -194,18 +194,24 @@ def seat(
         feet = np.column_stack([under.cells[mine], under.top[mine]])
         shape[int(k)] = shape[int(k)].having(feet)
     for owner in np.unique(under.owner[chosen & ~near]):
-        index = np.flatnonzero(chosen & ~near & (under.owner == owner))
-        # Legs at the outermost places: a hull over all of them would reach into what stands between.
-        for i in np.unique(index[np.argmax(under.cells[index] @ around(8).T, axis=0)]):
-            shape.append(_leg(under.cells[i], float(under.top[i]), float(under.bottom[i])))
+        shape.append(_hidden_below(under, np.flatnonzero(chosen & ~near & (under.owner == owner))))
     carriers = tuple(list(every)[k] for k in np.unique(under.owner[chosen]) if k >= 0)
     return Seat(centre, under.cells[chosen], carriers)
 
 
-def _leg(cell: FloatArray, foot: float, top: float) -> Piece:
-    """A post (one cell across) under a hidden underside [m]."""
-    square = (cell + _CORNERS * (CELL / 2 / np.abs(_CORNERS).max())).repeat(2, axis=0)
-    return Piece(np.column_stack([square, np.tile([foot, top + CELL], 4)]), np.empty((0, 3)), post=True)
+def _hidden_below(under: _Under, index: IntArray) -> Piece:
+    """What nobody saw of a body between its underside and the one below that must carry it there.
+
+    A piece of its own: the hull of the whole body and it would reach into what stands beside. It ends at the
+    outermost of the places: down to all of an uneven top it would stand on a bump in its middle, and rock.
+    """
+    outer = np.unique(index[np.argmax(under.cells[index] @ around(8).T, axis=0)])
+    square = _CORNERS * (CELL / 2 / np.abs(_CORNERS).max())
+    places = (under.cells[outer][:, None] + square).reshape(-1, 2)
+    ends = [
+        np.column_stack([places, np.repeat(z, 4)]) for z in (under.top[outer], under.bottom[outer] + CELL)
+    ]
+    return Piece(hull_of(np.concatenate(ends))[0], np.empty((0, 3)))
 
 
 def _supports(

@@ -36,7 +36,6 @@ class Body:
         mesh: What the camera sees, in the body's frame.
         kind: What it is: plate, spoon, can; "cloud" for an observed thing.
         rolling: Lever of rolling and spinning resistance in [m]: nothing is infinitely hard.
-        posts: Which of the parts only hold it up where nobody saw its underside: not shown to people.
 
     Raises:
         InvalidInput: If it has no part, or no positive mass.
@@ -52,7 +51,6 @@ class Body:
     mesh: Mesh
     kind: str = "thing"
     rolling: float = ROLLING
-    posts: tuple[int, ...] = ()
 
     def __post_init__(self) -> None:
         """Check and make read-only."""
@@ -127,11 +125,6 @@ class Body:
     def colored(self, color: Color) -> "Body":
         """The same body in another colour."""
         return replace(self, color=color)
-
-    def without_posts(self) -> "Body":
-        """The same body as it is shown to people: without what only holds it up."""
-        kept = tuple(part for k, part in enumerate(self.parts) if k not in self.posts)
-        return replace(self, parts=kept, mesh=joined([hull_of(part) for part in kept]), posts=())
 
     def surface(self, count: int, rng: np.random.Generator) -> FloatArray:
         """Points spread evenly over the mesh.

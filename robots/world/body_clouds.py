@@ -33,12 +33,10 @@ class Piece:
     Attributes:
         corners: (V, 3) corners of its hull [m].
         seen: (N, 3) points of it that a camera saw [m]; the rest of it was invented.
-        post: It only holds up what nobody saw the underside of: no part of the thing.
     """
 
     corners: FloatArray
     seen: FloatArray
-    post: bool = False
 
     @cached_property
     def planes(self) -> FloatArray:
@@ -49,7 +47,7 @@ class Piece:
 
     def having(self, points: FloatArray) -> "Piece":
         """The hull of the piece and of further (N, 3) points [m], which nobody saw."""
-        return Piece(hull_of(np.concatenate([self.corners, points]))[0], self.seen, self.post)
+        return Piece(hull_of(np.concatenate([self.corners, points]))[0], self.seen)
 
 
 def solid(points: FloatArray, seen: FloatArray) -> list[Piece]:

@@ -5,13 +5,12 @@ shadows. Both are made of what it gives: pixels are averaged, and what is dark i
 lamps see.
 """
 
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 from scipy.ndimage import gaussian_filter
 
 from topple.robots.poses import inverse
-from topple.robots.world.acting_arm import ActingArm
 from topple.robots.world.camera import Camera, Noise
 from topple.robots.world.physical_world import PhysicalWorld
 from topple.topology.arrays import FloatArray
@@ -19,8 +18,7 @@ from topple.topology.geometry.rigid import transformed
 from topple.topology.photo import Photo
 
 if TYPE_CHECKING:
-    from topple.robots.world.simulated_arm import SimulatedArm
-    from topple.robots.world.world import World
+    pass
 
 SIZE = (800, 600)
 """Width and height [px]: half a page, at two pixels to one of the page on most screens."""
@@ -47,47 +45,16 @@ LIFTED = 0.004
 """How far in front of a surface something must be to darken it [m], a pixel of a lamp on a slope."""
 
 
-def photograph(world: PhysicalWorld, camera: Camera, robot: ActingArm | None = None) -> Photo:
+def photograph(world: PhysicalWorld, camera: Camera) -> Photo:
     """Take a photo of what can be taken in a world.
 
     Args:
-        world: The world. The posts of its bodies are left out, where PyBullet plays it.
+        world: The world.
         camera: Where from; its picture is framed anew.
-        robot: The arm in the world, if any.
 
     Returns:
         The photo, `SIZE` large.
     """
-    if not any(world.body(name).posts for name in world.names):
-        return _photograph(world, camera)
-    from topple.robots.world.simulated_arm import SimulatedArm  # the engine, where there is one
-    from topple.robots.world.world import World
-
-    if not isinstance(world, World):
-        return _photograph(world, camera)
-    with World() as shown:
-        for name in world.names:
-            body = world.body(name)
-            shown.add(
-                body.without_posts() if body.posts else body, world.pose(name), fixed=name in world.fixed
-            )
-        if isinstance(robot, SimulatedArm):
-            _stand_in(robot, shown)
-        return _photograph(shown, camera)
-
-
-def _stand_in(robot: "SimulatedArm", shown: "World") -> None:
-    """Put the same arm into another world."""
-    from topple.robots.engine import pybullet
-    from topple.robots.world.simulated_arm import SimulatedArm
-
-    double = SimulatedArm(shown, robot.arm, robot.pose_base_to_world)
-    for joint in range(pybullet.getNumJoints(robot.id, physicsClientId=robot.world.client)):
-        state: Any = pybullet.getJointState(robot.id, joint, physicsClientId=robot.world.client)
-        pybullet.resetJointState(double.id, joint, state[0], physicsClientId=shown.client)
-
-
-def _photograph(world: PhysicalWorld, camera: Camera) -> Photo:
     corners = _corners(world)
     framed = _framed(camera, corners, FINE)
     depth, body, rgb = world.rendered(framed)

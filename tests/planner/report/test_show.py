@@ -312,16 +312,6 @@ def test_a_stray_point_is_not_drawn(half_seen):
     assert KDTree(drawn.points[: drawn.seen]).query(strays)[0].min() > 0.05
 
 
-def test_posts_that_were_assumed_are_not_drawn(half_seen):
-    cloud = half_seen.clouds["box"]
-    post = np.linspace((0.2, 0, 0), (0.2, 0, 0.05), 200) + np.random.default_rng(0).normal(0, 0.002, (200, 3))
-    scene = half_seen.with_cloud("box", np.concatenate([cloud, post]))
-    assumed = {"box": np.arange(len(cloud) + 200) >= len(cloud)}
-    for left_out, seen in ((None, True), (assumed, False)):
-        drawn = Drawing.of(scene, assumed=left_out).objects[1]
-        assert (KDTree(drawn.points[: drawn.seen]).query([0.2, 0, 0.025])[0] < 0.02) == seen
-
-
 def test_an_object_whose_name_says_a_colour_is_drawn_in_it() -> None:
     names = ("red", "green cube", "Blue", "red_2", "can", "redwood")
     colours = object_colours(names)
