@@ -68,7 +68,8 @@ def scene_from_coco(
     seen = DepthImage(image, np.asarray(K), label, np.asarray(pose, dtype=np.float64), names)
     clouds = {name: cloud for name, cloud in seen.clouds().items() if len(cloud) > 1}
     notes = [f"{name!r} is left out: its mask has no depth" for name in names.values() if name not in clouds]
-    parts = Parts(dict(clouds), list(fixed), up, seen.viewpoint, images=(seen,), background=seen.background())
+    fixed = [fixed] if isinstance(fixed, str) else list(fixed)
+    parts = Parts(dict(clouds), fixed, up, seen.viewpoint, images=(seen,), background=seen.background())
     parts.notes = notes
     return assemble(parts, [], None)
 

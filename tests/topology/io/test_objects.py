@@ -251,3 +251,11 @@ def test_of_two_masks_that_overlap_the_smaller_is_in_front() -> None:
 def test_masks_that_are_none_are_refused(segmentation, words: str) -> None:
     with pytest.raises(InvalidInput, match=words):
         scene_from_coco(boxes()[0], K, [{"segmentation": segmentation}])
+
+
+def test_one_name_alone_may_be_fixed() -> None:
+    told = {"table": table(), "low": block(SIZE / 2), "top": block(1.5 * SIZE)}
+    assert scene_from_objects(told, fixed="table", up=[0, 0, 1]).fixed == {"table"}
+    labels = np.repeat([1, 2], [len(table()), 8])
+    points = np.concatenate([table(), np.asarray(block(SIZE / 2).vertices)])
+    assert scene_from_points(points, labels, names={1: "table"}, fixed="table").fixed == {"table"}
