@@ -23,6 +23,13 @@ TURNING = '<joint name="{}" type="continuous"><parent link="{}"/><child link="{}
             + TURNING.format("k", "c", "b"),
             "links in a loop, not connected to 'a': b, c",
         ),
+        ('<link name="a"/><link name="a"/>', "there are two of link 'a': expected each name once"),
+        (
+            '<link name="a"/><link name="b"/><link name="c"/>'
+            + TURNING.format("j", "a", "b")
+            + TURNING.format("j", "b", "c"),
+            "there are two of joint 'j'",
+        ),
     ],
 )
 def test_it_is_refused(tmp_path: Path, body: str, words: str) -> None:
