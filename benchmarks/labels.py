@@ -103,7 +103,13 @@ def _json(path: Path) -> Truth:
         raise InvalidInput(f"is no object of names: expected {EXPECTED}")
     rows = cast(dict[str, Any], document)
     if "removal_constraints" in rows:
-        return _frame(rows)
+        try:
+            return _frame(rows)
+        except (AttributeError, IndexError, TypeError, ValueError) as error:
+            raise InvalidInput(
+                "is no annotated frame: expected removal_constraints [[first, then], ...], and of those in "
+                'doubt their places, "doubtful": {"removal_constraints": [0, ...]}'
+            ) from error
     if all(isinstance(row, dict) for row in rows.values()):
         return Truth("labels", _checked(rows))
     if all(isinstance(row, list) for row in rows.values()):
@@ -141,8 +147,8 @@ def _regrad(rows: Mapping[str, Any]) -> Truth:
 def _vmrd(path: Path) -> Truth:
     """VMRD: each object with its fathers, which are what it lies on, and its children, by their indices."""
     try:
-        root = ElementTree.fromstring(path.read_text(encoding="utf-8"))
-    except ElementTree.ParseError as error:
+        root = ElementTree.fromstring(path.read_bytes())  # in whatever encoding it declares
+    except (ElementTree.ParseError, LookupError, ValueError) as error:
         raise InvalidInput(f"is not XML: {error}") from error
     kinds: dict[str, str] = {}
     pairs: list[tuple[str, str]] = []
@@ -169,7 +175,7 @@ def _numbers(node: ElementTree.Element, key: str) -> list[str]:
 def _metagraspnet(path: Path) -> Truth:
     """MetaGraspNet: -1 in row i, column j where object j covers object i, 1 where i covers j; from 1 on."""
     try:
-        matrix = np.atleast_2d(np.loadtxt(path, delimiter=","))
+        matrix = np.atleast_2d(np.loadtxt(path, delimiter=",", encoding="utf-8-sig"))
     except ValueError as error:
         raise InvalidInput(f"is no table of numbers: {error}") from error
     if matrix.shape[0] != matrix.shape[1] or not np.isin(matrix, (-1, 0, 1)).all():

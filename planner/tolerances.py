@@ -10,6 +10,9 @@ TURNED = float(np.radians(10.0))
 """[rad] from where on it counts as turned: what a hand does not feel as it lets go, and a spoon on a rim
 survives."""
 
+ALIKE = 1e-6
+"""[m], [rad] or share by which what a plan says of its arm may differ from what is found: last digits."""
+
 STEPS_ROUND = 72
 """Turns about an axis that are looked at: 5 degrees apart, half of what counts as turned."""
 

@@ -123,8 +123,9 @@ def _order_read(path: str) -> "tuple[Guess, tuple[str, ...]]":
     except (OSError, UnicodeDecodeError) as error:
         raise InvalidInput(f"{path}: cannot be read: {error}") from error
     try:
-        if document["format"] != "topple.order":
-            raise InvalidInput(f"{path} is a {document['format']}: expected a topple.order")
+        told = document["format"], document.get("format_version", 1)
+        if told != ("topple.order", 1):
+            raise InvalidInput(f"{path} is a {told[0]} of version {told[1]}: expected a topple.order of 1")
         guess = _guess(document)
     except (KeyError, TypeError, ValueError) as error:
         raise InvalidInput(

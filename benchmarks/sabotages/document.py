@@ -45,3 +45,12 @@ def turn(matrix: list[list[float]], by: float) -> None:
     rotation = np.array(matrix)[:3, :3] @ about_z
     for row in range(3):
         matrix[row][:3] = rotation[row].tolist()
+
+
+def backwards(motion: Document) -> Document:
+    end = motion["times"][-1]
+    return {
+        "times": [end - time for time in reversed(motion["times"])],
+        "positions": motion["positions"][::-1],
+        "velocities": [[-value for value in row] for row in reversed(motion["velocities"])],
+    }

@@ -52,3 +52,24 @@ def something_held_from_the_start(d: Document) -> None:
 def another_tool_grasps(d: Document) -> None:
     part = segments_of(d, "grasp")[0]
     part["tool"] = "suction" if part["tool"] == "fingers" else "fingers"
+
+
+def hand_wider_than_it_opens(d: Document) -> bool:
+    for part in segments_of(d, "approach"):
+        part["hand"]["opening"] = 0.3
+    return has_fingers(d)
+
+
+def pads_that_stop_short(d: Document) -> bool:
+    """A pinch that is called a rim, closed to 18 mm more than the object between the pads is wide."""
+    found = False
+    for step in d["steps"]:
+        grasp = step["grasp"]
+        if grasp["kind"] != "pinch":
+            continue
+        grasp.update(kind="rim", terms={}, width=grasp["width"] + 0.018)
+        for part in step["segments"]:
+            if part["kind"] in ("grasp", "lift", "transfer", "place"):
+                part["hand"]["opening"] = grasp["width"]
+        found = True
+    return found

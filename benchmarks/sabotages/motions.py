@@ -66,3 +66,19 @@ def base_elsewhere(d: Document) -> None:
 
 def a_proof_missing(d: Document) -> None:
     segments_of(d, "lift")[0]["certified"] = False
+
+
+def a_motion_that_begins_late(d: Document) -> None:
+    motion = segments_of(d, "transfer")[0]["motion"]
+    motion["times"] = [time + 100.0 for time in motion["times"]]
+
+
+def velocities_a_third_larger(d: Document) -> None:
+    for part in segments_of(d, "transfer"):
+        part["motion"]["velocities"] = [
+            [1.3 * value for value in row] for row in part["motion"]["velocities"]
+        ]
+
+
+def more_room_than_there_is(d: Document) -> None:
+    segments_of(d, "transfer")[0]["clearance"] = 0.5

@@ -58,3 +58,12 @@ def upright_switched_on(d: Document) -> None:
 
 def upright_in_the_plan_alone(d: Document) -> None:
     d["upright"] = [first_step(d)["object"]]
+
+
+def nothing_is_said_to_wait(d: Document) -> bool:
+    """Its steps are in order, and what it says of that lets another program do them in any."""
+    waiting = any(step["after"] for step in d["steps"])
+    for step in d["steps"]:
+        step["after"] = []
+    d["dependencies"] = []
+    return waiting

@@ -1,6 +1,6 @@
 """Spoil where an object goes."""
 
-from topple.benchmarks.sabotages.document import Document, first_step, last_step, shift, turn
+from topple.benchmarks.sabotages.document import Document, backwards, first_step, last_step, shift, turn
 
 
 def place_higher(d: Document) -> None:
@@ -35,3 +35,22 @@ def put_into_another_thing(d: Document) -> None:
 
 def said_to_fall(d: Document) -> None:
     first_step(d)["placement"]["falls"] = True
+
+
+def put_back_where_it_was(d: Document) -> bool:
+    """A target that is lifted, let down again, and nothing else."""
+    step = last_step(d)
+    done = {part["kind"]: part for part in step["segments"]}
+    back = [
+        {**part, "kind": kind, "motion": backwards(part["motion"]), "holding": held}
+        for part, kind, held in ((done["lift"], "place", step["object"]), (done["approach"], "retreat", None))
+    ]
+    release = {**done["release"], "hand": done["approach"]["hand"]}
+    step["segments"] = [done[kind] for kind in ("move", "approach", "grasp", "lift")] + [
+        back[0],
+        release,
+        back[1],
+    ]
+    still = [[float(row == column) for column in range(4)] for row in range(4)]
+    step["placement"].update(pose_before_to_after=still, drop=0.0, into=None, how="", falls=False)
+    return step["action"] == "free"

@@ -43,3 +43,16 @@ def put_within_nothing(d: Document) -> bool:
     placement = first_step(d)["placement"]
     placement["how"] = "within"
     return placement["into"] is None
+
+
+def grasp_that_scales(d: Document) -> None:
+    pose = first_step(d)["grasp"]["pose_tool_to_world"]
+    pose[0] = [3.0 * value for value in pose[0]]
+
+
+def a_place_without_a_turn(d: Document) -> None:
+    first_step(d)["placement"]["pose_before_to_after"] = [[0.0] * 4 for _ in range(4)]
+
+
+def what_touches_itself(d: Document) -> None:
+    segments_of(d, "lift")[0]["may_touch"].append([first_step(d)["object"]] * 2)

@@ -171,7 +171,7 @@ def _run(arguments: list[str]) -> int:
             from topple.planner.cli.console import print_json
             from topple.planner.errors import refusal_json
 
-            goal = args.goal if args.goal is not None else f"free {' '.join(args.target)}"
+            goal = args.goal or args.to or f"free {' '.join(args.target)}"
             print_json(refusal_json(args.command, error, goal))
         message = str(error)
         certificate: tuple[str, ...] = getattr(error, "certificate", ())

@@ -10,9 +10,10 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any, TypeVar
 
 from topple.planner.cli.console import complain, print_text
-from topple.planner.cli.main import WRONG_USE
+from topple.planner.cli.main import NO_SAFE_PLAN, WRONG_USE
 from topple.planner.cli.options import scene_paths
 from topple.planner.cli.progress import Progress
+from topple.planner.errors import NoSafePlan
 from topple.planner.json_lines import JsonLines
 from topple.topology.errors import InvalidInput, NotInstalled
 from topple.topology.workers import Lost, WorkerPool, mapped
@@ -71,7 +72,8 @@ def for_each_scene(
                 codes.append(WRONG_USE)
             elif isinstance(answer, _Refused):
                 complain(answer.why if answer.why.startswith(path) else f"{path}: {answer.why}")
-                codes.append(WRONG_USE)
+                complain(*(f"{path}: {line}" for line in answer.certificate if line not in answer.why))
+                codes.append(answer.code)
             else:
                 codes.append(show(path, answer))
     if kept is not None and not args.json:
@@ -170,6 +172,8 @@ class _Refused:
     """Why a scene has no answer."""
 
     why: str
+    code: int = WRONG_USE
+    certificate: tuple[str, ...] = ()
 
 
 def _attempt(work: Callable[[str], Answer], path: str) -> "Answer | _Refused":
@@ -177,3 +181,5 @@ def _attempt(work: Callable[[str], Answer], path: str) -> "Answer | _Refused":
         return work(path)
     except InvalidInput as error:
         return _Refused(str(error))
+    except NoSafePlan as error:
+        return _Refused(str(error), NO_SAFE_PLAN, error.certificate)

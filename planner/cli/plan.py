@@ -88,7 +88,7 @@ def execute(args: argparse.Namespace) -> int:
     if args.json and checked is not None:
         print_json({**json.loads(document), "verification": checked.to_json()})
     elif args.json:
-        print_text(document)
+        print_json(json.loads(document))
     else:
         _print_plan(path, found)
         if checked is not None:

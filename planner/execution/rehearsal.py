@@ -18,6 +18,7 @@ from topple.robots.world.tolerances import TABLE_FRICTION
 from topple.topology.arrays import FloatArray
 from topple.topology.bodies.solids import fixed_parts, up_of
 from topple.topology.bodies.tops import lowest_in_use, tops_of
+from topple.topology.checks import as_pose
 from topple.topology.errors import InvalidInput
 from topple.topology.frame import in_frame
 from topple.topology.scene import Scene
@@ -82,7 +83,7 @@ class Rehearsal:
         to_world[:3] = statics.upright.rotation @ to_world[:3]  # bodies are rebuilt along the table's sides
         level = in_frame(scene, to_world, Z)
         given = base if base is not None else scene.robot_base
-        pose_base = choose_base(level, arm) if given is None else to_world @ given
+        pose_base = choose_base(level, arm) if given is None else to_world @ as_pose(given, "base")
         world = new_world()
         try:
             rebuilt = _coloured(rebuild(statics), level)

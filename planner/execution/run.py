@@ -24,6 +24,7 @@ from topple.robots.engines import BULLET, arm_in, playing_on
 from topple.robots.world.film import filmed
 from topple.robots.world.recorded import recorded
 from topple.topology.arrays import FloatArray
+from topple.topology.checks import as_pose
 from topple.topology.scene import Scene
 from topple.topology.statics.gravity import check_up
 
@@ -94,7 +95,9 @@ def run(
     check_recording(rerun, second_base is not None)
     with playing_on(engine), Rehearsal.of(scene, arm, base) as stage:
         acting = arm_in(stage.world, arm, stage.pose_base_to_world)
-        there = None if second_base is None else stage.pose_scene_to_world @ second_base
+        there = (
+            None if second_base is None else stage.pose_scene_to_world @ as_pose(second_base, "second_base")
+        )
         loop = ClosedLoop.simulated(
             stage.world,
             acting,

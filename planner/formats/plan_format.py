@@ -10,8 +10,10 @@ from topple.planner.formats.verification import Verification
 from topple.planner.transfer.segments import KINDS
 from topple.planner.verify.verify import verify
 from topple.robots.arm.arm import Arm
+from topple.topology.checks import as_pose
 from topple.topology.errors import InvalidInput
 from topple.topology.scene import Scene
+from topple.topology.tolerances import RIGID
 
 
 class Plan(PlanData, frozen=True, kw_only=True):  # noqa: D101 - what its data say, in the schema too
@@ -81,33 +83,39 @@ def plan_schema() -> dict[str, Any]:
 def _check(plan: Plan, name: str) -> None:
     """What types cannot say: shapes, and steps that refer to steps before them."""
     count = len(plan.joints)
-    _matrix(plan.pose_base_to_world, 4, 4, "$.pose_base_to_world", name)
+    _pose(plan.pose_base_to_world, "$.pose_base_to_world", name)
     if len(plan.q_start) != count:
         raise InvalidInput(
             f"{name} is no plan: `$.q_start` has {len(plan.q_start)} values for {count} joints"
         )
+    if abs(float(np.linalg.norm(plan.up)) - 1.0) > RIGID:
+        raise InvalidInput(f"{name} is no plan: `$.up` is {list(plan.up)}, expected a direction of length 1")
     names = {thing.name for thing in plan.objects}
+    if len(names) < len(plan.objects):
+        raise InvalidInput(f"{name} is no plan: `$.objects` has a name twice, expected each once")
     for thing, pose in plan.poses.items():
-        _matrix(pose, 4, 4, f"$.poses.{thing}", name)
+        _pose(pose, f"$.poses.{thing}", name)
         if thing not in names:
             known = ", ".join(sorted(names)) or "nothing"
             raise InvalidInput(f"{name} is no plan: `$.poses` has {thing!r}, its objects are {known}")
     for i, tool in enumerate(plan.arm.tools if plan.arm is not None else []):
-        _matrix(tool.pose_tool_to_link, 4, 4, f"$.arm.tools[{i}].pose_tool_to_link", name)
+        _pose(tool.pose_tool_to_link, f"$.arm.tools[{i}].pose_tool_to_link", name)
     for i, step in enumerate(plan.steps):
         here = f"$.steps[{i}]"
-        _matrix(step.grasp.pose_tool_to_world, 4, 4, f"{here}.grasp.pose_tool_to_world", name)
-        _matrix(step.placement.pose_before_to_after, 4, 4, f"{here}.placement.pose_before_to_after", name)
+        _pose(step.grasp.pose_tool_to_world, f"{here}.grasp.pose_tool_to_world", name)
+        _pose(step.placement.pose_before_to_after, f"{here}.placement.pose_before_to_after", name)
         told = [("object", step.object), ("placement.into", step.placement.into or step.object)]
         told += [(f"attachments[{k}].object", held.object) for k, held in enumerate(step.attachments)]
         for key, which in told:
             if which not in names:
                 known = ", ".join(sorted(names)) or "nothing"
                 raise InvalidInput(f"{name} is no plan: `{here}.{key}` is {which!r}, its objects are {known}")
-        if step.placement.how and step.placement.into is None:
-            raise InvalidInput(f"{name} is no plan: `{here}.placement.how` is given, and no `into`")
+        if step.placement.how and step.placement.into in (None, step.object):
+            raise InvalidInput(
+                f"{name} is no plan: `{here}.placement.how` is given, and no other thing `into`"
+            )
         for k, held in enumerate(step.attachments):
-            _matrix(held.pose_start_to_tool, 4, 4, f"{here}.attachments[{k}].pose_start_to_tool", name)
+            _pose(held.pose_start_to_tool, f"{here}.attachments[{k}].pose_start_to_tool", name)
         for k, before in enumerate(step.after):
             if not 0 <= before < i:
                 raise InvalidInput(f"{name} is no plan: `{here}.after[{k}]` is {before}, no earlier step")
@@ -116,6 +124,10 @@ def _check(plan: Plan, name: str) -> None:
                 raise InvalidInput(
                     f"{name} is no plan: `{here}.segments[{j}].kind` is {segment.kind!r}, "
                     f"expected one of {', '.join(KINDS)}"
+                )
+            if any(one == other for one, other in segment.may_touch):
+                raise InvalidInput(
+                    f"{name} is no plan: `{here}.segments[{j}].may_touch` has a name with itself"
                 )
             if segment.motion is not None:
                 rows = len(segment.motion.times)
@@ -126,9 +138,19 @@ def _check(plan: Plan, name: str) -> None:
                     segment.motion.velocities, rows, count, f"{here}.segments[{j}].motion.velocities", name
                 )
     for i, thing in enumerate(plan.objects):
+        if not thing.parts:
+            raise InvalidInput(f"{name} is no plan: `$.objects[{i}].parts` is empty, expected convex parts")
         for key, parts in (("parts", thing.parts), ("whole", thing.whole)):
             for k, part in enumerate(parts):
                 _matrix(part, max(len(part), 1), 3, f"$.objects[{i}].{key}[{k}]", name)
+
+
+def _pose(matrix: Matrix, where: str, name: str) -> None:
+    _matrix(matrix, 4, 4, where, name)
+    try:
+        as_pose(matrix, f"`{where}`")
+    except InvalidInput as error:
+        raise InvalidInput(f"{name} is no plan: {error}") from error
 
 
 def _matrix(matrix: Matrix, rows: int, columns: int, where: str, name: str) -> None:

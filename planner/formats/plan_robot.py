@@ -2,12 +2,14 @@
 
 import hashlib
 import importlib.util
+import math
 import sys
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import msgspec
 
+from topple.planner.tolerances import ALIKE
 from topple.robots.arm.gripper import ParallelJaw, SuctionCup, Tool
 from topple.robots.arm.gripper_file import Gripper
 from topple.robots.arm.tolerances import CUP_FRICTION
@@ -136,7 +138,8 @@ def arm_from(data: ArmData, name: str) -> "Arm":
         The arm, from the same URDF.
 
     Raises:
-        InvalidInput: The URDF is not there or is another one than the plan was made with.
+        InvalidInput: The URDF is not there or is another one than the plan was made with, or its limits or
+            tools are not what the plan says.
     """
     from topple.robots.catalog import robot
 
@@ -149,7 +152,26 @@ def arm_from(data: ArmData, name: str) -> "Arm":
             f"{data.urdf} is not the file the plan was made with (sha256 {digest[:12]}, expected "
             f"{data.sha256[:12]}): plan again, or give the arm"
         )
-    return robot(name) if data.catalog else robot(path, gripper=data.gripper)
+    arm = robot(name) if data.catalog else robot(path, gripper=data.gripper)
+    told, found = msgspec.to_builtins(data), msgspec.to_builtins(arm_data(arm))
+    for key in ("joints", "lower", "upper", "velocity", "acceleration", "tools"):
+        if not _alike(told[key], found[key]):
+            raise InvalidInput(
+                f"the plan's arm {name!r} is not as {data.urdf} has it: `$.arm.{key}` says otherwise; plan "
+                "again, or give the arm"
+            )
+    return arm
+
+
+def _alike(told: Any, found: Any) -> bool:
+    """Whether data are the same, but for last digits that another processor may find."""
+    if isinstance(told, dict) and isinstance(found, dict):
+        return told.keys() == found.keys() and all(_alike(told[key], found[key]) for key in told)
+    if isinstance(told, list) and isinstance(found, list):
+        return len(told) == len(found) and all(map(_alike, told, found))
+    if isinstance(told, float) and isinstance(found, float):
+        return math.isclose(told, found, rel_tol=ALIKE, abs_tol=ALIKE)
+    return bool(told == found)
 
 
 def _tool_data(tool: Tool) -> ToolData:

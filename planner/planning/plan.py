@@ -33,6 +33,7 @@ from topple.robots.arm.arm import Arm
 from topple.robots.catalog import robot as robot_named
 from topple.robots.catalog.own_arm import check_tool
 from topple.topology.arrays import FloatArray
+from topple.topology.checks import as_pose
 from topple.topology.errors import InvalidInput
 from topple.topology.io.load import as_scene
 from topple.topology.relations import Relations
@@ -106,7 +107,7 @@ def plan(
     check_up(scene)
     situation = Situation(scene)
     given = base if base is not None else scene.robot_base
-    pose = choose_base(situation, arm) if given is None else np.asarray(given, dtype=np.float64)
+    pose = choose_base(situation, arm) if given is None else as_pose(given, "base")
     start = np.asarray(arm.home if q_start is None else q_start, dtype=np.float64)
     check_start(situation, arm, pose, start)
     level = check_upright(scene, upright)

@@ -57,7 +57,7 @@ def check_upright(scene: Scene, upright: Collection[str]) -> frozenset[str]:
     Raises:
         UnknownObject: A name is not in the scene.
     """
-    for name in upright:
-        if name not in scene.clouds:
-            raise UnknownObject(name, scene.names)
-    return frozenset(upright)
+    names = frozenset([upright] if isinstance(upright, str) else upright)
+    if unknown := sorted(names - scene.clouds.keys()):
+        raise UnknownObject(unknown[0], scene.names)
+    return names

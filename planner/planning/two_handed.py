@@ -15,6 +15,7 @@ from topple.planner.transfer.transfer import after
 from topple.robots.arm.arm import Arm
 from topple.robots.catalog import robot as robot_named
 from topple.topology.arrays import FloatArray
+from topple.topology.checks import as_pose
 from topple.topology.scene import Scene
 from topple.topology.situation import Situation
 from topple.topology.statics.gravity import check_up
@@ -61,7 +62,8 @@ def plan_two_handed(
     wanted = task.goal(scene)
     check_up(scene)
     situation = Situation(scene).with_level_undersides()
-    first, second = (Station(arm, np.asarray(pose), np.asarray(arm.home)) for pose in (base, second_base))
+    poses = as_pose(base, "base"), as_pose(second_base, "second_base")
+    first, second = (Station(arm, pose, np.asarray(arm.home)) for pose in poses)
     for station in (first, second):
         check_start(situation, arm, station.pose_base_to_world, station.q)
     done: list[tuple[str, str]] = []

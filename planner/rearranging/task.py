@@ -62,6 +62,7 @@ class ArrangementTask:
         Raises:
             InvalidInput: It has other things than the arrangement.
         """
+        self.learned = LearnedPrecedences()  # nothing of another plan or run
         return self.arrangement.goal(scene)
 
     def chooser(self, situation: Situation, goal: Goal, context: Context) -> Chooser:
@@ -74,7 +75,7 @@ class ArrangementTask:
 
 
 class _LazyTask(ABC):
-    """A task that is worked out for the first scene it is asked for.
+    """A task that is worked out for the scene whose goal it is asked for.
 
     Args:
         seconds: As `ArrangementTask` takes it.
@@ -102,6 +103,7 @@ class _LazyTask(ABC):
             InvalidInput: It is no goal for these things.
             NoSafePlan: There is no room for it.
         """
+        self._made = None  # that of another plan or run
         return self._worked_out(scene).goal(scene)
 
     def chooser(self, situation: Situation, goal: Goal, context: Context) -> Chooser:

@@ -5,11 +5,13 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from topple.planner.formats.plan_structs import PlanData
+from topple.planner.formats.verification import Residual, Worst
 from topple.planner.motion.certificate import Certifier
 from topple.planner.motion.collision import Checker
 from topple.planner.motion.model import Attachment
 from topple.planner.verify.bodies import parts_of
 from topple.planner.verify.replay import SegmentReplay
+from topple.planner.verify.tolerances import ROUNDED
 from topple.robots.arm.arm import Arm
 from topple.topology.bodies.solids import moved
 
@@ -24,12 +26,14 @@ class BetweenCheck:
         clearance: By index of a step, what is proven of all its motions: the least distance [m], all along,
             of what moves to what stands, but for the pairs that may touch.
         open: By index of a step, the motions of which nothing is proven, and what comes too close.
+        proof: Motions that the plan calls unproven, or of which some state is closer than it says.
     """
 
     plan: PlanData
     arm: Arm
     clearance: dict[int, float] = field(default_factory=dict[int, float])
     open: dict[int, str] = field(default_factory=dict[int, str])
+    proof: Worst = field(default_factory=lambda: Worst("motions without a proof", "1"))
 
     def __post_init__(self) -> None:
         self._parts, self._base = parts_of(self.plan), np.array(self.plan.pose_base_to_world)
@@ -47,10 +51,19 @@ class BetweenCheck:
             attached=Attachment(tuple(held), piece.segment.tool, piece.step.object) if held else None,
             allow=piece.may_touch,
         )
-        found = Certifier(checker).path(np.array(piece.segment.motion.positions))
+        positions, told = np.array(piece.segment.motion.positions), piece.segment.clearance
+        if not piece.segment.certified:
+            self.proof.count(piece.where, piece.index)
+        elif told > ROUNDED and not checker.keeping(told - ROUNDED).free(positions).all():
+            self.proof.count(f"{piece.where}: something is closer than {1e3 * told:.1f} mm", piece.index)
+        found = Certifier(checker).path(positions)
         if found.proven:
             before = self.clearance.get(piece.index, np.inf)
             self.clearance[piece.index] = min(before, found.clearance)
         else:
             met = "" if found.contact is None else f": {found.contact.a} and {found.contact.b}"
             self.open.setdefault(piece.index, f"{piece.segment.kind}{met}")
+
+    def residuals(self) -> tuple[Residual, ...]:
+        """What the plan says of its proofs and is not so."""
+        return (self.proof.residual(),)

@@ -103,7 +103,7 @@ class Grip:
             return f"nothing of {step.object} is between the pads"
         wide = float(np.ptp(between[:, 1])) if len(between) else 0.0
         # its hulls bridge hollows and hidden sides: it may be narrower, and pads close until they press
-        if step.grasp.kind == GraspKind.PINCH and closed.opening > wide + CLOSED:
+        if closed.opening > wide + CLOSED:
             to = 1e3 * closed.opening
             return f"{step.object} is {1e3 * wide:.0f} mm wide between the pads, which close to {to:.0f} mm"
         return None

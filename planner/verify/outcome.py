@@ -65,13 +65,26 @@ def check_precedence(
     ]
     graph: nx.DiGraph[str] = nx.DiGraph(edges)
     group = {name: i for i, names in enumerate(nx.strongly_connected_components(graph)) for name in names}
+    waited = _waited_for(plan)
     # what goes along with a container that is kept upright need not go before it
     along = {(held.object, step.object) for step in plan.steps for held in step.attachments if step.upright}
     for before, then in edges:
         free = group[before] == group[then] or (before, then) in along
-        if then in first and not free and first.get(before, never) > first[then]:
+        if then not in first or free:
+            continue
+        if first.get(before, never) > first[then]:
             again.count(f"{then} before {before}", first[then])
+        elif first[before] < first[then] and first[before] not in waited[first[then]]:
+            again.count(f"step {first[then] + 1} ({then}) does not wait for {before}", first[then])
     return own.residual(), waits.residual(), excused.residual(), again.residual()
+
+
+def _waited_for(plan: PlanData) -> list[set[int]]:
+    """By step the steps that have to be done before it, directly or not."""
+    found: list[set[int]] = []
+    for step in plan.steps:
+        found.append({index for before in step.after for index in (before, *found[before])})
+    return found
 
 
 def check_goal(
@@ -95,8 +108,11 @@ def check_goal(
     goal = parse_goal(plan.goal, scene)
     situation = Situation(after)
     missing = list(goal.unmet(situation.relations, scene.fixed, situation.supports))
-    freed = {name for _, name in taken}
-    missing += [f"{name} is not taken" for name in goal.free if name not in freed]
+    middles = {
+        name: np.array([each.clouds[name].mean(axis=0) for each in (scene, after)]) for _, name in taken
+    }
+    freed = {name for name, (here, there) in middles.items() if np.linalg.norm(there - here) > DISTURBED}
+    missing += [f"{name} is not taken elsewhere" for name in goal.free if name not in freed]
     worst = Worst("goal clauses unmet", "1")
     worst.note(float(len(missing)), "; ".join(missing))
     return worst.residual()

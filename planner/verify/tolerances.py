@@ -55,7 +55,7 @@ JUMP = 1e-5
 """[rad] between one segment's end and the next one's start: numbers are written with six digits."""
 
 DRIFT = 2e-3
-"""[rad] that positions may differ from the integral of velocities from sample to sample."""
+"""[rad] that positions may differ from the integral of velocities since a motion's start."""
 
 OVER = 0.02
 """Share beyond a velocity or acceleration limit: finite differences of rounded samples."""

@@ -89,6 +89,7 @@ def verify(
         *fcl_check.residuals(),
         *bullet.residuals(),
         *check_motions(plan, arm),
+        *between.residuals(),
         *hands.residuals(),
         *played.residuals(),
         *check_claims(plan),

@@ -101,7 +101,7 @@ class Arm:
         """
         model = read_urdf(path)
         named = (source or model.path).name
-        joints, before = _driven(model, tool_frame)
+        joints, before = _driven(model, tool_frame, named)
         follows = [joint.name for joint in joints if joint.mimic is not None]
         if follows:
             raise InvalidInput(
@@ -336,7 +336,7 @@ class Arm:
         return starts
 
 
-def _driven(model: Model, tool_frame: str) -> tuple[tuple[Joint, ...], tuple[FloatArray, ...]]:
+def _driven(model: Model, tool_frame: str, named: str) -> tuple[tuple[Joint, ...], tuple[FloatArray, ...]]:
     joints: list[Joint] = []
     before: list[FloatArray] = []
     fixed = np.eye(4)
@@ -347,7 +347,7 @@ def _driven(model: Model, tool_frame: str) -> tuple[tuple[Joint, ...], tuple[Flo
             before.append(fixed)
             fixed = np.eye(4)
     if not joints:
-        raise InvalidInput(f"{model.path.name}: no joint moves {tool_frame!r}")
+        raise InvalidInput(f"{named}: no joint moves {tool_frame!r}: expected an arm, with joints that move")
     return tuple(joints), tuple(before)
 
 

@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 
 from topple.robots.arm.elements import number, numbers
-from topple.robots.arm.tolerances import CYLINDER_SIDES
+from topple.robots.arm.tolerances import CYLINDER_SIDES, LONGEST, LONGEST_MESH
 from topple.robots.collision.pieces import convex_pieces
 from topple.topology.arrays import FloatArray
 from topple.topology.errors import InvalidInput, NotInstalled
@@ -55,6 +55,8 @@ def geometry_parts(
         )
     name = str(shape.get("filename"))
     scale = numbers(shape.get("scale"), 3, (1.0, 1.0, 1.0), f"{where} scale")
+    if not scale.all():
+        raise InvalidInput(f"{where} scale: expected numbers other than 0, found {shape.get('scale')!r}")
     file = find_mesh(name, path)
     if file is None:
         missing.append(name)
@@ -62,10 +64,17 @@ def geometry_parts(
     if file.suffix.lower() == ".dae" and find_spec("collada") is None:
         raise NotInstalled(f"{file.name} of {where} is Collada, which needs pycollada", "collada")
     try:
-        return [part * scale for part in _mesh_parts(file, file.stat().st_mtime_ns, cut)]
+        parts = [part * scale for part in _mesh_parts(file, file.stat().st_mtime_ns, cut)]
     except Exception as error:  # trimesh raises whatever its format readers raise
         missing.append(f"{name} ({error})")
         return []
+    far = max(float(np.abs(part).max()) for part in parts)
+    if LONGEST_MESH < far < LONGEST:
+        raise InvalidInput(
+            f"{where}: its mesh {name} reaches {far:.4g} m, more than {LONGEST_MESH:g} m: it looks like "
+            'millimetres; expected metres, or scale="0.001 0.001 0.001"'
+        )
+    return parts
 
 
 @lru_cache(maxsize=256)  # an arm's meshes are read more than once on the way to PyBullet

@@ -128,5 +128,8 @@ MOST_BODIES = 2000
 LONGEST = 1e3
 """Farthest vertex of a shape [m]: no arm is a kilometre long; hulls of far larger numbers are none."""
 
+LONGEST_MESH = 20.0
+"""Farthest vertex of a mesh [m]: no link is as long, and in millimetres a link is a hundred long."""
+
 FULL_TURN = 2 * math.pi
 """How far [rad] a continuous joint may turn either way: cables and hoses allow no more."""

@@ -6,6 +6,7 @@ planner that promises collision-free motion has to refuse such a file, and say w
 
 import re
 import xml.etree.ElementTree as ElementTree
+from collections import Counter
 from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
@@ -222,6 +223,10 @@ def model_of(robot: ElementTree.Element, path: Path, *, cut: bool = True) -> Mod
     Raises:
         InvalidInput: As for `read_urdf`.
     """
+    for tag in ("link", "joint"):
+        counts = Counter(str(element.get("name")) for element in robot.findall(tag))
+        if twice := [name for name, count in counts.items() if count > 1]:
+            raise InvalidInput(f"{path.name}: there are two of {tag} {twice[0]!r}: expected each name once")
     joints = _read_joints(robot, path)
     missing: list[str] = []
     links = {str(e.get("name")): _read_link(e, path, missing, cut) for e in robot.findall("link")}

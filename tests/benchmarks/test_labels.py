@@ -108,6 +108,13 @@ def test_a_frame_leaves_open_what_its_annotator_was_not_sure_of(tmp_path: Path) 
         ("a.xml", "<a><object><index>1</index><father><num>2</num></father></object></a>", "names objects"),
         ("a.xml", "<a/>", "has no <object>"),
         ("a.txt", "", "cannot tell what labels these are"),
+        ("a.json", '{"removal_constraints": [[1, 2, 3]]}', "is no annotated frame"),
+        (
+            "a.json",
+            '{"removal_constraints": [["a", "b"]], "doubtful": {"removal_constraints": [7]}}',
+            "no annotated",
+        ),
+        ("a.json", '{"removal_constraints": null}', "is no annotated frame"),
     ],
 )
 def test_what_is_no_label_is_refused_in_a_line_that_names_the_file(name, text, words, tmp_path: Path) -> None:
@@ -134,3 +141,17 @@ def test_an_archive_without_labels_is_none(tmp_path: Path) -> None:
     np.savez(tmp_path / "a.npz", cup=np.zeros((4, 3)))
     with pytest.raises(InvalidInput, match="holds no text called labels"):
         read_truth(tmp_path / "a.npz")
+
+
+def test_an_annotation_is_read_in_the_encoding_that_it_declares(tmp_path: Path) -> None:
+    text = vmrd(tmp_path / "a.xml").read_text(encoding="utf-8").replace("cup", "Löffel")
+    for encoding in ("ISO-8859-1", "utf-16"):
+        (tmp_path / "b.xml").write_text(
+            f'<?xml version="1.0" encoding="{encoding}"?>{text}', encoding=encoding
+        )
+        assert read_truth(tmp_path / "b.xml").aliases[0]["4"] == "Löffel"
+
+
+def test_a_table_may_begin_with_a_byte_order_mark(tmp_path: Path) -> None:
+    (tmp_path / "a.csv").write_text("0,-1\n1,0\n", encoding="utf-8-sig")
+    assert read_truth(tmp_path / "a.csv").labels["1"]["2"] == 1

@@ -155,6 +155,7 @@ def test_another_programs_relations_order_a_scene(laid: Scene) -> None:
     ("change", "error", "words"),
     [
         (lambda d: d.update(format="topple.order"), InvalidInput, "no relations"),
+        (lambda d: d.update(format_version=2), InvalidInput, "document of version 1"),
         (lambda d: d.update(relations={}), InvalidInput, "no relations"),
         (lambda d: d["relations"].append(dict(d["relations"][0])), InvalidInput, "told twice"),
         (lambda d: d["relations"][2].update(relation="near"), InvalidInput, "no relation: expected"),

@@ -7,9 +7,10 @@ from collections.abc import Iterable, Mapping, Sequence
 from typing import Any
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 from topple.topology.arrays import BoolArray
+from topple.topology.checks import numeric
 from topple.topology.errors import InvalidInput
 from topple.topology.image import DepthImage
 from topple.topology.io.assemble import Parts, assemble
@@ -51,8 +52,9 @@ def scene_from_coco(
     image = np.asarray(depth, dtype=np.float64)
     if image.ndim != 2:
         raise InvalidInput(f"depth has shape {image.shape}: expected an image (H, W) in metres")
-    told = dict(categories) if isinstance(categories, Mapping) else {c["id"]: c["name"] for c in categories}
-    kinds = {int(number): str(name) for number, name in told.items()}
+    kinds = _kinds(categories)
+    if not isinstance(annotations, Sequence) or not all(isinstance(each, Mapping) for each in annotations):
+        raise InvalidInput("annotations: expected a list of {'segmentation', 'category_id'}, as of one image")
     masks = [
         mask_of(each.get("segmentation"), image.shape, f"annotation {k}")
         for k, each in enumerate(annotations)
@@ -62,15 +64,35 @@ def scene_from_coco(
     for place in sorted(range(len(masks)), key=lambda k: -int(masks[k].sum())):
         label[masks[place]] = place + 1
     for place, each in enumerate(annotations):
-        kind = str(each.get("name") or kinds.get(int(each.get("category_id", -1)), place + 1))
+        (category,) = _whole([each.get("category_id", -1)], f"annotation {place}: category_id")
+        kind = str(each.get("name") or kinds.get(category, place + 1))
         names[place + 1] = free_name(kind, names.values())
     pose = np.eye(4) if pose_camera_to_world is None else pose_camera_to_world
     seen = DepthImage(image, np.asarray(K), label, np.asarray(pose, dtype=np.float64), names)
     clouds = {name: cloud for name, cloud in seen.clouds().items() if len(cloud) > 1}
     notes = [f"{name!r} is left out: its mask has no depth" for name in names.values() if name not in clouds]
-    parts = Parts(dict(clouds), list(fixed), up, seen.viewpoint, images=(seen,), background=seen.background())
+    fixed = [fixed] if isinstance(fixed, str) else list(fixed)
+    parts = Parts(dict(clouds), fixed, up, seen.viewpoint, images=(seen,), background=seen.background())
     parts.notes = notes
     return assemble(parts, [], None)
+
+
+def _kinds(categories: Mapping[int, str] | Sequence[Mapping[str, Any]]) -> dict[int, str]:
+    """What the categories are called."""
+    try:
+        told = (
+            dict(categories) if isinstance(categories, Mapping) else {c["id"]: c["name"] for c in categories}
+        )
+        return {int(number): str(name) for number, name in told.items()}
+    except (KeyError, TypeError, ValueError) as error:
+        raise InvalidInput("categories: expected {id: name}, or a list of {'id', 'name'}") from error
+
+
+def _whole(values: Any, what: str) -> list[int]:
+    try:
+        return [int(value) for value in values]
+    except (TypeError, ValueError, OverflowError) as error:
+        raise InvalidInput(f"{what} holds what is no whole number ({error}): expected numbers") from error
 
 
 def mask_of(segmentation: Any, shape: tuple[int, ...], what: str = "the mask") -> BoolArray:
@@ -91,11 +113,11 @@ def mask_of(segmentation: Any, shape: tuple[int, ...], what: str = "the mask") -
     height, width = shape
     if isinstance(segmentation, Mapping):
         size, counts = segmentation.get("size"), segmentation.get("counts")
-        if size is None or counts is None or [int(n) for n in size] != [height, width]:
+        if size is None or counts is None or _whole(size, f"{what}: size") != [height, width]:
             raise InvalidInput(
                 f"{what} is of the size {size}: expected counts and the image's, {[height, width]}"
             )
-        lengths = _unpacked(counts, what) if isinstance(counts, (str, bytes)) else [int(n) for n in counts]
+        lengths = _unpacked(counts, what) if isinstance(counts, (str, bytes)) else _whole(counts, what)
         if min(lengths, default=0) < 0 or sum(lengths) != height * width:
             raise InvalidInput(
                 f"{what} has runs of {sum(lengths)} pixels together: expected {height * width}, none below 0"
@@ -113,7 +135,7 @@ def _filled(polygons: Sequence[Any], height: int, width: int, what: str) -> Bool
     picture = Image.new("1", (width, height))
     draw = ImageDraw.Draw(picture)
     for polygon in polygons:
-        corners: NDArray[np.float64] = np.asarray(polygon, dtype=np.float64).ravel()
+        corners = numeric(polygon, f"{what}: its polygon").ravel()
         if len(corners) < 6 or len(corners) % 2 or not np.isfinite(corners).all():
             raise InvalidInput(
                 f"{what} has a polygon of {len(corners)} numbers: expected x, y of 3 corners or more"

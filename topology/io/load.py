@@ -109,11 +109,11 @@ def as_scene(source: Scene | str | os.PathLike[str]) -> Scene:
 
 
 def _read(path: Path, options: dict[str, Any]) -> Parts:
-    if not path.exists():
-        raise InvalidInput(
-            "no such file or folder: expected an .npz, an .npy or a folder of clouds or meshes"
-        )
     try:
+        if not path.exists():
+            raise InvalidInput(
+                "no such file or folder: expected an .npz, an .npy or a folder of clouds or meshes"
+            )
         if (found := READERS.first(lambda reader: reader.reads(path))) is not None:
             name, reader = found
             _check_options(name, reader, options)

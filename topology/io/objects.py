@@ -67,7 +67,8 @@ def scene_from_objects(
     if len(set(frames.values())) > 1:
         told = ", ".join(f"{what} in {frame}" for what, frame in frames.items())
         raise InvalidInput(f"poses are in different frames: {told}; expected one frame for all")
-    parts = Parts({}, list(fixed), up, viewpoints, masses=masses, friction=friction)
+    fixed = [fixed] if isinstance(fixed, str) else list(fixed)
+    parts = Parts({}, fixed, up, viewpoints, masses=masses, friction=friction)
     if robot_base is not None:
         parts.robot_base = pose_of(robot_base, "robot_base")
     for name, thing in objects.items():
@@ -128,6 +129,7 @@ def scene_from_points(
     known = {str(number): name for number, name in called.items()}
     parts = parts_from_labelled(arrays)
     parts.up, parts.viewpoints = up, viewpoints
+    fixed = [fixed] if isinstance(fixed, str) else fixed
     return assemble(parts, [known.get(str(name), str(name)) for name in fixed], None)
 
 

@@ -10,7 +10,7 @@ import numpy as np
 
 from topple.topology.errors import InvalidInput
 from topple.topology.pair import PairRelation
-from topple.topology.relation_table import FORMAT, AnyTable, RelationTable
+from topple.topology.relation_table import FORMAT, FORMAT_VERSION, AnyTable, RelationTable
 
 
 def deviation_of(document: Mapping[str, Any]) -> float | None:
@@ -54,8 +54,12 @@ def told_in(document: Mapping[str, Any], relations: AnyTable) -> AnyTable:
 
 def _entries(document: Mapping[str, Any]) -> list[Any]:
     entries = document.get("relations") if isinstance(document, Mapping) else None  # pyright: ignore
-    if not isinstance(entries, list) or document.get("format", FORMAT) != FORMAT:
-        raise InvalidInput(f"no relations: expected a {FORMAT!r} document with a list 'relations'")
+    told = {"format": FORMAT, "format_version": FORMAT_VERSION}
+    if not isinstance(entries, list) or any(document.get(key, value) != value for key, value in told.items()):
+        raise InvalidInput(
+            f"no relations: expected a {FORMAT!r} document of version {FORMAT_VERSION} with a list "
+            "'relations'"
+        )
     return entries
 
 

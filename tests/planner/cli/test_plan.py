@@ -1,7 +1,10 @@
 """`topple plan`: the plan file, the refusals, and exit code 1 with the reason where there is no plan."""
 
 import json
+import os
 import re
+import subprocess
+import sys
 from pathlib import Path
 
 import numpy as np
@@ -102,6 +105,46 @@ def test_without_a_safe_plan_the_certificate_is_json(
     if command == "plan":
         assert document["kind"] == "NoSafePlan" and document["goal"] == "free box"
         assert document["failures"][0]["object"] == "box" and document["failures"][0]["reasons"]
+
+
+def two_boxes(folder: Path, name: str) -> Path:
+    """Two boxes that stand side by side on a table."""
+    box = Body.of("box", [np.array([[x, y, z] for x in (0, 0.05) for y in (0, 0.05) for z in (0, 0.05)])])
+    points = box.surface(800, np.random.default_rng(0))
+    table = np.random.default_rng(1).uniform(-0.5, 0.5, (4000, 3)) * [1, 1, 0]
+    np.savez(folder / name, table=table, a=points, **{"ä": points + np.array([0, 0.1, 0])})
+    return folder / name
+
+
+@pytest.mark.parametrize("command", ["plan", "run"])
+def test_words_that_nothing_can_fulfil_are_a_certificate_in_json_too(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str], command: str
+) -> None:
+    words = "a on ä and ä on a"
+    assert main([command, str(two_boxes(tmp_path, "scene.npz")), "--to", words, "--json"]) == 1
+    out, err = capsys.readouterr()
+    document = json.loads(out)
+    assert document["goal"] == words and document["steps"] == []
+    assert "below" in err and len(err.splitlines()) <= 2
+
+
+def test_a_scene_without_a_safe_order_of_moves_keeps_no_other_from_its_answer(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    scenes = [str(two_boxes(tmp_path, name)) for name in ("first.npz", "second.npz")]
+    assert main(["order", *scenes, "--to", "a on ä and ä on a", "--json"]) == 1
+    out, err = capsys.readouterr()
+    assert out == ""
+    assert all(any(line.startswith(f"topple: {scene}: ") for line in err.splitlines()) for scene in scenes)
+
+
+def test_the_plan_is_json_where_the_terminal_has_no_umlauts(tmp_path: Path) -> None:
+    argv = ["plan", str(two_boxes(tmp_path, "scene.npz")), "--target", "ä", "--base", "-0.5", "0", "0", "0"]
+    done = subprocess.run(
+        [sys.executable, "-m", "topple.planner.cli.main", *argv, "--json"],
+        env={**os.environ, "PYTHONIOENCODING": "ascii", "PYTHONUTF8": "0"}, capture_output=True, check=True,
+    )  # fmt: skip
+    assert plan_from_json(done.stdout).order == ["ä"]
 
 
 @pytest.mark.parametrize(

@@ -14,6 +14,7 @@ from topple.planner.export import EXPORTERS, export
 from topple.planner.export.pddl import domain_and_problem
 from topple.planner.formats.plan_format import Plan, plan_from_json, plan_schema, plan_to_json
 from topple.planner.planning.plan import plan, plan_all
+from topple.planner.planning.start import check_upright
 from topple.robots.catalog import robot
 from topple.robots.shapes.boxes import box
 from topple.topology.errors import InvalidInput, UnknownObject
@@ -102,6 +103,14 @@ def test_every_motion_is_proven_and_says_what_may_touch(found: Plan) -> None:
             r"segments\[0\].motion.positions\[0\]",
         ),
         (("format",), "topple.order", r"\$.format"),
+        (
+            ("pose_base_to_world",),
+            np.diag([1.0, -1.0, 1.0, 1.0]).tolist(),
+            r"`\$.pose_base_to_world` is mirrored",
+        ),
+        (("arm", "tools", 0, "pose_tool_to_link"), [[0.0] * 4] * 4, r"\$.arm.tools\[0\].pose_tool_to_link"),
+        (("objects", 1, "name"), "table", r"`\$.objects` has a name twice"),
+        (("objects", 1, "parts"), [], r"`\$.objects\[1\].parts` is empty"),
     ],
 )
 def test_a_corrupted_plan_is_refused_with_the_path_of_the_field(
@@ -253,3 +262,15 @@ def test_a_motion_that_is_not_there_is_refused(
 ) -> None:
     with pytest.raises(InvalidInput, match=words):
         found.trajectory(step, segment)
+
+
+@pytest.mark.parametrize("base", [[-0.5, 0.0, 0.0], np.diag([1.0, -1.0, 1.0, 1.0]), np.full((4, 4), np.nan)])
+def test_a_base_that_is_no_pose_is_refused(base: object) -> None:
+    with pytest.raises(InvalidInput, match=r"^base "):
+        plan(stacked(), ["upper"], ARM, base=base)  # type: ignore[arg-type]
+
+
+def test_a_single_name_may_be_kept_upright() -> None:
+    assert check_upright(stacked(), "upper") == {"upper"}
+    with pytest.raises(UnknownObject, match="'glass'"):
+        check_upright(stacked(), "glass")

@@ -14,7 +14,7 @@ from topple.planner.execution.goal_poses import off_goal_pose
 from topple.planner.formats.plan_format import plan_from_json, plan_to_json
 from topple.planner.rearranging.arrangement import Arrangement
 from topple.planner.rearranging.problem import Act
-from topple.planner.rearranging.task import LearnedPrecedences
+from topple.planner.rearranging.task import ArrangementTask, DescribedTask, LearnedPrecedences
 from topple.robots.scenarios import scenario_called
 from topple.robots.scenarios.scenario import pose_at
 from topple.robots.shapes import block, box, plate
@@ -153,3 +153,15 @@ def test_two_things_change_places_in_closed_loop() -> None:
         for name, pose in stage.finished.poses().items():
             way, angle = off_goal_pose(stage.world, name, pose, stage.up)
             assert way < 0.01 and angle < np.radians(10.0)
+
+
+def test_a_task_that_is_asked_again_begins_anew() -> None:
+    task = DescribedTask("a right of b")
+    goals = [task.goal(scene) for scene in (START, blocks(a=(0, 0.2, 0), b=(0.1, -0.1, 0)))]
+    fresh = DescribedTask("a right of b").goal(blocks(a=(0, 0.2, 0), b=(0.1, -0.1, 0)))
+    assert np.allclose(goals[1].poses["a"], fresh.poses["a"])
+    assert not np.allclose(goals[0].poses["a"], goals[1].poses["a"], atol=0.01)
+    copied = ArrangementTask(Arrangement(GOAL))
+    copied.learned.pairs[(Act.TAKE, "a"), (Act.PUT, "b")] = 0
+    copied.goal(START)
+    assert not copied.learned.pairs

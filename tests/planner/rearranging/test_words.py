@@ -109,3 +109,4 @@ def test_a_hand_that_does_not_fit_around_it_puts_it_elsewhere_in_the_bowl() -> N
 def test_a_path_is_no_words() -> None:
     assert is_words("cup left of plate") and is_words("lemon in bowl")
     assert not is_words("goal.npz") and not is_words("scenes/left")
+    assert is_words(" and ".join(f"cup {k} left of plate {k}" for k in range(40)))  # too long for a path

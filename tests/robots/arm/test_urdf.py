@@ -2,9 +2,12 @@
 
 from pathlib import Path
 
+import numpy as np
 import pytest
+import trimesh
 
 from topple.robots.arm.urdf import read_urdf
+from topple.robots.catalog import robot
 from topple.topology.errors import InvalidInput
 
 SPHERE = '<link name="{}"><collision><geometry><sphere radius="{}"/></geometry></collision></link>'
@@ -23,9 +26,44 @@ TURNING = '<joint name="{}" type="continuous"><parent link="{}"/><child link="{}
             + TURNING.format("k", "c", "b"),
             "links in a loop, not connected to 'a': b, c",
         ),
+        ('<link name="a"/><link name="a"/>', "there are two of link 'a': expected each name once"),
+        (
+            '<link name="a"/><link name="b"/><link name="c"/>'
+            + TURNING.format("j", "a", "b")
+            + TURNING.format("j", "b", "c"),
+            "there are two of joint 'j'",
+        ),
     ],
 )
 def test_it_is_refused(tmp_path: Path, body: str, words: str) -> None:
     (tmp_path / "arm.urdf").write_text(f"<robot name='arm'>{body}</robot>")
+    with pytest.raises(InvalidInput, match=words):
+        read_urdf(tmp_path / "arm.urdf")
+
+
+def test_what_does_not_move_is_refused_by_the_name_of_its_file(tmp_path: Path) -> None:
+    (tmp_path / "post.urdf").write_text(f"<robot name='arm'>{SPHERE.format('a', '0.1')}</robot>")
+    with pytest.raises(InvalidInput, match=r"^post\.urdf: no joint moves 'a'"):
+        robot(tmp_path / "post.urdf")
+
+
+@pytest.mark.parametrize(
+    ("scale", "words"),
+    [
+        ("", "looks like millimetres; expected metres, or scale="),
+        ('scale="0 0 0"', "expected numbers other than 0, found '0 0 0'"),
+        ('scale="0.001 0.001 0.001"', ""),
+    ],
+)
+def test_a_mesh_in_millimetres_says_so(tmp_path: Path, scale: str, words: str) -> None:
+    trimesh.creation.box((80.0, 80.0, 300.0)).export(tmp_path / "link.stl")
+    shape = f'<geometry><mesh filename="link.stl" {scale}/></geometry>'
+    mesh = f'<link name="a"><collision>{shape}</collision></link>'
+    (tmp_path / "arm.urdf").write_text(f"<robot name='arm'>{mesh}</robot>")
+    if not words:
+        assert np.ptp(read_urdf(tmp_path / "arm.urdf").links["a"].parts[0], axis=0) == pytest.approx(
+            [0.08, 0.08, 0.3]
+        )
+        return
     with pytest.raises(InvalidInput, match=words):
         read_urdf(tmp_path / "arm.urdf")

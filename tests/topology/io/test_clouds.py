@@ -228,5 +228,7 @@ def test_a_zip_of_other_things_and_a_name_given_twice_are_refused(tmp_path: Path
 
 
 def test_a_missing_path_is_refused(tmp_path: Path) -> None:
+    with pytest.raises(InvalidInput, match="cannot be read: File name too long"):
+        load_scene(tmp_path / ("a" * 300))
     with pytest.raises(InvalidInput, match="no such file or folder"):
         load_scene(tmp_path / "nothing.npz")

@@ -251,3 +251,36 @@ def test_of_two_masks_that_overlap_the_smaller_is_in_front() -> None:
 def test_masks_that_are_none_are_refused(segmentation, words: str) -> None:
     with pytest.raises(InvalidInput, match=words):
         scene_from_coco(boxes()[0], K, [{"segmentation": segmentation}])
+
+
+def test_one_name_alone_may_be_fixed() -> None:
+    told = {"table": table(), "low": block(SIZE / 2), "top": block(1.5 * SIZE)}
+    assert scene_from_objects(told, fixed="table", up=[0, 0, 1]).fixed == {"table"}
+    labels = np.repeat([1, 2], [len(table()), 8])
+    points = np.concatenate([table(), np.asarray(block(SIZE / 2).vertices)])
+    assert scene_from_points(points, labels, names={1: "table"}, fixed="table").fixed == {"table"}
+
+
+POLYGON = {"segmentation": [[2, 2, 8, 2, 8, 8]], "category_id": 1}
+
+
+@pytest.mark.parametrize(
+    ("annotations", "categories", "words"),
+    [
+        ({"annotations": [POLYGON]}, (), "annotations: expected a list"),
+        ([5], (), "annotations: expected a list"),
+        ([{**POLYGON, "category_id": "x"}], (), "annotation 0: category_id"),
+        ([POLYGON], [{"id": 1}], "categories: expected"),
+        ([POLYGON], [5], "categories: expected"),
+        ([{"segmentation": [["a"] * 6]}], (), "annotation 0: its polygon holds text"),
+        (
+            [{"segmentation": {"size": [10, 10], "counts": [float("nan")]}}],
+            (),
+            "annotation 0 holds what is no",
+        ),
+        ([{"segmentation": {"size": "10", "counts": [100]}}], (), "annotation 0 is of the size 10"),
+    ],
+)
+def test_what_is_not_of_coco_is_refused(annotations: object, categories: object, words: str) -> None:
+    with pytest.raises(InvalidInput, match=words):
+        scene_from_coco(np.ones((10, 10)), np.diag([50.0, 50.0, 1.0]), annotations, categories)  # type: ignore
