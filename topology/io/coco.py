@@ -53,8 +53,7 @@ def scene_from_coco(
     if image.ndim != 2:
         raise InvalidInput(f"depth has shape {image.shape}: expected an image (H, W) in metres")
     kinds = _kinds(categories)
-    if not isinstance(annotations, Sequence) or not all(isinstance(each, Mapping) for each in annotations):
-        raise InvalidInput("annotations: expected a list of {'segmentation', 'category_id'}, as of one image")
+    _check_annotations(annotations)
     masks = [
         mask_of(each.get("segmentation"), image.shape, f"annotation {k}")
         for k, each in enumerate(annotations)
@@ -75,6 +74,12 @@ def scene_from_coco(
     parts = Parts(dict(clouds), fixed, up, seen.viewpoint, images=(seen,), background=seen.background())
     parts.notes = notes
     return assemble(parts, [], None)
+
+
+def _check_annotations(annotations: object) -> None:
+    """Refuse what is no list of annotations, as a whole COCO file read from JSON."""
+    if not isinstance(annotations, Sequence) or not all(isinstance(each, Mapping) for each in annotations):
+        raise InvalidInput("annotations: expected a list of {'segmentation', 'category_id'}, as of one image")
 
 
 def _kinds(categories: Mapping[int, str] | Sequence[Mapping[str, Any]]) -> dict[int, str]:
