@@ -66,7 +66,7 @@ class ModelFit(ByValue):
         residual: Root mean square distance of the seen points from the model's surface [m], without the
             farthest tenth, which fly at outlines.
         close: Share of the seen points within 3 mm of the model's surface.
-        shown: Share of the model's surface that was seen.
+        shown: Share of the model's surface within 8 mm of a seen point: of thin things both sides.
         through: Of the model's points that were seen or looked through, the share of the latter.
         rival: How far another pose that fits as well would put the surface from here, but for its ends [m]; 0
             where there is none.
