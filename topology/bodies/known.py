@@ -245,7 +245,8 @@ class _Search:
         away, nearest = self._near.query(here)
         offset = here - self._points[nearest]
         off = np.abs(np.einsum("ni,ni->n", offset, self._model.normals[nearest]))
-        off = np.where(np.asarray(away) < CLOSE, off, away)  # to the surface between its points
+        beside = 2.0 * float(np.median(self._near.query(self._some[:300], k=2)[0][:, 1]))
+        off = np.where(np.asarray(away) < max(CLOSE, beside), off, away)  # to the surface between its points
         best = np.sort(off)[: max(1, int(TRIMMED * len(off)))]
         bad, drawn = (each[0] for each in self._contradicted(to_model[None], self._some))
         shown = lengths(drawn - self._some) < OFF
