@@ -5,6 +5,7 @@ from typing import TYPE_CHECKING
 from topple.topology.lazy_names import lazy_names
 
 if TYPE_CHECKING:
+    from topple.topology.bodies.known import ModelFit
     from topple.topology.errors import InvalidInput, NotInstalled, ToppleError, UnknownObject
     from topple.topology.geometry.hull import Hull
     from topple.topology.geometry.thin import thinned
@@ -14,6 +15,7 @@ if TYPE_CHECKING:
     from topple.topology.io.coco import scene_from_coco
     from topple.topology.io.objects import scene_from_objects, scene_from_points
     from topple.topology.merging.merge import MergedViews, merge_views
+    from topple.topology.models import with_models
     from topple.topology.pair import PairRelation
     from topple.topology.relations import Relations, relate, relate_all
     from topple.topology.scene import Mesh, Scene
@@ -26,6 +28,7 @@ __all__ = [
     "InvalidInput",
     "MergedViews",
     "Mesh",
+    "ModelFit",
     "NotInstalled",
     "PairRelation",
     "Parts",
@@ -46,11 +49,13 @@ __all__ = [
     "scene_from_objects",
     "scene_from_points",
     "thinned",
+    "with_models",
 ]
 
 __getattr__ = lazy_names(
     __name__,
     {
+        "bodies.known": "ModelFit",
         "errors": "InvalidInput NotInstalled ToppleError UnknownObject",
         "geometry.hull": "Hull",
         "geometry.thin": "thinned",
@@ -60,6 +65,7 @@ __getattr__ = lazy_names(
         "io.coco": "scene_from_coco",
         "io.objects": "scene_from_objects scene_from_points",
         "merging.merge": "MergedViews merge_views",
+        "models": "with_models",
         "pair": "PairRelation",
         "relations": "Relations relate relate_all",
         "scene": "Mesh Scene",

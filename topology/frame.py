@@ -22,4 +22,5 @@ def in_frame(scene: Scene, pose_scene_to_frame: FloatArray, up: FloatArray) -> S
         assumptions=scene.assumptions,
         masses=scene.masses,
         friction=scene.friction,
+        models={name: fit.moved(pose_scene_to_frame) for name, fit in scene.models.items()},
     )

@@ -10,6 +10,7 @@ from numpy.typing import ArrayLike
 from topple.topology.amounts import as_friction, as_masses
 from topple.topology.arrays import FloatArray, IntArray, frozen_int
 from topple.topology.bodies.background import find_table, note_of
+from topple.topology.bodies.known import ModelFit
 from topple.topology.checks import as_direction, as_name, as_points, as_pose, as_viewpoints, numeric
 from topple.topology.errors import InvalidInput, UnknownObject
 from topple.topology.geometry.plane import TABLE, table_by_name, up_from_fixed
@@ -68,6 +69,7 @@ class Scene(ByValue):
         masses: Masses in [kg] of the objects that were weighed; any others are guessed from their volume.
         friction: Coulomb coefficients of the surfaces of the objects that were tried: two that touch have
             the product (`topple.topology.statics.matter`).
+        models: How known models were laid onto what was seen of objects (`topple.topology.with_models`).
     """
 
     clouds: Mapping[str, FloatArray]
@@ -80,6 +82,7 @@ class Scene(ByValue):
     assumptions: tuple[str, ...]
     masses: Mapping[str, float]
     friction: Mapping[str, float]
+    models: Mapping[str, ModelFit]
 
     def __init__(
         self,
@@ -93,6 +96,7 @@ class Scene(ByValue):
         assumptions: Iterable[str] = (),
         masses: Mapping[str, float] | None = None,
         friction: Mapping[str, float] | None = None,
+        models: Mapping[str, ModelFit] | None = None,
     ) -> None:
         """Check everything and keep read-only copies.
 
@@ -107,10 +111,11 @@ class Scene(ByValue):
             assumptions: Sentences on what was assumed.
             masses: Masses in [kg], above 0, of objects that have a cloud; of all, of some or of none.
             friction: Coulomb coefficients, 0 to 10, of the surfaces of objects that have a cloud.
+            models: Fits of known models to objects that have a cloud.
 
         Raises:
             InvalidInput: If anything is not what it should be; names the object.
-            UnknownObject: If `fixed`, `meshes`, `masses` or `friction` name an object without a cloud.
+            UnknownObject: If any of these names an object without a cloud.
         """
         if not clouds:
             raise InvalidInput("the scene has no objects: expected at least one named cloud (N, 3) in metres")
@@ -119,9 +124,10 @@ class Scene(ByValue):
         for name in fixed:
             if name not in checked:
                 raise UnknownObject(name, checked, role="fixed object")
-        for name in meshes or {}:
-            if name not in checked:
-                raise UnknownObject(name, checked, role="object with a mesh")
+        for role, named in (("object with a mesh", meshes), ("object with a model", models)):
+            for name in named or {}:
+                if name not in checked:
+                    raise UnknownObject(name, checked, role=role)
         if not images:  # whose depths are held against what a camera reaches
             _check_unit({name: points for name, points in checked.items() if name not in fixed})
         notes = [assumptions] if isinstance(assumptions, str) else list(assumptions)
@@ -141,12 +147,14 @@ class Scene(ByValue):
         put(self, "assumptions", tuple(dict.fromkeys(notes)))
         put(self, "masses", as_masses(masses, checked))
         put(self, "friction", as_friction(friction, checked))
+        put(self, "models", FrozenDict(dict(models or {})))
 
     def __reduce__(self) -> tuple[object, ...]:
         """Pickle by parts, so that a scene can go to another process."""
         clouds, fixed = dict(self.clouds), self._fixed_in_order()
         parts = (clouds, fixed, self.up, self.viewpoints, self.images, dict(self.meshes), self.robot_base)
-        return (Scene, (*parts, self.assumptions, dict(self.masses), dict(self.friction)))
+        amounts = (dict(self.masses), dict(self.friction))
+        return (Scene, (*parts, self.assumptions, *amounts, dict(self.models)))
 
     def _repr_html_(self) -> str | None:
         """What a notebook shows."""
@@ -211,6 +219,15 @@ class Scene(ByValue):
         """Names of the objects that can be taken, in the order given."""
         return tuple(name for name in self.clouds if name not in self.fixed)
 
+    @property
+    def whole(self) -> frozenset[str]:
+        """Names of the objects whose clouds are known models: nothing of them is hidden."""
+        return frozenset(name for name, fit in self.models.items() if fit.refused is None)
+
+    def seen(self, name: str) -> FloatArray:
+        """Points (N, 3) [m] that were seen of an object: its cloud, or what a model took the place of."""
+        return self.models[name].seen if name in self.models else self.clouds[name]
+
     def upright(self) -> "Scene":
         """Find the upward direction from the plane of a fixed object, where none is known.
 
@@ -244,7 +261,7 @@ class Scene(ByValue):
         """Give an object a new cloud, or add one.
 
         Args:
-            name: The object; one already there keeps its place, mass and friction, and loses its mesh.
+            name: The object; one already there keeps its place, mass and friction, and loses mesh and model.
             points: Its points (N, 3) in [m].
 
         Returns:
@@ -254,7 +271,8 @@ class Scene(ByValue):
             InvalidInput: If the cloud is not what it should be.
         """
         clouds = {**self.clouds, as_name(name): as_points(points, f"cloud {name!r}")}
-        return self._changed(clouds=FrozenDict(clouds), meshes=_except(name, self.meshes))
+        meshes, models = _except(name, self.meshes), _except(name, self.models)
+        return self._changed(clouds=FrozenDict(clouds), meshes=meshes, models=models)
 
     def without(self, name: str) -> "Scene":
         """Take an object out of the scene.
@@ -280,6 +298,7 @@ class Scene(ByValue):
             meshes=_except(name, self.meshes),
             masses=_except(name, self.masses),
             friction=_except(name, self.friction),
+            models=_except(name, self.models),
         )
 
     def weighed(

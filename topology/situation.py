@@ -114,7 +114,8 @@ class Situation:
         if not len(self.scene.viewpoints):
             return self.solids
         to_world = self.statics.upright.rotation  # of rows
-        surfaces = {name: self.surfaces[name] @ to_world for name in self.movable}
+        guessed = [name for name in self.movable if name not in self.scene.whole]
+        surfaces = {name: self.surfaces[name] @ to_world for name in guessed}
         return completed_bodies(self.scene.clouds, self.solids, surfaces)
 
     @property
@@ -180,7 +181,9 @@ class Situation:
         return replace(
             self,
             known_solids=self.solids,
-            known_completed=with_level_undersides(self.completed, self.movable, self.up),
+            known_completed=with_level_undersides(
+                self.completed, set(self.movable) - self.scene.whole, self.up
+            ),
         )
 
     def between(self, a: str, b: str) -> Evidence:

@@ -35,6 +35,7 @@ class Upright:
         tops: Fixed name -> (N, 3) points of each of its tops [m], thinned as the cloud is.
         rest: Fixed name -> (M, 3) points of it that lie on no top [m].
         friction: name -> coefficient of its surface, where it has been tried.
+        whole: Names of what is a known model, of which nothing is hidden.
     """
 
     rotation: FloatArray
@@ -45,6 +46,7 @@ class Upright:
     tops: Mapping[str, tuple[FloatArray, ...]]
     rest: Mapping[str, FloatArray]
     friction: Mapping[str, float] = field(default_factory=lambda: FrozenDict({}))
+    whole: frozenset[str] = frozenset()
 
     @property
     def movable(self) -> tuple[str, ...]:
@@ -111,6 +113,7 @@ class Upright:
             tops=FrozenDict(tops),
             rest=FrozenDict(rest),
             friction=scene.friction,
+            whole=scene.whole,
         )
 
 

@@ -54,7 +54,13 @@ OPTIONS: dict[str, dict[str, Any]] = {
         "metavar": "N",
         "help": "which image of a BOP scene or frame of a recording (its first)",
     },
-    "--models": {**_SWITCH, "default": None, "help": "the models of a BOP scene, not its depth"},
+    "--models": {
+        "nargs": "?",
+        "const": True,
+        "metavar": "DIR",
+        "help": "known models, NAME.obj or NAME/mesh.obj: each takes the place of what was seen of the "
+        "object of its name where it fits; without DIR the models of a BOP scene, not its depth",
+    },
     "--depth": {
         "metavar": "TOPIC",
         "help": "topic of a recording's depth images, or clouds with labels (the only one)",

@@ -51,7 +51,8 @@ def scene_paths(args: argparse.Namespace, *, many: bool = True) -> list[str]:
     """Say which scenes were meant.
 
     A list option before the scene swallows it, `--fixed 1 scene.npz`: from the first value on that is an
-    existing scene file (or, with no scene given otherwise, that exists at all), its values are scenes.
+    existing scene file (or, with no scene given otherwise, that exists at all), its values are scenes. So is
+    what `--models` swallows, which needs no folder.
 
     Args:
         args: The parsed arguments; `scenes` and the list options are put right.
@@ -69,6 +70,9 @@ def scene_paths(args: argparse.Namespace, *, many: bool = True) -> list[str]:
         start = next((i for i in range(1, len(names)) if _is_scene(names[i], anything=not paths)), len(names))
         paths += names[start:]
         del names[start:]
+    models = getattr(args, "models", None)
+    if isinstance(models, str) and (_is_scene(models, anything=not paths) or _is_bop(models)):
+        paths, args.models = [*paths, models], True
     if not paths:
         args.parser.error("no scene given: expected an .npz, an .npy or a folder")
     if len(paths) > 1 and not many:
@@ -81,6 +85,10 @@ def _is_scene(value: str, *, anything: bool) -> bool:
     return os.path.exists(value) and (anything or value.lower().endswith(_SCENE_SUFFIXES))
 
 
+def _is_bop(value: str) -> bool:
+    return os.path.exists(os.path.join(value, "scene_gt.json"))
+
+
 @dataclass(frozen=True)
 class Reading:
     """How scenes are read, as the options say; it can go to another process.
@@ -90,7 +98,7 @@ class Reading:
         up: Direction against gravity, or None.
         most_bytes: What a file may unpack to, or None for as much as is usual.
         allow_outside: Whether scene.json may name files that are not below its folder.
-        options: What was given of the options that one format alone has.
+        options: What was given of the options that one format alone has, and the folder of known models.
     """
 
     fixed: tuple[str, ...]

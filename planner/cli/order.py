@@ -2,7 +2,7 @@
 
 import argparse
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import partial
 from typing import TYPE_CHECKING, Any
 
@@ -14,6 +14,7 @@ from topple.planner.cli.options import Reading, finished, orderer_of, rule_of, s
 from topple.planner.cli.progress import Progress
 from topple.planner.cli.robot_options import arm_of
 from topple.planner.cli.tables import (
+    models_in,
     print_assumptions,
     print_build,
     print_moves,
@@ -146,7 +147,8 @@ def _answer(
     from topple.topology.situation import Situation
 
     scene = reading.scene(path)
-    return ask(Situation.of(scene, None if relating is None else relating(scene)))
+    answer = ask(Situation.of(scene, None if relating is None else relating(scene)))
+    return replace(answer, document={**answer.document, **models_in(scene)})
 
 
 def _ordered(

@@ -10,7 +10,7 @@ from topple.planner.cli.main import DONE
 from topple.planner.cli.many import Kept, for_each_scene, kept_in
 from topple.planner.cli.options import Reading, rule_of, scene_paths
 from topple.planner.cli.progress import Progress
-from topple.planner.cli.tables import print_assumptions, print_relations
+from topple.planner.cli.tables import models_in, print_assumptions, print_relations
 from topple.planner.tolerances import ALL_PAIRS_UP_TO
 
 
@@ -59,7 +59,7 @@ def _document(reading: Reading, options: dict[str, Any], all_pairs: bool, path: 
     scene = reading.scene(path)
     relations = relate(scene, **options)
     told = relations.to_json(far=all_pairs or len(scene.names) <= ALL_PAIRS_UP_TO)
-    return {**told, "assumptions": list(scene.assumptions)}
+    return {**told, "assumptions": list(scene.assumptions), **models_in(scene)}
 
 
 def _show(as_json: bool, kept: Kept | None, path: str, document: dict[str, Any]) -> int:

@@ -9,6 +9,7 @@ from topple.planner.cli.console import print_json, print_text
 from topple.planner.cli.main import DONE
 from topple.planner.cli.options import orderer_of, read_scene, rule_of, scene_paths
 from topple.planner.cli.progress import Progress
+from topple.planner.cli.tables import models_in, print_assumptions
 from topple.planner.files import check_writable, write_whole
 from topple.topology.errors import InvalidInput
 
@@ -58,13 +59,14 @@ def execute(args: argparse.Namespace) -> int:
         write_whole(place, _drawn(place, Path(path).name, scene, relations, order, progress))
     if args.json:
         document = {"format": "topple.show", "format_version": 1, "scene": path, "file": str(place)}
-        print_json({**document, "ordered": order is not None})
+        print_json({**document, "ordered": order is not None, **models_in(scene)})
     else:
         print_text(f"{place}: {len(scene.names)} objects{'' if order else ', no order'}")
         if order is None:
             print_text(
                 "The scene does not say where up is: give it with --up 0 0 1, and the order is drawn too."
             )
+        print_assumptions(list(scene.assumptions) if scene.models else [])
     return DONE
 
 

@@ -2,10 +2,13 @@
 
 from collections.abc import Mapping
 from math import degrees, radians
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from topple.planner.cli.console import print_table, print_text
 from topple.topology.rounded import rounded
+
+if TYPE_CHECKING:
+    from topple.topology.scene import Scene
 
 Document = Mapping[str, Any]
 
@@ -186,6 +189,12 @@ def _action(number: int, step: Document) -> tuple[str, ...]:
         relations,
         f"{step['seconds']:.1f}",
     )
+
+
+def models_in(scene: "Scene") -> dict[str, Any]:
+    """The fits of known models, as an entry of a document; none where no models were given."""
+    fits = [{"object": name, **fit.to_json()} for name, fit in scene.models.items()]
+    return {"models": fits} if fits else {}
 
 
 def print_assumptions(assumptions: list[str]) -> None:

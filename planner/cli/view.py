@@ -8,6 +8,7 @@ from topple.planner.cli.console import print_json, print_text
 from topple.planner.cli.main import DONE
 from topple.planner.cli.options import orderer_of, read_plan, read_scene, rule_of, scene_paths
 from topple.planner.cli.progress import Progress
+from topple.planner.cli.tables import print_assumptions
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
@@ -45,6 +46,7 @@ def execute(args: argparse.Namespace) -> int:
             print_json({"format": "topple.view", "format_version": 1, "scene": path, "url": page.url})
         else:
             print_text(f"{path} at {page.url} (Ctrl-C ends it)")
+            print_assumptions(list(scene.assumptions) if scene.models else [])
         sys.stdout.flush()
         page.wait()
     except KeyboardInterrupt:  # the way to end it

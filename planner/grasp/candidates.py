@@ -87,7 +87,7 @@ def grasp_candidates(
     surface = surface_of(
         scene.clouds[name],
         up,
-        scene.viewpoints,
+        None if name in scene.whole else scene.viewpoints,
         situation.completed[name],
         around.points,
         scene.images,

@@ -119,8 +119,10 @@ def rebuild(statics: Statics, jitter: float = 0.0, seed: int = 0) -> Rebuilt:
 def _shape(name: str, statics: Statics) -> Shape:
     """The pieces of a body: thin ones where it is hollow, or where other things are in its hull."""
     surface, seen = statics.surfaces[name], statics.upright.clouds[name]
-    if is_hollow(seen, statics.sight) or _intruded(solid(seen, seen)[0], name, statics):
-        return shell(surface, seen, statics.upright.viewpoints)
+    whole = name in statics.upright.whole
+    sight, viewpoints = (None, None) if whole else (statics.sight, statics.upright.viewpoints)
+    if is_hollow(seen, sight) or _intruded(solid(seen, seen)[0], name, statics):
+        return shell(surface, seen, viewpoints)
     return solid(surface, seen)
 
 

@@ -18,6 +18,7 @@ FILES = {
     "pictures": ["topology/io/picture.py"],
     "BOP": ["topology/io/bop.py"],
     "rosbag": ["topology/io/bag.py"],
+    "folders of known models": ["topology/io/models.py"],
     "COCO": ["topology/io/coco.py"],
     "grasps": ["planner/grasp/foreign.py"],
     "labels": ["benchmarks/labels.py"],

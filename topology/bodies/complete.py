@@ -111,8 +111,8 @@ def complete(upright: Upright, sight: FreeSpace | None) -> Mapping[str, FloatArr
 
     Bodies without a cavity are taken to be symmetric about the centre of their box, hollow ones about
     the axis of their opening; both are closed from below by their hull. Nothing is put where a camera
-    saw through. Clouds that show their undersides stay as they are, and so do those of bodies that are
-    too large to be taken.
+    saw through. Clouds that show their undersides stay as they are, and so do known models and bodies that
+    are too large to be taken.
 
     Args:
         upright: The upright scene.
@@ -123,8 +123,8 @@ def complete(upright: Upright, sight: FreeSpace | None) -> Mapping[str, FloatArr
     """
     done: dict[str, FloatArray] = {}
     for name, points in upright.clouds.items():
-        fixed = name in upright.fixed
-        done[name] = points if fixed else complete_body(points, sight, upright.floor_under(points))
+        known = name in upright.fixed or name in upright.whole
+        done[name] = points if known else complete_body(points, sight, upright.floor_under(points))
     return done
 
 

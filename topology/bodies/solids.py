@@ -88,7 +88,7 @@ def standing_parts(name: str, scene: Scene) -> tuple[FloatArray, ...]:
         (V, 3) vertices of each part.
     """
     up = up_of(scene)
-    gap = hidden_depth(name, scene, up)
+    gap = 0.0 if name in scene.whole else hidden_depth(name, scene, up)
     return tuple(drawn_down(part, gap, up) for part in parts_of(scene.clouds[name], scene))
 
 

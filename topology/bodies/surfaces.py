@@ -54,7 +54,8 @@ class Surfaces:
         upright, scene = self.upright, self.scene
         if upright.viewpoints is None or scene is None:
             return None
-        return FreeSpace(upright.clouds, upright.viewpoints, scene.images, upright.rotation)
+        seen = {name: scene.seen(name) @ upright.rotation.T for name in scene.whole}
+        return FreeSpace({**upright.clouds, **seen}, upright.viewpoints, scene.images, upright.rotation)
 
     def among(self, names: Collection[str]) -> dict[str, FloatArray]:
         """Upright points (N, 3) [m] of the whole surfaces, by name."""

@@ -73,6 +73,84 @@ SPACING = 0.006
 """[m] between the points of an underside that is looked at."""
 
 
+# -- known
+
+ORIENTATIONS = 576
+"""Orientations tried: each is within some 20 degrees of one of them, and a fit settles from as far."""
+
+STAGES = (
+    (40, 48, 6, 0.03, False),
+    (16, 150, 8, 0.02, True),
+    (6, 400, 12, 0.008, True),
+)
+"""Of each stage the poses kept, the points of either side looked at, the rounds, from where on points are not
+matched [m], and whether points of the model that cannot be there count: from outlines down to depth noise."""
+
+SLIDING = 0.1
+"""Weight of a match's way along the surface, where its way to the surface weighs 1: points between the
+model's own hold a fit back."""
+
+AGAINST = 1.0
+"""A point of the model that cannot be there counts as much as one that was seen and is far from it."""
+
+OFF = 0.008
+"""[m] from where on a seen point is simply off: four times the noise of a depth camera."""
+
+CLOSE = 0.003
+"""[m] within which a seen point is on the model: twice the noise of a depth camera at 1 m."""
+
+TRIMMED = 0.9
+"""Share of the seen points whose distances make the residual: a tenth may fly at outlines."""
+
+ALIKE = 0.02
+"""Costs that differ by less are of poses that fit alike."""
+
+SETTLED = 0.15
+"""Cost of a fit from which on it is looked for again, from more places: right ones cost a third."""
+
+MOST_STARTS, FEW = 1000, 48
+"""Poses that are followed then, and the points by which they are chosen."""
+
+SLIDES = (-0.5, -0.25, -0.12, 0.12, 0.25, 0.5)
+"""Shares of a model's extents by which fits are shifted: what hides an end hides how far it reaches."""
+
+ALL_BUT_ENDS = 0.95
+"""Share of a surface that tells how far it is from another: a shift along a rod moves its ends alone."""
+
+FARTHEST_STEP = 0.3
+"""Largest turn [rad] of one round, beyond which its equations, linear in turns, say little."""
+
+TOLD_APART_BY = 4
+"""Poses looked at for each that is kept: many are one and the same."""
+
+SEEN_SPACING = 0.003
+"""[m] of the seen points that a model is registered with: what a depth camera sees at 1.5 m."""
+
+SEEN_THROUGH = 0.006
+"""[m] by which a camera saw further than a point of a model that cannot be there: three times its noise."""
+
+AGREED = 0.3
+"""Length of the mean of the directions that cameras look in from which on they have a side in common."""
+
+INTO = 0.008
+"""[m] by which a model may be in what it stands on: noise of both."""
+
+MODEL_FEWEST = 40
+"""Points that were seen of an object, 3 mm apart, for its model to be registered: a square of 2 cm."""
+
+MODEL_RESIDUAL = 0.0035
+"""Largest residual of a fit [m]: noise of a depth camera leaves 1 to 2 mm, another shape more."""
+
+MODEL_CLOSE = 0.8
+"""Smallest share of the seen points within 3 mm of the model: nine tenths are, but for flying ones."""
+
+MODEL_THROUGH = 0.08
+"""Largest share of the model that may be where cameras looked through: outlines are off by a pixel."""
+
+RIVAL = 0.01
+"""[m] between the surfaces of two poses that fit alike from which on neither is taken."""
+
+
 # -- parts
 
 FRACTIONS = (0.25, 0.5, 0.75)

@@ -200,12 +200,16 @@ _DECLARED: dict[str, Callable[[Path, str], None]] = {
 
 def sampled_mesh(vertices: FloatArray, faces: IntArray) -> FloatArray:
     """Points (N, 3) spread evenly over a mesh, always the same, its corners among them [m]."""
+    return np.concatenate([vertices[np.unique(faces)], spread_over(vertices, faces)[0]])
+
+
+def spread_over(vertices: FloatArray, faces: IntArray) -> tuple[FloatArray, IntArray]:
+    """Points (N, 3) spread evenly over a mesh [m], always the same, and (N,) the faces that they lie on."""
     first, second, third = (vertices[faces[:, corner]] for corner in range(3))
     areas = np.linalg.norm(np.cross(second - first, third - first), axis=1) / 2
     area = float(areas.sum())
-    corners = vertices[np.unique(faces)]
     if area <= 0.0:
-        return corners
+        return vertices[:0], np.empty(0, dtype=np.int64)
     count = int(np.clip(area / SAMPLE_SPACING**2, _FEWEST_SAMPLES, _MOST_SAMPLES))
     # Systematic draws along the cumulated area: as many on each face as its area asks for, within one.
     rng = np.random.default_rng(0)
@@ -214,5 +218,4 @@ def sampled_mesh(vertices: FloatArray, faces: IntArray) -> FloatArray:
     u, v = rng.random((2, count, 1))
     flipped = u + v > 1
     u, v = np.where(flipped, 1 - u, u), np.where(flipped, 1 - v, v)
-    inside = first[chosen] + u * (second - first)[chosen] + v * (third - first)[chosen]
-    return np.concatenate([corners, inside])
+    return first[chosen] + u * (second - first)[chosen] + v * (third - first)[chosen], chosen

@@ -54,6 +54,7 @@ def load_scene(
     up: ArrayLike | None = None,
     most_bytes: int | None = None,
     allow_outside: bool = False,
+    models: bool | str | os.PathLike[str] | None = None,
     **options: Any,
 ) -> Scene:
     """Read a scene from a file or a folder, told apart by content.
@@ -77,6 +78,9 @@ def load_scene(
         up: Direction (3,) against gravity.
         most_bytes: What the files may unpack to; half a gigabyte where None.
         allow_outside: Whether `files` of a scene.json may lie elsewhere than below its folder.
+        models: A folder of known models, which take the place of what was seen of objects of their names
+            where they fit (`topple.topology.with_models`); or whether the models of a BOP dataset are taken
+            at their true poses although there is depth.
         **options: What its format alone has: `image=3` for a BOP dataset and a recording.
 
     Returns:
@@ -88,12 +92,19 @@ def load_scene(
     """
     given_up = None if up is None else as_direction(up, "up")
     place = Path(path)
+    if isinstance(models, bool):
+        options["models"] = models
     try:
         with allowing(most_bytes, allow_outside):
             parts = _read(place, options)
-        return assemble(
-            parts, [fixed] if isinstance(fixed, str) else list(fixed), given_up if up is None else up
-        )
+            scene = assemble(
+                parts, [fixed] if isinstance(fixed, str) else list(fixed), given_up if up is None else up
+            )
+            if models is None or isinstance(models, bool):
+                return scene
+            from topple.topology.models import with_models  # which few ask for
+
+            return with_models(scene, models)
     except InvalidInput as error:
         _name_the_file(error, os.fspath(path))
         raise

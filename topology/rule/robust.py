@@ -112,7 +112,7 @@ class RobustRule:
         """Add the hidden contacts that gravity demands of the objects without their stray points."""
         kept = {one.name: one for one in relations.prepared if isinstance(one, SurfaceCloud)}
         for one in kept.values():
-            if one.dropped:
+            if one.dropped and one.name not in scene.whole:
                 scene = scene.with_cloud(one.name, one.points)
         if self.sight is None:
             return infer_contacts(scene, relations)
@@ -258,5 +258,5 @@ def seen_in(scene: Scene) -> FreeSpace | None:
 
 def seen_points(scene: Scene, name: str) -> FloatArray:
     """(N, 3) points of an object that end lines of sight [m]: a spread of them, of a dense cloud."""
-    cloud = scene.clouds[name]
+    cloud = scene.seen(name)
     return cloud[:: -(-len(cloud) // RAYS)]
