@@ -53,7 +53,8 @@ def scene_from_coco(
     if image.ndim != 2:
         raise InvalidInput(f"depth has shape {image.shape}: expected an image (H, W) in metres")
     kinds = _kinds(categories)
-    if not isinstance(annotations, Sequence) or not all(isinstance(each, Mapping) for each in annotations):
+    listed: Any = annotations  # whatever it is
+    if not isinstance(listed, Sequence) or not all(isinstance(each, Mapping) for each in annotations):  # pyright: ignore
         raise InvalidInput("annotations: expected a list of {'segmentation', 'category_id'}, as of one image")
     masks = [
         mask_of(each.get("segmentation"), image.shape, f"annotation {k}")
