@@ -72,7 +72,8 @@ def _numbers(given: object, names: Iterable[str], one: str, all_: str, expected:
             raise UnknownObject(str(name), known, role=f"object with a {one}")
         if isinstance(value, bool) or not isinstance(value, (int, float, np.integer, np.floating)):
             raise InvalidInput(f"{one} of {name!r} is {value!r}: expected a number, {expected}")
-        if not abs(value) < float_info.max:  # NaN, infinity, and whole numbers beyond all floats
+        number = float(value) if isinstance(value, np.floating) else value  # of other widths
+        if not abs(number) < float_info.max:  # NaN, infinity, and whole numbers beyond all floats
             raise InvalidInput(f"{one} of {name!r} is not finite: expected a number, {expected}")
         checked[name] = float(value)
     return FrozenDict(checked)

@@ -5,7 +5,7 @@ import importlib.util
 import math
 import sys
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, cast
 
 import msgspec
 
@@ -166,9 +166,11 @@ def arm_from(data: ArmData, name: str) -> "Arm":
 def _alike(told: Any, found: Any) -> bool:
     """Whether data are the same, but for last digits that another processor may find."""
     if isinstance(told, dict) and isinstance(found, dict):
-        return told.keys() == found.keys() and all(_alike(told[key], found[key]) for key in told)
+        a, b = cast(dict[str, Any], told), cast(dict[str, Any], found)
+        return a.keys() == b.keys() and all(_alike(a[key], b[key]) for key in a)
     if isinstance(told, list) and isinstance(found, list):
-        return len(told) == len(found) and all(map(_alike, told, found))
+        some, others = cast(list[Any], told), cast(list[Any], found)
+        return len(some) == len(others) and all(map(_alike, some, others))
     if isinstance(told, float) and isinstance(found, float):
         return math.isclose(told, found, rel_tol=ALIKE, abs_tol=ALIKE)
     return bool(told == found)

@@ -76,11 +76,13 @@ def order(
 
     Raises:
         InvalidInput: The scene has no `up`, or hangs in the air with it and would stand with another; nothing
-            in it can move, a target is fixed, or there is no hand.
+            in it can move, a target is fixed, there is no hand, or the risk is no chance.
         UnknownObject: A target is not in the scene.
     """
     if hands is not None and hands < 1:
         raise InvalidInput(f"hands is {hands}: expected how many there are, 1 or more")
+    if removal_risk is not None and not 0.0 <= removal_risk <= 1.0:
+        raise InvalidInput(f"removal_risk is {removal_risk}: expected a chance from 0 to 1")
     started = time.monotonic()
     fixture = frozenset([clamped] if isinstance(clamped, str) else clamped)
     if fixture and hands is None:

@@ -171,7 +171,9 @@ class _Pair:
         here, there = self._a.mean(axis=0), self._b.mean(axis=0)
         for k in range(HEADINGS):
             yield turned_to(about(self._up, 2.0 * np.pi * k / HEADINGS), here, there)
-        own, other = (np.linalg.svd(c - c.mean(axis=0), full_matrices=False)[2] for c in (self._a, self._b))
+        own, other = (
+            np.linalg.svd(c - c.mean(axis=0), full_matrices=len(c) < 3)[2] for c in (self._a, self._b)
+        )
         for order, signs in product(permutations(range(3)), product((1.0, -1.0), repeat=3)):
             rotation = other.T @ np.diag(signs) @ own[list(order)]
             if np.linalg.det(rotation) > 0.0:

@@ -219,3 +219,8 @@ def test_a_pair_is_carried_once_with_its_strongest_confidence() -> None:
         found = [s for s in support.supports(doubled, relate(scene)) if s.supported == "top"]
         assert [(s.supporter, s.inferred) for s in found] == [("low", False)]
     assert len(Situation(scene).supports) == 2
+
+
+def test_numbers_of_any_width_are_taken() -> None:
+    for kind in (np.float16, np.float32, np.float64, np.int8, int):
+        assert Scene({"cube": CUBE}, masses={"cube": kind(2)}).masses == {"cube": 2.0}

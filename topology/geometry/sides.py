@@ -26,8 +26,10 @@ def joggled_sides(points: FloatArray) -> FloatArray:
     """Find the sides of the convex hull of points (N, 3) [m], flat ones shifted by rounding errors first.
 
     Returns:
-        (F, 4) as `sides_of`.
+        (F, 4) as `sides_of`; of a line or a single point those of a thread or a grain of a micrometre.
     """
+    if len(points) < 4:
+        points = np.concatenate([points, *(points + 1e-6 * axis for axis in np.eye(3))])
     return np.asarray(ConvexHull(points, qhull_options="QJ").equations, dtype=np.float64)
 
 

@@ -62,7 +62,7 @@ def read_geometry(path: Path, what: str, unit: float = 1.0) -> Geometry:
 
 def is_cloud_text(path: Path) -> bool:
     """Tell a `.txt` that holds a cloud from notes: its first line with anything in it begins with x y z."""
-    with path.open(encoding="utf-8", errors="replace") as file:
+    with path.open(encoding="utf-8-sig", errors="replace") as file:
         for line in file:
             if values := _columns(line):
                 try:
@@ -80,7 +80,7 @@ def _columns(line: str) -> list[str]:
 def _read_xyz(path: Path, what: str) -> FloatArray:
     """Read x y z from the first three columns, apart by blanks, commas or semicolons; # starts a comment."""
     try:
-        text = path.read_text(encoding="utf-8")
+        text = path.read_text(encoding="utf-8-sig")
     except UnicodeDecodeError as error:
         raise InvalidInput(f"{what} is no text: expected one point x y z per line") from error
     lines = text.splitlines()

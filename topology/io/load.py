@@ -91,6 +91,8 @@ def load_scene(
         UnknownObject: If `fixed` names an object that is not there.
     """
     given_up = None if up is None else as_direction(up, "up")
+    if not os.fspath(path):
+        raise InvalidInput("the path of the scene is empty: expected that of a file or a folder")
     place = Path(path)
     if isinstance(models, bool):
         options["models"] = models

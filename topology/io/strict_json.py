@@ -29,7 +29,7 @@ def read_json(text: str, where: str) -> Any:
         return known
 
     try:
-        return json.loads(text, object_pairs_hook=without_doubles)
+        return json.loads(text.removeprefix("\ufeff"), object_pairs_hook=without_doubles)  # as editors begin
     except ValueError as error:  # a number of thousands of digits, too
         raise InvalidInput(f"{where} is not JSON: {error}") from error
     except RecursionError as error:

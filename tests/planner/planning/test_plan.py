@@ -274,3 +274,9 @@ def test_a_single_name_may_be_kept_upright() -> None:
     assert check_upright(stacked(), "upper") == {"upper"}
     with pytest.raises(UnknownObject, match="'glass'"):
         check_upright(stacked(), "glass")
+
+
+def test_beside_what_is_no_more_than_a_line_a_plan_is_checked_and_handed_on() -> None:
+    thread = np.linspace([0.0, 0.3, 0.001], [0.05, 0.3, 0.001], 50)
+    made = plan(stacked().with_cloud("thread", thread), ["upper"], ARM, base=BASE)
+    assert made.order == ["upper"] and "thread" in export(made, "moveit")

@@ -64,3 +64,9 @@ def test_a_round_thing_need_not_be_turned() -> None:
     turned = moved(whole, motion(2.0, 0.1, 0.0))
     fit = least(registered(whole, turned, UP), whole, whole, UP)
     assert fit.turn < np.radians(5.0) and fit.way == pytest.approx(0.1, abs=0.002)
+
+
+def test_two_points_are_a_thing_too() -> None:
+    ends = np.array([[0.25, 0.0, 0.0], [0.25, 0.0, 0.05]])
+    found = registered(ends, ends + np.array([0.1, 0.0, 0.0]), UP)
+    assert found.pose[:3, 3] == pytest.approx([0.1, 0.0, 0.0], abs=1e-3)

@@ -228,6 +228,8 @@ def test_a_zip_of_other_things_and_a_name_given_twice_are_refused(tmp_path: Path
 
 
 def test_a_missing_path_is_refused(tmp_path: Path) -> None:
+    with pytest.raises(InvalidInput, match="the path of the scene is empty"):
+        load_scene("")
     with pytest.raises(InvalidInput, match="cannot be read: File name too long"):
         load_scene(tmp_path / ("a" * 300))
     with pytest.raises(InvalidInput, match="no such file or folder"):

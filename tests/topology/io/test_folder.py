@@ -194,3 +194,13 @@ def test_two_files_of_one_name_and_an_empty_folder_are_refused(tmp_path: Path) -
     _box(tmp_path / "box.stl")
     with pytest.raises(InvalidInput, match=r"box\.obj and box\.stl are both object 'box'"):
         load_scene(tmp_path)
+
+
+def test_texts_may_begin_with_a_byte_order_mark(tmp_path: Path) -> None:
+    rows = "\n".join(" ".join(f"{value:.6f}" for value in row) for row in POINTS)
+    for name in ("mug.xyz", "cup.txt"):
+        (tmp_path / name).write_text(rows, encoding="utf-8-sig")
+    (tmp_path / "scene.json").write_text('{"up": [0, 0, 1]}', encoding="utf-8-sig")
+    scene = load_scene(tmp_path)
+    assert set(scene.names) == {"cup", "mug"} and scene.up is not None
+    assert all(np.allclose(cloud, POINTS, atol=1e-6) for cloud in scene.clouds.values())
