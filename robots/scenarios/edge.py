@@ -36,7 +36,10 @@ def _layout(
     turn = float(rng.choice([0.0, np.pi / 2]) + rng.uniform(-0.25, 0.25))
     deep = abs(long * np.sin(turn)) + abs(short * np.cos(turn))  # square to the table's edge
     middle = np.array([rng.uniform(-0.20, -0.07), left * (ASIDE - deep / 2 - rng.uniform(0.01, 0.08))])
-    world.add(book("book", (long, short, thick)), pose_at(*middle, 0.0, Rotation.from_euler("z", turn)))
+    world.add(
+        book("book", (long, short, thick)),
+        pose_at(float(middle[0]), float(middle[1]), 0.0, Rotation.from_euler("z", turn)),
+    )
     taken = [middle]
     bodies = [box("carton", CARTON), *(THINGS[k]() for k in rng.permutation(len(THINGS))[: 1 + on])]
     for number, body in enumerate(bodies):
@@ -45,7 +48,8 @@ def _layout(
         else:
             place = _beside(taken, left, *PLACES[number], rng)
             taken.append(place)
-        drop(world, body, *place.tolist(), Rotation.from_euler("z", rng.uniform(0, 2 * np.pi)))
+        heading = Rotation.from_euler("z", rng.uniform(0, 2 * np.pi))
+        drop(world, body, float(place[0]), float(place[1]), heading)
     settle(world)
     return "book on carton", ("book",)
 
