@@ -17,6 +17,7 @@ class Fallback(Word):
     ANOTHER_FIRST = "another first"
     MAKE_ROOM = "make room"
     OUT_OF_TURN = "out of turn"
+    TO_THE_EDGE = "to the edge"
     LOOK_LONGER = "look longer"
     EMPTY = "empty"
     PUSH = "push"
@@ -56,6 +57,10 @@ FALLBACKS: dict[Fallback, Description] = {
     Fallback.OUT_OF_TURN: Description(
         "no room can be made either",
         "takes the object against which the least likely dependencies speak",
+    ),
+    Fallback.TO_THE_EDGE: Description(
+        "no tool takes a thing where it lies, and nothing else can be done",
+        "pushes it along the table until it hangs over the edge, to be pinched there",
     ),
     Fallback.LOOK_LONGER: Description(
         "something is to go into a vessel that holds other things, and the best spots are not reached",

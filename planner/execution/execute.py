@@ -7,6 +7,7 @@ import numpy as np
 
 from topple.planner.execution.tolerances import (
     AT_HOME,
+    EARLY,
     JOINING,
     LETTING_GO,
     NOTHING,
@@ -20,6 +21,7 @@ from topple.planner.execution.tolerances import (
     TOUCHDOWN,
 )
 from topple.planner.formats.arm_motion import ArmMotion, Carry, Drive
+from topple.planner.grasp.grasp import GraspKind
 from topple.planner.grasp.tolerances import PRESS
 from topple.planner.motion.collision import Checker
 from topple.planner.motion.planner import MotionFailure, plan_motion
@@ -95,7 +97,7 @@ def execute(transfer: Transfer, robot: Driver, watch: Watch | None = None) -> Ou
         for segment in transfer.segments:
             if segment.kind is SegmentKind.RELEASE:
                 watch(LET_GO, segment.tool)
-            problem = _drive(segment, transfer.object, robot, pushed)
+            problem = _drive(segment, transfer, robot, pushed)
             if segment.trajectory is not None:
                 done.append(segment)
             if problem is not None:
@@ -112,7 +114,9 @@ def execute(transfer: Transfer, robot: Driver, watch: Watch | None = None) -> Ou
         words = " ".join(filter(None, (problem, text)))
         return Outcome(False, words, _tool_path(done, robot), True, _motion(transfer, ended, robot))
     kept = all(segment.kind is not SegmentKind.RELEASE for segment in transfer.segments)
-    put = f"{transfer.object} {'is held' if kept else 'was put down'}, {transfer.placement.rest}."
+    pushed_on = transfer.grasp.kind is GraspKind.PUSH
+    how = "was pushed" if pushed_on else "is held" if kept else "was put down"
+    put = f"{transfer.object} {how}, {transfer.placement.rest}."
     off = f"The arm was off its path during the {' and the '.join(pushed)}." if pushed else None
     text = " ".join(filter(None, (problem or put, off)))
     return Outcome(problem is None, text, _tool_path(done, robot), motion=_motion(transfer, ended, robot))
@@ -167,10 +171,11 @@ def retreat(done: list[Segment], robot: Driver) -> None:
     robot.open()
 
 
-def _drive(segment: Segment, name: str, robot: Driver, pushed: list[str]) -> str | None:
+def _drive(segment: Segment, transfer: Transfer, robot: Driver, pushed: list[str]) -> str | None:
     """Drives one segment; a sentence where it went wrong. Where the arm was pushed and went on is noted."""
+    name, held = transfer.object, transfer.grasp.kind is not GraspKind.PUSH
     if segment.kind is SegmentKind.GRASP:
-        return _take(segment, name, robot)
+        return _take(segment, name, robot) if held else None
     if segment.kind is SegmentKind.RELEASE:
         # what is held may be wider than it looked
         _let_go(robot, max(segment.hand.opening, robot.opening + RELEASE_GAP))
@@ -194,7 +199,7 @@ def _drive(segment: Segment, name: str, robot: Driver, pushed: list[str]) -> str
         lifting = segment.kind is SegmentKind.LIFT
         error = robot.follow(segment.trajectory, keep_offset=lifting)
         for _ in range(RESUMED):
-            if error <= OFF_COURSE or (segment.kind in WATCHED and not robot.holding):
+            if error <= OFF_COURSE or (held and segment.kind in WATCHED and not robot.holding):
                 break
             error = _resume(segment.trajectory, robot)
             if error <= OFF_COURSE:
@@ -202,10 +207,10 @@ def _drive(segment: Segment, name: str, robot: Driver, pushed: list[str]) -> str
     if (
         segment.kind is SegmentKind.APPROACH
         and segment.tool == ToolName.FINGERS
-        and _way_left(segment, robot) > SHALLOW
+        and _way_left(segment, robot) > (SHALLOW if held else EARLY)
     ):
         return f"the fingers met something on their way to {name}."
-    if segment.kind in WATCHED and not robot.holding:
+    if held and segment.kind in WATCHED and not robot.holding:
         return f"{name} slipped out of the hand during the {segment.kind}."
     if error > OFF_COURSE:
         return f"the arm was held up during the {segment.kind}."

@@ -10,6 +10,7 @@ from topple.planner.grasp.frames import frames
 from topple.planner.grasp.grasp import Grasp, GraspKind
 from topple.planner.grasp.hand import HandShape, hand_shape
 from topple.planner.grasp.load import chance_to_hold, cup_load, too_heavy, weight_of
+from topple.planner.grasp.overhangs import overhang_frames
 from topple.planner.grasp.pinch import Pinch, pinches
 from topple.planner.grasp.rims import rim_frames
 from topple.planner.grasp.score import HOLD, score_of
@@ -110,6 +111,7 @@ def grasp_candidates(
     sealed = sum(grasp.score >= tolerances.sure for grasp in found)
     if hand is not None and sealed < tolerances.enough_sealed:
         pinched = _pinch_grasps(name, surface, around, up, hand, tolerances, dropped)
+        pinched += _edge_grasps(name, situation, surface, around, hand, tolerances, dropped)
         hulls = [Hull.of(part) for part in situation.solids[name]]
         pierced = _pierced(pinched, hand, hulls, tolerances)
         clear = [grasp for grasp, bad in zip(pinched, pierced, strict=True) if not bad]
@@ -143,6 +145,27 @@ def _pinch_grasps(
         pinched = pinches(directions, surface, near, up, hand, tolerances, dropped)
         found += [_as_grasp(name, pinch) for pinch in pinched]
     return found
+
+
+def _edge_grasps(
+    name: str,
+    situation: Situation,
+    surface: Surface,
+    around: Surroundings,
+    hand: HandShape,
+    tolerances: GraspTolerances,
+    dropped: Dropped,
+) -> list[Grasp]:
+    """Pinches by a level hand where the object hangs over an edge: there is no ground below the hand."""
+    beyond = replace(around, floor=-np.inf)
+    return [
+        _as_grasp(name, pinch)
+        for directions in overhang_frames(name, situation)
+        for pinch in pinches(
+            directions, surface, beyond.near(directions.origin, tolerances.reach), situation.up, hand,
+            tolerances, dropped,
+        )
+    ]  # fmt: skip
 
 
 def _pierced(

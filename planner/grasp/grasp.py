@@ -19,6 +19,8 @@ class GraspKind(Word):
     """One finger inside it."""
     SUCTION = "suction"
     """The cup on a smooth patch."""
+    PUSH = "push"
+    """Both fingers against its side, open: nothing is held, and it goes only where they push it."""
 
 
 KINDS = tuple(GraspKind)
@@ -75,6 +77,11 @@ class Grasp(ByValue):
     def approach(self) -> FloatArray:
         """(3,) unit direction in the world along which the hand comes in."""
         return self.pose_tool_to_world[:3, 2]
+
+    @property
+    def closing(self) -> FloatArray:
+        """(3,) unit direction in the world along which the pads close."""
+        return self.pose_tool_to_world[:3, 1]
 
     def near(self, other: "Grasp", distance: float = 0.015, angle: float = 0.35) -> bool:
         """Whether another grasp takes hold at nearly the same place in nearly the same way.

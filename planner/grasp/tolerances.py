@@ -223,3 +223,18 @@ PAD_HALF = 0.01
 
 ROUGH = 1e-5
 """More than single precision is off by at the size of a hand [m]."""
+
+
+# -- overhangs
+
+HANGING = 0.02
+"""[m] that a thing hangs over an edge at least: a pad's length, most of it on the thing, before the table."""
+
+HANGING_BESIDE = 0.06
+"""[m] of the edge to either side of what hangs over it, where it is seen: below the thing it is hidden."""
+
+HANGING_DIRECTIONS = 72
+"""Directions across which edges are looked for: pads 5 degrees askew still lie flat on it."""
+
+HANGING_ASIDE = (0.0, 0.02, -0.02)
+"""[m] from the centre of mass along an edge, where a hand is tried: a pad's width apart."""

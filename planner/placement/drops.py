@@ -47,7 +47,7 @@ class Drops:
             )  # fmt: skip
             return Body.of(which, bodies[which], mass=mass, friction=friction)
 
-        self.name, self._level = name, _levelling(up)
+        self.name, self._level = name, levelling(up)
         self._world = World()
         for other in bodies:
             if other != name:
@@ -220,8 +220,8 @@ def standing(places: Sequence[Placement], name: str, situation: Situation) -> li
     return [*found, *falls]
 
 
-def _levelling(up: FloatArray) -> FloatArray:
-    """(4, 4) turn that brings up to z; its transpose is its inverse."""
+def levelling(up: FloatArray) -> FloatArray:
+    """(4, 4) turn that brings up (3,), a unit vector, to z; its transpose is its inverse."""
     axis = np.cross(up, [0.0, 0.0, 1.0])
     pose = np.eye(4)
     if np.linalg.norm(axis) < 1e-9:

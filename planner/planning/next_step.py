@@ -120,6 +120,8 @@ class StepChooser:
         ]
         if doubting and not (self.context.second and chosen.holds):
             options.append((Fallback.OUT_OF_TURN, lambda: self.out_of_turn(targets, action)))
+        if doubting:
+            options.append((None, lambda: self.over_the_edge(chosen, failures)))
         if (step := _first(options)) is not None:
             return step
         explained = tuple(self.transfers.explained(failure) for failure in failures)
@@ -188,6 +190,22 @@ class StepChooser:
                 if step is not None:
                     return step
         return None
+
+    def over_the_edge(self, chosen: Order, failures: Sequence[TransferFailure]) -> NextStep | None:
+        """The push over the table's edge, once, of an object that nothing takes where it lies."""
+        barred: list[TransferFailure] = []
+        for failure in failures:
+            name, got = failure.object, failure.furthest
+            flat = got is not None and got.step == SegmentKind.GRASP and got.check is Check.ROOM
+            if not flat or (name, Action.REMOVE) in self.context.done or name in self.context.grasps:
+                continue
+            found = self.transfers.over_the_edge(name)
+            if isinstance(found, Transfer):
+                return NextStep(
+                    found, Action.REMOVE, f"it is pinched at the table's edge then ({failure})", chosen
+                )
+            barred.append(found)
+        return self._make_room(barred)
 
     def _taken_away(self, other: str, barred: Collection[str], why: str) -> NextStep | None:
         """The first step to take an object away, once, that is about none of the barred ones."""
@@ -314,6 +332,7 @@ class _Placing:
             ]
         else:
             options.append((Fallback.PUT_ASIDE, self._aside))
+        options.append((None, self._over_the_edge))
         if (step := _first(options)) is not None:
             return step
         if self._stuck is not None:
@@ -362,6 +381,11 @@ class _Placing:
             if isinstance(found, Transfer):
                 return NextStep(found, Action.PLACE, why, self._chosen)
         return None
+
+    def _over_the_edge(self) -> NextStep | None:
+        """Pushed over the table's edge, once, to be pinched there."""
+        failures = [] if self._failure is None else [self._failure]
+        return self._chooser.over_the_edge(self._chosen, failures)
 
     def _aside(self) -> NextStep | None:
         """Put down on the table, once, to be taken otherwise."""

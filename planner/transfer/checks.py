@@ -5,11 +5,11 @@ from functools import cached_property
 
 import numpy as np
 
-from topple.planner.grasp.grasp import Grasp
+from topple.planner.grasp.grasp import Grasp, GraspKind
 from topple.planner.motion.collision import Checker
 from topple.planner.motion.model import Attachment
 from topple.planner.placement.placement import Placement
-from topple.planner.transfer.tolerances import CONTACT, OPENING_STEP, RELEASE_GAP
+from topple.planner.transfer.tolerances import CONTACT, OPENING_STEP, RELEASE_GAP, UPRIGHT
 from topple.robots.arm.arm import Arm
 from topple.robots.arm.gripper import ToolName, ToolState
 from topple.robots.collision.fcl_bodies import apart
@@ -63,11 +63,13 @@ class Checks:
     def released(self, grasp: Grasp, into: str | None) -> ToolState:
         """After letting go: wide open, so that the object stays where it is when the hand leaves.
 
-        In a vessel only as far as it takes: fingers would push aside what else is in it.
+        In a vessel only as far as it takes: fingers would push aside what else is in it. A level hand, whose
+        lower finger is below the object, opens wide everywhere, or it would draw the object along.
         """
         if grasp.tool == ToolName.SUCTION:
             return self.ready(grasp)
-        if into is not None:
+        below = grasp.kind is GraspKind.PINCH and abs(float(grasp.closing @ self.up)) > UPRIGHT
+        if into is not None and not below:
             return ToolState(_rounded(grasp.width + RELEASE_GAP, self.arm))
         return self.arm.open_hand
 
@@ -100,6 +102,11 @@ class Checks:
             allow += _pairs(self._links(grasp), [o for o in self.others if o in self.scene.movable])
         held = self._attached(grasp)
         return self._checker(self.others, self.closed(grasp), attached=held, allow=allow)
+
+    def sliding(self, grasp: Grasp) -> Checker:
+        """The object pushed along what it lies on, which it touches all the way; nothing else."""
+        allow = _pairs([self.name], [other for other in self.touching if other in self.scene.fixed])
+        return self._checker(self.others, self.closed(grasp), attached=self._attached(grasp), allow=allow)
 
     def carrying(self, grasp: Grasp, margin: float, into: str | None = None) -> Checker:
         """The object in the hand, everything else in the way at a margin, but for what it is put into."""

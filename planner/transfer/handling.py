@@ -143,12 +143,13 @@ class Handling(Checks):
 
     # -- straight ways
 
-    def approach(self, state: Reached, length: float, log: FailureLog) -> Stage:
-        """Straight from before the object to the grasp."""
-        back = np.eye(4)
-        back[2, 3] = -length
+    def approach(
+        self, state: Reached, length: float, log: FailureLog, way: FloatArray | None = None
+    ) -> Stage:
+        """Straight from before the object to the grasp, along a unit way (3,); out of the hand where None."""
         stage = Stage(SegmentKind.APPROACH, self.approaching(state.grasp, state.lenient), log)
-        self._straight(stage, state, state.grasp.pose_tool_to_world @ back, backwards=True)
+        target = _drawn_back(state.grasp.pose_tool_to_world, length, way)
+        self._straight(stage, state, target, backwards=True)
         return stage
 
     def lift(self, state: Reached, length: float, log: FailureLog) -> Stage:
@@ -157,6 +158,21 @@ class Handling(Checks):
         target[:3, 3] += length * self.up
         stage = Stage(SegmentKind.LIFT, self.lifting(state.grasp, state.lenient), log)
         self._straight(stage, state, target)
+        return stage
+
+    def slide(self, state: Reached, place: Placement, log: FailureLog) -> Stage:
+        """Straight along with the object, to its place."""
+        stage = Stage(SegmentKind.TRANSFER, self.sliding(state.grasp), log)
+        self._straight(stage, state, place.pose_before_to_after @ state.grasp.pose_tool_to_world)
+        return stage
+
+    def withdrawal(
+        self, state: Reached, q: FloatArray, place: Placement, length: float, way: FloatArray, log: FailureLog
+    ) -> Stage:
+        """Straight back from the object at its place, against a unit way (3,); the arm stands at q (n,)."""
+        stage = Stage(SegmentKind.RETREAT, self.parting(state.grasp, place), log)
+        pose = place.pose_before_to_after @ state.grasp.pose_tool_to_world
+        self._straight(stage, replace(state, q=q), _drawn_back(pose, length, way))
         return stage
 
     def _straight(self, stage: Stage, state: Reached, target: FloatArray, backwards: bool = False) -> None:
@@ -265,6 +281,16 @@ class Handling(Checks):
             if lower.straight(rising, q, backwards=True) and retreat.straight(leaving, q):
                 found.append(End(place, lower.way, retreat.way))
         return found
+
+
+def _drawn_back(pose_tool_to_world: FloatArray, length: float, way: FloatArray | None) -> FloatArray:
+    """(4, 4) a tool pose drawn back by some metres, against a unit way (3,) or along the tool's own axis."""
+    back = np.eye(4)
+    if way is None:
+        back[2, 3] = -length
+        return pose_tool_to_world @ back
+    back[:3, 3] = -length * way
+    return back @ pose_tool_to_world
 
 
 def _directions(grasp: Grasp) -> list[Grasp]:

@@ -8,6 +8,9 @@ MARGIN = 0.004
 RELEASE_GAP = 0.01
 """Pads this much wider than what they held let go of it [m]."""
 
+UPRIGHT = 0.8
+"""Upward share of the closing direction beyond which one finger is below what the hand holds."""
+
 CONTACT = 0.006
 """Bodies this close touch: noise of two clouds [m]."""
 

@@ -5,6 +5,7 @@ from collections.abc import Mapping
 import numpy as np
 
 from topple.planner.formats.plan_structs import PlanData
+from topple.planner.grasp.grasp import GraspKind
 from topple.planner.grasp.hand import hand_shape
 from topple.planner.grasp.load import cup_load, jaw_load, weight_of
 from topple.planner.grasp.suction import cup_shape
@@ -36,6 +37,8 @@ class ForceCheck:
         """Weigh what is in the hand once it has closed."""
         if piece.segment.kind != "grasp" or piece.step.object not in piece.held:
             return
+        if piece.step.grasp.kind == GraspKind.PUSH:
+            return  # it stays on the table
         parts = {name: moved(self._parts[name], to_tool) for name, to_tool in piece.held.items()}
         lumps = {name: volume_and_centre(np.vstack(each), each) for name, each in parts.items()}
         weights = [weight_of(volume, self._masses.get(name)) for name, (volume, _) in lumps.items()]

@@ -69,6 +69,9 @@ STAYS = Claim(
     "it stays there",
     "let go in PyBullet",
     (
+        "shift of what is pushed",
+        "turn of what is pushed",
+        "disturbed by what is pushed",
         "shift after letting go",
         "turn after letting go",
         "outside of its container after letting go",
@@ -188,6 +191,8 @@ class Proofs:
 
     def _strong_enough(self, index: int, step: Step) -> Proof:
         """Whether the hand holds the weight by force; more than it holds of a guess is no refutation."""
+        if step.grasp.kind == GraspKind.PUSH:
+            return Proof("its weight is held", "the table carries it", None, "it is pushed, never lifted")
         cup = step.grasp.kind == GraspKind.SUCTION
         means = "suction limit of the cup" if cup else "friction and force of the pads"
         load = self._force.loads.get(index)

@@ -16,6 +16,7 @@ from topple.planner.verify.handled import HandCheck
 from topple.planner.verify.motions import check_motions
 from topple.planner.verify.outcome import check_goal, check_poses, check_precedence
 from topple.planner.verify.proofs import UNASKED, Proofs
+from topple.planner.verify.pushes import PushCheck
 from topple.planner.verify.replay import Replay, SegmentReplay
 from topple.planner.verify.rest import RestCheck
 from topple.planner.verify.tolerances import COARSE, STEP
@@ -70,12 +71,13 @@ def verify(
     played, fcl_check, hands = Replay(plan, arm, step), FclCheck(plan, arm), HandCheck(plan, arm)
     clouds = None if scene is None else CloudCheck(plan, arm, scene)
     masses = {} if scene is None else scene.masses
+    pushes = PushCheck(plan, arm, masses, {} if scene is None else scene.friction)
     between, force = BetweenCheck(plan, arm), ForceCheck(plan, arm, masses)
     proofs = Proofs(plan, between, force, masses, (step, COARSE * step))
     put: list[SegmentReplay] = []
     with BulletCheck(plan, arm) as bullet:
         for piece in played.segments():
-            for check in (hands, fcl_check, between, force, proofs):
+            for check in (hands, fcl_check, between, force, proofs, pushes):
                 check.look(piece)
             bullet.look(_thinned(piece))
             if clouds is not None:
@@ -95,6 +97,7 @@ def verify(
         *check_claims(plan),
         *check_precedence(plan, played.taken, situation),
         *rest.residuals(),
+        *pushes.residuals(),
         check_poses(plan, played.poses),
     ]
     if scene is None or situation is None or clouds is None:
