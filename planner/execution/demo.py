@@ -27,7 +27,7 @@ from topple.planner.report.rerun_file import rerun_file
 from topple.planner.report.run_page import run_page
 from topple.robots.catalog import robot as robot_named
 from topple.robots.engines import BULLET, arm_in
-from topple.robots.scenarios import Scenario, scenario_called
+from topple.robots.scenarios import SCENARIOS, Scenario, scenario_called
 from topple.robots.world.acting_arm import ActingArm
 from topple.robots.world.camera import Camera
 from topple.robots.world.film import filmed
@@ -84,6 +84,8 @@ def demo(
             arms is asked for.
     """
     seed, orderer = default_seed(name) if seed is None else seed, orderer or cautious
+    if name in SCENARIOS:  # any other is refused below, and makes no folder
+        make_folder(folder)
     with scenario_called(name, seed, engine) as stage:
         place, two = make_folder(folder), stage.pose_second_to_world is not None
         check_recording(rerun, two)
