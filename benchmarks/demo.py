@@ -16,7 +16,7 @@ from topple.benchmarks.row import Progress, Row
 from topple.benchmarks.run import JOURNAL, collected, in_turn
 from topple.benchmarks.scores import share_interval
 from topple.planner.execution.demo_seeds import CAMERAS, SeedCount, document, text
-from topple.planner.files import check_writable, write_whole
+from topple.planner.formats.files import check_writable, write_whole
 from topple.robots.scenarios import SCENARIOS
 from topple.topology.errors import DISTRIBUTION
 

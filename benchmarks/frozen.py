@@ -27,7 +27,7 @@ from topple.benchmarks.behaviour import BEHAVIOUR
 from topple.benchmarks.document import machine
 from topple.benchmarks.frozen_cases import Case, Item, cases
 from topple.benchmarks.row import Progress, Row
-from topple.planner.files import check_writable, write_whole
+from topple.planner.formats.files import check_writable, write_whole
 from topple.topology.errors import InvalidInput
 from topple.topology.io.strict_json import read_json
 from topple.topology.workers import Lost, WorkerLost, WorkerPool, mapped, serve

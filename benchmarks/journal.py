@@ -7,7 +7,7 @@ from typing import Any
 
 from topple.benchmarks.behaviour import BEHAVIOUR, PLAYS_LIKE
 from topple.benchmarks.episodes import FORMAT, Ending
-from topple.planner.json_lines import JsonLines
+from topple.planner.formats.json_lines import JsonLines
 from topple.topology.errors import InvalidInput
 
 START = json.dumps({"format": FORMAT})[:-1]

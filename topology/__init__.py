@@ -5,7 +5,6 @@ from typing import TYPE_CHECKING
 from topple.topology.lazy_names import lazy_names
 
 if TYPE_CHECKING:
-    from topple.topology.bodies.known import ModelFit
     from topple.topology.errors import InvalidInput, NotInstalled, ToppleError, UnknownObject
     from topple.topology.geometry.hull import Hull
     from topple.topology.geometry.thin import thinned
@@ -15,6 +14,7 @@ if TYPE_CHECKING:
     from topple.topology.io.coco import scene_from_coco
     from topple.topology.io.objects import scene_from_objects, scene_from_points
     from topple.topology.merging.merge import MergedViews, merge_views
+    from topple.topology.model_fit import ModelFit
     from topple.topology.models import with_models
     from topple.topology.pair import PairRelation
     from topple.topology.relations import Relations, relate, relate_all
@@ -55,12 +55,12 @@ __all__ = [
 __getattr__ = lazy_names(
     __name__,
     {
-        "bodies.known": "ModelFit",
         "errors": "InvalidInput NotInstalled ToppleError UnknownObject",
         "geometry.hull": "Hull",
         "geometry.thin": "thinned",
         "image": "DepthImage",
         "io": "load_scene load_sequence",
+        "model_fit": "ModelFit",
         "io.assemble": "Parts",
         "io.coco": "scene_from_coco",
         "io.objects": "scene_from_objects scene_from_points",

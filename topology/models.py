@@ -7,15 +7,15 @@ from pathlib import Path
 import numpy as np
 
 from topple.topology.arrays import BoolArray, FloatArray, rounded
-from topple.topology.bodies.known import ModelFit, Nowhere, fitted
+from topple.topology.bodies.model_registration import Excluded, register
 from topple.topology.bodies.tolerances import (
     AGREED,
+    AMBIGUOUS,
     INTO,
-    MODEL_CLOSE,
     MODEL_FEWEST,
+    MODEL_INLIERS,
     MODEL_RESIDUAL,
-    MODEL_THROUGH,
-    RIVAL,
+    MODEL_SEEN_THROUGH,
     SEEN_SPACING,
     SEEN_THROUGH,
 )
@@ -24,6 +24,7 @@ from topple.topology.cloud import clean
 from topple.topology.geometry.rigid import transformed
 from topple.topology.geometry.thin import thinned
 from topple.topology.io.models import meant_by, model_files, read_model
+from topple.topology.model_fit import ModelFit
 from topple.topology.rule.robust import seen_in
 from topple.topology.scene import Mesh, Scene
 from topple.topology.views.free_space import FreeSpace
@@ -59,9 +60,9 @@ def with_models(scene: Scene, folder: str | os.PathLike[str]) -> Scene:
             continue
         model, (points, faces, vertices) = read_model(meant[0], files[meant[0]])
         seen = thinned(clean(scene.seen(name)), SEEN_SPACING)
-        fit = fitted(model, seen, _nowhere(scene, seen, sight), _towards(scene, seen))
-        fit = fits[name] = replace(fit, seen=scene.seen(name), refused=_why_poor(fit, len(seen)))
-        notes.append(_said(name, fit))
+        fit = register(model, seen, _excluded(scene, seen, sight), _view_direction(scene, seen))
+        fit = fits[name] = replace(fit, seen=scene.seen(name), refused=_refusal(fit, len(seen)))
+        notes.append(_sentence(name, fit))
         if fit.refused is None:
             clouds[name] = rounded(transformed(points, fit.pose_model_to_world))
             if faces is not None:
@@ -83,7 +84,7 @@ def with_models(scene: Scene, folder: str | os.PathLike[str]) -> Scene:
     )
 
 
-def _towards(scene: Scene, seen: FloatArray) -> FloatArray | None:
+def _view_direction(scene: Scene, seen: FloatArray) -> FloatArray | None:
     """(3,) along which the cameras looked at something on average; None where they looked from all around."""
     rays = seen.mean(axis=0) - scene.viewpoints
     rays /= np.maximum(np.linalg.norm(rays, axis=1), 1e-9)[:, None]
@@ -92,41 +93,43 @@ def _towards(scene: Scene, seen: FloatArray) -> FloatArray | None:
     return mean / length if length > AGREED else None
 
 
-def _nowhere(scene: Scene, seen: FloatArray, sight: FreeSpace | None) -> Nowhere:
+def _excluded(scene: Scene, seen: FloatArray, sight: FreeSpace | None) -> Excluded:
     """Where nothing of an object can be: what a camera looked through, and under the top that it is over."""
     up = scene.up
     found = [] if up is None else [tops_of(scene.clouds[name], up).under(seen) for name in scene.fixed]
     grounds = [top for top in found if top is not None]
 
-    def nowhere(places: FloatArray) -> BoolArray:
+    def excluded(places: FloatArray) -> BoolArray:
         barred = np.zeros(len(places), dtype=np.bool_) if sight is None else sight.empty(places, SEEN_THROUGH)
         for ground in grounds:
             barred |= ground.above(places) < -INTO
         return barred
 
-    return nowhere
+    return excluded
 
 
-def _why_poor(fit: ModelFit, points: int) -> str | None:
+def _refusal(fit: ModelFit, points: int) -> str | None:
     """What is wrong with a fit, in words; None where it can be trusted."""
     if points < MODEL_FEWEST:
         return f"{points} points of it were seen, at least {MODEL_FEWEST} needed"
     if fit.residual > MODEL_RESIDUAL:
         return f"at most {1e3 * MODEL_RESIDUAL:.1f} mm allowed"
-    if fit.close < MODEL_CLOSE:
-        return f"at least {MODEL_CLOSE:.0%} needed within 3 mm"
-    if fit.through > MODEL_THROUGH:
-        return f"cameras looked through {fit.through:.0%} of it, at most {MODEL_THROUGH:.0%} allowed"
-    if fit.rival > RIVAL:
-        return f"another pose {1e3 * fit.rival:.0f} mm from there fits as well"
+    if fit.inliers < MODEL_INLIERS:
+        return f"at least {MODEL_INLIERS:.0%} needed within 3 mm"
+    if fit.seen_through > MODEL_SEEN_THROUGH:
+        return (
+            f"cameras looked through {fit.seen_through:.0%} of it, at most {MODEL_SEEN_THROUGH:.0%} allowed"
+        )
+    if fit.ambiguity > AMBIGUOUS:
+        return f"another pose {1e3 * fit.ambiguity:.0f} mm from there fits as well"
     return None
 
 
-def _said(name: str, fit: ModelFit) -> str:
+def _sentence(name: str, fit: ModelFit) -> str:
     """The sentence on a fit."""
     figures = (
-        f"residual {1e3 * fit.residual:.1f} mm, {fit.close:.0%} of its seen points within 3 mm, "
-        f"{fit.shown:.0%} of the model's surface seen"
+        f"residual {1e3 * fit.residual:.1f} mm, {fit.inliers:.0%} of its seen points within 3 mm, "
+        f"{fit.visible:.0%} of the model's surface seen"
     )
     if fit.refused is None:
         return f"{name!r} is the model {fit.model}, registered: {figures}"

@@ -10,11 +10,11 @@ from numpy.typing import ArrayLike
 from topple.topology.amounts import as_friction, as_masses
 from topple.topology.arrays import FloatArray, IntArray, frozen_int
 from topple.topology.bodies.background import find_table, note_of
-from topple.topology.bodies.known import ModelFit
 from topple.topology.checks import as_direction, as_name, as_points, as_pose, as_viewpoints, numeric
 from topple.topology.errors import InvalidInput, UnknownObject
 from topple.topology.geometry.plane import TABLE, table_by_name, up_from_fixed
 from topple.topology.image import DepthImage
+from topple.topology.model_fit import ModelFit
 from topple.topology.notebook import in_cell
 from topple.topology.tolerances import FEWEST_SEEN, LARGEST_HELD, SMALLEST_SEEN
 from topple.topology.values import ByValue, FrozenDict

@@ -14,7 +14,7 @@ from topple.planner.cli.main import NO_SAFE_PLAN, WRONG_USE
 from topple.planner.cli.options import scene_paths
 from topple.planner.cli.progress import Progress
 from topple.planner.errors import NoSafePlan
-from topple.planner.json_lines import JsonLines
+from topple.planner.formats.json_lines import JsonLines
 from topple.topology.errors import InvalidInput, NotInstalled
 from topple.topology.workers import Lost, WorkerPool, mapped
 

@@ -5,7 +5,7 @@ import math
 from typing import TYPE_CHECKING
 
 from topple.planner.cli.options import Reading, finished
-from topple.planner.files import check_writable
+from topple.planner.formats.files import check_writable
 from topple.topology.errors import InvalidInput
 
 if TYPE_CHECKING:

@@ -10,7 +10,7 @@ from topple.planner.cli.main import DONE
 from topple.planner.cli.options import orderer_of, read_scene, rule_of, scene_paths
 from topple.planner.cli.progress import Progress
 from topple.planner.cli.tables import models_in, print_assumptions
-from topple.planner.files import check_writable, write_whole
+from topple.planner.formats.files import check_writable, write_whole
 from topple.topology.errors import InvalidInput
 
 if TYPE_CHECKING:

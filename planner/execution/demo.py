@@ -13,10 +13,10 @@ from topple.planner.execution.demo_seeds import CAMERAS, default_seed
 from topple.planner.execution.look import Look, Observer, Relate
 from topple.planner.execution.loop import ClosedLoop
 from topple.planner.execution.two_arms import check_recording
-from topple.planner.files import check_writable, make_folder, write_all, write_whole
+from topple.planner.formats.files import check_writable, make_folder, write_all, write_whole
 from topple.planner.formats.plan_format import plan_to_json
 from topple.planner.formats.run_record import INTERRUPTED, Document, RunRecord
-from topple.planner.planning.next_step import GoalTask
+from topple.planner.planning.goal_task import GoalTask
 from topple.planner.planning.order import cautious
 from topple.planner.planning.plan import plan, plan_as_done
 from topple.planner.planning.step import Orderer, Station, Task, order_by
@@ -84,13 +84,13 @@ def demo(
             arms is asked for.
     """
     seed, orderer = default_seed(name) if seed is None else seed, orderer or cautious
-    if name in SCENARIOS:  # any other is refused below, and makes no folder
-        make_folder(folder)
+    _ = SCENARIOS[name]  # an unknown scene is refused before a folder is made
+    place = make_folder(folder)
+    for file in FILES:
+        check_writable(place / file)
     with scenario_called(name, seed, engine) as stage:
-        place, two = make_folder(folder), stage.pose_second_to_world is not None
+        two = stage.pose_second_to_world is not None
         check_recording(rerun, two)
-        for file in FILES:
-            check_writable(place / file)
         robot = robot or stage.robot
         loop = loop_in(
             stage, robot=robot, cameras=cameras, mask_noise=mask_noise, wrist_camera=wrist_camera,

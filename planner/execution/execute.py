@@ -91,13 +91,13 @@ def execute(transfer: Transfer, robot: Driver, watch: Watch | None = None) -> Ou
     done: list[Segment] = []
     ended: list[Segment] = []
     watch = watch or _nobody
-    pushed: list[str] = []
+    resumed: list[str] = []
     problem = None
     try:
         for segment in transfer.segments:
             if segment.kind is SegmentKind.RELEASE:
                 watch(LET_GO, segment.tool)
-            problem = _drive(segment, transfer, robot, pushed)
+            problem = _drive(segment, transfer, robot, resumed)
             if segment.trajectory is not None:
                 done.append(segment)
             if problem is not None:
@@ -114,10 +114,9 @@ def execute(transfer: Transfer, robot: Driver, watch: Watch | None = None) -> Ou
         words = " ".join(filter(None, (problem, text)))
         return Outcome(False, words, _tool_path(done, robot), True, _motion(transfer, ended, robot))
     kept = all(segment.kind is not SegmentKind.RELEASE for segment in transfer.segments)
-    pushed_on = transfer.grasp.kind is GraspKind.PUSH
-    how = "was pushed" if pushed_on else "is held" if kept else "was put down"
+    how = "was pushed" if transfer.grasp.kind is GraspKind.PUSH else "is held" if kept else "was put down"
     put = f"{transfer.object} {how}, {transfer.placement.rest}."
-    off = f"The arm was off its path during the {' and the '.join(pushed)}." if pushed else None
+    off = f"The arm was off its path during the {' and the '.join(resumed)}." if resumed else None
     text = " ".join(filter(None, (problem or put, off)))
     return Outcome(problem is None, text, _tool_path(done, robot), motion=_motion(transfer, ended, robot))
 
@@ -171,8 +170,8 @@ def retreat(done: list[Segment], robot: Driver) -> None:
     robot.open()
 
 
-def _drive(segment: Segment, transfer: Transfer, robot: Driver, pushed: list[str]) -> str | None:
-    """Drives one segment; a sentence where it went wrong. Where the arm was pushed and went on is noted."""
+def _drive(segment: Segment, transfer: Transfer, robot: Driver, resumed: list[str]) -> str | None:
+    """Drives one segment; a sentence where it went wrong. Where it was off its path and went on is noted."""
     name, held = transfer.object, transfer.grasp.kind is not GraspKind.PUSH
     if segment.kind is SegmentKind.GRASP:
         return _take(segment, name, robot) if held else None
@@ -199,18 +198,18 @@ def _drive(segment: Segment, transfer: Transfer, robot: Driver, pushed: list[str
         lifting = segment.kind is SegmentKind.LIFT
         error = robot.follow(segment.trajectory, keep_offset=lifting)
         for _ in range(RESUMED):
-            if error <= OFF_COURSE or (held and segment.kind in WATCHED and not robot.holding):
+            if error <= OFF_COURSE or (segment.kind in WATCHED and not robot.holding):
                 break
             error = _resume(segment.trajectory, robot)
             if error <= OFF_COURSE:
-                pushed.append(str(segment.kind))
+                resumed.append(str(segment.kind))
     if (
         segment.kind is SegmentKind.APPROACH
         and segment.tool == ToolName.FINGERS
         and _way_left(segment, robot) > (SHALLOW if held else EARLY)
     ):
         return f"the fingers met something on their way to {name}."
-    if held and segment.kind in WATCHED and not robot.holding:
+    if segment.kind in WATCHED and not robot.holding:
         return f"{name} slipped out of the hand during the {segment.kind}."
     if error > OFF_COURSE:
         return f"the arm was held up during the {segment.kind}."

@@ -23,8 +23,8 @@ from topple.planner.execution.two_arms import TwoArms
 from topple.planner.formats.run_record import INTERRUPTED, RunRecord, StepRecord
 from topple.planner.grasp.given import GraspsByObject
 from topple.planner.grasp.grasp import Grasp
+from topple.planner.planning.goal_task import GoalTask
 from topple.planner.planning.holding import check_second
-from topple.planner.planning.next_step import GoalTask
 from topple.planner.planning.order import cautious
 from topple.planner.planning.step import NextStep, Orderer, Task
 from topple.planner.transfer.transfer import after

@@ -8,11 +8,11 @@ from topple.planner.execution.look import Relate
 from topple.planner.execution.loop import ClosedLoop, Progress
 from topple.planner.execution.rehearsal import Rehearsal, Z
 from topple.planner.execution.two_arms import check_recording
-from topple.planner.files import write_whole
+from topple.planner.formats.files import write_whole
 from topple.planner.formats.run_record import RunRecord
 from topple.planner.grasp.given import OwnGrasps, own_grasps
 from topple.planner.grasp.grasp import Grasp
-from topple.planner.planning.next_step import GoalTask
+from topple.planner.planning.goal_task import GoalTask
 from topple.planner.planning.order import cautious
 from topple.planner.planning.step import Orderer, Task
 from topple.planner.report.rerun_file import RATE as RERUN_RATE

@@ -4,12 +4,11 @@ import numpy as np
 
 from topple.planner.grasp.frames import Frames
 from topple.planner.grasp.tolerances import HANGING, HANGING_ASIDE, HANGING_BESIDE, HANGING_DIRECTIONS
-from topple.topology.arrays import FloatArray
 from topple.topology.bodies.edges import edge_ahead, top_under
 from topple.topology.bodies.solids import hull_vertices
 from topple.topology.geometry.axes import cross, level_axes
 from topple.topology.geometry.samples import centre_of_mass
-from topple.topology.geometry.sides import beyond, sides_of
+from topple.topology.geometry.sides import beyond, sides_of, way_out
 from topple.topology.situation import Situation
 
 
@@ -48,21 +47,11 @@ def overhang_frames(name: str, situation: Situation) -> list[Frames]:
         if edge is None:
             continue
         for offset in HANGING_ASIDE:
-            place = _outermost(body, centre + offset * across, out, across)
-            if place is None or float(edge.beyond(place)) < HANGING:
+            start = centre + offset * across
+            way = way_out(np.column_stack([(body - start) @ out, (body - start) @ across]))
+            if way is None or float(edge.beyond(start + way * out)) < HANGING:
                 continue
-            place += (middle - float(place @ up)) * up
+            place = start + way * out + (middle - float(start @ up)) * up
             turned = np.column_stack([cross(up, -out), up, -out])
             frames.append(Frames(place, turned[None], np.array([np.pi / 2.0])))
     return frames
-
-
-def _outermost(
-    corners: FloatArray, start: FloatArray, out: FloatArray, across: FloatArray
-) -> FloatArray | None:
-    """Where a ray (3,) leaves the level outline of corners (V, 3); None where it starts outside."""
-    sides = sides_of(np.column_stack([(corners - start) @ out, (corners - start) @ across]))
-    if sides is None or (sides[:, 2] > 0.0).any():
-        return None
-    ahead = sides[:, 0] > 1e-9
-    return np.asarray(start + float((-sides[ahead, 2] / sides[ahead, 0]).min()) * out)

@@ -27,6 +27,7 @@ from topple.topology.bodies.edges import Edge, edge_ahead, top_under
 from topple.topology.bodies.solids import hull_vertices
 from topple.topology.geometry.axes import cross, level_axes
 from topple.topology.geometry.samples import centre_of_mass
+from topple.topology.geometry.sides import way_out
 from topple.topology.situation import Situation
 
 
@@ -163,7 +164,9 @@ def _least(rear: FloatArray, one: float, other: float) -> float:
 def _way(flat: FloatArray, centre: FloatArray, ahead: FloatArray, edge: Edge) -> tuple[float, float] | None:
     """How far a thing is to be pushed, and how far it then hangs over [m]; None where it would not stay."""
     square = float(ahead @ edge.outward)
-    front = -_least(_rear(flat * [-1.0, 1.0]), 0.0, 0.0)
+    front = way_out(flat)
+    if front is None:
+        return None
     over = float(edge.beyond(centre + front * ahead))
     most = (-BALANCED - float(edge.beyond(centre))) / square
     least = (HANGS[0] - over) / square

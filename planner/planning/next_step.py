@@ -5,14 +5,14 @@ should be by then, and of the scene as it is seen.
 """
 
 from collections.abc import Callable, Collection, Iterable, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from itertools import takewhile
 
 import numpy as np
 
 from topple.planner.decide.arrange import Order
 from topple.planner.decide.dependency import dependencies
-from topple.planner.decide.goal import Goal, Place, PlaceRelation, holds, parse_goal
+from topple.planner.decide.goal import Goal, Place, PlaceRelation, holds
 from topple.planner.decide.turn import may_go, out_of_turn, says, why_first
 from topple.planner.errors import NoSafePlan
 from topple.planner.failure import Check, FailedCheck, TransferFailure
@@ -22,39 +22,12 @@ from topple.planner.placement.placement import Placement
 from topple.planner.placement.stacking import over, placements_on
 from topple.planner.placement.tolerances import GENTLE
 from topple.planner.planning.holding import HoldPlanner
-from topple.planner.planning.step import Action, Chooser, Context, NextStep, Task
+from topple.planner.planning.step import Action, Context, NextStep
 from topple.planner.planning.tolerances import CHOICE, MORE_CHOICE
 from topple.planner.planning.transfers import MORE_HANDS, Transfers
 from topple.planner.transfer.segments import SegmentKind
 from topple.planner.transfer.transfer import TRANSFER_LIMITS, Transfer, TransferLimits
-from topple.topology.arrays import FloatArray
-from topple.topology.scene import Scene
 from topple.topology.situation import Situation
-
-
-@dataclass(frozen=True)
-class GoalTask:
-    """A task in words, or as names of what is to be freed: see `topple.planner.decide.goal.parse_goal`."""
-
-    words: str | Sequence[str]
-
-    @staticmethod
-    def of(goal: str | Sequence[str] | Task) -> Task:
-        """What somebody wants, as a task."""
-        return goal if isinstance(goal, Task) else GoalTask(goal)
-
-    def in_frame(self, _pose: FloatArray, _up: FloatArray, /) -> Task:
-        """The same: words hold in any frame."""
-        return self
-
-    def goal(self, scene: Scene) -> Goal:
-        """The goal, read for a scene."""
-        return parse_goal(self.words, scene)
-
-    def chooser(self, situation: Situation, goal: Goal, context: Context) -> Chooser:
-        """What chooses the steps."""
-        return StepChooser(situation, goal, context)
-
 
 Option = tuple[Fallback | None, Callable[[], NextStep | None]]
 """A way on, with its name; None for the plain one."""

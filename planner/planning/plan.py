@@ -23,7 +23,7 @@ from topple.planner.grasp.given import GraspsByObject, OwnGrasps, own_grasps
 from topple.planner.grasp.grasp import Grasp
 from topple.planner.placement.base import choose_base
 from topple.planner.placement.drops import simulated
-from topple.planner.planning.next_step import GoalTask
+from topple.planner.planning.goal_task import GoalTask
 from topple.planner.planning.order import ordered
 from topple.planner.planning.start import check_start, check_upright
 from topple.planner.planning.step import Context, NextStep, Orderer, Station, Task

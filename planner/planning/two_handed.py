@@ -6,8 +6,8 @@ from dataclasses import replace
 import numpy as np
 
 from topple.planner.errors import NoSafePlan
+from topple.planner.planning.goal_task import GoalTask
 from topple.planner.planning.holding import SECOND, check_second, standing_by
-from topple.planner.planning.next_step import GoalTask
 from topple.planner.planning.start import check_start
 from topple.planner.planning.step import Context, NextStep, Station, Task
 from topple.planner.planning.tolerances import MOST_STEPS

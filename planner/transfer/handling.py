@@ -162,7 +162,7 @@ class Handling(Checks):
 
     def slide(self, state: Reached, place: Placement, log: FailureLog) -> Stage:
         """Straight along with the object, to its place."""
-        stage = Stage(SegmentKind.TRANSFER, self.sliding(state.grasp), log)
+        stage = Stage(SegmentKind.SLIDE, self.sliding(state.grasp), log)
         self._straight(stage, state, place.pose_before_to_after @ state.grasp.pose_tool_to_world)
         return stage
 

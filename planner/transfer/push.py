@@ -35,7 +35,7 @@ def plan_push(
         limits: How hard to look and how fast to move.
 
     Returns:
-        The push as a transfer whose fingers stay open: move, approach, grasp, transfer, release and retreat;
+        The push as a transfer whose fingers stay open: move, approach, grasp, slide, release and retreat;
         or why there is none.
     """
     log = FailureLog(frozenset(handling.bodies) - {handling.name})

@@ -6,7 +6,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from topple.planner.failure import Check, FailureLog
-from topple.planner.grasp.grasp import Grasp, GraspKind
+from topple.planner.grasp.grasp import Grasp
 from topple.planner.motion.certificate import Certificate, Certifier
 from topple.planner.motion.collision import Checker
 from topple.planner.motion.planner import MotionFailure, plan_motion
@@ -19,7 +19,9 @@ from topple.planner.transfer.segments import Segment, SegmentKind, no_faster_tha
 from topple.planner.transfer.tolerances import LINE_STEP, ROUNDING
 from topple.topology.arrays import FloatArray
 
-STRAIGHT = (SegmentKind.APPROACH, SegmentKind.LIFT, SegmentKind.PLACE, SegmentKind.RETREAT)
+STRAIGHT = (
+    SegmentKind.APPROACH, SegmentKind.LIFT, SegmentKind.SLIDE, SegmentKind.PLACE, SegmentKind.RETREAT
+)  # fmt: skip
 
 
 @dataclass(frozen=True)
@@ -137,7 +139,7 @@ def segments_of(
     """Time the stages, and put grasp and release between them.
 
     Args:
-        stages: Move, approach, lift, transfer, place and retreat; of a push neither lift nor place.
+        stages: Move, approach, lift, transfer, place and retreat; of a push a slide for the middle ones.
         checks: Of the object.
         grasp: How it is held.
         place: Where it goes.
@@ -157,13 +159,12 @@ def segments_of(
     segments: list[Segment] = []
     for stage in stages:
         pairs = may_touch(stage.checker)
-        sliding = grasp.kind is GraspKind.PUSH and stage.kind is SegmentKind.TRANSFER
-        if stage.kind is SegmentKind.LIFT or sliding:
+        if stage.kind in (SegmentKind.LIFT, SegmentKind.SLIDE):
             segments.append(Segment(SegmentKind.GRASP, grasp.tool, closed, None, checks.name, pairs))
         if stage.kind is SegmentKind.RETREAT:
             segments.append(Segment(SegmentKind.RELEASE, grasp.tool, released, None, None, pairs))
         trajectory = retime(arm, stage.way, speed)
-        if stage.kind in STRAIGHT or sliding:
+        if stage.kind in STRAIGHT:
             places = arm.tool_pose(stage.way, grasp.tool)[:, :3, 3]
             way = float(np.linalg.norm(np.diff(places, axis=0), axis=1).sum())
             trajectory = no_faster_than(trajectory, way, straight_speed)

@@ -56,8 +56,8 @@ def check_scene(plan: PlanData, situation: Situation) -> tuple[Residual, ...]:
     scene = situation.scene
     cosine = float(np.clip(np.array(plan.up) @ situation.up, -1.0, 1.0))
     tilt.note(float(np.arccos(cosine)), f"the plan has {list(plan.up)}, the scene {situation.up.tolist()}")
-    bodied = parts_of(plan) if len(scene.viewpoints) else completed_of(plan)  # nothing is hidden then
-    for name, parts in bodied.items():
+    shown = parts_of(plan) if len(scene.viewpoints) else completed_of(plan)  # nothing is hidden then
+    for name, parts in shown.items():
         faces = [joggled_sides(part) for part in situation.solids[name]]
         corners = np.vstack(parts)
         bodies.note(float(np.min([beyond(each, corners) for each in faces], axis=0).max()), name)

@@ -6,7 +6,6 @@ import numpy as np
 
 from topple.planner.formats.plan_structs import PlanData
 from topple.planner.formats.verification import Residual, Worst
-from topple.planner.grasp.grasp import GraspKind
 from topple.planner.verify.bodies import off_by, parts_of, tool_poses
 from topple.planner.verify.grip import distance
 from topple.planner.verify.replay import SegmentReplay
@@ -60,8 +59,7 @@ class HandCheck:
             for name, to_tool in piece.held.items():
                 off = off_by(to_tool, told[name]) if name in told else 1.0  # not said at all
                 self.held.note(off, f"{piece.where}: {name}", piece.index)
-        pushed = piece.step.grasp.kind == GraspKind.PUSH
-        if kind == ("transfer" if pushed else "place"):
+        if kind in ("place", "slide"):
             wanted = np.array(piece.step.placement.pose_before_to_after) @ grasp
             self.place.note(off_by(ends, wanted), piece.where, piece.index)
         if piece.step.upright and piece.step.object in piece.held:
@@ -110,9 +108,7 @@ class HandCheck:
 
         if piece.segment.kind == "place" and piece.step.placement.into == other:
             return True
-        near = ("grasp", "lift")
-        if piece.step.grasp.kind == GraspKind.PUSH and other in self._fixed:
-            near = ("grasp", "transfer")
+        near = ("grasp", "lift", "slide") if other in self._fixed else ("grasp", "lift")
         if piece.segment.kind not in near or other not in piece.poses:
             return False
         name = piece.step.object

@@ -16,7 +16,7 @@ from topple.planner.verify.replay import SegmentReplay
 from topple.robots.arm.arm import Arm
 from topple.topology.bodies.solids import moved
 
-DRIVEN = (SegmentKind.APPROACH, SegmentKind.TRANSFER, SegmentKind.RETREAT)
+DRIVEN = (SegmentKind.APPROACH, SegmentKind.SLIDE, SegmentKind.RETREAT)
 
 
 @dataclass(eq=False)

@@ -14,7 +14,8 @@ from topple.benchmarks.journal import Journal
 from topple.benchmarks.recorded import Frame
 from topple.benchmarks.row import Row
 from topple.benchmarks.rules import RULES, order_by
-from topple.benchmarks.run import QUICK, Series, collected, endurance, fallback_rows, figures, rows
+from topple.benchmarks.run import collected, endurance, fallback_rows, figures, rows
+from topple.benchmarks.series import QUICK, Series
 from topple.planner.decide.beliefs import Beliefs
 from topple.topology.errors import InvalidInput
 from topple.topology.scene import Scene

@@ -6,7 +6,7 @@ from pathlib import Path
 import pytest
 
 from topple.planner import files
-from topple.planner.files import check_writable, write_all, write_whole
+from topple.planner.formats.files import check_writable, write_all, write_whole
 from topple.topology.errors import InvalidInput
 
 

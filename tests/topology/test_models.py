@@ -100,7 +100,7 @@ def test_models_take_the_place_of_what_one_camera_saw(
     assert known.whole == set(scene.movable) == {"mug", "can", "bottle"}
     for name, true in corners.items():
         fit = known.models[name]
-        assert fit.residual < 0.002 and fit.close > 0.9 and 0.15 < fit.shown < 0.8
+        assert fit.residual < 0.002 and fit.inliers > 0.9 and 0.15 < fit.visible < 0.8
         assert known.clouds[name].min(axis=0) == pytest.approx(true.min(axis=0), abs=4e-3)
         assert known.clouds[name].max(axis=0) == pytest.approx(true.max(axis=0), abs=4e-3)
         assert known.meshes[name].faces.size

@@ -73,7 +73,7 @@ SPACING = 0.006
 """[m] between the points of an underside that is looked at."""
 
 
-# -- known
+# -- model_registration
 
 ORIENTATIONS = 576
 """Orientations tried: each is within some 20 degrees of one of them, and a fit settles from as far."""
@@ -141,13 +141,13 @@ MODEL_FEWEST = 40
 MODEL_RESIDUAL = 0.0035
 """Largest residual of a fit [m]: noise of a depth camera leaves 1 to 2 mm, another shape more."""
 
-MODEL_CLOSE = 0.8
+MODEL_INLIERS = 0.8
 """Smallest share of the seen points within 3 mm of the model: nine tenths are, but for flying ones."""
 
-MODEL_THROUGH = 0.08
+MODEL_SEEN_THROUGH = 0.08
 """Largest share of the model that may be where cameras looked through: outlines are off by a pixel."""
 
-RIVAL = 0.01
+AMBIGUOUS = 0.01
 """[m] between the surfaces of two poses that fit alike from which on neither is taken."""
 
 

@@ -8,7 +8,7 @@ import numpy as np
 from scipy.spatial import KDTree
 
 from topple.topology.arrays import lengths
-from topple.topology.bodies.known import Model
+from topple.topology.bodies.model_registration import Model
 from topple.topology.errors import InvalidInput
 from topple.topology.geometry.normals import patch_planes
 from topple.topology.io.geometry import SUFFIXES, Geometry, read_geometry, spread_over

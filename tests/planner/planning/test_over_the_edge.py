@@ -70,7 +70,7 @@ def test_a_book_is_pushed_over_the_edge_pinched_there_and_carried_away() -> None
         [str(Fallback.TO_THE_EDGE)],
     )
     kinds = [segment.kind for segment in first.segments]
-    assert kinds == ["move", "approach", "grasp", "transfer", "release", "retreat"]
+    assert kinds == ["move", "approach", "grasp", "slide", "release", "retreat"]
     assert (last.action, last.grasp.kind) == ("place", "pinch")
     assert found.certified
     checked = found.verify(scene)

@@ -8,14 +8,13 @@ is turned onto itself lies as before: poses are told apart by where they put its
 """
 
 from collections.abc import Callable
-from dataclasses import dataclass, replace
-from typing import Any
+from dataclasses import dataclass
 
 import numpy as np
 from scipy.spatial import KDTree
 from scipy.spatial.transform import Rotation
 
-from topple.topology.arrays import BoolArray, FloatArray, IntArray, frozen, lengths
+from topple.topology.arrays import BoolArray, FloatArray, IntArray, lengths
 from topple.topology.bodies.tolerances import (
     AGAINST,
     ALIKE,
@@ -34,10 +33,9 @@ from topple.topology.bodies.tolerances import (
     TRIMMED,
 )
 from topple.topology.geometry.axes import perpendiculars
-from topple.topology.geometry.rigid import transformed
-from topple.topology.values import ByValue
+from topple.topology.model_fit import ModelFit
 
-Nowhere = Callable[[FloatArray], BoolArray]
+Excluded = Callable[[FloatArray], BoolArray]
 """Which of (N, 3) places [m] no part of an object can be at: seen to be empty, or inside of what is fixed."""
 
 
@@ -56,72 +54,19 @@ class Model:
     normals: FloatArray
 
 
-@dataclass(frozen=True, eq=False)
-class ModelFit(ByValue):
-    """How a known model was laid onto what was seen of an object.
-
-    Attributes:
-        model: Its name.
-        pose_model_to_world: (4, 4).
-        residual: Root mean square distance of the seen points from the model's surface [m], without the
-            farthest tenth, which fly at outlines.
-        close: Share of the seen points within 3 mm of the model's surface.
-        shown: Share of the model's surface within 8 mm of a seen point: of thin things both sides.
-        through: Of the model's points that were seen or looked through, the share of the latter.
-        rival: How far another pose that fits as well would put the surface from here, but for its ends [m]; 0
-            where there is none.
-        seen: (N, 3) the points that were seen [m].
-        refused: Why the object keeps them for its cloud; None where the model's surface takes their place.
-    """
-
-    model: str
-    pose_model_to_world: FloatArray
-    residual: float
-    close: float
-    shown: float
-    through: float
-    rival: float
-    seen: FloatArray
-    refused: str | None = None
-
-    def __post_init__(self) -> None:
-        """Make the arrays read-only."""
-        object.__setattr__(self, "pose_model_to_world", frozen(self.pose_model_to_world))
-        object.__setattr__(self, "seen", frozen(self.seen))
-
-    def moved(self, pose: FloatArray) -> "ModelFit":
-        """The fit in another frame, (4, 4) from the world into it."""
-        there = pose @ self.pose_model_to_world
-        return replace(self, pose_model_to_world=there, seen=transformed(self.seen, pose))
-
-    def to_json(self) -> dict[str, Any]:
-        """Its entry in a document."""
-        return {
-            "model": self.model,
-            "registered": self.refused is None,
-            "why": self.refused,
-            "residual": self.residual,
-            "close": self.close,
-            "shown": self.shown,
-            "through": self.through,
-            "rival": self.rival,
-            "pose_model_to_world": self.pose_model_to_world.tolist(),
-        }
-
-
-def fitted(model: Model, seen: FloatArray, nowhere: Nowhere, towards: FloatArray | None) -> ModelFit:
+def register(model: Model, seen: FloatArray, excluded: Excluded, towards: FloatArray | None) -> ModelFit:
     """Register a model with what was seen of it.
 
     Args:
         model: The model.
         seen: (N, 3) points [m], strays dropped.
-        nowhere: Where nothing of it can be.
+        excluded: Where nothing of it can be.
         towards: (3,) unit vector along which the cameras looked on average; None where nobody knows.
 
     Returns:
         The best fit, good or poor. Deterministic.
     """
-    search = _Search(model, seen, nowhere)
+    search = _Search(model, seen, excluded)
     starts = search.starts(towards)
     to_model, costs = search.settled(starts)
     if costs.min() > SETTLED:  # outlines misled: ends are hidden
@@ -133,15 +78,15 @@ def fitted(model: Model, seen: FloatArray, nowhere: Nowhere, towards: FloatArray
     best = to_model[costs.argmin()]
     to_model = np.concatenate([to_model, search.slid(best[None])])
     alike = to_model[search.costs(to_model, len(seen)) <= costs.min() + ALIKE]
-    return search.told(best, max(search.apart(best, other) for other in alike))
+    return search.fit_at(best, max(search.apart(best, other) for other in alike))
 
 
 class _Search:
     """Poses of a model, many at once, as (K, 4, 4) transforms from the world into the model's frame."""
 
-    def __init__(self, model: Model, seen: FloatArray, nowhere: Nowhere) -> None:
+    def __init__(self, model: Model, seen: FloatArray, excluded: Excluded) -> None:
         rng = np.random.default_rng(0)
-        self._model, self._nowhere = model, nowhere
+        self._model, self._excluded = model, excluded
         self._middle = (model.points.min(axis=0) + model.points.max(axis=0)) / 2.0
         self._points = model.points - self._middle
         self._near = KDTree(self._points)
@@ -239,8 +184,8 @@ class _Search:
         there = _applied((one @ np.linalg.inv(other))[None], self._some[:60])
         return float(np.quantile(self._near.query(there[0])[0], ALL_BUT_ENDS))
 
-    def told(self, to_model: FloatArray, rival: float) -> ModelFit:
-        """The fit at a pose, as it is told."""
+    def fit_at(self, to_model: FloatArray, ambiguity: float) -> ModelFit:
+        """The fit at a pose, with its residual and shares."""
         here = _applied(to_model[None], self._seen)[0]
         away, nearest = self._near.query(here)
         offset = here - self._points[nearest]
@@ -256,10 +201,10 @@ class _Search:
             self._model.name,
             pose,
             residual=float(np.sqrt(np.mean(np.square(best)))),
-            close=float((off < CLOSE).mean()),
-            shown=float(shown.mean()),
-            through=float(bad.sum() / max((bad | shown).sum(), 1)),
-            rival=rival,
+            inliers=float((off < CLOSE).mean()),
+            visible=float(shown.mean()),
+            seen_through=float(bad.sum() / max((bad | shown).sum(), 1)),
+            ambiguity=ambiguity,
             seen=self._seen,
         )
 
@@ -278,7 +223,7 @@ class _Search:
         flat = there.reshape(-1, 3)
         nearest = self._seen[np.asarray(self._near_seen.query(flat)[1])].reshape(there.shape)
         turned = nearest @ to_model[:, :3, :3].transpose(0, 2, 1) + to_model[:, None, :3, 3]
-        return self._nowhere(flat).reshape(there.shape[:2]), turned
+        return self._excluded(flat).reshape(there.shape[:2]), turned
 
 
 def _applied(poses: FloatArray, points: FloatArray) -> FloatArray:
