@@ -5,7 +5,7 @@ from pathlib import Path
 
 import pytest
 
-from topple.planner import files
+from topple.planner.formats import files
 from topple.planner.formats.files import check_writable, write_all, write_whole
 from topple.topology.errors import InvalidInput
 
