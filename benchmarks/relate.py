@@ -169,11 +169,10 @@ def _crowds(extent: Extent, seed: int) -> list[Row]:
     for (few, many), plain, rule in cases:
         if not (plain or extent.crowds_by_default):
             continue
-        relate(few, plain=plain)
+        related = partial(relate, plain=plain, most_objects=len(many.names))
+        related(few)
         repeats = extent.repeats if plain else 1
-        short, long = cpu_medians(
-            [partial(relate, few, plain=plain), partial(relate, many, plain=plain)], repeats
-        )
+        short, long = cpu_medians([partial(related, few), partial(related, many)], repeats)
         what = f"{len(many.names):,} objects x {extent.points:,} points, {rule}"
         found.append(longer(what, long, f"{len(few.names)} objects", short, "<= 12x"))
     return found
