@@ -66,15 +66,17 @@ class Extent:
         piles: Number of piles.
         views: Numbers of cameras; 0 for whole surfaces.
         scenes: Of each generator, in which bodies are completed: 25 have 300 bodies.
+        models: Whether known models are registered there too, which takes longest.
     """
 
     piles: int
     views: tuple[int, ...] = (0, 3, 1)
     scenes: int = 25
+    models: bool = True
 
 
 FULL = Extent(26)
-QUICK = Extent(5, scenes=1)
+QUICK = Extent(3, scenes=1, models=False)
 
 
 def rows(
@@ -111,7 +113,7 @@ def rows(
     for view in extent.views:
         progress(f"{VIEWS[view]}: default and baselines")
         found += _view(cases, view)
-    found += completion_rows(seed, extent.scenes, progress)
+    found += completion_rows(seed, extent.scenes, progress, extent.models)
     if data is not None:
         progress("annotated frames")
         found += _frames(recorded_frames(data))

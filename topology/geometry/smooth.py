@@ -23,8 +23,11 @@ def smoothed(points: FloatArray) -> FloatArray:
         (M, 3) places on the surface that they show [m], M <= N, none where too few points are near; the
         points as they are where there are too few for a surface.
     """
+    if len(points) < PATCH_FEWEST:
+        return points
     places = voxel_means(points, PATCH_CELL)
-    distance, near = KDTree(points).query(places, k=min(PATCH_MOST, len(points)))
+    found = KDTree(points).query(places, k=min(PATCH_MOST, len(points)))
+    distance, near = np.asarray(found[0]), np.asarray(found[1])
     kept = np.count_nonzero(distance <= PATCH_RADIUS, axis=1) >= PATCH_FEWEST
     if np.count_nonzero(kept) < PATCH_FEWEST:
         return points
