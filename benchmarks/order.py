@@ -76,7 +76,7 @@ class Extent:
 
 
 FULL = Extent(26)
-QUICK = Extent(3, scenes=1, models=False)
+QUICK = Extent(2, scenes=1, models=False)
 
 
 def rows(
