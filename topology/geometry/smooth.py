@@ -10,9 +10,18 @@ from scipy.spatial import KDTree
 
 from topple.topology.arrays import FloatArray
 from topple.topology.geometry.thin import voxel_means
-from topple.topology.geometry.tolerances import PATCH_CELL, PATCH_FEWEST, PATCH_MOST, PATCH_RADIUS, STRAIGHT
+from topple.topology.geometry.tolerances import (
+    KEPT_CLOUDS,
+    PATCH_CELL,
+    PATCH_FEWEST,
+    PATCH_MOST,
+    PATCH_RADIUS,
+    STRAIGHT,
+)
+from topple.topology.remembered import remembered
 
 
+@remembered(KEPT_CLOUDS)
 def smoothed(points: FloatArray) -> FloatArray:
     """Average the noise of a cloud away.
 

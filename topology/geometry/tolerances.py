@@ -95,3 +95,6 @@ PATCH_FEWEST = 8
 
 STRAIGHT = 1e-3
 """How much rather patches are level than bent where their points tell neither."""
+
+KEPT_CLOUDS = 100
+"""Clouds whose smoothed ones are kept, some 20 kB each: ten scenes of ten things."""
