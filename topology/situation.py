@@ -15,7 +15,6 @@ from topple.topology.bodies.surfaces import carry_over
 from topple.topology.bodies.tolerances import GRAIN
 from topple.topology.evidence import Evidence
 from topple.topology.geometry.samples import sampled
-from topple.topology.geometry.smooth import smoothed
 from topple.topology.relations import Relations, relate
 from topple.topology.scene import Scene
 from topple.topology.sixim.table import classify
@@ -116,8 +115,8 @@ class Situation:
             return self.solids
         to_world = self.statics.upright.rotation  # of rows
         guessed = [name for name in self.movable if name not in self.scene.whole]
-        surfaces = {name: smoothed(self.surfaces[name]) @ to_world for name in guessed}
-        return completed_bodies(self.scene, self.solids, surfaces)
+        surfaces = {name: self.surfaces[name] @ to_world for name in guessed}
+        return completed_bodies(self.scene.clouds, self.solids, surfaces)
 
     @property
     def contacts(self) -> tuple[Contact, ...]:

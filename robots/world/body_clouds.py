@@ -24,7 +24,6 @@ from topple.robots.world.tolerances import (
 from topple.topology.arrays import BoolArray, FloatArray, IntArray
 from topple.topology.geometry.normals import patch_planes
 from topple.topology.geometry.sides import beyond, sides_of
-from topple.topology.geometry.smooth import smoothed
 
 
 @dataclass(frozen=True, eq=False)
@@ -77,7 +76,7 @@ def shell(points: FloatArray, seen: FloatArray, viewpoints: FloatArray | None) -
         Pieces of about `PIECE`, at least `WALL` thick where one side was seen.
     """
     own = KDTree(seen).query(points)[0] == 0.0 if len(seen) else np.zeros(len(points), dtype=np.bool_)
-    points = _on_planes(points) if viewpoints is None else _smoothed_sheet(points, own, viewpoints)
+    points = smoothed(points) if viewpoints is None else _smoothed_sheet(points, own, viewpoints)
     tree = KDTree(points)
     pieces: list[Piece] = []
     for split in _split(points, own, viewpoints):
@@ -133,7 +132,7 @@ def _smoothed_sheet(points: FloatArray, seen: BoolArray, viewpoints: FloatArray)
     return points - off[:, None] * normals
 
 
-def _on_planes(points: FloatArray) -> FloatArray:
+def smoothed(points: FloatArray) -> FloatArray:
     """Points (N, 3) [m], each one moved onto the plane through its neighbours: noise goes, faces stay."""
     if len(points) < SMOOTHED:
         return points

@@ -10,13 +10,10 @@ from scipy.spatial import ConvexHull, Delaunay, KDTree, QhullError
 from topple.topology.arrays import FloatArray, bounds, lengths
 from topple.topology.bodies.tolerances import (
     BARE,
-    BURIED,
     COMPLETE_CLOSED,
     KEPT_BODIES,
     LARGEST,
-    MOST_BURIED,
     MOUTH,
-    ON_HULL,
     OUTSIDE,
     PLACES,
     REFUTED,
@@ -27,8 +24,7 @@ from topple.topology.geometry.axes import perpendiculars
 from topple.topology.geometry.normals import patch_planes
 from topple.topology.geometry.outline import least_rectangle
 from topple.topology.geometry.round import Fit, fits_of, flattest_side, round_body
-from topple.topology.geometry.sides import beyond, joggled_sides, sides_of
-from topple.topology.geometry.smooth import smoothed
+from topple.topology.geometry.sides import beyond, sides_of
 from topple.topology.geometry.thin import cell_keys, voxel_means
 from topple.topology.remembered import remembered
 from topple.topology.tolerances import VOXEL
@@ -107,17 +103,7 @@ class _Seen:
         return normals[squares[:, 0] < 0.05 * squares[:, 1]]
 
 
-def _surface(points: FloatArray, sight: FreeSpace | None) -> _Seen:
-    """What was seen of a body; of what cameras saw the noise is averaged away."""
-    return seen_of(points) if sight is None else seen_smoothed(points)
-
-
-def _seen_smoothed(points: FloatArray) -> _Seen:
-    return _Seen(smoothed(points))
-
-
 seen_of = remembered(KEPT_BODIES)(_Seen)
-seen_smoothed = remembered(KEPT_BODIES)(_seen_smoothed)
 
 
 def complete(upright: Upright, sight: FreeSpace | None) -> Mapping[str, FloatArray]:
@@ -153,24 +139,19 @@ def complete_body(points: FloatArray, sight: FreeSpace | None, floor: float = -n
     Returns:
         (M, 3) points, M >= N, the seen ones first.
     """
-    seen = None if _is_furniture(points) else _surface(points, sight)
-    hull = None if seen is None else seen.hull
-    if seen is None or hull is None:
+    seen = seen_of(points)
+    hull = None if _is_furniture(points) else seen.hull
+    if hull is None:
         return points
     if sight is None and _is_closed(seen, hull):
         return points
-    shown = seen.points
     hollow = _mouth_share(seen, hull, sight) > MOUTH
     box = seen.upright_box if hollow else seen.box
-    if not hollow:
-        guess = _as_round(seen, box, sight, floor)
-        if len(guess) and not _buries(guess, shown, hull):
-            return np.concatenate([points, guess])
-    mirrored = _turned(shown, box) if hollow else 2 * box.centre - shown
+    if not hollow and len(guess := _as_round(seen, box, sight, floor)):
+        return np.concatenate([points, guess])
+    mirrored = _turned(points, box) if hollow else 2 * box.centre - points
     extra = [_believable(mirrored, [seen.tree], sight)]
-    if not hollow and _buries(extra[0], shown, hull):
-        extra = [shown[:0]]
-    known = np.concatenate([shown, extra[0]])
+    known = np.concatenate([points, extra[0]])
     trees = [seen.tree, KDTree(extra[0])] if len(extra[0]) else [seen.tree]
     if hollow:
         extra.append(_believable(_roof(known), trees, sight))
@@ -189,7 +170,7 @@ def _is_furniture(points: FloatArray) -> bool:
 
 def is_hollow(points: FloatArray, sight: FreeSpace | None) -> bool:
     """Whether a body has a cavity: its hull has a mouth, with none of the (N, 3) points [m] near it."""
-    seen = _surface(points, sight)
+    seen = seen_of(points)
     return seen.hull is not None and _mouth_share(seen, seen.hull, sight) > MOUTH
 
 
@@ -278,21 +259,6 @@ def _believable(
     if not partly and empty.mean() > refuted:
         return guess[:0]
     return guess[~empty]
-
-
-def _buries(guess: FloatArray, points: FloatArray, hull: ConvexHull) -> bool:
-    """Whether a guess would have sides that were seen inside the body.
-
-    Args:
-        guess: (N, 3) guessed points [m].
-        points: (M, 3) seen points [m].
-        hull: That of the seen points.
-    """
-    if len(guess) == 0:
-        return False
-    outside = points[beyond(np.asarray(hull.equations), points) > -ON_HULL]
-    with_guess = joggled_sides(np.concatenate([points[hull.vertices], guess]))
-    return bool((beyond(with_guess, outside) < -BURIED).mean() > MOST_BURIED)
 
 
 def _underside(points: FloatArray, hull: ConvexHull) -> FloatArray:

@@ -11,34 +11,32 @@ import numpy as np
 from scipy.spatial import ConvexHull, QhullError
 
 from topple.topology.arrays import FloatArray
-from topple.topology.bodies.solids import Solids, drawn_down, hidden_depth, hull_vertices, up_of
+from topple.topology.bodies.solids import Solids, hull_vertices
 from topple.topology.bodies.tolerances import BENT, COMPLETED_LEVEL, RAGGED, SPACING
 from topple.topology.geometry.axes import level_axes
 from topple.topology.geometry.samples import sampled
-from topple.topology.scene import Scene
 
 
 def completed_bodies(
-    scene: Scene, solids: Solids, surfaces: Mapping[str, FloatArray]
+    clouds: Mapping[str, FloatArray], solids: Solids, surfaces: Mapping[str, FloatArray]
 ) -> dict[str, Sequence[FloatArray]]:
-    """Complete bodies, and draw down to what carries them those whose guessed sides end above it.
+    """Complete bodies.
 
     Args:
-        scene: The scene, with `up`.
+        clouds: (N, 3) points [m] that were seen of each object.
         solids: Convex parts of the objects, as far as they are known.
-        surfaces: (N, 3) points [m] of the whole surface, guessed sides included, of those that can move.
+        surfaces: (M, 3) points [m] of the whole surface, guessed sides included, of those that can move.
 
     Returns:
         For each object with a surface one convex part around what is known and what is guessed; what is
         known alone of the others.
     """
-    up = up_of(scene)
-    done: dict[str, Sequence[FloatArray]] = dict(solids)
-    for name, surface in surfaces.items():
-        guessed = float((scene.clouds[name] @ up).min() - (surface @ up).min())
-        depth = hidden_depth(name, scene, up) - max(guessed, 0.0)
-        done[name] = (hull_vertices(drawn_down(surface, depth, up)),)
-    return done
+    return {
+        name: (hull_vertices(np.vstack([clouds[name], surfaces[name], *parts])),)
+        if name in surfaces
+        else parts
+        for name, parts in solids.items()
+    }
 
 
 def with_level_undersides(

@@ -42,15 +42,6 @@ REFUTED = 0.35
 ROUND_REFUTED = 0.25
 """The same for a round body, whose own outline leaves nothing to be refuted but noise."""
 
-ON_HULL = 0.003
-"""Depth [m] in their own hull down to which seen points are on the outside of a convex side."""
-
-BURIED = 0.004
-"""Depth [m] in a guessed body from which a seen point is inside it, where no side can be seen."""
-
-MOST_BURIED = 0.1
-"""Share of the outer points that a guess may bury; halves and doubles of it choose the same."""
-
 OUTSIDE = 0.8
 """Share of the seen points that are on the outside of a round body: noise turns some at its outline."""
 

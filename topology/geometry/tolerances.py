@@ -76,25 +76,3 @@ COARSE = 0.01
 BEFORE = 2e-5
 """How far before the first point cells begin [m]: files round to tenths of millimetres, and what is
 rounded shall not lie on the edge of a cell, where the last bit of a number decides."""
-
-
-# -- smooth
-
-PATCH_CELL = 0.005
-"""Edge [m] of the cells, one place each: finer ones take longer, and leave the hull as it is."""
-
-PATCH_RADIUS = 0.012
-"""Radius [m] of the patches: 1.5 mm of noise come down to a quarter. Those of 10 mm leave more of it, those
-of 15 mm round off edges."""
-
-PATCH_MOST = 40
-"""Points nearest to a place that make its patch: where they are 3 mm apart, those of a disc of 11 mm."""
-
-PATCH_FEWEST = 8
-"""Points without which there is no patch: what fewer are near is a pixel between two surfaces."""
-
-STRAIGHT = 1e-3
-"""How much rather patches are level than bent where their points tell neither."""
-
-KEPT_CLOUDS = 100
-"""Clouds whose smoothed ones are kept, some 20 kB each: ten scenes of ten things."""

@@ -4,9 +4,8 @@ import numpy as np
 from scipy.spatial import ConvexHull
 
 from topple.robots import shapes
-from topple.robots.world.body_clouds import Piece, shell, solid
+from topple.robots.world.body_clouds import Piece, shell, smoothed, solid
 from topple.topology.arrays import FloatArray
-from topple.topology.geometry.smooth import smoothed
 from topple.topology.geometry.thin import voxel_means
 from topple.topology.tolerances import VOXEL
 

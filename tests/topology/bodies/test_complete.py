@@ -31,25 +31,3 @@ def test_a_bowl_seen_from_one_side_gets_its_far_wall_and_its_foot():
     assert (added[:, 1] > 0.02).any()
     assert added[:, 2].min() < 0.02
     assert np.linalg.norm(added[:, :2], axis=1).max() < 0.09
-
-
-def test_a_wedge_is_no_box_for_its_slope_was_seen():
-    rng = np.random.default_rng(0)
-    u, v = rng.uniform(0, 1, (2, 2500))
-    slope = np.c_[0.08 * u, 0.06 * v, 0.05 * (1 - u)]  # from the top of its back down to the table
-    side = np.c_[0.08 * u, np.zeros(2500), 0.05 * (1 - u) * v]
-    seen = np.concatenate([slope, side]) + rng.normal(0, 0.001, (5000, 3))
-    above = FreeSpace({"seen": seen}, np.array([[0.5, -0.5, 0.6]]))
-    added = complete_body(seen, above)[len(seen) :]
-    assert len(added)
-    assert (added[:, 2] < 0.05 * (1 - added[:, 0] / 0.08) + 0.012).all()
-
-
-def test_a_box_of_which_three_sides_were_seen_gets_the_others():
-    rng = np.random.default_rng(0)
-    faces = rng.uniform(0, 1, (3, 2000, 3))
-    faces[0, :, 2], faces[1, :, 0], faces[2, :, 1] = 1.0, 1.0, 0.0
-    seen = faces.reshape(-1, 3) * [0.08, 0.06, 0.05] + rng.normal(0, 0.001, (6000, 3))
-    added = complete_body(seen, FreeSpace({"seen": seen}, np.array([[0.5, -0.5, 0.6]])))[len(seen) :]
-    assert ((added[:, 0] < 0.01) & (added[:, 2] > 0.02)).any()
-    assert ((added[:, 1] > 0.05) & (added[:, 2] > 0.02)).any()
