@@ -5,8 +5,6 @@ shadows. Both are made of what it gives: pixels are averaged, and what is dark i
 lamps see.
 """
 
-from typing import TYPE_CHECKING
-
 import numpy as np
 from scipy.ndimage import gaussian_filter
 
@@ -16,9 +14,6 @@ from topple.robots.world.physical_world import PhysicalWorld
 from topple.topology.arrays import FloatArray
 from topple.topology.geometry.rigid import transformed
 from topple.topology.photo import Photo
-
-if TYPE_CHECKING:
-    pass
 
 SIZE = (800, 600)
 """Width and height [px]: half a page, at two pixels to one of the page on most screens."""
