@@ -60,14 +60,13 @@ class Completed:
     taken: bool
 
 
-def completion_rows(seed: int, scenes: int, progress: Progress, models: bool = True) -> list[Row]:
+def completion_rows(seed: int, scenes: int, progress: Progress) -> list[Row]:
     """Measure.
 
     Args:
         seed: Transfers on to other scenes.
         scenes: How many of each generator.
         progress: Called before each part.
-        models: Whether known models are registered too.
     """
     found: list[Row] = []
     for cameras, bar in BARS.items():
@@ -78,13 +77,12 @@ def completion_rows(seed: int, scenes: int, progress: Progress, models: bool = T
             first = FIRST_SEED + 1000 * seed + number
             for stage in (scenario_called("pile", first), other_pile(first)):
                 with stage:
-                    bodies += _completed(stage, cameras, first, models)
+                    bodies += _completed(stage, cameras, first)
         for generator in ("pile", OTHER_PILE):
             some = [body for body in bodies if body.generator == generator]
             found.append(_row(f"{generator}, {where}, {len(some)} bodies", some))
         found.append(_row(f"{where}, {len(bodies)} bodies", bodies, f">= {bar}"))
-        if models:
-            found += _known_rows(f"{where}, {len(bodies)} bodies", bodies, f">= {bar}")
+        found += _known_rows(f"{where}, {len(bodies)} bodies", bodies, f">= {bar}")
     return found
 
 
@@ -112,26 +110,20 @@ def _known_rows(what: str, bodies: Sequence[Completed], bar: str) -> list[Row]:
     ]
 
 
-def _completed(stage: Scenario, cameras: int, seed: int, models: bool) -> Iterator[Completed]:
+def _completed(stage: Scenario, cameras: int, seed: int) -> Iterator[Completed]:
     """Overlaps with the true hull of each body: completed, as it was seen, and with its model known."""
     situation = Situation(loop_in(stage, seed=seed, cameras=cameras).look().scene)
-    known = situation
-    if models:
-        with TemporaryDirectory() as folder:
-            known = Situation(with_models(situation.scene, _written(stage, Path(folder))))
+    with TemporaryDirectory() as folder:
+        known = Situation(with_models(situation.scene, _written(stage, Path(folder))))
     for name in situation.movable:
+        fit, mesh = known.scene.models[name], stage.world.body(name).mesh
         true = _hull(stage.world.body(name).parts, stage.world.pose(name))
         completed, seen, modelled = (
             overlap(true, np.concatenate(list(bodies[name])), seed)
             for bodies in (*_bodies(situation), known.completed)
         )
-        fit = known.scene.models.get(name)
-        posed = 0.0
-        if fit is not None:
-            mesh = stage.world.body(name).mesh
-            posed = overlap(true, transformed(mesh.vertices, fit.pose_model_to_world), seed)
-        taken = fit is not None and fit.refused is None
-        yield Completed(stage.name, completed, seen, modelled, posed, taken)
+        posed = overlap(true, transformed(mesh.vertices, fit.pose_model_to_world), seed)
+        yield Completed(stage.name, completed, seen, modelled, posed, fit.refused is None)
 
 
 def _written(stage: Scenario, folder: Path) -> Path:

@@ -65,18 +65,16 @@ class Extent:
     Attributes:
         piles: Number of piles.
         views: Numbers of cameras; 0 for whole surfaces.
-        scenes: Of each generator, in which bodies are completed: 25 have 300 bodies.
-        models: Whether known models are registered there too, which takes longest.
+        scenes: Of each generator, in which bodies are completed: 25 have 300 bodies; 0 for none.
     """
 
     piles: int
     views: tuple[int, ...] = (0, 3, 1)
     scenes: int = 25
-    models: bool = True
 
 
 FULL = Extent(26)
-QUICK = Extent(2, scenes=1, models=False)
+QUICK = Extent(2, scenes=0)
 
 
 def rows(
@@ -91,7 +89,7 @@ def rows(
     """Measure.
 
     Args:
-        quick: A handful of piles.
+        quick: Two piles, and no completed bodies.
         seed: Transfers on to other piles.
         progress: Called before each part.
         piles: A folder of recorded piles, to be scored instead of our own.
@@ -113,7 +111,8 @@ def rows(
     for view in extent.views:
         progress(f"{VIEWS[view]}: default and baselines")
         found += _view(cases, view)
-    found += completion_rows(seed, extent.scenes, progress, extent.models)
+    if extent.scenes:
+        found += completion_rows(seed, extent.scenes, progress)
     if data is not None:
         progress("annotated frames")
         found += _frames(recorded_frames(data))
