@@ -18,6 +18,13 @@ PLAYS_LIKE = frozenset({7})
 """Earlier versions whose episodes count, too: they went digit for digit as today's wherever both were played.
 Empty it with the next change, unless that is shown again."""
 
+REARRANGED = frozenset({"pack", "restack", "set-table", "swap"})
+"""Scenes that are played by putting things as they lie in another one."""
+
+REARRANGING = 2
+"""Version of how that is done: raise it by one with every change that is meant, since no frozen case does it.
+Earlier results of these scenes do not count."""
+
 DIGITS = 5
 """Decimals that count: steps of 0.01 mm or 0.01 mrad. What is to be noticed, 0.1 mm, is ten of them and never
 lost; the noise of sums in another order, at most 1e-12, changes one number in ten million."""

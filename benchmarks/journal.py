@@ -5,7 +5,7 @@ from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
-from topple.benchmarks.behaviour import BEHAVIOUR, PLAYS_LIKE
+from topple.benchmarks.behaviour import BEHAVIOUR, PLAYS_LIKE, REARRANGED, REARRANGING
 from topple.benchmarks.episodes import FORMAT, Ending
 from topple.planner.formats.json_lines import JsonLines
 from topple.topology.errors import InvalidInput
@@ -39,11 +39,14 @@ class Journal(JsonLines):
         if entry.get("behaviour") not in {BEHAVIOUR, *PLAYS_LIKE}:
             self.stale += 1
             return
-        Ending.from_json(entry)
+        ending = Ending.from_json(entry)
+        if ending.episode.scenario in REARRANGED and entry.get("rearranging") != REARRANGING:
+            self.stale += 1
+            return
         self.entries.append(entry)
 
     def add(self, entry: Mapping[str, Any]) -> None:
         """Append an entry of today's behaviour; see `JsonLines.add`."""
-        kept = {**entry, "behaviour": BEHAVIOUR}
+        kept = {**entry, "behaviour": BEHAVIOUR, "rearranging": REARRANGING}
         super().add(kept)
         self.entries.append(kept)

@@ -12,6 +12,7 @@ from topple.planner.placement.resting import about
 from topple.planner.rearranging.tolerances import (
     ALIKE,
     ALL_BUT_STRAYS,
+    AS_WELL,
     BARELY,
     BEST,
     COARSELY,
@@ -83,10 +84,10 @@ def registered(
     pair = _Pair(a, b, up)
     if guess is not None and (near := pair.settled(guess)).residual < pair.spacing:
         return near
-    starts = sorted(pair.attempts(), key=pair.distance)[:KEPT]
+    starts = sorted((pair.shifted(pose, 2) for pose in pair.attempts()), key=pair.distance)[:KEPT]
     found = [pair.settled(pose) for pose in starts]
     best = min(each.residual for each in found)
-    return min((each for each in found if each.residual <= best + ALIKE), key=lambda each: each.turn)
+    return min((each for each in found if each.residual <= best + AS_WELL), key=lambda each: each.turn)
 
 
 def turns(surface: FloatArray, up: FloatArray) -> list[float]:
@@ -207,13 +208,23 @@ class _Pair:
     def _headed(self, pose: FloatArray) -> FloatArray:
         """A level motion with the heading that fits best: points beside each other on a wall hold back.
 
-        A mug's handle is a twelfth of its points; matched one by one the others keep it where it is.
+        A mug's handle is a twelfth of its points; matched one by one the others keep it where it is. What was
+        seen of it has its middle beside the axis: a turn about that is followed by a shift, in turns.
         """
-        middle = transformed(self._a.mean(axis=0), pose)
-        for steps in (COARSELY, FINELY):
-            turned = [turned_to(about(self._up, angle), middle, middle) @ pose for angle in steps]
-            pose = min([pose, *turned], key=self.distance)
-        for _ in range(5):
+        pose, best = self.shifted(pose), np.inf
+        while (left := self.distance(pose)) < best - ALIKE / 10.0:
+            best = left
+            for steps in (COARSELY, FINELY):
+                middle = transformed(self._a.mean(axis=0), pose)
+                turned = [turned_to(about(self._up, angle), middle, middle) @ pose for angle in steps]
+                pose = min(
+                    [pose, *map(self.shifted, sorted(turned, key=self.distance)[:2])], key=self.distance
+                )
+        return pose
+
+    def shifted(self, pose: FloatArray, rounds: int = 5) -> FloatArray:
+        """A motion moved along, unturned, to where it fits best nearby."""
+        for _ in range(rounds):
             a, b = self._matched(pose)
             pose = pose.copy()
             pose[:3, 3] += (b - transformed(a, pose)).mean(axis=0)

@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from topple import benchmarks
-from topple.benchmarks.behaviour import BEHAVIOUR, PLAYS_LIKE
+from topple.benchmarks.behaviour import BEHAVIOUR, PLAYS_LIKE, REARRANGED, REARRANGING
 from topple.benchmarks.episodes import Ending, Episode, play
 from topple.benchmarks.frames import frames_in, wanted_of
 from topple.benchmarks.journal import Journal
@@ -17,6 +17,7 @@ from topple.benchmarks.rules import RULES, order_by
 from topple.benchmarks.run import collected, endurance, fallback_rows, figures, rows
 from topple.benchmarks.series import QUICK, Series
 from topple.planner.decide.beliefs import Beliefs
+from topple.robots.scenarios import SCENARIOS, scenario_called
 from topple.topology.errors import InvalidInput
 from topple.topology.scene import Scene
 from topple.topology.situation import Situation
@@ -85,6 +86,25 @@ def test_results_of_another_behaviour_do_not_count(version: dict[str, int], tmp_
         assert (book.entries, book.stale) == ([], 1)
         book.add(Ending(Episode("pile", 4), "success").to_json())
     assert [entry["behaviour"] for entry in Journal(path).entries] == [BEHAVIOUR]
+
+
+@pytest.mark.parametrize(
+    ("version", "counts"), [(REARRANGING, True), (REARRANGING - 1, False), (None, False)]
+)
+def test_what_was_rearranged_another_way_does_not_count(
+    version: int | None, counts: bool, tmp_path: Path
+) -> None:
+    path = tmp_path / "endings.jsonl"
+    told = {"behaviour": BEHAVIOUR} | ({} if version is None else {"rearranging": version})
+    path.write_text(json.dumps({**Ending(Episode("swap", 3), "success").to_json(), **told}) + "\n")
+    assert len(Journal(path).entries) == counts
+
+
+@pytest.mark.slow  # every scene is built
+def test_scenes_that_are_rearranged_are_named() -> None:
+    for name in SCENARIOS:
+        with scenario_called(name) as stage:
+            assert (stage.finished is not None) == (name in REARRANGED), name
 
 
 def test_what_counts_as_played_like_today_was_played_alike() -> None:

@@ -4,7 +4,11 @@ import numpy as np
 import pytest
 from scipy.spatial.transform import Rotation
 
+from topple.planner.execution.look import Observer
+from topple.planner.rearranging.arrangement import Arrangement
 from topple.planner.rearranging.registration import least, registered, turns
+from topple.robots.poses import angle_between, inverse
+from topple.robots.scenarios import scenario_called
 from topple.robots.shapes import block, bowl, box, can, fork, mug, spoon
 from topple.robots.world.bodies import Body
 from topple.topology.arrays import FloatArray
@@ -44,6 +48,19 @@ def test_a_thing_seen_from_two_sides_is_found_where_it_is(body: Body) -> None:
     if body.name in ("spoon", "fork", "mug"):  # which look the same in no other heading
         angle = Rotation.from_matrix(true[:3, :3].T @ fit.pose[:3, :3]).magnitude()
         assert np.degrees(angle) < 5.0
+
+
+@pytest.mark.parametrize("seed", [500, 501, 511, 513])
+def test_the_handle_of_a_mug_is_found_by_three_cameras_however_it_stands(seed: int) -> None:
+    with scenario_called("set-table", seed) as stage:
+        assert stage.finished is not None
+        here, there = (
+            Observer(world, stage.cameras, np.random.default_rng(seed), stage.fixed, stage.up).look()
+            for world in (stage.world, stage.finished)
+        )
+        true = stage.finished.pose("mug") @ inverse(stage.world.pose("mug"))
+        fit = Arrangement(there.scene).fit("mug", here.situation)
+    assert np.degrees(angle_between(fit.pose, true)) < 6.0
 
 
 def test_the_same_points_are_matched_exactly() -> None:
