@@ -65,8 +65,8 @@ def registered(
     """Find the rigid motion that brings a cloud onto another of the same object.
 
     Headings and principal axes are tried, and the best of them followed to where they settle (iterative
-    closest points, both ways, far ones left out). Of motions that fit alike the one that turns least is
-    taken; one that tilts little is taken not to tilt.
+    closest points, both ways, far ones left out). Of motions that fit alike those that do not tilt are
+    taken, and of these the one that turns least; one that tilts little is taken not to tilt.
 
     Args:
         start: (N, 3) points [m].
@@ -86,8 +86,9 @@ def registered(
         return near
     starts = sorted((pair.shifted(pose, 2) for pose in pair.attempts()), key=pair.distance)[:KEPT]
     found = [pair.settled(pose) for pose in starts]
-    best = min(each.residual for each in found)
-    return min((each for each in found if each.residual <= best + AS_WELL), key=lambda each: each.turn)
+    found = _as_well(found, ALIKE)  # a block fits upside down too, by noise even better
+    level = [each for each in found if _tilt(each.pose, up) < LEVEL]
+    return min(_as_well(level or found, AS_WELL), key=lambda each: each.turn)
 
 
 def turns(surface: FloatArray, up: FloatArray) -> list[float]:
@@ -155,6 +156,17 @@ def _told(pose: FloatArray, start: FloatArray, residual: float) -> Registration:
     return Registration(pose, residual, float(np.linalg.norm(transformed(middle, pose) - middle)), turn)
 
 
+def _as_well(fits: Sequence[Registration], by: float) -> list[Registration]:
+    """Those that fit as well as the best one, but for so much [m]."""
+    best = min(each.residual for each in fits)
+    return [each for each in fits if each.residual <= best + by]
+
+
+def _tilt(pose: FloatArray, up: FloatArray) -> float:
+    """By how much a motion (4, 4) tilts what stands upright [rad]."""
+    return float(np.arccos(np.clip(up @ pose[:3, :3] @ up, -1.0, 1.0)))
+
+
 class _Pair:
     """Two clouds of one object."""
 
@@ -197,8 +209,7 @@ class _Pair:
     def settled(self, pose: FloatArray) -> Registration:
         """Where a motion settles; level where it tilts little."""
         pose = self._followed(pose, level=False)
-        tilt = float(np.arccos(np.clip(self._up @ pose[:3, :3] @ self._up, -1.0, 1.0)))
-        if tilt < LEVEL:
+        if _tilt(pose, self._up) < LEVEL:
             middle = self._a.mean(axis=0)
             pose = self._headed(
                 self._followed(self._level(pose[:3, :3], middle, transformed(middle, pose)), True)

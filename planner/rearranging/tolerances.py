@@ -44,11 +44,12 @@ BEST = 1e-5
 """[m] by which a settled fit still moves."""
 
 ALIKE = 5e-4
-"""[m] by which points are beside those of the same cloud moved: a quarter of the noise."""
+"""[m] by which the residuals of motions that fit alike differ, and points of one cloud moved: a quarter of
+the noise."""
 
 AS_WELL = 1e-4
-"""[m] by which the residuals of two motions differ that fit as well: a mug's handle on the wrong side costs
-three times as much, noise of so many points half of it."""
+"""[m] by which the residuals of two level motions differ that fit as well: a mug's handle on the wrong side
+costs three times as much, noise of so many points half of it."""
 
 LEVEL = 0.25
 """[rad] of tilt that two clouds of a thing that stands on the same face differ by, each seen in part."""

@@ -111,7 +111,8 @@ def test_what_counts_as_played_like_today_was_played_alike() -> None:
     went: dict[Episode, dict[int, tuple[object, ...]]] = {}
     for line in (Path(benchmarks.__file__).parent / "played.jsonl").read_text().splitlines():
         entry = json.loads(line)
-        if entry["behaviour"] in {BEHAVIOUR, *PLAYS_LIKE}:
+        later = entry["episode"]["scenario"] in REARRANGED and "rearranging" in entry  # another way since
+        if entry["behaviour"] in {BEHAVIOUR, *PLAYS_LIKE} and not later:
             end = Ending.from_json(entry)
             told = (end.ending, end.violations, end.steps, end.robot_seconds, end.used)
             went.setdefault(end.episode, {})[entry["behaviour"]] = told
