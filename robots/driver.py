@@ -4,6 +4,7 @@ Nothing here tells what the arm is about to take or what it meets: a driver move
 a force, the pads' distance and the vacuum.
 """
 
+from collections.abc import Collection
 from typing import Protocol
 
 from topple.robots.arm.arm import Arm
@@ -114,4 +115,17 @@ class Driver(Protocol):
 
     def wait(self, seconds: float) -> None:
         """Hold still for a time in [s]."""
+        ...
+
+
+class Fixture(Protocol):
+    """What keeps things where they stand, such as a vice, until a hand holds them."""
+
+    @property
+    def clamped(self) -> Collection[str]:
+        """Names of what it keeps now."""
+        ...
+
+    def release(self, name: str) -> None:
+        """Let go of an object: the hand has closed on it."""
         ...

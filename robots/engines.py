@@ -1,6 +1,6 @@
 """The physics engines that a world can be played on, by name."""
 
-from collections.abc import Generator
+from collections.abc import Collection, Generator
 from contextlib import contextmanager
 from contextvars import ContextVar
 from typing import TYPE_CHECKING
@@ -9,11 +9,12 @@ from topple.topology.errors import InvalidInput
 
 if TYPE_CHECKING:
     from topple.robots.arm.arm import Arm
+    from topple.robots.driver import Fixture
     from topple.robots.world.acting_arm import ActingArm
     from topple.robots.world.physical_world import PhysicalWorld
     from topple.topology.arrays import FloatArray
 
-__all__ = ["BULLET", "ENGINES", "MUJOCO", "arm_in", "new_world", "playing_on"]
+__all__ = ["BULLET", "ENGINES", "MUJOCO", "arm_in", "fixture_in", "new_world", "playing_on"]
 
 BULLET, MUJOCO = ENGINES = ("bullet", "mujoco")
 
@@ -83,3 +84,22 @@ def arm_in(
         raise InvalidInput(f"no arm is known for worlds of {world.engine!r}: expected one of {ENGINES}")
     other = beside if isinstance(beside, SimulatedArm) else None
     return SimulatedArm(world, arm, pose_base_to_world, beside=other)
+
+
+def fixture_in(world: "PhysicalWorld", names: "Collection[str]") -> "Fixture | None":
+    """Clamp bodies of a world where they are; None where none are named.
+
+    Args:
+        world: A world of `new_world`.
+        names: Names of bodies.
+
+    Raises:
+        InvalidInput: The world's engine has no clamps.
+    """
+    if not names:
+        return None
+    if world.engine != BULLET:
+        raise InvalidInput(f"a fixture clamps in a world on {BULLET} alone, found one on {world.engine}")
+    from topple.robots.world.clamps import Clamps
+
+    return Clamps(world, names)

@@ -124,6 +124,11 @@ OPTIONS: dict[str, dict[str, Any]] = {
         "metavar": ("X", "Y", "Z", "YAW"),
         "help": "where a second such arm stands, which holds what would not stand meanwhile (one arm)",
     },
+    "--clamped": {
+        **_LIST,
+        "default": [],
+        "help": "what a fixture, such as a vice, keeps where it stands until the hand holds it",
+    },
     # simulation
     "--cameras": {
         "type": int,

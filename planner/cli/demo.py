@@ -21,7 +21,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Add the options; see `topple.planner.cli.main`."""
     parser.add_argument("name", nargs="?", default="dishes", metavar="NAME", help="the scene (dishes)")
     add(parser, "--orderer", help="what orders: fewest, cautious, support-tree or a plugin's (cautious)")
-    add(parser, "--rule", *COMMON, *SIMULATION)
+    add(parser, "--rule", "--clamped", *COMMON, *SIMULATION)
     parser.set_defaults(seed=None)  # one of the scene's own that is known to succeed
     made_for = "panda, panda-suction, iiwa, xarm6 or FILE.urdf (the one the scene is made for)"
     add(parser, "--robot", help=made_for)
@@ -42,8 +42,8 @@ def execute(args: argparse.Namespace) -> int:
         video, rerun = recordings_of(args)
         record = demo(
             args.name, seed=args.seed, robot=args.robot, cameras=args.cameras, mask_noise=args.mask_noise,
-            wrist_camera=args.wrist_camera, ahead=args.ahead, engine=args.engine, folder=folder, video=video,
-            rerun=rerun, orderer=orderer, relate=relating, progress=progress,
+            wrist_camera=args.wrist_camera, ahead=args.ahead, clamped=args.clamped, engine=args.engine,
+            folder=folder, video=video, rerun=rerun, orderer=orderer, relate=relating, progress=progress,
         )  # fmt: skip
     run = record.to_json()
     if args.json:
@@ -58,7 +58,9 @@ def _as_counted(args: argparse.Namespace) -> bool:
     """Whether the scene is played with what its seeds were counted with."""
     from topple.planner.execution.demo_seeds import CAMERAS
 
-    plain = not (args.mask_noise or args.wrist_camera or args.ahead or args.rule or args.orderer)
+    plain = not (
+        args.mask_noise or args.wrist_camera or args.ahead or args.rule or args.orderer or args.clamped
+    )
     same = args.robot is None and args.engine == "bullet"
     return same and args.cameras == CAMERAS and plain
 

@@ -56,13 +56,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         metavar="N",
         help="how many hands there are: where things hold each other, 1 has no safe order, and 2 or more may",
     )
-    parser.add_argument(
-        "--clamped",
-        nargs="+",
-        default=[],
-        metavar="NAME",
-        help="what a fixture, such as a vice, keeps where it stands until it is taken",
-    )
+    add(parser, "--clamped")
     parser.add_argument(
         "--next-view",
         action="store_true",

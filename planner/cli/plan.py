@@ -32,6 +32,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         metavar="NAME",
         help="what is kept upright while it is carried, with what is in it",
     )
+    add(parser, "--clamped")
     parser.add_argument(
         "--allow-drop",
         action="store_true",
@@ -67,9 +68,9 @@ def execute(args: argparse.Namespace) -> int:
         progress(f"{path}: planning")
         base = base_of(args, scene)
         found = plan(
-            scene, goal, arm, base=base, upright=args.upright, allow_drop=args.allow_drop,
-            orderer=orderer or ordered, relations=relating, check=not args.verify, seed=args.seed,
-            progress=progress,
+            scene, goal, arm, base=base, upright=args.upright, clamped=args.clamped,
+            allow_drop=args.allow_drop, orderer=orderer or ordered, relations=relating,
+            check=not args.verify, seed=args.seed, progress=progress,
         )  # fmt: skip
         checked = None
         if args.verify:

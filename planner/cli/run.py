@@ -17,7 +17,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     add_scenes(parser)
     add_task(parser)
     add(parser, "--orderer", help="what orders: fewest, cautious, support-tree or a plugin's (cautious)")
-    add(parser, "--second-base", "--rule", *SIMULATION, *COMMON)
+    add(parser, "--second-base", "--clamped", "--rule", *SIMULATION, *COMMON)
     parser.add_argument(
         "--shuffle-labels",
         action="store_true",
@@ -41,7 +41,7 @@ def execute(args: argparse.Namespace) -> int:
         progress(f"{path}: rebuilding the scene")
         record = run(
             scene, goal, arm_of(args), base=base_of(args, scene),
-            second_base=base_of(args, scene, "--second-base"), cameras=args.cameras,
+            second_base=base_of(args, scene, "--second-base"), clamped=args.clamped, cameras=args.cameras,
             mask_noise=args.mask_noise, shuffle_labels=args.shuffle_labels, wrist_camera=args.wrist_camera,
             ahead=args.ahead, engine=args.engine, video=video, rerun=rerun, photos=place is not None,
             orderer=orderer or cautious, relate=relating,

@@ -2,6 +2,7 @@
 
 from collections.abc import Collection, Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
+from functools import cache
 from itertools import combinations
 from typing import TYPE_CHECKING, Any
 
@@ -297,6 +298,33 @@ def fallen_without(statics: Statics, away: Collection[str], held: Collection[str
     freed = [name for name in lost if max(normals[name], default=0.0) < PRESSED]
     unheld = statics.unsteady_without(away, held) if freed else {}
     return {name: far for name, far in lost.items() if name not in freed or name in unheld}
+
+
+def with_fixture(graph: DependencyGraph, statics: Statics, clamped: Collection[str]) -> DependencyGraph:
+    """What has to go first where a fixture keeps some objects where they stand until they are taken.
+
+    Args:
+        graph: The dependencies without it, with every edge.
+        statics: The scene at rest.
+        clamped: Names that the fixture keeps.
+
+    Returns:
+        The same dependencies without those of what stays as it is: what is clamped, and what falls no more
+        since it does. What a lift meets is met with a fixture, too.
+    """
+    swept, held = frozenset(graph.swept()), frozenset(clamped)
+
+    @cache
+    def kept(then: str) -> frozenset[str]:
+        still = fallen_without(statics, [then], held - {then})
+        return held | (fallen_without(statics, [then]).keys() - still.keys())
+
+    left = [
+        edge
+        for edge in graph.dependencies
+        if (edge.first, edge.then) in swept or edge.first not in kept(edge.then)
+    ]
+    return DependencyGraph(graph.names, tuple(left))
 
 
 def _hanging(statics: Statics) -> dict[tuple[str, str], Overlap]:

@@ -1,6 +1,6 @@
 """A hold: a second hand keeps an object still while others come or go."""
 
-from collections.abc import Sequence
+from collections.abc import Collection, Sequence
 from dataclasses import dataclass
 from typing import Any
 
@@ -50,6 +50,11 @@ class Hold:
         begin = "keep" if self.fixture else "hold"
         kept = " clamped" if self.fixture else ""
         return f"{begin} {self.object}{kept} while {' and '.join(taken)} {verb} taken: {self.because}"
+
+
+def kept_by(fixture: Collection[str]) -> tuple[str, ...]:
+    """What is assumed of a fixture, in sentences."""
+    return tuple(f"a fixture keeps {name} where it stands until it is taken" for name in sorted(fixture))
 
 
 def hands_for(order: Sequence[str], holds: Sequence[Hold]) -> int:

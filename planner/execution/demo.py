@@ -1,7 +1,7 @@
 """The built-in scenes, played by an arm in simulation, and everything written down."""
 
 import json
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Collection, Sequence
 from dataclasses import replace
 from multiprocessing import get_context
 from pathlib import Path
@@ -26,7 +26,7 @@ from topple.planner.report.rerun_file import RATE as RERUN_RATE
 from topple.planner.report.rerun_file import rerun_file
 from topple.planner.report.run_page import run_page
 from topple.robots.catalog import robot as robot_named
-from topple.robots.engines import BULLET, arm_in
+from topple.robots.engines import BULLET, arm_in, fixture_in
 from topple.robots.scenarios import SCENARIOS, Scenario, scenario_called
 from topple.robots.world.acting_arm import ActingArm
 from topple.robots.world.camera import Camera
@@ -49,6 +49,7 @@ def demo(
     mask_noise: float = 0.0,
     wrist_camera: bool = False,
     ahead: bool = False,
+    clamped: Collection[str] = (),
     engine: str = BULLET,
     folder: str | Path = "topple-demo",
     video: Path | None = None,
@@ -68,6 +69,7 @@ def demo(
         mask_noise: By how many pixels the edges of their masks are wrong (standard deviation).
         wrist_camera: Whether the arm carries one more for a second look before a doubtful step.
         ahead: Whether the next step is chosen while the arm acts, as for `ClosedLoop`.
+        clamped: What a fixture keeps where it stands until the hand has closed on it; there is one arm then.
         engine: What it is played on, one of `topple.robots.engines.ENGINES`.
         folder: Where relations.json, order.json, plan.json, run.json and report.html are written.
         video: Where a film of it is written, an MP4 file.
@@ -89,12 +91,14 @@ def demo(
     for file in FILES:
         check_writable(place / file)
     with scenario_called(name, seed, engine) as stage:
-        two = stage.pose_second_to_world is not None
+        fixture = frozenset(clamped)
+        two = stage.pose_second_to_world is not None and not fixture
         check_recording(rerun, two)
         robot = robot or stage.robot
         loop = loop_in(
             stage, robot=robot, cameras=cameras, mask_noise=mask_noise, wrist_camera=wrist_camera,
-            ahead=ahead, photos=True, orderer=orderer, relate=relate, seed=seed, progress=progress,
+            ahead=ahead, clamped=fixture, photos=True, orderer=orderer, relate=relate, seed=seed,
+            progress=progress,
         )  # fmt: skip
         acting, first = loop.robot, loop.look()
         assert isinstance(acting, ActingArm)
@@ -102,7 +106,7 @@ def demo(
         with get_context("spawn").Pool(1, serve) as other:  # leaving it ends what still plans
             base = stage.pose_base_to_world
             task = (first.scene, loop.task, robot)
-            asked = {"base": base, "orderer": orderer, "relations": relate, "seed": seed}
+            asked = {"base": base, "orderer": orderer, "relations": relate, "clamped": fixture, "seed": seed}
             planned = None if two else other.apply_async(plan, task, asked)
             recording = recorded(acting, RERUN_RATE) if rerun is not None else None
             with filmed(video, acting, stage.cameras[0]):
@@ -116,7 +120,9 @@ def demo(
                 record, whole = replace(record, stopped=INTERRUPTED), None
         if whole is None and not two:
             arm, goal = robot_named(robot), loop.task.goal(first.scene)
-            whole = plan_as_done(first.scene, goal, Station(arm, base, arm.home), loop.followed, seed)
+            whole = plan_as_done(
+                first.scene, goal, Station(arm, base, arm.home), loop.followed, seed, fixture
+            )
         decided = _decided_by(record, first, stage, orderer, seed)
         if rerun is not None and recording is not None:
             write_whole(rerun, rerun_file(record, recording))
@@ -151,6 +157,7 @@ def loop_in(
     shuffle_labels: bool = False,
     wrist_camera: bool = False,
     ahead: bool = False,
+    clamped: Collection[str] = (),
     photos: bool = False,
     orderer: Orderer = cautious,
     relate: Relate | None = None,
@@ -168,6 +175,7 @@ def loop_in(
         shuffle_labels: Whether names of objects are not kept between looks.
         wrist_camera: Whether the arm carries a camera for a second look before a doubtful step.
         ahead: Whether the next step is chosen while the arm acts.
+        clamped: What a fixture keeps where it stands; there is one arm then.
         photos: Whether photos for people are taken at every look, for a report.
         orderer: What decides the order.
         relate: What relates what is seen, a function of the scene; topple's own rule where None.
@@ -182,7 +190,8 @@ def loop_in(
         InvalidInput: The scene takes two arms, and such a one cannot hold, or has a camera at its wrist.
     """
     eyes = [camera.with_mask_noise(mask_noise) for camera in stage.cameras[:cameras]]
-    arm, there = robot_named(robot or stage.robot), None if alone else stage.pose_second_to_world
+    arm, one = robot_named(robot or stage.robot), alone or bool(clamped)
+    there = None if one else stage.pose_second_to_world
     first = arm_in(stage.world, arm, stage.pose_base_to_world)
     return ClosedLoop.simulated(
         stage.world,
@@ -201,6 +210,7 @@ def loop_in(
         photos=photos,
         wanted=None if stage.finished is None else stage.finished.poses(),
         second=None if there is None else arm_in(stage.world, arm, there, first),
+        fixture=fixture_in(stage.world, clamped),
     )
 
 

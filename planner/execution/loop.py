@@ -28,7 +28,7 @@ from topple.planner.planning.holding import check_second
 from topple.planner.planning.order import cautious
 from topple.planner.planning.step import NextStep, Orderer, Task
 from topple.planner.transfer.transfer import after
-from topple.robots.driver import Driver
+from topple.robots.driver import Driver, Fixture
 from topple.robots.world.acting_arm import ActingArm
 from topple.robots.world.camera import Camera
 from topple.robots.world.photo import photograph
@@ -82,6 +82,7 @@ class ClosedLoop:
             be by then. Where the look shows it so, and the step can be proven on what is seen, it is done.
             With a second arm every step is chosen after the look.
         second: An arm beside it that holds what would not stand; the orderer is told of two hands then.
+        fixture: What keeps things where they stand, and lets go of one once the hand holds it.
 
     `task` is the goal as a task. After `run`, `followed` holds the steps done, with their transfers.
     """
@@ -98,9 +99,10 @@ class ClosedLoop:
     wrist: HandCamera | None = None
     ahead: bool = False
     second: Driver | None = None
+    fixture: Fixture | None = None
 
     def __post_init__(self) -> None:
-        task, self._arms = GoalTask.of(self.goal), TwoArms(self.robot, self.second, self.seed)
+        task, self._arms = GoalTask.of(self.goal), TwoArms(self.robot, self.second, self.seed, self.fixture)
         self._selector = StepSelector(
             task, self._arms, self.orderer, self.grasps, self.seed, self.limits.attempts
         )

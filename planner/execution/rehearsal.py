@@ -1,5 +1,6 @@
 """A world rebuilt from a scene: bodies from the observed clouds, a table, and cameras to look again."""
 
+from collections.abc import Collection
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -9,7 +10,8 @@ from topple.planner.placement.base import choose_base
 from topple.planner.report.palette import object_colours
 from topple.planner.simulate.rebuild import Rebuilt, rebuild
 from topple.robots.arm.arm import Arm
-from topple.robots.engines import new_world
+from topple.robots.driver import Fixture
+from topple.robots.engines import fixture_in, new_world
 from topple.robots.poses import inverse
 from topple.robots.scenarios.scenario import around
 from topple.robots.world.camera import Camera
@@ -39,6 +41,7 @@ class Rehearsal:
         pose_scene_to_world: (4, 4) from the frame of the scene's clouds.
         base_searched: Whether the base was searched for.
         sagged: How far each body moved until it was at rest, name to [m]: what the clouds left open.
+        fixture: What keeps some of them still; None where nothing does.
     """
 
     world: PhysicalWorld
@@ -47,6 +50,7 @@ class Rehearsal:
     pose_scene_to_world: FloatArray
     base_searched: bool
     sagged: dict[str, float]
+    fixture: Fixture | None = None
 
     def __enter__(self) -> "Rehearsal":
         return self
@@ -66,16 +70,20 @@ class Rehearsal:
         return tuple(said)
 
     @classmethod
-    def of(cls, scene: Scene, arm: Arm, base: FloatArray | None = None) -> "Rehearsal":
+    def of(
+        cls, scene: Scene, arm: Arm, base: FloatArray | None = None, clamped: Collection[str] = ()
+    ) -> "Rehearsal":
         """Rebuild a scene.
 
         Args:
             scene: The scene, with `up` and at least one flat fixed object.
             arm: The arm that is to act in it.
             base: (4, 4) pose_base_to_scene; the scene's `robot_base`, or else searched for.
+            clamped: Names that a fixture keeps where they were seen.
 
         Raises:
-            InvalidInput: The scene does not know up, or nothing flat and level in it is fixed.
+            InvalidInput: The scene does not know up, nothing flat and level in it is fixed, or there are
+                clamps on another engine than PyBullet.
             NoBase: The arm reaches nothing from anywhere.
         """
         table, to_world = _levelled(scene)
@@ -100,6 +108,7 @@ class Rehearsal:
                 friction=scene.friction.get(table, TABLE_FRICTION),
             )
             rebuilt.add_to(world)
+            fixture = fixture_in(world, clamped)
             relax(world)
         except BaseException:
             world.close()
@@ -110,7 +119,7 @@ class Rehearsal:
         }
         middle = np.mean([level.clouds[name].mean(axis=0) for name in level.movable], axis=0)
         cameras = around((float(middle[0]), float(middle[1]), 0.03))
-        return cls(world, cameras, pose_base, to_world, given is None, sagged)
+        return cls(world, cameras, pose_base, to_world, given is None, sagged, fixture)
 
 
 def _coloured(rebuilt: Rebuilt, scene: Scene) -> Rebuilt:

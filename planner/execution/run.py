@@ -1,9 +1,10 @@
 """A scene rebuilt in simulation, and a goal reached in it by an arm in closed loop."""
 
-from collections.abc import Sequence
+from collections.abc import Collection, Sequence
 from dataclasses import replace
 from pathlib import Path
 
+from topple.planner.decide.hold import kept_by
 from topple.planner.execution.look import Relate
 from topple.planner.execution.loop import ClosedLoop, Progress
 from topple.planner.execution.rehearsal import Rehearsal, Z
@@ -13,7 +14,7 @@ from topple.planner.formats.run_record import RunRecord
 from topple.planner.grasp.given import OwnGrasps, own_grasps
 from topple.planner.grasp.grasp import Grasp
 from topple.planner.planning.goal_task import GoalTask
-from topple.planner.planning.order import cautious
+from topple.planner.planning.order import cautious, check_clamped
 from topple.planner.planning.step import Orderer, Task
 from topple.planner.report.rerun_file import RATE as RERUN_RATE
 from topple.planner.report.rerun_file import rerun_file
@@ -36,6 +37,7 @@ def run(
     *,
     base: FloatArray | None = None,
     second_base: FloatArray | None = None,
+    clamped: Collection[str] | str = (),
     cameras: int = 3,
     mask_noise: float = 0.0,
     shuffle_labels: bool = False,
@@ -59,6 +61,8 @@ def run(
         robot: The arm, or its name.
         base: (4, 4) pose_base_to_scene; the scene's `robot_base`, or else searched for.
         second_base: (4, 4) likewise of a second such arm, which holds what would not stand; None for one arm.
+        clamped: Objects that a fixture, such as a vice, keeps where they stand until the hand has closed on
+            them; on PyBullet alone.
         cameras: How many depth cameras look on, 1 to 3.
         mask_noise: By how many pixels the edges of their masks are wrong (standard deviation).
         shuffle_labels: Whether names of objects are not kept between looks.
@@ -93,7 +97,8 @@ def run(
     check_up(scene)
     own = {} if grasps is None else own_grasps(grasps, scene, arm)
     check_recording(rerun, second_base is not None)
-    with playing_on(engine), Rehearsal.of(scene, arm, base) as stage:
+    fixture = check_clamped(scene, clamped)
+    with playing_on(engine), Rehearsal.of(scene, arm, base, fixture) as stage:
         acting = arm_in(stage.world, arm, stage.pose_base_to_world)
         there = (
             None if second_base is None else stage.pose_scene_to_world @ as_pose(second_base, "second_base")
@@ -119,11 +124,15 @@ def run(
             ahead=ahead,
             photos=photos,
             second=None if there is None else arm_in(stage.world, arm, there, acting),
+            fixture=stage.fixture,
         )
         recording = recorded(acting, RERUN_RATE) if rerun is not None else None
         with filmed(video, acting, stage.cameras[0]):
             record = loop.run()
-        record = replace(record, notes=(*scene.assumptions, *arm.assumptions, *stage.notes(), *record.notes))
+        kept = kept_by(fixture)
+        record = replace(
+            record, notes=(*scene.assumptions, *arm.assumptions, *stage.notes(), *kept, *record.notes)
+        )
         if rerun is not None and recording is not None:
             write_whole(rerun, rerun_file(record, recording))
     return record

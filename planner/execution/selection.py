@@ -166,4 +166,9 @@ class StepSelector:
         """What a step is chosen in, with the arms as they stand."""
         station, second = self._arms.stations
         context = memory.context(station, self._orderer, self._grasps, self._seed, self._attempts)
-        return replace(context, second=second, obstacles=self._arms.obstacles(self._arms.first))
+        return replace(
+            context,
+            second=second,
+            obstacles=self._arms.obstacles(self._arms.first),
+            clamped=self._arms.clamped,
+        )

@@ -5,13 +5,13 @@ from pathlib import Path
 
 import numpy as np
 
-from topple.planner.execution.execute import Outcome, Watch, execute, go_home, retreat
+from topple.planner.execution.execute import TAKEN, Outcome, Watch, execute, go_home, retreat
 from topple.planner.execution.tolerances import AT_HOME
 from topple.planner.motion.tolerances import GIVES_WAY
 from topple.planner.planning.holding import FIRST, SECOND, standing_by
 from topple.planner.planning.step import NextStep, Station
 from topple.planner.transfer.transfer import Transfer
-from topple.robots.driver import Driver
+from topple.robots.driver import Driver, Fixture
 from topple.topology.bodies.solids import Solids
 from topple.topology.errors import InvalidInput
 
@@ -23,14 +23,17 @@ class TwoArms:
         first: The arm that does what takes one.
         second: The other arm; None where there is none.
         seed: Of the searches for ways home.
+        fixture: What keeps things still until a hand holds them; None where nothing does.
 
     Attributes:
         queued: The steps that were decided with a hold which is going on.
         grip: How one of them holds something now; None where none does.
     """
 
-    def __init__(self, first: Driver, second: Driver | None, seed: int) -> None:
-        self.first, self.second, self._seed = first, second, seed
+    def __init__(
+        self, first: Driver, second: Driver | None, seed: int, fixture: Fixture | None = None
+    ) -> None:
+        self.first, self.second, self._seed, self._fixture = first, second, seed, fixture
         self.queued: tuple[NextStep, ...] = ()
         self.grip: Transfer | None = None
 
@@ -38,6 +41,11 @@ class TwoArms:
     def stations(self) -> tuple[Station, Station | None]:
         """How the arms stand."""
         return _station(self.first), None if self.second is None else _station(self.second)
+
+    @property
+    def clamped(self) -> frozenset[str]:
+        """What a fixture keeps still now."""
+        return frozenset() if self._fixture is None else frozenset(self._fixture.clamped)
 
     def acting(self, chosen: NextStep) -> Driver:
         """The arm that does a step."""
@@ -71,7 +79,7 @@ class TwoArms:
             if np.abs(other.q_target - np.asarray(other.arm.home)).max() > AT_HOME:
                 said = "the other arm found no way home, and this one holds on."
                 return Outcome(False, said, np.zeros((0, 3)), stuck=True)
-        return execute(chosen.transfer, acting, watch)
+        return execute(chosen.transfer, acting, self._letting_go(chosen, watch))
 
     def finish(self, chosen: NextStep, outcome: Outcome, solids: Solids) -> Outcome:
         """Bring home the arm that acted, and go on with a hold, or end it: as decided, or since it failed.
@@ -106,6 +114,16 @@ class TwoArms:
         self.grip = None
         self._home(other, solids)
         return outcome
+
+    def _letting_go(self, chosen: NextStep, watch: Watch) -> Watch:
+        """What looks on, and has a fixture let go of the object as soon as the hand has closed on it."""
+
+        def watching(moment: str, tool: str) -> None:
+            watch(moment, tool)
+            if moment == TAKEN and self._fixture is not None:
+                self._fixture.release(chosen.transfer.object)
+
+        return watching
 
     def _beside(self, robot: Driver) -> Driver | None:
         """The other arm."""

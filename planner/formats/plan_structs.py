@@ -195,6 +195,7 @@ class PlanData(msgspec.Struct, frozen=True, kw_only=True):
         objects: Everything that was kept clear of.
         up: Against gravity, in the world.
         upright: Objects that are kept upright, with what is in them.
+        clamped: Objects that a fixture keeps where they stand until the hand has closed on them.
         assumptions: What was assumed and not seen.
         certified: Whether every motion was proven free between its samples too.
         seconds: Duration of the motions [s].
@@ -227,6 +228,7 @@ class PlanData(msgspec.Struct, frozen=True, kw_only=True):
     tried: dict[str, int] = {}
     arm: ArmData | None = None
     poses: dict[str, Matrix] = {}
+    clamped: list[str] = []
 
     def trajectory(self, step: int, segment: int | str) -> JointTrajectory:
         """Give one motion as arrays.

@@ -2,7 +2,7 @@
 
 import os
 import time
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Callable, Collection, Iterable, Mapping, Sequence
 from concurrent.futures import Executor
 from dataclasses import replace
 from functools import partial
@@ -15,7 +15,7 @@ from topple.planner.decide.arrange import Order, arrange
 from topple.planner.decide.assumptions import assumptions as assumed
 from topple.planner.decide.beliefs import Beliefs
 from topple.planner.decide.chances import reasoned
-from topple.planner.decide.dependency import DependencyGraph, dependencies
+from topple.planner.decide.dependency import DependencyGraph, dependencies, with_fixture
 from topple.planner.planning.tolerances import REMOVAL_RISK, TOP
 from topple.topology.arrays import FloatArray
 from topple.topology.errors import InvalidInput, UnknownObject
@@ -29,6 +29,7 @@ if TYPE_CHECKING:
     from topple.robots.arm.arm import Arm
     from topple.topology.relations import Relations
     from topple.topology.scene import Scene
+    from topple.topology.statics.rest import Statics
 
 
 def order(
@@ -84,15 +85,12 @@ def order(
     if removal_risk is not None and not 0.0 <= removal_risk <= 1.0:
         raise InvalidInput(f"removal_risk is {removal_risk}: expected a chance from 0 to 1")
     started = time.monotonic()
-    fixture = frozenset([clamped] if isinstance(clamped, str) else clamped)
-    if fixture and hands is None:
-        hands = 1
     situation = Situation.of(scene, relations)
     scene = situation.scene
     wanted = check_targets(scene, targets)
-    if unknown := sorted(fixture - scene.clouds.keys()):
-        raise UnknownObject(unknown[0], scene.movable)
-    fixture -= scene.fixed
+    fixture = check_clamped(scene, clamped)
+    if fixture and hands is None:
+        hands = 1
     statics = situation.statics
     if check_gravity:
         check_up(scene, statics)
@@ -111,9 +109,11 @@ def order(
         if not votes.complete:
             said = (*said, f"the budget ran out after {votes.trials} simulated lifts: the best answer so far")
     tops = {name: _top(statics.surfaces[name]) for name in full.names}
+    apart = taking_apart(situation, full, hands, fixture)
+    if fixture:
+        full, chance = _kept_still(full, chance, statics, fixture)
     edges = {(edge.first, edge.then) for edge in full.dependencies}
     risked = (beliefs or Beliefs()).weighed(chance, edges)
-    apart = taking_apart(situation, full, hands, fixture)
     found = arrange(full.reduced(), wanted, tops, situation.supports, said, risked, removal_risk, apart)
     checked = verify and not notes["budget_exhausted"]
     found = replace(found, verified=checked, chances=FrozenDict(chance), notes=FrozenDict(notes))
@@ -173,6 +173,19 @@ def _witnessed(graph: DependencyGraph, situation: Situation) -> DependencyGraph:
     return DependencyGraph(graph.names, tuple(edges))
 
 
+def _kept_still(
+    full: DependencyGraph,
+    chance: Mapping[tuple[str, str], float],
+    statics: "Statics",
+    fixture: frozenset[str],
+) -> tuple[DependencyGraph, dict[tuple[str, str], float]]:
+    """The dependencies that a fixture leaves, and the chances of what may still move."""
+    left = with_fixture(full, statics, fixture)
+    were, are = ({(edge.first, edge.then) for edge in graph.dependencies} for graph in (full, left))
+    stays = {pair for pair in chance if pair in were or pair[0] in fixture} - are
+    return left, {pair: each for pair, each in chance.items() if pair not in stays}
+
+
 def cautious(
     scene: "Scene | Situation",
     targets: Sequence[str],
@@ -181,6 +194,7 @@ def cautious(
     seed: int = 0,
     beliefs: Beliefs | None = None,
     hands: int | None = None,
+    clamped: Sequence[str] | str = (),
 ) -> Order:
     """The order for an arm that acts: with the least risk, as removals do harm themselves now and then.
 
@@ -191,10 +205,11 @@ def cautious(
         seed: Seed of the simulations, where there are any.
         beliefs: What earlier looks made of the same things: see `order`.
         hands: How many hands there are: see `order`.
+        clamped: What a fixture keeps until it is taken: see `order`.
     """
     return order(
-        scene, targets, relations=relations, seed=seed,
-        removal_risk=REMOVAL_RISK, beliefs=beliefs, check_gravity=False, hands=hands,
+        scene, targets, relations=relations, seed=seed, removal_risk=REMOVAL_RISK, beliefs=beliefs,
+        check_gravity=False, hands=hands, clamped=clamped,
     )  # fmt: skip
 
 
@@ -209,6 +224,22 @@ def _with_access(found: Order, situation: Situation, robot: "Arm | str") -> Orde
     ways = access(situation, found.order, found.graph, arm)
     said = [f"{arm.name} finds no grasp of {name}, whatever is taken away" for name in ways.graspless]
     return replace(found, access=ways.bars, assumptions=(*found.assumptions, *said))
+
+
+def check_clamped(scene: "Scene", clamped: Collection[str] | str) -> frozenset[str]:
+    """What a fixture keeps where it stands, all of it known; what never moves needs none.
+
+    Args:
+        scene: The scene.
+        clamped: Names, one or several.
+
+    Raises:
+        UnknownObject: One is not in the scene.
+    """
+    names = frozenset([clamped] if isinstance(clamped, str) else clamped)
+    if unknown := sorted(names - scene.clouds.keys()):
+        raise UnknownObject(unknown[0], scene.movable, role="clamped object")
+    return names - scene.fixed
 
 
 def check_targets(scene: "Scene", targets: Sequence[str] | str | None) -> tuple[str, ...]:

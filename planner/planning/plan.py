@@ -12,6 +12,7 @@ from typing import Any
 import numpy as np
 
 from topple.planner.decide.goal import Goal
+from topple.planner.decide.hold import kept_by
 from topple.planner.decide.tolerances import LIKELY
 from topple.planner.errors import NoSafePlan
 from topple.planner.formats.plan_data import DIGITS, dependency_data, objects_data, step_data
@@ -24,7 +25,7 @@ from topple.planner.grasp.grasp import Grasp
 from topple.planner.placement.base import choose_base
 from topple.planner.placement.drops import simulated
 from topple.planner.planning.goal_task import GoalTask
-from topple.planner.planning.order import ordered
+from topple.planner.planning.order import check_clamped, ordered
 from topple.planner.planning.start import check_start, check_upright
 from topple.planner.planning.step import Context, NextStep, Orderer, Station, Task
 from topple.planner.planning.tolerances import MOST_STEPS
@@ -54,6 +55,7 @@ def plan(
     base: FloatArray | None = None,
     q_start: FloatArray | None = None,
     upright: Collection[str] = (),
+    clamped: Collection[str] | str = (),
     grasps: OwnGrasps | None = None,
     orderer: Orderer = ordered,
     relations: Relations | Callable[[Scene], Relations] | None = None,
@@ -76,6 +78,8 @@ def plan(
         base: (4, 4) pose_base_to_world; the scene's `robot_base`, or else searched for.
         q_start: (n,) joint values to start from [rad]; the arm's home where not given.
         upright: Objects that are kept upright while they are carried, with what is in them.
+        clamped: Objects that a fixture, such as a vice, keeps where they stand. It has to let go of one
+            once the hand has closed on it: the reason of that step says so.
         grasps: Grasps of your own, in the scene's frame, as `rank_grasps` gives them or by object. An object
             that has any is taken by those alone, wherever it has been put by then, those with the highest
             scores that have room first; for the others grasps are searched for.
@@ -110,7 +114,7 @@ def plan(
     pose = choose_base(situation, arm) if given is None else as_pose(given, "base")
     start = np.asarray(arm.home if q_start is None else q_start, dtype=np.float64)
     check_start(situation, arm, pose, start)
-    level = check_upright(scene, upright)
+    level, fixture = check_upright(scene, upright), check_clamped(scene, clamped)
     asked = None if relations is None or isinstance(relations, Relations) else relations
     first = _fitting(relations if isinstance(relations, Relations) else asked and asked(scene), scene)
     planning = _Planning(
@@ -123,11 +127,12 @@ def plan(
         seed,
         progress,
         allow_drop,
+        clamped=fixture,
     )
     planning.grasps = {} if grasps is None else own_grasps(grasps, scene, arm)
     planning.orderer = orderer
     planning.run(task, asked)
-    said = () if simulated() else (UNPROVEN,)
+    said = (*kept_by(fixture), *(() if simulated() else (UNPROVEN,)))
     found = planning.plan(
         start, given is None, (*scene.assumptions, *arm.assumptions, *wanted.assumptions, *said)
     )
@@ -186,7 +191,14 @@ def _hold(found: Plan, scene: Scene, arm: Arm, order_too: bool) -> None:
         raise NoSafePlan(f"the plan that was found does not hold its own check: {lines[0]}", lines)
 
 
-def plan_as_done(scene: Scene, goal: Goal, station: Station, steps: Sequence[NextStep], seed: int) -> Plan:
+def plan_as_done(
+    scene: Scene,
+    goal: Goal,
+    station: Station,
+    steps: Sequence[NextStep],
+    seed: int,
+    clamped: Collection[str] = (),
+) -> Plan:
     """The plan a closed loop followed: each step planned from a look of its own.
 
     Args:
@@ -195,13 +207,22 @@ def plan_as_done(scene: Scene, goal: Goal, station: Station, steps: Sequence[Nex
         station: The arm as it stood at the start, and before each step again.
         steps: What was chosen and done, in order.
         seed: Of every search.
+        clamped: What a fixture kept where it stood until it was taken.
 
     Returns:
         The plan; an assumption says that the arm goes home between the steps.
     """
     arm, pose, start = station.arm, station.pose_base_to_world, station.q
     planning = _Planning(
-        Situation(scene).with_level_undersides(), goal, arm, pose, start, frozenset(), seed, None
+        Situation(scene).with_level_undersides(),
+        goal,
+        arm,
+        pose,
+        start,
+        frozenset(),
+        seed,
+        None,
+        clamped=frozenset(clamped),
     )
     for chosen in steps:
         planning.take(chosen)
@@ -241,6 +262,7 @@ class _Planning:
     )
     grasps: GraspsByObject = field(default_factory=dict[str, Sequence[Grasp]])
     orderer: Orderer = ordered
+    clamped: frozenset[str] = frozenset()
 
     def __post_init__(self) -> None:
         self.started = self.last = time.perf_counter()
@@ -255,7 +277,7 @@ class _Planning:
             station = Station(self.arm, self.pose_base_to_world, self.q)
             context = Context(
                 station, done, upright=self.upright, allow_drop=self.allow_drop, orderer=self.orderer,
-                grasps=self.own(), seed=self.seed,
+                grasps=self.own(), seed=self.seed, clamped=self.clamped - self.moved.keys(),
             )  # fmt: skip
             chosen = task.chooser(self.situation, self.goal, context).choose()
             if chosen is None:
@@ -299,6 +321,7 @@ class _Planning:
             objects=self.objects,
             up=(float(self.up[0]), float(self.up[1]), float(self.up[2])),
             upright=sorted(self.upright),
+            clamped=sorted(self.clamped),
             assumptions=list(assumptions),
             certified=all(
                 segment.certified for step in self.steps for segment in step.segments if segment.motion
@@ -346,6 +369,8 @@ class _Planning:
         spent = self.last - before
         falls = transfer.placement.falls
         reason = f"{chosen.reason}; it is let go to fall as it will" if falls else chosen.reason
+        if transfer.object in self.clamped - self.moved.keys():
+            reason = f"{reason}; the fixture lets go once the hand holds it"
         self.steps.append(
             step_data(
                 transfer,

@@ -109,6 +109,7 @@ class Context:
         seed: Of every search.
         second: A second arm, as it stands, for what takes two; None where there is one arm.
         obstacles: Bodies that are in the arm's way and no part of the scene: those of the other arm.
+        clamped: What a fixture keeps where it stands until it is taken.
     """
 
     station: Station
@@ -124,11 +125,15 @@ class Context:
     seed: int = 0
     second: Station | None = None
     obstacles: Solids = field(default_factory=dict[str, Sequence[FloatArray]])
+    clamped: Collection[str] = ()
 
     def ask(self, situation: Situation, targets: Sequence[str]) -> Order:
         """Ask the orderer; see `ask`."""
         hands = None if self.second is None else 2
-        return ask(self.orderer, situation, targets, seed=self.seed, beliefs=self.beliefs, hands=hands)
+        return ask(
+            self.orderer, situation, targets,
+            seed=self.seed, beliefs=self.beliefs, hands=hands, clamped=self.clamped,
+        )  # fmt: skip
 
 
 class Chooser(Protocol):
@@ -187,7 +192,7 @@ class Orderer(Protocol):
 
     It is asked before each step, of the situation as it is by then (`scene`, `relations`): objects that were
     put aside are in it, where they were put. It takes what it needs of the keywords and leaves the others to
-    `**_`: with a second arm also `hands`, how many there are.
+    `**_`: with a second arm also `hands`, how many there are, and with a fixture `clamped`, what it keeps.
 
     Example:
         >>> from topple.planner.planning.order import order
@@ -242,6 +247,7 @@ def ask(
     seed: int = 0,
     beliefs: Beliefs | None = None,
     hands: int | None = None,
+    clamped: Collection[str] = (),
 ) -> Order:
     """Ask an orderer, and refuse what it must not answer.
 
@@ -253,12 +259,14 @@ def ask(
         beliefs: What earlier looks made of the same things.
         hands: How many hands there are, where it is more than the one that takes: the keyword is left out
             otherwise.
+        clamped: What a fixture keeps where it stands, likewise.
 
     Raises:
         InvalidInput: Its answer is no order.
         UnknownObject: It takes what is not there, or never moves.
     """
-    asked = orderer if hands is None else partial(cast(Callable[..., Order], orderer), hands=hands)
+    more = ({} if hands is None else {"hands": hands}) | ({"clamped": tuple(clamped)} if clamped else {})
+    asked = partial(cast(Callable[..., Order], orderer), **more)
     chosen = cast(object, asked(situation, targets, seed=seed, beliefs=beliefs))  # whatever it is
     scene = situation.scene
     if not isinstance(chosen, Order):

@@ -1,8 +1,8 @@
 """What a plan leads to: orders that are kept, and a goal that is reached."""
 
 from collections.abc import Mapping, Sequence
+from typing import TYPE_CHECKING
 
-import networkx as nx
 import numpy as np
 from scipy.spatial import KDTree
 
@@ -20,6 +20,9 @@ from topple.topology.geometry.samples import sampled
 from topple.topology.scene import Scene
 from topple.topology.situation import Situation
 
+if TYPE_CHECKING:
+    from topple.planner.decide.dependency import Dependency
+
 
 def check_precedence(
     plan: PlanData, taken: Sequence[tuple[int, str]], situation: Situation | None
@@ -29,8 +32,8 @@ def check_precedence(
     Args:
         plan: The plan.
         taken: What is taken, with the index of the step, as the actions have it.
-        situation: What was seen; its dependencies are derived again. Edges of cycles are left out, and what a
-            step says to go against if it is more likely wrong than right.
+        situation: What was seen; its dependencies are derived again. What a step says to go against is
+            left out if it is more likely wrong than right.
 
     Returns:
         Residuals: dependencies of the plan, steps that do not wait for those before them, what steps say to
@@ -54,29 +57,45 @@ def check_precedence(
                 excused.count(f"step {index + 1} ({step.object}) for {edge.first}", index)
     if situation is None:
         return own.residual(), waits.residual(), excused.residual()
-    from topple.planner.decide.dependency import dependencies
-
     again = Worst(BROKEN, "1")
     against = {(edge.first, edge.then) for step in plan.steps for edge in step.against}
     edges = [
         (edge.first, edge.then)
-        for edge in dependencies(situation).dependencies
+        for edge in _derived(plan, situation, first)
         if edge.confidence >= LIKELY or (edge.first, edge.then) not in against
     ]
-    graph: nx.DiGraph[str] = nx.DiGraph(edges)
-    group = {name: i for i, names in enumerate(nx.strongly_connected_components(graph)) for name in names}
     waited = _waited_for(plan)
     # what goes along with a container that is kept upright need not go before it
     along = {(held.object, step.object) for step in plan.steps for held in step.attachments if step.upright}
     for before, then in edges:
-        free = group[before] == group[then] or (before, then) in along
-        if then not in first or free:
+        if then not in first or (before, then) in along:
             continue
         if first.get(before, never) > first[then]:
             again.count(f"{then} before {before}", first[then])
         elif first[before] < first[then] and first[before] not in waited[first[then]]:
             again.count(f"step {first[then] + 1} ({then}) does not wait for {before}", first[then])
     return own.residual(), waits.residual(), excused.residual(), again.residual()
+
+
+def _derived(plan: PlanData, situation: Situation, first: Mapping[str, int]) -> "tuple[Dependency, ...]":
+    """The dependencies of what was seen, as a fixture leaves them that has not let go by then.
+
+    Args:
+        plan: The plan, which says what is clamped.
+        situation: What was seen.
+        first: The step that takes each object first.
+    """
+    from topple.planner.decide.dependency import DependencyGraph, dependencies, with_fixture
+
+    if not plan.clamped:
+        return dependencies(situation).dependencies
+    full, never = dependencies(situation, direct=False), len(plan.steps)
+    left: list[Dependency] = []
+    for then in full.names:
+        some = DependencyGraph(full.names, tuple(edge for edge in full.dependencies if edge.then == then))
+        still = [name for name in plan.clamped if first.get(name, never) >= first.get(then, never)]
+        left += with_fixture(some, situation.statics, still).dependencies
+    return DependencyGraph(full.names, tuple(left)).reduced().dependencies
 
 
 def _waited_for(plan: PlanData) -> list[set[int]]:

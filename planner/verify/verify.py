@@ -4,6 +4,7 @@ from dataclasses import replace
 
 import numpy as np
 
+from topple.planner.decide.hold import kept_by
 from topple.planner.formats.plan_robot import arm_from
 from topple.planner.formats.plan_structs import PlanData
 from topple.planner.formats.verification import BROKEN, Residual, Verification, not_evaluated
@@ -111,7 +112,7 @@ def verify(
     return Verification(
         tuple(residuals),
         fcl_check.states,
-        tuple(rest.allowed),
+        (*rest.allowed, *kept_by(plan.clamped)),
         proofs.steps(residuals),
         proofs.whole(residuals),
         UNASKED,
@@ -156,6 +157,8 @@ def _arm(plan: PlanData, robot: Arm | str | None) -> Arm:
 
 
 def _check_names(plan: PlanData, scene: Scene) -> None:
+    if unknown := sorted({*plan.clamped} - {thing.name for thing in plan.objects}):
+        raise InvalidInput(f"the plan's clamped object {unknown[0]!r} is not among its objects")
     ours, theirs = {thing.name for thing in plan.objects}, set(scene.names)
     if ours != theirs:
         odd = ", ".join(sorted(ours ^ theirs))

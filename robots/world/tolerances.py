@@ -130,3 +130,9 @@ TABLE_FRICTION = 0.85
 
 WEAK = 1e-2
 """Share of the strongest direction below which joint torques tell of no force: near a singularity."""
+
+
+# -- clamps
+
+CLAMPING = 500.0
+"""[N] and [N m] that a fixture holds against: a small vice."""

@@ -1,0 +1,36 @@
+"""Runs with a fixture: it keeps a thing still while others go, and lets go once the hand holds it."""
+
+from pathlib import Path
+
+import pytest
+from on_table import balance
+
+from topple.planner.execution.demo import demo
+from topple.planner.execution.run import run
+from topple.planner.formats.plan_format import plan_from_json
+from topple.topology import InvalidInput
+
+
+@pytest.mark.slow
+def test_one_arm_takes_a_plank_off_that_would_tip(tmp_path: Path) -> None:
+    record = demo("hold", seed=5, clamped=["plank"], folder=tmp_path)
+    assert record.success, record.violations
+    assert [step.object for step in record.steps] == ["weight", "load", "plank"]
+    assert "keep plank clamped" in record.steps[0].reason
+    document = plan_from_json((tmp_path / "plan.json").read_text())
+    assert document.clamped == ["plank"] and document.order[-1] == "plank"
+
+
+@pytest.mark.slow
+def test_without_it_the_plank_tips() -> None:
+    record = run(balance(), "free plank", "panda")
+    assert any(text.startswith("weight: plank fell") for text in record.violations)
+    kept = run(balance(), "free plank", "panda", clamped="plank")
+    assert not any(text.startswith("weight:") for text in kept.violations), kept.violations
+    assert "a fixture keeps plank where it stands until it is taken" in kept.notes
+
+
+def test_mujoco_has_no_fixtures() -> None:
+    pytest.importorskip("mujoco")
+    with pytest.raises(InvalidInput, match="bullet alone"):
+        run(balance(), "free plank", "panda", clamped="plank", engine="mujoco")
