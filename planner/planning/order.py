@@ -238,7 +238,7 @@ def check_clamped(scene: "Scene", clamped: Collection[str] | str) -> frozenset[s
     """
     names = frozenset([clamped] if isinstance(clamped, str) else clamped)
     if unknown := sorted(names - scene.clouds.keys()):
-        raise UnknownObject(unknown[0], scene.movable, role="clamped object")
+        raise UnknownObject(unknown[0], scene.movable)
     return names - scene.fixed
 
 
