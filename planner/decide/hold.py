@@ -52,7 +52,7 @@ class Hold:
         return f"{begin} {self.object}{kept} while {' and '.join(taken)} {verb} taken: {self.because}"
 
 
-def kept_by(fixture: Collection[str]) -> tuple[str, ...]:
+def fixture_assumptions(fixture: Collection[str]) -> tuple[str, ...]:
     """What is assumed of a fixture, in sentences."""
     return tuple(f"a fixture keeps {name} where it stands until it is taken" for name in sorted(fixture))
 

@@ -4,7 +4,7 @@ from collections.abc import Collection, Sequence
 from dataclasses import replace
 from pathlib import Path
 
-from topple.planner.decide.hold import kept_by
+from topple.planner.decide.hold import fixture_assumptions
 from topple.planner.execution.look import Relate
 from topple.planner.execution.loop import ClosedLoop, Progress
 from topple.planner.execution.rehearsal import Rehearsal, Z
@@ -129,7 +129,7 @@ def run(
         recording = recorded(acting, RERUN_RATE) if rerun is not None else None
         with filmed(video, acting, stage.cameras[0]):
             record = loop.run()
-        kept = kept_by(fixture)
+        kept = fixture_assumptions(fixture)
         record = replace(
             record, notes=(*scene.assumptions, *arm.assumptions, *stage.notes(), *kept, *record.notes)
         )

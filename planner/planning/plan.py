@@ -12,7 +12,7 @@ from typing import Any
 import numpy as np
 
 from topple.planner.decide.goal import Goal
-from topple.planner.decide.hold import kept_by
+from topple.planner.decide.hold import fixture_assumptions
 from topple.planner.decide.tolerances import LIKELY
 from topple.planner.errors import NoSafePlan
 from topple.planner.formats.plan_data import DIGITS, dependency_data, objects_data, step_data
@@ -132,7 +132,7 @@ def plan(
     planning.grasps = {} if grasps is None else own_grasps(grasps, scene, arm)
     planning.orderer = orderer
     planning.run(task, asked)
-    said = (*kept_by(fixture), *(() if simulated() else (UNPROVEN,)))
+    said = () if simulated() else (UNPROVEN,)
     found = planning.plan(
         start, given is None, (*scene.assumptions, *arm.assumptions, *wanted.assumptions, *said)
     )
@@ -322,7 +322,7 @@ class _Planning:
             up=(float(self.up[0]), float(self.up[1]), float(self.up[2])),
             upright=sorted(self.upright),
             clamped=sorted(self.clamped),
-            assumptions=list(assumptions),
+            assumptions=[*assumptions, *fixture_assumptions(self.clamped)],
             certified=all(
                 segment.certified for step in self.steps for segment in step.segments if segment.motion
             ),

@@ -4,7 +4,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from topple.planner.decide.hold import kept_by
+from topple.planner.decide.hold import fixture_assumptions
 from topple.planner.formats.plan_robot import arm_from
 from topple.planner.formats.plan_structs import PlanData
 from topple.planner.formats.verification import BROKEN, Residual, Verification, not_evaluated
@@ -112,7 +112,7 @@ def verify(
     return Verification(
         tuple(residuals),
         fcl_check.states,
-        (*rest.allowed, *kept_by(plan.clamped)),
+        (*rest.allowed, *fixture_assumptions(plan.clamped)),
         proofs.steps(residuals),
         proofs.whole(residuals),
         UNASKED,

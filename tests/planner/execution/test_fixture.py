@@ -19,6 +19,7 @@ def test_one_arm_takes_a_plank_off_that_would_tip(tmp_path: Path) -> None:
     assert "keep plank clamped" in record.steps[0].reason
     document = plan_from_json((tmp_path / "plan.json").read_text())
     assert document.clamped == ["plank"] and document.order[-1] == "plank"
+    assert "a fixture keeps plank where it stands until it is taken" in document.assumptions
 
 
 @pytest.mark.slow
