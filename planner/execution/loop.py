@@ -301,7 +301,7 @@ class ClosedLoop:
         outcome, expected = self._carried_out(look, chosen)
         verdict = self.judge.verdict()
         attempts = self._selector.record_action(chosen, outcome)
-        events += self._learned(chosen, outcome, attempts)
+        events += self._learned(chosen, outcome)
         seen = self.perception.look(expected)
         if outcome.success and not (seen.surprises or seen.faults):
             self._selector.preparer.prove(seen.scene)
@@ -370,14 +370,14 @@ class ClosedLoop:
         self.robot.wait(self.limits.settle)
         return outcome, foreseen.scene
 
-    def _learned(self, chosen: NextStep, outcome: Outcome, attempts: int) -> list[str]:
+    def _learned(self, chosen: NextStep, outcome: Outcome) -> list[str]:
         """Takes down what was done; says what follows where it failed."""
         if outcome.success:
             self.followed.append(chosen)
             return []
         if outcome.stuck:
             return [outcome.text]
-        left = self.limits.attempts - attempts
+        left = self._selector.left(chosen.transfer.object)
         then = f"another grasp is tried, {left} attempts are left" if left > 0 else "it is given up"
         return [f"{outcome.text} {then[0].upper()}{then[1:]}."]
 

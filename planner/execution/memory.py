@@ -18,6 +18,7 @@ class Memory:
         attempts: Tries at each object since something was taken out of its way.
         tried: Objects that the arm has tried to take.
         failed: Grasps that failed, by object.
+        placed: Grasps by which an object was put where it shall be, as it lies since, the last one last.
         beliefs: What the looks made of the scene.
     """
 
@@ -25,7 +26,12 @@ class Memory:
     attempts: Counter[str] = field(default_factory=Counter[str])
     tried: frozenset[str] = frozenset()
     failed: Mapping[str, tuple[Grasp, ...]] = field(default_factory=dict[str, tuple[Grasp, ...]])
+    placed: Mapping[str, tuple[Grasp, ...]] = field(default_factory=dict[str, tuple[Grasp, ...]])
     beliefs: Beliefs = field(default_factory=Beliefs)
+
+    def failures(self, name: str) -> int:
+        """How many of the tries at an object did not do what was meant."""
+        return self.attempts[name] - len(self.placed.get(name, ()))
 
     def after_action(self, chosen: NextStep, success: bool, stuck: bool = False) -> "Memory":
         """What is remembered once a step was done or failed, before the look that follows.
@@ -41,7 +47,7 @@ class Memory:
             if chosen.action is not Action.PLACE:  # what shall stay there and does not is tried again
                 attempts = Counter[str]()  # what could not be taken may be now that this is out of its way
             done = (*self.done, (name, str(chosen.action)))
-            return replace(self, done=done, attempts=attempts, tried=tried)
+            return replace(self, done=done, attempts=attempts, tried=tried, placed=self._placed(chosen))
         if stuck:
             return replace(self, attempts=attempts, tried=tried)
         failed = dict(self.failed)
@@ -49,6 +55,16 @@ class Memory:
             if one is not None:
                 failed[one.object] = (*failed.get(one.object, ()), one.grasp)
         return replace(self, attempts=attempts, tried=tried, failed=failed)
+
+    def _placed(self, chosen: NextStep) -> Mapping[str, tuple[Grasp, ...]]:
+        """The grasps by which things were put where they shall be, after one more step."""
+        transfer, name = chosen.transfer, chosen.transfer.object
+        others = {other: some for other, some in self.placed.items() if other != name}
+        if chosen.action is not Action.PLACE:
+            return others  # what made room lies elsewhere, and nobody looked whether it turned in the hand
+        pose = transfer.placement.pose_before_to_after
+        some = (*self.placed.get(name, ()), transfer.grasp)
+        return {**others, name: tuple(one.moved(pose) for one in some)}
 
     def after_look(self, chosen: NextStep, success: bool, surprises: Collection[str] = ()) -> "Memory":
         """What is remembered once a look followed a step.
@@ -73,11 +89,15 @@ class Memory:
             orderer: What decides the order.
             grasps: Grasps of the caller's own by object; they count until the object was tried.
             seed: Of the run.
-            most: Attempts at one object after which it is given up.
+            most: Failed attempts at one object after which it is given up, or twice as many in all.
         """
-        given_up = {name: f"{n} attempts failed" for name, n in self.attempts.items() if n >= most}
+        given_up = {
+            name: f"{n} attempts failed"
+            for name, n in self.attempts.items()
+            if self.failures(name) >= most or n >= 2 * most
+        }
         own = {name: some for name, some in grasps.items() if name not in self.tried}
         return Context(
-            station, self.done, observed=True, given_up=given_up, avoid=self.failed, beliefs=self.beliefs,
-            orderer=orderer, grasps=own, seed=seed + self.attempts.total(),
+            station, self.done, observed=True, given_up=given_up, avoid=self.failed, placed=self.placed,
+            beliefs=self.beliefs, orderer=orderer, grasps=own, seed=seed + self.attempts.total(),
         )  # fmt: skip

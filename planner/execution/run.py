@@ -12,7 +12,6 @@ from topple.planner.execution.two_arms import check_recording
 from topple.planner.formats.files import write_whole
 from topple.planner.formats.run_record import RunRecord
 from topple.planner.grasp.given import OwnGrasps, own_grasps
-from topple.planner.grasp.grasp import Grasp
 from topple.planner.planning.goal_task import GoalTask
 from topple.planner.planning.order import cautious, check_clamped
 from topple.planner.planning.step import Orderer, Task
@@ -113,8 +112,7 @@ def run(
             orderer=orderer,
             relate=relate,
             grasps={
-                name: [_turned(grasp, stage.pose_scene_to_world) for grasp in some]
-                for name, some in own.items()
+                name: [grasp.moved(stage.pose_scene_to_world) for grasp in some] for name, some in own.items()
             },
             progress=progress,
             masses=scene.masses,
@@ -136,8 +134,3 @@ def run(
         if rerun is not None and recording is not None:
             write_whole(rerun, rerun_file(record, recording))
     return record
-
-
-def _turned(grasp: Grasp, pose: FloatArray) -> Grasp:
-    """A grasp in another frame."""
-    return replace(grasp, pose_tool_to_world=pose @ grasp.pose_tool_to_world)

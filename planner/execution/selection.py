@@ -144,6 +144,10 @@ class StepSelector:
         self._ahead = Ahead.of(chosen.order, name if there else None)
         return attempts
 
+    def left(self, name: str) -> int:
+        """How many more tries at an object may fail."""
+        return self._attempts - self._memory.failures(name)
+
     def record_look(
         self, chosen: NextStep, success: bool, surprises: Collection[str], different: Sequence[str]
     ) -> None:

@@ -98,6 +98,14 @@ class Grasp(ByValue):
         close = float(np.linalg.norm(a[:3, 3] - b[:3, 3])) < distance
         return self.tool == other.tool and close and min(along) > np.cos(angle)
 
+    def moved(self, pose: FloatArray) -> "Grasp":
+        """The grasp that takes hold of the object in the same way once that is elsewhere.
+
+        Args:
+            pose: (4, 4) rigid transform in the world that moves the object.
+        """
+        return replace(self, pose_tool_to_world=pose @ self.pose_tool_to_world)
+
     def turned(self) -> "Grasp":
         """The same grasp with the hand turned half around z: equal for the object, not for the arm."""
         return replace(self, pose_tool_to_world=self.pose_tool_to_world @ HALF_TURN)

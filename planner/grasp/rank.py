@@ -182,7 +182,7 @@ def _as_grasps(
         np.eye(4) if pose_source_to_world is None else as_pose(pose_source_to_world, "pose_source_to_world")
     )
     if not isinstance(grasps, ForeignGrasps):
-        return [replace(grasp, pose_tool_to_world=to_world @ grasp.pose_tool_to_world) for grasp in grasps]
+        return [grasp.moved(to_world) for grasp in grasps]
     poses, openings = to_world @ grasps.poses_tool_to_source, np.nan_to_num(grasps.widths)
     cup = arm is not None and ToolName.FINGERS not in arm.tools and bool(np.isnan(grasps.widths).all())
     kind = GraspKind.SUCTION if cup else GraspKind.PINCH

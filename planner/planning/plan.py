@@ -5,7 +5,7 @@ import time
 from collections import Counter
 from collections.abc import Callable, Collection, Iterable, Sequence
 from concurrent.futures import Executor
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, field
 from functools import partial
 from typing import Any
 
@@ -294,12 +294,7 @@ class _Planning:
     def own(self) -> GraspsByObject:
         """The caller's grasps where their objects are by now."""
         return {
-            name: [
-                replace(grasp, pose_tool_to_world=self.moved[name] @ grasp.pose_tool_to_world)
-                for grasp in some
-            ]
-            if name in self.moved
-            else some
+            name: [grasp.moved(self.moved[name]) for grasp in some] if name in self.moved else some
             for name, some in self.grasps.items()
         }
 

@@ -100,6 +100,7 @@ class Context:
             is then moved again. In a plan, what was put somewhere is there.
         given_up: Objects that are not to be tried again, with the reason.
         avoid: Grasps that failed, by object.
+        placed: Grasps by which an object was put where it shall be, as it lies since.
         beliefs: What earlier looks made of the same things.
         upright: Objects that are kept upright, with what is in them.
         allow_drop: Whether what stays nowhere the arm can put it may be let go to fall. Where the scene is
@@ -117,6 +118,7 @@ class Context:
     observed: bool = False
     given_up: Mapping[str, str] = field(default_factory=dict[str, str])
     avoid: Mapping[str, Sequence[Grasp]] = field(default_factory=dict[str, Sequence[Grasp]])
+    placed: Mapping[str, Sequence[Grasp]] = field(default_factory=dict[str, Sequence[Grasp]])
     beliefs: Beliefs | None = None
     upright: Collection[str] = ()
     allow_drop: bool = False

@@ -1,6 +1,6 @@
 """The next move of a rearrangement that an arm can make; where it finds none, what has to make room first."""
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import replace
 
 import numpy as np
@@ -22,7 +22,7 @@ from topple.planner.rearranging.moves import Moves, contracted, fewest_moves
 from topple.planner.rearranging.precedences import Precedences, precedences
 from topple.planner.rearranging.problem import Act, Move, Pair, Problem, To
 from topple.planner.rearranging.registration import Registration, turns
-from topple.planner.rearranging.tolerances import MOST_LEARNED, RAISED, TURNS
+from topple.planner.rearranging.tolerances import MOST_LEARNED, RAISED, RISK_STEP, TURNS
 from topple.planner.transfer.segments import SegmentKind
 from topple.planner.transfer.transfer import Transfer
 from topple.topology.arrays import FloatArray
@@ -59,10 +59,10 @@ class MoveChooser:
         self._situation, self._scene, self._goal, self._context = situation, situation.scene, goal, context
         self._arrangement, self._seconds = arrangement, seconds
         self._learned, self._learn = set(learned), learn
-        self._transfers = Transfers(situation, context)
         known = [name for name in situation.movable if name in arrangement.situation.movable]
         self._fits = {name: arrangement.fit(name, situation) for name in known}
         self._moving = tuple(name for name in known if not self._is_there(name))
+        self._transfers = Transfers(situation, _wary(context, self._moving))
         self._failed: dict[Move, TransferFailure] = {}
 
     def unmet(self) -> tuple[str, ...]:
@@ -91,7 +91,7 @@ class MoveChooser:
             problem = replace(needed.problem, before=needed.problem.before | self._learned)
             found = fewest_moves(problem, self._seconds)
             order = replace(taken, order=tuple(m.object for m in found.moves if m.to is To.GOAL))
-            for move in _ready(problem, found):
+            for move in sorted(_ready(problem, found), key=lambda move: _risk(taken, move.object)):
                 if (step := self._step(move, needed, order)) is not None:
                     return step
             if len(self._failed) > MOST_LEARNED or not self._learned_more(problem):
@@ -236,6 +236,21 @@ class MoveChooser:
         failures = tuple(self._failed.values())
         words = tuple(map(str, failures))
         raise NoSafePlan("; ".join(words), words, failures)
+
+
+def _wary(context: Context, moving: Sequence[str]) -> Context:
+    """The context in which grasps count as failed that put what is to be moved again beside its place.
+
+    What is held by its rim swings under the pads, is put down askew and comes level beside its place.
+    """
+    avoid = {name: (*context.avoid.get(name, ()), *context.placed.get(name, ())) for name in moving}
+    return replace(context, avoid={**context.avoid, **avoid})
+
+
+def _risk(taken: Order, name: str) -> float:
+    """The chance, in steps that matter, that something else moves as an object is taken now."""
+    still = [1.0 - chance for (_, then), chance in taken.chances.items() if then == name]
+    return RISK_STEP * round((1.0 - float(np.prod(still))) / RISK_STEP)
 
 
 def _ready(problem: Problem, found: Moves) -> list[Move]:

@@ -1,7 +1,9 @@
 """Rearrangements as plans and runs of an arm."""
 
 import json
+from dataclasses import replace
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
@@ -9,12 +11,16 @@ from on_table import BASE, on_table
 
 from topple.planner import NoSafePlan, Plan, rearrange
 from topple.planner.cli.main import main
+from topple.planner.decide.arrange import Order
 from topple.planner.execution.demo import loop_in
 from topple.planner.execution.goal_poses import off_goal_pose
 from topple.planner.formats.plan_format import plan_from_json, plan_to_json
+from topple.planner.planning.order import cautious
+from topple.planner.planning.step import Context, NextStep, Orderer, Station
 from topple.planner.rearranging.arrangement import Arrangement
 from topple.planner.rearranging.problem import Act
 from topple.planner.rearranging.task import ArrangementTask, DescribedTask, LearnedPrecedences
+from topple.robots.catalog import robot
 from topple.robots.scenarios import scenario_called
 from topple.robots.scenarios.scenario import pose_at
 from topple.robots.shapes import block, box, plate
@@ -165,3 +171,34 @@ def test_a_task_that_is_asked_again_begins_anew() -> None:
     copied.learned.pairs[(Act.TAKE, "a"), (Act.PUT, "b")] = 0
     copied.goal(START)
     assert not copied.learned.pairs
+
+
+def _first_step(context: Context) -> NextStep:
+    goal = blocks(a=(0, 0.25, 0), b=(0.2, 0.25, 0))
+    task = ArrangementTask(Arrangement(Situation(goal)))
+    chosen = task.chooser(Situation(START), task.goal(START), context).choose()
+    assert chosen is not None
+    return chosen
+
+
+def _context(orderer: Orderer = cautious) -> Context:
+    arm = robot("panda")
+    return Context(Station(arm, BASE, np.asarray(arm.home)), observed=True, orderer=orderer)
+
+
+def test_what_was_put_beside_its_place_is_taken_by_another_grasp() -> None:
+    first = _first_step(_context())
+    name, grasp = first.transfer.object, first.transfer.grasp
+    again = _first_step(replace(_context(), placed={name: (grasp,)}))
+    assert again.transfer.object == name
+    assert not again.transfer.grasp.near(grasp)
+
+
+@pytest.mark.parametrize(("risky", "other"), [("a", "b"), ("b", "a")])
+def test_of_moves_that_wait_for_nothing_the_one_goes_first_that_moves_nothing_else(
+    risky: str, other: str
+) -> None:
+    def orderer(*args: Any, **more: Any) -> Order:
+        return replace(cautious(*args, **more), chances={(other, risky): 0.3, (risky, other): 0.06})
+
+    assert _first_step(_context(orderer)).transfer.object == other
