@@ -202,6 +202,18 @@ TRIAL_MASS = 0.1
 TRIAL_SHARES = (0.5, 0.6, 0.4, 0.7)
 """Of the reach, how far before the first joint the block stands, the most comfortable first."""
 
+TRIAL_BEARINGS = (0.0, -1.5708, 1.5708, 3.1416)
+"""[rad] about the base's z: before it is along x first, though files are drawn otherwise, too."""
+
+TRIAL_LOW = (0.25, 0.4, 0.1)
+"""Shares of the tool's heights under which a table stands, of an arm whose tool always points down."""
+
+TRIAL_STATES = 1000
+"""States that tell such an arm, and where its tool gets to."""
+
+TRIAL_STRAIGHT = 1e-3
+"""[rad] from straight down: what files round."""
+
 TRIAL_HEIGHTS = (0.0, 0.1, -0.1, 0.2)
 """Of the reach, how high it stands above what the arm usually works on."""
 

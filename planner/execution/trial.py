@@ -1,5 +1,6 @@
 """A block on a small table in front of an arm, where the arm can take it from above: the least of tasks."""
 
+from collections.abc import Iterator
 from dataclasses import dataclass
 from itertools import product
 from typing import Any
@@ -7,15 +8,19 @@ from typing import Any
 import numpy as np
 
 from topple.planner.execution.tolerances import (
+    TRIAL_BEARINGS,
     TRIAL_BESIDE,
     TRIAL_BLOCK,
     TRIAL_HEIGHTS,
+    TRIAL_LOW,
     TRIAL_MASS,
     TRIAL_OVER,
     TRIAL_SEEDS,
     TRIAL_SHARE,
     TRIAL_SHARES,
     TRIAL_SPACING,
+    TRIAL_STATES,
+    TRIAL_STRAIGHT,
     TRIAL_TABLE,
     TRIAL_TURNS,
 )
@@ -24,6 +29,8 @@ from topple.robots.arm.arm import Arm
 from topple.robots.arm.gripper import ParallelJaw
 from topple.robots.arm.home import level_of, reach_of, shoulder_of
 from topple.topology.scene import Scene
+
+Place = tuple[float, float, float]
 
 
 @dataclass(frozen=True)
@@ -38,7 +45,7 @@ class Trial:
     """
 
     side: float
-    place: tuple[float, float, float]
+    place: Place
     mass: float = TRIAL_MASS
     name: str = "block"
 
@@ -74,17 +81,33 @@ def trial(arm: Arm, tool: str) -> Trial | None:
     """
     jaw = arm.tool(tool).gripper
     side = min(TRIAL_BLOCK, TRIAL_SHARE * jaw.max_opening) if isinstance(jaw, ParallelJaw) else TRIAL_BLOCK
-    reach = reach_of(arm, tool)
-    shoulder = shoulder_of(arm)
-    levels = [max(0.0, level_of(arm, reach) + share * reach) for share in TRIAL_HEIGHTS]
-    for height, share in product(dict.fromkeys(levels), TRIAL_SHARES):
-        place = (float(shoulder[0]) + share * reach, float(shoulder[1]), height)
-        if _reached(arm, tool, found := Trial(side, place)):
+    for place, ahead in _places(arm, tool, side):
+        if _reached(arm, tool, found := Trial(side, place), ahead):
             return found
     return None
 
 
-def _reached(arm: Arm, tool: str, tried: Trial) -> bool:
+def _places(arm: Arm, tool: str, side: float) -> Iterator[tuple[Place, float]]:
+    """Places before the shoulder, along x first, each with the bearing [rad] that it is ahead in.
+
+    Where the tool points straight down whatever the joints do, as a gantry's, they are as low as it gets with
+    room to spare, and the middle of where it gets comes first.
+    """
+    reach, shoulder = reach_of(arm, tool), shoulder_of(arm)
+    states = np.random.default_rng(0).uniform(arm.lower, arm.upper, (TRIAL_STATES, len(arm.joints)))
+    tools = arm.tool_pose(states, tool)
+    if (tools[:, 2, 2] < -np.cos(TRIAL_STRAIGHT)).all():
+        (x, y), heights = np.median(tools[:, :2, 3], axis=0), np.quantile(tools[:, 2, 3], TRIAL_LOW)
+        levels = [float(height) - side for height in heights]
+        yield from (((float(x), float(y), level), 0.0) for level in levels)
+    else:
+        levels = [max(0.0, level_of(arm, reach) + share * reach) for share in TRIAL_HEIGHTS]
+    for ahead, level, share in product(TRIAL_BEARINGS, dict.fromkeys(levels), TRIAL_SHARES):
+        x, y = shoulder[:2] + share * reach * np.array([np.cos(ahead), np.sin(ahead)])
+        yield (float(x), float(y), level), ahead
+
+
+def _reached(arm: Arm, tool: str, tried: Trial, ahead: float) -> bool:
     """Whether the hand gets to the block from above, over it, and to both sides of it, free of all else."""
     corners = np.array(list(product((-0.5, 0.5), (-0.5, 0.5), (-1.0, 0.0))))
     table = corners * [TRIAL_TABLE, TRIAL_TABLE, 0.02] + np.array(tried.place)
@@ -97,7 +120,8 @@ def _reached(arm: Arm, tool: str, tried: Trial) -> bool:
         poses[:, 0, 0], poses[:, 0, 1] = np.cos(angle), np.sin(angle)
         poses[:, 1, 0], poses[:, 1, 1] = np.sin(angle), -np.cos(angle)
         x, y, z = tried.place
-        poses[:, :3, 3] = x, y + across, z + tried.side + above
+        aside = across * np.array([-np.sin(ahead), np.cos(ahead)])
+        poses[:, :3, 3] = x + aside[0], y + aside[1], z + tried.side + above
         states = np.concatenate(arm.inverse(poses, tool, seeds=TRIAL_SEEDS))
         if not len(states) or not checker.free(states).any():
             return False

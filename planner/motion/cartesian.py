@@ -27,7 +27,8 @@ def straight_lines(
         For each line its (k, n) joint path, or None where the arm cannot follow.
     """
     starts = arm.tool_pose(q_start, tool)
-    to_flange = np.linalg.inv(arm.tool_to_flange(tool))
+    held = arm.tool_to_flange(tool)
+    to_flange = np.linalg.inv(held)
     lines = [np.matmul(_line(a, b), to_flange) for a, b in zip(starts, poses_tool_to_base, strict=True)]
     paths = [[np.asarray(q, dtype=np.float64)] for q in q_start]
     following = list(range(len(lines)))
@@ -38,7 +39,8 @@ def straight_lines(
             break
         targets = np.array([lines[k][waypoint] for k in moving])
         seeds = np.array([paths[k][-1] for k in moving])[:, None, :]
-        for q, owner in zip(*solve(arm.chain, targets, seeds, CONTINUED), strict=True):
+        found, owners = solve(arm.chain, targets, seeds, CONTINUED, tool=held[:3, 3])
+        for q, owner in zip(found, owners, strict=True):
             if np.abs(q - seeds[owner, 0]).max() <= JUMP:
                 paths[moving[int(owner)]].append(q)
     return [np.array(p) if len(p) == len(line) else None for p, line in zip(paths, lines, strict=True)]

@@ -292,7 +292,8 @@ class Arm:
         targets: FloatArray = np.asarray(pose_tool_to_base, dtype=float).reshape(-1, 4, 4)
         start = self.home if near is None else near
         starts = self._starts(len(targets), seeds, start, rng or np.random.default_rng(0))
-        solutions, owner = solve(self.chain, targets @ np.linalg.inv(self.tool_to_flange(tool)), starts)
+        held = self.tool_to_flange(tool)
+        solutions, owner = solve(self.chain, targets @ np.linalg.inv(held), starts, tool=held[:3, 3])
         result: list[FloatArray] = []
         for k in range(len(targets)):
             found = solutions[owner == k]
@@ -314,7 +315,8 @@ class Arm:
         """
         targets: FloatArray = np.asarray(poses_tool_to_base, dtype=float)
         ways, rng = targets.shape[1], np.random.default_rng(0)
-        flanges = targets @ np.linalg.inv(self.tool_to_flange(tool))
+        held = self.tool_to_flange(tool)
+        flanges = targets @ np.linalg.inv(held)
         found = np.zeros(len(targets), dtype=np.bool_)
         for first in range(0, len(targets), CHUNK):
             some = flanges[first : first + CHUNK]
@@ -324,7 +326,7 @@ class Arm:
                 if len(left) == 0:
                     break
                 tries = starts[left, :, begin:end].reshape(len(left) * ways, end - begin, -1)
-                _, owner = solve(self.chain, some[left].reshape(-1, 4, 4), tries)
+                _, owner = solve(self.chain, some[left].reshape(-1, 4, 4), tries, tool=held[:3, 3])
                 found[first + left[owner // ways]] = True
                 left = left[~found[first + left]]
         return found

@@ -5,7 +5,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from topple.robots.arm.kinematics import Chain, rotation_vectors
-from topple.topology.arrays import FloatArray, IntArray
+from topple.topology.arrays import BoolArray, FloatArray, IntArray
 
 
 @dataclass(frozen=True)
@@ -16,6 +16,11 @@ class InverseTolerances:
         position: Residual in [m]. Far below what an arm repeats (0.1 mm), so that rounding is all that is
             left.
         rotation: Residual in [rad], for the same reason.
+        few_position: Residual in [m] that an arm of fewer than six joints is left with where it comes no
+            nearer: as much as an arm repeats. Of all poses it reaches next to none, not even a hand that
+            points straight down where its file rounds angles to 1e-5 rad.
+        few_rotation: The same in [rad]: the underside of a block, completed from what is seen of it, leans
+            by two degrees, and comes level as it is let go.
         distinct: Two solutions closer than this in every joint, in [rad] or [m], are the same: a redundant
             arm has a continuum of them, and planners profit from spread ones only.
         iterations: Steps before a seed is given up: of the seeds that ever converge on a Panda, 99 % do
@@ -25,6 +30,8 @@ class InverseTolerances:
 
     position: float = 1e-6
     rotation: float = 1e-6
+    few_position: float = 1e-4
+    few_rotation: float = 0.05
     distinct: float = 0.1
     iterations: int = 20
     step: float = 0.6
@@ -32,9 +39,17 @@ class InverseTolerances:
 
 TOLERANCES = InverseTolerances()
 
+SPACE = 6
+"""Joints from which on an arm reaches poses in a whole region of space and turns."""
+
 
 def solve(
-    chain: Chain, targets: FloatArray, seeds: FloatArray, tolerances: InverseTolerances = TOLERANCES
+    chain: Chain,
+    targets: FloatArray,
+    seeds: FloatArray,
+    tolerances: InverseTolerances = TOLERANCES,
+    *,
+    tool: FloatArray | None = None,
 ) -> tuple[FloatArray, IntArray]:
     """Joint values that bring the chain's last frame to the targets.
 
@@ -43,11 +58,14 @@ def solve(
         targets: (k, 4, 4) wanted poses of the last frame in the base.
         seeds: (k, s, n) starts, or (s, n) for the same starts at every target.
         tolerances: When a solution counts.
+        tool: (3,) the point of the last frame [m] that an arm of fewer than six joints brings to where it
+            shall be, whatever it cannot turn; the frame's origin where None.
 
     Returns:
         (r, n) all solutions found within the joint limits, and (r,) the index of the target each belongs to.
     """
     n = chain.size
+    point = tool if n < SPACE else None
     q = np.array(np.broadcast_to(seeds, (len(targets), *seeds.shape[-2:]))).reshape(-1, n)
     owner = np.repeat(np.arange(len(targets)), len(q) // max(len(targets), 1))
     solved: list[FloatArray] = []
@@ -55,10 +73,8 @@ def solve(
     for _ in range(tolerances.iterations):
         frames = chain.frames(q)
         wanted = targets[owner]
-        error = _pose_errors(frames[:, -1], wanted)
-        near = (np.linalg.norm(error[:, :3], axis=1) < tolerances.position) & (
-            np.linalg.norm(error[:, 3:], axis=1) < tolerances.rotation
-        )
+        error = _pose_errors(frames[:, -1], wanted, point)
+        near = _within(error, tolerances.position, tolerances.rotation)
         if near.any():
             solved.append(q[near])
             owners.append(owner[near])
@@ -66,20 +82,44 @@ def solve(
             q, owner, frames, error = q[keep], owner[keep], frames[keep], error[keep]
         if not len(q):
             break
-        q = _step(chain, q, frames, error, tolerances.step)
+        q = _step(chain, q, frames, error, tolerances.step, point)
+    if n < SPACE and len(q):
+        error = _pose_errors(chain.frames(q)[:, -1], targets[owner], point)
+        near = _within(error, tolerances.few_position, tolerances.few_rotation)
+        solved.append(q[near])
+        owners.append(owner[near])
     if not solved:
         return np.empty((0, n)), np.empty(0, dtype=np.int64)
     return np.concatenate(solved), np.concatenate(owners)
 
 
-def _pose_errors(poses: FloatArray, wanted: FloatArray) -> FloatArray:
+def _within(errors: FloatArray, position: float, rotation: float) -> BoolArray:
+    return (np.linalg.norm(errors[:, :3], axis=1) < position) & (
+        np.linalg.norm(errors[:, 3:], axis=1) < rotation
+    )
+
+
+def _pose_errors(poses: FloatArray, wanted: FloatArray, point: FloatArray | None) -> FloatArray:
     relative = np.matmul(wanted[:, :3, :3], poses[:, :3, :3].transpose(0, 2, 1))
-    return np.concatenate([wanted[:, :3, 3] - poses[:, :3, 3], rotation_vectors(relative)], axis=1)
+    way = _at(wanted, point) - _at(poses, point)
+    return np.concatenate([way, rotation_vectors(relative)], axis=1)
 
 
-def _step(chain: Chain, q: FloatArray, frames: FloatArray, error: FloatArray, largest: float) -> FloatArray:
+def _at(poses: FloatArray, point: FloatArray | None) -> FloatArray:
+    """Where a point (3,) of a frame is in each of its poses; the origin where None."""
+    return poses[:, :3, 3] if point is None else poses[:, :3, :3] @ point + poses[:, :3, 3]
+
+
+def _step(
+    chain: Chain,
+    q: FloatArray,
+    frames: FloatArray,
+    error: FloatArray,
+    largest: float,
+    point: FloatArray | None,
+) -> FloatArray:
     """One damped step; joints that push against a limit are left out, so that the others do the work."""
-    jacobian = chain.jacobian(frames, frames[:, -1, :3, 3])
+    jacobian = chain.jacobian(frames, _at(frames[:, -1], point))
     # damping that fades with the error (Sugihara 2011): robust far away, quadratic near the solution
     damping = 0.05 * np.sum(error * error, axis=1) + 1e-7
     delta = _damped(jacobian, error, damping)

@@ -71,7 +71,7 @@ def test_an_arm_whose_inverse_kinematics_misses_poses_is_not_ok(monkeypatch: pyt
     found = examine(robot(PANDA), grasp=False)
     assert found.ok
     # one start, and one round of it: most poses are missed
-    monkeypatch.setattr(module, "solve", lambda *_: (np.empty((0, 7)), np.empty(0, dtype=np.int64)))
+    monkeypatch.setattr(module, "solve", lambda *_, **__: (np.empty((0, 7)), np.empty(0, dtype=np.int64)))
     spoilt = examine(robot(PANDA), grasp=False)
     assert spoilt.solved == 0 and not spoilt.ok
 
