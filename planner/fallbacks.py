@@ -21,7 +21,6 @@ class Fallback(Word):
     LOOK_LONGER = "look longer"
     EMPTY = "empty"
     PUSH = "push"
-    FROM_HIGH = "from high"
     PUT_ASIDE = "put aside"
     OTHER_TOOL = "other tool"
     IN_A_WAY = "in a way"
@@ -73,10 +72,6 @@ FALLBACKS: dict[Fallback, Description] = {
     Fallback.PUSH: Description(
         "nothing can be taken out either",
         "puts the thing where it stays and pushes what lies there",
-    ),
-    Fallback.FROM_HIGH: Description(
-        "there is no such spot within a gentle fall",
-        "lets it fall in from further up",
     ),
     Fallback.PUT_ASIDE: Description(
         "the thing cannot go straight to where it shall be",

@@ -301,7 +301,6 @@ class _Placing:
                 (Fallback.EMPTY, self._empty),
                 (Fallback.PUSH, lambda: self._put(self._gentle, self._kept)),
                 (Fallback.OUT_OF_TURN, lambda: self._chooser.out_of_turn(self._contents, Action.REMOVE)),
-                (Fallback.FROM_HIGH, lambda: self._put(self._all)),
             ]
         else:
             options.append((Fallback.PUT_ASIDE, self._aside))
@@ -315,12 +314,12 @@ class _Placing:
 
     def _straight(self) -> NextStep | None:
         """To the best spots; into a vessel with contents only where it pushes none of them."""
-        self._all, self._gentle, self._kept = self._chooser.spots(self._place, CHOICE)
-        spots = self._gentle if self._contents else self._gentle or self._kept or self._all
+        every, self._gentle, self._kept = self._chooser.spots(self._place, CHOICE)
+        spots = self._gentle if self._contents else self._gentle or self._kept or every
         return self._into(spots, TRANSFER_LIMITS)
 
     def _look_longer(self) -> NextStep | None:
-        self._all, self._gentle, self._kept = self._chooser.spots(self._place, MORE_CHOICE)
+        _, self._gentle, self._kept = self._chooser.spots(self._place, MORE_CHOICE)
         return self._into(self._gentle, MORE_HANDS)
 
     def _into(self, spots: Sequence[Placement], limits: TransferLimits) -> NextStep | None:
