@@ -1,11 +1,11 @@
 """The same scenes, seeds and decisions on both physics engines: goals reached and verdicts side by side.
 
 Every scene settles on PyBullet. For MuJoCo its bodies are put where they lie, and come to rest once more. The
-loop looks, decides and plans by the same code with the same seed; the arm is a Panda with its jaw in both,
-since the world on MuJoCo has no suction cup: no plate is lifted with it, and of dishes only what is disturbed
-counts. What differs is how things touch.
+loop looks, decides and plans by the same code with the same seed and the same arm, that of the scene. What
+differs is how things touch.
 
-Episodes are kept in the journal of `topple bench run`, and those that it has are not played again.
+Episodes are kept in the journal of `topple bench run`, and those that it has are not played again: those on
+PyBullet are the ones that `topple bench demo` counts.
 """
 
 from collections.abc import Mapping, Sequence
@@ -20,7 +20,6 @@ from topple.robots.engines import BULLET, ENGINES, MUJOCO
 
 SCENES = ("dishes", "tower", "lemon", "pile")
 SEEDS = 40
-ARM = "panda"
 NAMES = {BULLET: "PyBullet", MUJOCO: "MuJoCo"}
 
 
@@ -55,7 +54,7 @@ def rows(
     numbers = range(seed, seed + (1 if quick else seeds))
     scenes = ("tower",) if quick else SCENES
     pairs = {
-        scene: [{e: Episode(scene, one, robot=ARM, engine=e) for e in ENGINES} for one in numbers]
+        scene: [{e: Episode(scene, one, engine=e) for e in ENGINES} for one in numbers]
         for scene in scenes
     }
     turns = in_turn([[episode for pair in some for episode in pair.values()] for some in pairs.values()])

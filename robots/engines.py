@@ -67,7 +67,7 @@ def arm_in(
         beside: Another arm that is in the world already.
 
     Raises:
-        InvalidInput: The world's engine does not simulate what the arm holds with, or two arms.
+        InvalidInput: The world's engine does not simulate two arms.
     """
     if world.engine == MUJOCO and beside is not None:
         raise InvalidInput(f"two arms act in a world on {BULLET} alone, found one on {MUJOCO}")
@@ -92,14 +92,15 @@ def fixture_in(world: "PhysicalWorld", names: "Collection[str]") -> "Fixture | N
     Args:
         world: A world of `new_world`.
         names: Names of bodies.
-
-    Raises:
-        InvalidInput: The world's engine has no clamps.
     """
     if not names:
         return None
-    if world.engine != BULLET:
-        raise InvalidInput(f"a fixture clamps in a world on {BULLET} alone, found one on {world.engine}")
+    if world.engine == MUJOCO:
+        from topple.robots.mujoco.clamps import MujocoClamps
+        from topple.robots.mujoco.world import MujocoWorld
+
+        if isinstance(world, MujocoWorld):
+            return MujocoClamps(world, names)
     from topple.robots.world.clamps import Clamps
 
     return Clamps(world, names)

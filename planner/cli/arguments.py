@@ -154,7 +154,7 @@ OPTIONS: dict[str, dict[str, Any]] = {
     "--engine": {
         "default": "bullet",
         "choices": ("bullet", "mujoco"),
-        "help": "what plays the world: PyBullet, or MuJoCo (extra 'mujoco'; arms with a jaw) (bullet)",
+        "help": "what plays the world: PyBullet, or MuJoCo (extra 'mujoco'; one arm) (bullet)",
     },
     "--video": {"metavar": "FILE", "help": "write a film of it, out.mp4 (extra 'video')"},
     "--rerun": {

@@ -1,35 +1,28 @@
-"""An arm in a world on MuJoCo: joints with computed torques, a jaw that holds by friction."""
+"""An arm in a world on MuJoCo: joints with computed torques, fingers that hold by friction, a vacuum cup."""
 
 from collections.abc import Sequence
 
 import numpy as np
 
 from topple.robots.arm.arm import Arm
+from topple.robots.arm.gripper import SuctionCup
 from topple.robots.arm.urdf import urdf_root
 from topple.robots.mujoco.engine import mujoco
-from topple.robots.mujoco.tolerances import CLOSING, STIFFNESS
+from topple.robots.mujoco.tolerances import CLOSING, MOST_PUSH, PUSHING, STIFFNESS
+from topple.robots.mujoco.vacuum import MujocoVacuum
 from topple.robots.mujoco.world import MujocoWorld
 from topple.robots.world.acting_arm import ActingArm
 from topple.robots.world.touch import note_touch
+from topple.robots.world.vacuum import Vacuum
 from topple.robots.world.wrist import Wrist
 from topple.topology.arrays import FloatArray
-from topple.topology.errors import InvalidInput
 
 
 class MujocoArm(ActingArm):
-    """An `ActingArm` at home in a world on MuJoCo; gains are those of `topple.robots.mujoco.tolerances`.
-
-    Raises:
-        InvalidInput: The hand has a cup.
-    """
+    """An `ActingArm` at home in a world on MuJoCo; gains are those of `topple.robots.mujoco.tolerances`."""
 
     def __init__(self, world: MujocoWorld, arm: Arm, pose_base_to_world: FloatArray) -> None:
         super().__init__(arm, pose_base_to_world)
-        if self.cup is not None:
-            raise InvalidInput(
-                f"{arm.name} has a suction cup, which the engine mujoco does not simulate: use an arm with a "
-                "jaw, such as panda, or the engine bullet"
-            )
         self._world = world
         world.put_arm(arm, self.pose_base_to_world, arm.joint_values(self.q_target, self.tool_state))
         limits = {
@@ -38,6 +31,7 @@ class MujocoArm(ActingArm):
             if (limit := joint.find("limit")) is not None
         }
         self._efforts = np.array([limits.get(name) or np.inf for name in arm.joints])
+        self._limits = limits
         self._goal = self.q_target.copy(), np.zeros(len(arm.joints))
         self.wrist = Wrist(self._loads, arm, world.physics.gravity, world.time_step)
         world.drive = self._motors
@@ -57,21 +51,8 @@ class MujocoArm(ActingArm):
         _, data = self.world.state
         return [float(data.actuator(f"robot {name}").force[0]) for name in names]
 
-    @property
-    def sealed(self) -> bool | None:
-        """Whether the cup's vacuum stands; None: there is no cup."""
-        return None
-
-    def unseal(self) -> None:
-        """Do nothing: there is no cup."""
-
-    def suck(self) -> bool:
-        """Refuse: there is no cup.
-
-        Raises:
-            InvalidInput: Always.
-        """
-        raise InvalidInput(f"{self.arm.name} has no suction cup in the engine mujoco: use the engine bullet")
+    def _vacuum_on(self, cup: SuctionCup, pose_lip_to_world: FloatArray) -> Vacuum | None:
+        return MujocoVacuum.on(self.world, cup.link, pose_lip_to_world, cup)
 
     def on_pads(self) -> tuple[FloatArray, FloatArray]:
         """Where something presses on the pads (k, 3) in [m], and how (k, 3) in [N], in the world."""
@@ -112,17 +93,24 @@ class MujocoArm(ActingArm):
         mujoco.mj_mulM(model, data, torques, wanted)
         torques += data.qfrc_bias - data.qfrc_passive
         data.qfrc_applied[dofs] = np.clip(torques[dofs], -self._efforts, self._efforts)
-        if self.jaw is None:
-            return
-        share = 2.0 * self._grip_force / len(self.jaw.joints)  # all joints together press both pads
-        for name, value in self.jaw.values(self._opening).items():
-            motor = model.actuator(f"robot {name}")
-            lever = self.jaw.lever(name)
-            speed = self.jaw.speed / 2.0 / lever
-            gain = share * lever / speed  # held up, it presses with its whole force
-            motor.gainprm[0], motor.biasprm[2] = gain, -gain
-            short = value - data.qpos[self._at(name)[0]]
-            data.actuator(f"robot {name}").ctrl[0] = np.clip(CLOSING * short, -speed, speed)
+        if self.jaw is not None:
+            share = 2.0 * self._grip_force / len(self.jaw.joints)  # all joints together press both pads
+            for name, value in self.jaw.values(self._opening).items():
+                lever = self.jaw.lever(name)
+                self._press(name, value, share * lever, self.jaw.speed / 2.0 / lever, CLOSING)
+        if self.cup is not None:
+            push = self.control.seating if self.vacuum is None else np.inf
+            for name, value in self.cup.values(self._extension).items():
+                most = self._limits.get(name) or MOST_PUSH
+                self._press(name, value, min(push, most), self.cup.speed, PUSHING)
+
+    def _press(self, joint: str, value: float, force: float, speed: float, rate: float) -> None:
+        """Drive a joint of the hand to a value; held up, it presses with its whole force."""
+        model, data = self.world.state
+        motor = model.actuator(f"robot {joint}")
+        motor.gainprm[0], motor.biasprm[2] = force / speed, -force / speed
+        short = value - data.qpos[self._at(joint)[0]]
+        data.actuator(f"robot {joint}").ctrl[0] = np.clip(rate * short, -speed, speed)
 
     def _loads(self, still: bool) -> tuple[FloatArray, FloatArray, FloatArray]:
         """Values, speeds and what contacts take of the torques (n,) of the arm's joints."""
@@ -132,6 +120,8 @@ class MujocoArm(ActingArm):
 
     def _advance(self) -> None:
         self.world.step()
+        if self.vacuum is not None:
+            self.vacuum.check()
         for a, b, _, _, force, _ in self.world.touches():
             for own, other in ((a, b), (b, a)):
                 if own.robot and not other.robot and other.owner and force > 0.0:

@@ -55,6 +55,8 @@ class Blueprint:
         bodies: Name -> body, where it stands (4, 4), whether it never moves.
         floors: Heights of floors [m].
         arm: The arm and the pose (4, 4) of its base, if there is one.
+        welds: Body and link, None for the world -> pose (4, 4) of the body in the link, and the point (3,) of
+            the body that it is held at.
     """
 
     physics: Physics
@@ -63,6 +65,9 @@ class Blueprint:
     )
     floors: list[float] = field(default_factory=list[float])
     arm: tuple[Arm, FloatArray] | None = None
+    welds: dict[tuple[str, str | None], tuple[FloatArray, FloatArray]] = field(
+        default_factory=dict[tuple[str, str | None], tuple[FloatArray, FloatArray]]
+    )
 
     def compiled(self, time_step: float) -> tuple[Any, dict[str, Shape]]:
         """MuJoCo's model, and what collides in it by name.
@@ -91,8 +96,12 @@ class Blueprint:
             shapes += _add_body(spec, body, pose, fixed)
         if self.arm is not None:
             shapes += _add_arm(spec, *self.arm)
+        for (name, link), (pose, point) in self.welds.items():
+            _add_weld(spec, name, link, pose, point)
+        held = {frozenset(pair) for pair in self.welds}  # what presses there is the weld's to say
         for a, b in combinations(shapes, 2):
-            if a.owner != b.owner and (a.moves or b.moves) and not (a.robot and b.robot):
+            beside = a.owner != b.owner and not (a.robot and b.robot)
+            if beside and (a.moves or b.moves) and frozenset((a.owner, b.owner)) not in held:
                 _add_pair(spec, a, b)
         return spec.compile(), {shape.name: shape for shape in shapes}
 
@@ -104,6 +113,27 @@ def _add_pair(spec: Any, a: Shape, b: Shape) -> None:
         geomname1=a.name, geomname2=b.name, condim=6, friction=[slide, slide, lever, rolling, rolling],
         solref=STIFF, solimp=HARD,
     )  # fmt: skip
+
+
+def _add_weld(spec: Any, name: str, link: str | None, pose: FloatArray, point: FloatArray) -> None:
+    """Hold a body to a link, or to the world, as it is."""
+    _, quaternion = _placed(pose)
+    weld = spec.add_equality(
+        type=mujoco.mjtEq.mjEQ_WELD, name=weld_name(name, link), objtype=mujoco.mjtObj.mjOBJ_BODY,
+        name1="world" if link is None else f"robot {link}", name2=name, solref=STIFF, solimp=HARD,
+    )  # fmt: skip
+    weld.data[:] = 0.0
+    weld.data[:11] = [
+        *point,
+        *(pose[:3, :3] @ point + pose[:3, 3]),
+        *quaternion,
+        1.0,
+    ]  # the point, seen from both
+
+
+def weld_name(name: str, link: str | None) -> str:
+    """What the weld of a body to a link, or to the world, is called in the model."""
+    return f"weld {name} {'' if link is None else link}"
 
 
 def _add_body(spec: Any, body: Body, pose: FloatArray, fixed: bool) -> list[Shape]:
@@ -183,7 +213,7 @@ def _add_arm(spec: Any, arm: Arm, pose_base_to_world: FloatArray) -> list[Shape]
     jaw = arm.jaw
     pads = jaw.links if jaw is not None else ()
     driven = dict(zip(arm.joints, range(len(arm.joints)), strict=True))
-    moving = {} if jaw is None else {name: k for k, name in enumerate(jaw.joints)}
+    hand = (*(jaw.joints if jaw is not None else ()), *(arm.cup.values(0.0) if arm.cup is not None else ()))
     added: dict[str, Any] = {}
     shapes: list[Shape] = []
     for link, frame in zip(arm.links, arm.frame_of_link, strict=True):
@@ -193,7 +223,7 @@ def _add_arm(spec: Any, arm: Arm, pose_base_to_world: FloatArray) -> list[Shape]
         position, quaternion = _placed(pose)
         body = parent.add_body(name=f"robot {link}", pos=position, quat=quaternion)
         added[link] = body
-        if joint is not None and (joint.name in driven or joint.name in moving):
+        if joint is not None and (joint.name in driven or joint.name in hand):
             sliding = joint.kind == "prismatic"
             body.add_joint(
                 name=f"robot {joint.name}", axis=joint.axis,
@@ -201,7 +231,7 @@ def _add_arm(spec: Any, arm: Arm, pose_base_to_world: FloatArray) -> list[Shape]
                 armature=ROTOR if joint.name in driven else _finger_rotor(arm, joint.name),
             )  # fmt: skip
         beyond = frame == len(arm.joints) and joint is not None and joint.name not in driven
-        body.gravcomp = 1.0 if beyond and moving else 0.0
+        body.gravcomp = 1.0 if beyond and hand else 0.0
         if link in masses:
             mass, inertial, tensor = masses[link]
             body.explicitinertial, body.mass = True, mass
@@ -217,16 +247,17 @@ def _add_arm(spec: Any, arm: Arm, pose_base_to_world: FloatArray) -> list[Shape]
             shapes.append(Shape(name, link, frame > 0, True, grip, give, 0.0))
     if jaw is not None:
         _couple(spec, jaw.joints, jaw.joint_values)
-        for name in jaw.joints:
-            motor = spec.add_actuator(name=f"robot {name}", target=f"robot {name}")
-            motor.trntype = mujoco.mjtTrn.mjTRN_JOINT
-            motor.set_to_velocity(kv=1.0)  # no limit: a force that is cut off is not implicit, and shakes
+    for name in hand:
+        motor = spec.add_actuator(name=f"robot {name}", target=f"robot {name}")
+        motor.trntype = mujoco.mjtTrn.mjTRN_JOINT
+        motor.set_to_velocity(kv=1.0)  # no limit: a force that is cut off is not implicit, and shakes
     return shapes
 
 
 def _finger_rotor(arm: Arm, joint: str) -> float:
-    """Inertia of a finger's drive as its joint feels it."""
-    return FINGER_ROTOR * (arm.jaw.lever(joint) ** 2 if arm.jaw is not None else 1.0)
+    """Inertia of a finger's drive, or a cup's, as its joint feels it."""
+    jaw = arm.jaw
+    return FINGER_ROTOR * (jaw.lever(joint) ** 2 if jaw is not None and joint in jaw.joints else 1.0)
 
 
 def _couple(spec: Any, joints: Sequence[str], values: FloatArray) -> None:

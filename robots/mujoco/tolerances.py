@@ -27,6 +27,12 @@ STIFFNESS = 60.0
 CLOSING = 100.0
 """[1/s] of what a finger is short of, up to its speed: half a millimetre, and its whole force is there."""
 
+PUSHING = 40.0
+"""[1/s] likewise of a cup's drive: a plate that hangs on it swings up and down beside the arm from 100 on."""
+
+MOST_PUSH = 200.0
+"""[N] of a cup's drive whose file says no effort: what a URDF's slider is taken for elsewhere."""
+
 AMBIENT = 0.45
 """Share of light that comes from everywhere."""
 

@@ -8,9 +8,9 @@ import numpy as np
 from topple.robots.arm.arm import Arm
 from topple.robots.mujoco.camera import rendered
 from topple.robots.mujoco.engine import mujoco
-from topple.robots.mujoco.model import Blueprint, Shape
+from topple.robots.mujoco.model import TOUCHING, Blueprint, Shape, weld_name
 from topple.robots.mujoco.tolerances import SUBSTEPS
-from topple.robots.poses import pose_from, position_and_quaternion
+from topple.robots.poses import inverse, pose_from, position_and_quaternion
 from topple.robots.tolerances import TOLERANCES
 from topple.robots.world.bodies import Body
 from topple.robots.world.camera import Camera, Rendered
@@ -85,6 +85,8 @@ class MujocoWorld(PhysicalWorld):
         self._number(name)
         self._keep()
         del self.ids[name], self._bodies[name], self._blueprint.bodies[name]
+        welds = self._blueprint.welds
+        self._blueprint.welds = {pair: how for pair, how in welds.items() if pair[0] != name}
         self._fixed.discard(name)
 
     def pose(self, name: str) -> FloatArray:
@@ -151,6 +153,62 @@ class MujocoWorld(PhysicalWorld):
             pressed = float(force[0])
             found.append((first, second, np.array(contact.pos), normal, pressed, float(contact.dist)))
         return found
+
+    def met(self, start: FloatArray, end: FloatArray, link: str) -> tuple[str | None, float]:
+        """What the way from one point (3,) to another meets first.
+
+        Args:
+            start: In the world [m].
+            end: Likewise.
+            link: A link of the arm that it passes through.
+
+        Returns:
+            The body, and the share of the way until it; None and 1 where there is none.
+        """
+        model, data = self.state
+        way, geom = end - start, np.zeros(1, dtype=np.int32)
+        groups = np.array([k == TOUCHING for k in range(mujoco.mjNGROUP)], dtype=np.uint8)
+        passed = model.body(f"robot {link}").id
+        far = mujoco.mj_ray(model, data, start, way, groups, 1, passed, geom, None)
+        shape = self._shapes.get(model.geom(int(geom[0])).name) if 0.0 <= far <= 1.0 else None
+        return (shape.owner, float(far)) if shape is not None and not shape.robot else (None, 1.0)
+
+    def weld(self, name: str, link: str | None, point: FloatArray) -> None:
+        """Hold a body, as it is, to a link of the arm or, where None, to the world.
+
+        Args:
+            name: The body.
+            link: The link.
+            point: (3,) where, in the world [m].
+        """
+        to = np.eye(4)
+        if link is not None:
+            body = self.state[1].body(f"robot {link}")
+            to[:3, :3], to[:3, 3] = body.xmat.reshape(3, 3), body.xpos
+        pose = self.pose(name)
+        self._keep()
+        there = inverse(pose)
+        self._blueprint.welds[name, link] = inverse(to) @ pose, there[:3, :3] @ point + there[:3, 3]
+
+    def unweld(self, name: str, link: str | None) -> None:
+        """Let go of a body; nothing happens where it is not held so."""
+        if self.welded(name, link):
+            self._keep()
+            del self._blueprint.welds[name, link]
+
+    def welded(self, name: str, link: str | None) -> bool:
+        """Whether a body is held to a link, or to the world."""
+        return (name, link) in self._blueprint.welds
+
+    def weld_wrench(self, name: str, link: str | None) -> tuple[FloatArray, FloatArray]:
+        """Force (3,) [N] of a weld on its body in the last step, and moment (3,) [N m] about its origin."""
+        model, data = self.state
+        weld = model.equality(weld_name(name, link)).id
+        own = (data.efc_type == mujoco.mjtConstraint.mjCNSTR_EQUALITY) & (data.efc_id == weld)
+        exerted = np.zeros(model.nv)
+        mujoco.mj_mulJacTVec(model, data, exerted, np.where(own, data.efc_force, 0.0))
+        at = self._address(name)[1]
+        return exerted[at : at + 3], self.pose(name)[:3, :3] @ exerted[at + 3 : at + 6]
 
     def rendered(self, camera: Camera) -> Rendered:
         """What a camera without faults sees, by rays: no graphics are needed."""

@@ -7,7 +7,7 @@ from collections.abc import Callable, Sequence
 import numpy as np
 
 from topple.robots.arm.arm import Arm
-from topple.robots.arm.gripper import ToolName, ToolState
+from topple.robots.arm.gripper import SuctionCup, ToolName, ToolState
 from topple.robots.driver import Motion
 from topple.robots.poses import inverse
 from topple.robots.tolerances import TOLERANCES
@@ -15,6 +15,7 @@ from topple.robots.world.compliance import Compliance
 from topple.robots.world.control import Control
 from topple.robots.world.physical_world import PhysicalWorld
 from topple.robots.world.touch import Touch
+from topple.robots.world.vacuum import Vacuum
 from topple.robots.world.wrist import Wrist
 from topple.topology.arrays import FloatArray, rounded
 from topple.topology.errors import InvalidInput
@@ -44,6 +45,7 @@ class ActingArm(ABC):
         self._opening = self.jaw.max_opening if self.jaw else 0.0
         self._extension = self.cup.stowed if self.cup else 0.0
         self._grip_force = self.jaw.force if self.jaw else 0.0
+        self.vacuum: Vacuum | None = None
         self.touched: dict[str, Touch] = {}
         self.on_step: list[Callable[[], None]] = []
 
@@ -89,13 +91,15 @@ class ActingArm(ABC):
         """What the motors of some joints exert in [N m] or [N]."""
 
     @property
-    @abstractmethod
     def sealed(self) -> bool | None:
         """Whether the cup's vacuum stands; None where it is off."""
+        return None if self.vacuum is None else self.vacuum.sealed
 
-    @abstractmethod
     def unseal(self) -> None:
         """Switch the vacuum off."""
+        if self.vacuum is not None:
+            self.vacuum.off()
+            self.vacuum = None
 
     @abstractmethod
     def on_pads(self) -> tuple[FloatArray, FloatArray]:
@@ -270,9 +274,25 @@ class ActingArm(ABC):
         else:
             self.open(opening)
 
-    @abstractmethod
     def suck(self) -> bool:
-        """Switch the vacuum on; returns whether the lip seals on an object. If not it is off again."""
+        """Switch the vacuum on.
+
+        Returns:
+            Whether the lip seals on an object; if not, the vacuum is off again.
+
+        Raises:
+            InvalidInput: The hand has no cup.
+        """
+        if not self.cup:
+            raise InvalidInput(f"{self.arm.name} has no suction cup: use a robot such as panda-suction")
+        self.vacuum = self._vacuum_on(self.cup, self.tool_pose(ToolName.SUCTION))
+        if self.cup.joint is not None:  # what gave way as the lip was seated does not push back
+            self._extension = float(self.joint_positions([self.cup.joint])[0])
+        return self.vacuum is not None
+
+    @abstractmethod
+    def _vacuum_on(self, cup: SuctionCup, pose_lip_to_world: FloatArray) -> Vacuum | None:
+        """The cup's vacuum, where its lip at a pose (4, 4) seals on something that moves."""
 
     def _stiffen_pads(self, pressing: bool) -> None:
         """Make pads stiff while they press, where the engine lets soft ones drag what they hold."""

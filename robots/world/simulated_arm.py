@@ -7,17 +7,17 @@ from typing import Any
 import numpy as np
 
 from topple.robots.arm.arm import Arm
-from topple.robots.arm.gripper import ToolName
+from topple.robots.arm.gripper import SuctionCup
 from topple.robots.engine import pybullet
 from topple.robots.poses import pose_from, position_and_quaternion
 from topple.robots.world.acting_arm import ActingArm
+from topple.robots.world.bullet_vacuum import BulletVacuum
 from topple.robots.world.tolerances import PAD_DAMPING, PAD_STIFFNESS
 from topple.robots.world.touch import note_touch
 from topple.robots.world.vacuum import Vacuum
 from topple.robots.world.world import World
 from topple.robots.world.wrist import TorqueNoise, Wrist
 from topple.topology.arrays import FloatArray
-from topple.topology.errors import InvalidInput
 
 
 class SimulatedArm(ActingArm):
@@ -73,7 +73,6 @@ class SimulatedArm(ActingArm):
         self._file_stiffness = self._stiffness_of_pads()
         loads = JointLoads(world.client, self.id, self._arm_joints, world.time_step)
         self.wrist = Wrist(loads, arm, world.physics.gravity, world.time_step, noise, rng)
-        self.vacuum: Vacuum | None = None
 
     @property
     def world(self) -> World:
@@ -155,37 +154,10 @@ class SimulatedArm(ActingArm):
         places = np.array([point[5] for point in pressing]).reshape(-1, 3)
         return places, np.array([np.multiply(point[9], point[7]) for point in pressing]).reshape(-1, 3)
 
-    @property
-    def sealed(self) -> bool | None:
-        """Whether the cup's vacuum stands; None where it is off."""
-        return None if self.vacuum is None else self.vacuum.sealed
-
-    def unseal(self) -> None:
-        """Switch the vacuum off."""
-        if self.vacuum is not None:
-            self.vacuum.off()
-            self.vacuum = None
-
     # -- what it does
 
-    def suck(self) -> bool:
-        """Switches the vacuum on.
-
-        Returns:
-            Whether the lip seals on an object; if not, the vacuum is off again.
-
-        Raises:
-            InvalidInput: If the hand has no cup.
-        """
-        if not self.cup:
-            raise InvalidInput(f"{self.arm.name} has no suction cup: use a robot such as panda-suction")
-        tool = self.arm.tool(ToolName.SUCTION)
-        pose_lip_to_world = self.link_pose(tool.link) @ tool.pose_tool_to_link
-        self.vacuum = Vacuum.on(self.world, self.id, self._link[self.cup.link], pose_lip_to_world, self.cup)
-        if self.cup.joint is not None:  # what gave way as the lip was seated does not push back
-            index, client = self._index[self.cup.joint], self.world.client
-            self._extension = float(pybullet.getJointState(self.id, index, physicsClientId=client)[0])
-        return self.vacuum is not None
+    def _vacuum_on(self, cup: SuctionCup, pose_lip_to_world: FloatArray) -> Vacuum | None:
+        return BulletVacuum.on(self.world, self.id, self._link[cup.link], pose_lip_to_world, cup)
 
     def link_pose(self, link: str) -> FloatArray:
         """(4, 4) measured pose of a link's frame in the world."""

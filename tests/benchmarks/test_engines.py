@@ -7,7 +7,7 @@ import pytest
 
 pytest.importorskip("mujoco", reason="MuJoCo is not installed: pip install '.[mujoco]'")
 
-from topple.benchmarks.engines import ARM, compared, rows
+from topple.benchmarks.engines import compared, rows
 from topple.benchmarks.episodes import Ending, Episode, play
 from topple.benchmarks.journal import Journal
 from topple.planner.cli.main import main
@@ -15,7 +15,7 @@ from topple.robots.engines import BULLET, ENGINES, MUJOCO
 
 
 def _ending(seed: int, engine: str, how: str = "success", *said: str) -> Ending:
-    return Ending(Episode("tower", seed, robot=ARM, engine=engine), how, said)
+    return Ending(Episode("tower", seed, engine=engine), how, said)
 
 
 def _pair(seed: int, **how: str) -> dict[str, Ending]:
@@ -64,6 +64,6 @@ def test_a_journal_of_before_is_of_the_scenes_own_arm_on_pybullet() -> None:
 
 @pytest.mark.slow
 def test_a_scene_that_settled_on_one_engine_is_played_on_the_other() -> None:
-    ending = play(Episode("tower", 0, robot=ARM, engine=MUJOCO))
+    ending = play(Episode("tower", 0, engine=MUJOCO))
     assert ending.success, ending.violations
     assert ending.sagged is not None and ending.sagged < 0.001

@@ -215,8 +215,3 @@ def test_engines_go_by_their_names(panda: Arm) -> None:
         assert isinstance(world, World)
     with pytest.raises(InvalidInput, match="no engine 'ode': expected bullet or mujoco"), playing_on("ode"):
         pass
-
-
-def test_a_cup_is_refused(world: MujocoWorld) -> None:
-    with pytest.raises(InvalidInput, match="panda-suction has a suction cup, which the engine mujoco"):
-        MujocoArm(world, robot("panda-suction"), np.eye(4))

@@ -7,7 +7,7 @@ from topple.robots.engines import fixture_in
 from topple.robots.poses import angle_between
 from topple.robots.scenarios import scenario_called
 from topple.robots.world.clamps import Clamps
-from topple.topology import InvalidInput, UnknownObject
+from topple.topology import UnknownObject
 
 
 @pytest.mark.parametrize(
@@ -37,9 +37,3 @@ def test_what_is_not_there_or_never_moves_is_refused() -> None:
             with pytest.raises(UnknownObject, match=name):
                 Clamps(stage.world, [name])
         assert fixture_in(stage.world, ()) is None
-
-
-def test_other_engines_have_none() -> None:
-    pytest.importorskip("mujoco")
-    with scenario_called("hold", 1, "mujoco") as stage, pytest.raises(InvalidInput, match="bullet alone"):
-        fixture_in(stage.world, ["plank"])

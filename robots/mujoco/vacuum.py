@@ -1,0 +1,58 @@
+"""The vacuum of a suction cup in a world on MuJoCo."""
+
+import numpy as np
+
+from topple.robots.arm.gripper import SuctionCup
+from topple.robots.mujoco.world import MujocoWorld
+from topple.robots.poses import inverse
+from topple.robots.world.tolerances import REACH
+from topple.robots.world.vacuum import Vacuum, follows, lip_rays
+from topple.topology.arrays import FloatArray
+
+
+class MujocoVacuum(Vacuum):
+    """A `Vacuum` that is a weld of MuJoCo's; see `on`."""
+
+    def __init__(
+        self, world: MujocoWorld, name: str, link: str, pose_lip_to_world: FloatArray, cup: SuctionCup
+    ) -> None:
+        super().__init__(world, name, pose_lip_to_world, cup)
+        self._world, self._link = world, link
+        self._lip = inverse(world.pose(name)) @ pose_lip_to_world[:, 3]
+        world.weld(name, link, pose_lip_to_world[:3, 3])
+
+    @classmethod
+    def on(
+        cls, world: MujocoWorld, link: str, pose_lip_to_world: FloatArray, cup: SuctionCup
+    ) -> "MujocoVacuum | None":
+        """Switches the vacuum on; None where the lip seals on nothing that can be moved.
+
+        Args:
+            world: The world the robot stands in.
+            link: The cup's link.
+            pose_lip_to_world: (4, 4) where the lip is, z out of the hand.
+            cup: Radius, force and lip depth.
+        """
+        start, end = lip_rays(pose_lip_to_world, cup)
+        met = [world.met(*ray, link) for ray in zip(start, end, strict=True)]
+        names = {name for name, _ in met}
+        name = names.pop()
+        if names or name is None or name not in world.movable:
+            return None
+        heights = np.array([2.0 * REACH * share - REACH for _, share in met])
+        return cls(world, name, link, pose_lip_to_world, cup) if follows(heights, cup) else None
+
+    @property
+    def sealed(self) -> bool:
+        """Whether it still holds."""
+        return self._world.welded(self.name, self._link)
+
+    def off(self) -> None:
+        """Lets go."""
+        self._world.unweld(self.name, self._link)
+
+    def _load(self) -> tuple[FloatArray, FloatArray]:
+        force, moment = self._world.weld_wrench(self.name, self._link)
+        pose = self._world.pose(self.name)
+        arm = (pose @ self._lip)[:3] - pose[:3, 3]  # the weld's moment is about the body's origin
+        return -force, -(moment - np.cross(arm, force))
