@@ -3,6 +3,7 @@
 from collections.abc import Collection, Generator
 from contextlib import contextmanager
 from contextvars import ContextVar
+from importlib.util import find_spec
 from typing import TYPE_CHECKING
 
 from topple.topology.errors import InvalidInput
@@ -14,9 +15,12 @@ if TYPE_CHECKING:
     from topple.robots.world.physical_world import PhysicalWorld
     from topple.topology.arrays import FloatArray
 
-__all__ = ["BULLET", "ENGINES", "MUJOCO", "arm_in", "fixture_in", "new_world", "playing_on"]
+__all__ = ["BULLET", "DEFAULT", "ENGINES", "MUJOCO", "arm_in", "fixture_in", "new_world", "playing_on"]
 
 BULLET, MUJOCO = ENGINES = ("bullet", "mujoco")
+
+DEFAULT = MUJOCO if find_spec("pybullet") is None and find_spec("mujoco") is not None else BULLET
+"""What plays where nothing is said: PyBullet; MuJoCo where it alone is installed."""
 
 _CHOSEN: ContextVar[str] = ContextVar("engine", default=BULLET)
 

@@ -1,10 +1,12 @@
-"""URDF files made at run time: an arm of pybullet_data with links of ours added, mesh paths made absolute."""
+"""URDF files made at run time: an arm of another package with links of ours added, mesh paths absolute."""
 
 import hashlib
 import os
 import tempfile
 import xml.etree.ElementTree as ElementTree
 from pathlib import Path
+
+from topple.robots.arm.shapes import find_mesh
 
 
 def composed(source: Path, name: str, addition: str) -> Path:
@@ -21,8 +23,9 @@ def composed(source: Path, name: str, addition: str) -> Path:
     robot = ElementTree.parse(source).getroot()
     robot.set("name", name)
     for mesh in robot.iter("mesh"):
-        inside = str(mesh.get("filename")).removeprefix("package://")
-        mesh.set("filename", str(source.parent / inside))
+        named = str(mesh.get("filename"))
+        found = find_mesh(named, source) or source.parent / named.removeprefix("package://")
+        mesh.set("filename", str(found))
     robot.extend(ElementTree.fromstring(f"<robot>{addition}</robot>"))
     return stored(ElementTree.tostring(robot, encoding="unicode"), name, ".urdf")
 

@@ -11,7 +11,7 @@ from topple.robots.arm.arm import Arm
 from topple.robots.arm.compose import composed
 from topple.robots.arm.gripper import ParallelJaw, SuctionCup, Tool, ToolName, ToolState
 from topple.robots.arm.gripper_file import Cup, Gripper, Jaw
-from topple.robots.catalog.data import data_path
+from topple.robots.catalog.data import data_path, panda_file
 from topple.robots.catalog.own_arm import arm_from_file
 from topple.robots.hands.suction_hand import CUP_JOINT, CUP_LINK, PANDA_CUP, panda_with_cup
 from topple.robots.hands.wsg50 import wsg50_fingers, wsg50_xml
@@ -115,9 +115,7 @@ def _panda_fingers() -> Tool:
 
 def panda() -> Arm:
     """Franka's Panda with its hand."""
-    return _panda_arm(
-        "panda", data_path() / "franka_panda" / "panda.urdf", {ToolName.FINGERS: _panda_fingers()}
-    )
+    return _panda_arm("panda", panda_file(), {ToolName.FINGERS: _panda_fingers()})
 
 
 def panda_suction() -> Arm:
@@ -130,7 +128,7 @@ def panda_suction() -> Arm:
     ready = ToolState(0.08, design.stroke)
     lip = Tool(ToolName.SUCTION, "panda_hand", _translation(design.extended_lip), cup, (CUP_LINK,), ready)
     tools: dict[str, Tool] = {ToolName.FINGERS: _panda_fingers(), ToolName.SUCTION: lip}
-    return _panda_arm("panda-suction", panda_with_cup(data_path(), design), tools)
+    return _panda_arm("panda-suction", panda_with_cup(panda_file(), design), tools)
 
 
 def _panda_arm(name: str, urdf: Path, tools: dict[str, Tool]) -> Arm:
@@ -145,7 +143,7 @@ def _panda_arm(name: str, urdf: Path, tools: dict[str, Tool]) -> Arm:
         velocity=(2.175, 2.175, 2.175, 2.175, 2.61, 2.61, 2.61),
         acceleration=(15.0, 7.5, 10.0, 12.5, 15.0, 20.0, 20.0),
         home=(0.0, -0.785, 0.0, -2.356, 0.0, 1.571, 0.785),
-        source=data_path() / "franka_panda" / "panda.urdf",
+        source=panda_file(),
     )
 
 

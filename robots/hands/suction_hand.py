@@ -60,14 +60,14 @@ class CupDesign:
 PANDA_CUP = CupDesign()
 
 
-def panda_with_cup(data: Path, design: CupDesign) -> Path:
+def panda_with_cup(panda: Path, design: CupDesign) -> Path:
     """Write the URDF of the Panda with the cup and return its path.
 
     Args:
-        data: The folder of pybullet_data.
+        panda: The Panda's URDF.
         design: Dimensions of the cup.
     """
-    return composed(data / "franka_panda" / "panda.urdf", "panda-suction", cup_xml(design, "panda_hand"))
+    return composed(panda, "panda-suction", cup_xml(design, "panda_hand"))
 
 
 def cup_xml(design: CupDesign, link: str, origin: str = "") -> str:

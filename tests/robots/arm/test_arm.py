@@ -1,3 +1,4 @@
+import shutil
 from pathlib import Path
 
 import numpy as np
@@ -7,7 +8,7 @@ import pytest
 from topple.robots.arm.arm import Arm
 from topple.robots.arm.gripper import ToolState
 from topple.robots.catalog import names, robot
-from topple.topology.errors import InvalidInput
+from topple.topology.errors import InvalidInput, NotInstalled
 
 
 def top_down(x: float, y: float, z: float, yaw: float) -> np.ndarray:
@@ -189,3 +190,29 @@ def test_what_is_no_urdf_is_refused(tmp_path: Path) -> None:
         Arm.from_urdf(path, "tip")
     with pytest.raises(InvalidInput, match="cannot be read"):
         Arm.from_urdf(tmp_path / "absent.urdf", "tip")
+
+
+def test_the_panda_is_read_from_robosuite_where_pybullet_is_missing(
+    monkeypatch: pytest.MonkeyPatch, tmp_path: Path
+) -> None:
+    import topple.robots.catalog as catalog
+    from topple.robots.catalog import data
+
+    there = data.panda_file()
+
+    def missing() -> Path:
+        raise NotInstalled("this arm's model comes with PyBullet", "sim")
+
+    class Robosuite:
+        def locate_file(self, path: str) -> Path:
+            return tmp_path / path
+
+    monkeypatch.setattr(data, "data_path", missing)
+    monkeypatch.setattr(data, "distribution", lambda name: {"robosuite": Robosuite()}[name])
+    with pytest.raises(NotInstalled):  # an older robosuite, without the file
+        catalog.panda_suction()
+    copied = Path(shutil.copytree(there.parent, (tmp_path / data.ROBOSUITE[1]).parent)) / there.name
+    copied.rename(tmp_path / data.ROBOSUITE[1])
+    arm = catalog.panda_suction()
+    assert {"fingers", "suction"} == set(arm.tools)
+    assert str(tmp_path) in arm.urdf.read_text()
