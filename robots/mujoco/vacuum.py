@@ -4,7 +4,6 @@ import numpy as np
 
 from topple.robots.arm.gripper import SuctionCup
 from topple.robots.mujoco.world import MujocoWorld
-from topple.robots.poses import inverse
 from topple.robots.world.tolerances import REACH
 from topple.robots.world.vacuum import Vacuum, follows, lip_rays
 from topple.topology.arrays import FloatArray
@@ -17,8 +16,7 @@ class MujocoVacuum(Vacuum):
         self, world: MujocoWorld, name: str, link: str, pose_lip_to_world: FloatArray, cup: SuctionCup
     ) -> None:
         super().__init__(world, name, pose_lip_to_world, cup)
-        self._world, self._link = world, link
-        self._lip = inverse(world.pose(name)) @ pose_lip_to_world[:, 3]
+        self._mujoco, self._link = world, link
         world.weld(name, link, pose_lip_to_world[:3, 3])
 
     @classmethod
@@ -45,14 +43,12 @@ class MujocoVacuum(Vacuum):
     @property
     def sealed(self) -> bool:
         """Whether it still holds."""
-        return self._world.welded(self.name, self._link)
+        return self._mujoco.welded(self.name, self._link)
 
     def off(self) -> None:
         """Lets go."""
-        self._world.unweld(self.name, self._link)
+        self._mujoco.unweld(self.name, self._link)
 
     def _load(self) -> tuple[FloatArray, FloatArray]:
-        force, moment = self._world.weld_wrench(self.name, self._link)
-        pose = self._world.pose(self.name)
-        arm = (pose @ self._lip)[:3] - pose[:3, 3]  # the weld's moment is about the body's origin
-        return -force, -(moment - np.cross(arm, force))
+        force, about_middle = self._mujoco.weld_wrench(self.name, self._link)
+        return -force, -(about_middle + np.cross(self._from_lip(), force))

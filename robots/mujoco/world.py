@@ -201,14 +201,16 @@ class MujocoWorld(PhysicalWorld):
         return (name, link) in self._blueprint.welds
 
     def weld_wrench(self, name: str, link: str | None) -> tuple[FloatArray, FloatArray]:
-        """Force (3,) [N] of a weld on its body in the last step, and moment (3,) [N m] about its origin."""
+        """Force (3,) [N] of a weld on its body in the last step, and moment (3,) [N m] about its middle."""
         model, data = self.state
         weld = model.equality(weld_name(name, link)).id
         own = (data.efc_type == mujoco.mjtConstraint.mjCNSTR_EQUALITY) & (data.efc_id == weld)
         exerted = np.zeros(model.nv)
         mujoco.mj_mulJacTVec(model, data, exerted, np.where(own, data.efc_force, 0.0))
         at = self._address(name)[1]
-        return exerted[at : at + 3], self.pose(name)[:3, :3] @ exerted[at + 3 : at + 6]
+        force, turn = exerted[at : at + 3], self.pose(name)[:3, :3]
+        middle = turn @ self.body(name).centre_of_mass
+        return force, turn @ exerted[at + 3 : at + 6] - np.cross(middle, force)
 
     def rendered(self, camera: Camera) -> Rendered:
         """What a camera without faults sees, by rays: no graphics are needed."""

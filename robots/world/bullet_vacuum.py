@@ -20,7 +20,7 @@ class BulletVacuum(Vacuum):
         self, world: World, name: str, pose_lip_to_world: FloatArray, cup: SuctionCup, constraint: int
     ) -> None:
         super().__init__(world, name, pose_lip_to_world, cup)
-        self._world = world
+        self._bullet = world
         self._constraint: int | None = constraint
 
     @property
@@ -64,12 +64,13 @@ class BulletVacuum(Vacuum):
     def off(self) -> None:
         """Lets go."""
         if self._constraint is not None:
-            pybullet.removeConstraint(self._constraint, physicsClientId=self._world.client)
+            pybullet.removeConstraint(self._constraint, physicsClientId=self._bullet.client)
             self._constraint = None
 
     def _load(self) -> tuple[FloatArray, FloatArray]:
-        state = np.array(pybullet.getConstraintState(self._constraint, physicsClientId=self._world.client))
-        return state[:3], state[3:6]
+        state = np.array(pybullet.getConstraintState(self._constraint, physicsClientId=self._bullet.client))
+        force, about_middle = state[:3], state[3:6]  # the constraint holds the object's centre of mass
+        return force, about_middle + np.cross(self._from_lip(), force)
 
 
 def _under(world: World, pose_lip_to_world: FloatArray, cup: SuctionCup) -> str | None:

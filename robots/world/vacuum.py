@@ -5,6 +5,7 @@ from abc import ABC, abstractmethod
 import numpy as np
 
 from topple.robots.arm.gripper import SuctionCup, lip_plane, vacuum_load
+from topple.robots.poses import inverse
 from topple.robots.world.physical_world import PhysicalWorld
 from topple.robots.world.tolerances import AT_LIMIT, CLEAR, PEEL_STEPS, RAYS, REACH, TILT
 from topple.topology.arrays import FloatArray
@@ -28,8 +29,10 @@ class Vacuum(ABC):
         self, world: PhysicalWorld, name: str, pose_lip_to_world: FloatArray, cup: SuctionCup
     ) -> None:
         self.name, self.cup = name, cup
-        self._posed = world
-        self._axis: FloatArray = world.pose(name)[:3, :3].T @ pose_lip_to_world[:3, 2]
+        self.world = world
+        there = inverse(world.pose(name))
+        self._axis: FloatArray = there[:3, :3] @ pose_lip_to_world[:3, 2]
+        self._lip: FloatArray = there[:3, :3] @ pose_lip_to_world[:3, 3] + there[:3, 3]
         self._over = 0
 
     @property
@@ -43,14 +46,23 @@ class Vacuum(ABC):
 
     @abstractmethod
     def _load(self) -> tuple[FloatArray, FloatArray]:
-        """Force (3,) [N] and moment (3,) [N m] of the object on the lip in the last step, in the world."""
+        """What the object does to the lip in the last step.
+
+        Returns:
+            Force (3,) [N] and moment (3,) [N m] about the lip's centre, in the world's axes.
+        """
+
+    def _from_lip(self) -> FloatArray:
+        """The way (3,) from the lip's centre to the object's centre of mass, in the world's axes [m]."""
+        middle = self.world.body(self.name).centre_of_mass
+        return np.asarray(self.world.pose(self.name)[:3, :3] @ (middle - self._lip))
 
     def check(self) -> None:
         """Reads the forces of the last step and lets go where they were too much for too long."""
         if not self.sealed:
             return
         force, moment = self._load()
-        out = self._posed.pose(self.name)[:3, :3] @ self._axis
+        out = self.world.pose(self.name)[:3, :3] @ self._axis
         pull = float(force @ out)
         twist = float(moment @ out)
         shear = float(np.linalg.norm(force - pull * out))

@@ -17,11 +17,11 @@ from topple.topology.arrays import FloatArray
 RAMP = 30  # steps until a load is whole: a load put on at once would be a knock
 
 
-def lowered(world: World, body: Body) -> tuple[SimulatedArm, Way]:
-    """An arm that has put its cup onto the middle of a body on a table, and the way back up, 5 cm."""
+def lowered(world: World, body: Body, beside: float = 0.0) -> tuple[SimulatedArm, Way]:
+    """An arm whose cup is on a body on a table, some way beside its middle [m], and the way back up, 5 cm."""
     world.add_table()
     place = np.eye(4)
-    place[0, 3] = 0.5
+    place[0, 3] = 0.5 + beside
     world.add(body, place)
     world.settle()
     top = pybullet.rayTest([0.5, 0.0, 0.5], [0.5, 0.0, -0.1], physicsClientId=world.client)[0][3][2]
@@ -78,6 +78,21 @@ def test_a_cup_seals_on_what_its_lip_bridges_and_no_more(
     with World() as world:
         arm, _ = lowered(world, knobbed(*knobs))
         assert arm.suck() is seals
+
+
+@pytest.mark.parametrize(("mass", "held"), [(0.4, True), (0.8, False)])
+def test_what_hangs_beside_the_cup_bends_it_off(mass: float, held: bool) -> None:
+    """A bar held 9 cm beside its middle: 0.8 kg are a fifth of the force, and more than its moment."""
+    with World() as world:
+        bar = shapes.box("bar", (0.3, 0.06, 0.04), mass=mass)
+        arm, up = lowered(world, bar, beside=0.09)
+        assert arm.suck() and arm.vacuum is not None
+        arm.follow(up)
+        arm.wait(0.3)
+        assert arm.holding is held
+        if held:
+            _, moment = arm.vacuum._load()  # pyright: ignore[reportPrivateUsage]
+            assert moment == pytest.approx([0.0, 0.09 * mass * 9.81, 0.0], abs=0.01)
 
 
 def held_under(arm: SimulatedArm, force: FloatArray, twist: float) -> bool:
