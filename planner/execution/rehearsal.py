@@ -82,8 +82,7 @@ class Rehearsal:
             clamped: Names that a fixture keeps where they were seen.
 
         Raises:
-            InvalidInput: The scene does not know up, nothing flat and level in it is fixed, or there are
-                clamps on another engine than PyBullet.
+            InvalidInput: The scene does not know up, or nothing flat and level in it is fixed.
             NoBase: The arm reaches nothing from anywhere.
         """
         table, to_world = _levelled(scene)

@@ -61,7 +61,7 @@ def run(
         base: (4, 4) pose_base_to_scene; the scene's `robot_base`, or else searched for.
         second_base: (4, 4) likewise of a second such arm, which holds what would not stand; None for one arm.
         clamped: Objects that a fixture, such as a vice, keeps where they stand until the hand has closed on
-            them; on PyBullet alone.
+            them.
         cameras: How many depth cameras look on, 1 to 3.
         mask_noise: By how many pixels the edges of their masks are wrong (standard deviation).
         shuffle_labels: Whether names of objects are not kept between looks.
