@@ -54,8 +54,7 @@ def rows(
     numbers = range(seed, seed + (1 if quick else seeds))
     scenes = ("tower",) if quick else SCENES
     pairs = {
-        scene: [{e: Episode(scene, one, engine=e) for e in ENGINES} for one in numbers]
-        for scene in scenes
+        scene: [{e: Episode(scene, one, engine=e) for e in ENGINES} for one in numbers] for scene in scenes
     }
     turns = in_turn([[episode for pair in some for episode in pair.values()] for some in pairs.values()])
     wanted = list(turns)
