@@ -5,6 +5,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from topple.robots.arm.kinematics import Chain, rotation_vectors
+from topple.robots.arm.tolerances import SPACE
 from topple.topology.arrays import BoolArray, FloatArray, IntArray
 
 
@@ -38,9 +39,6 @@ class InverseTolerances:
 
 
 TOLERANCES = InverseTolerances()
-
-SPACE = 6
-"""Joints from which on an arm reaches poses in a whole region of space and turns."""
 
 
 def solve(

@@ -62,6 +62,12 @@ DRAWN = 4096
 """States drawn where inverse kinematics finds none: arms of fewer than six joints."""
 
 
+# -- inverse
+
+SPACE = 6
+"""Joints from which on an arm reaches poses in a whole region of space and turns."""
+
+
 # -- kinematics
 
 ROUNDING = 1e-4
