@@ -15,11 +15,11 @@ if TYPE_CHECKING:
     from topple.robots.world.physical_world import PhysicalWorld
     from topple.topology.arrays import FloatArray
 
-__all__ = ["BULLET", "DEFAULT", "ENGINES", "MUJOCO", "arm_in", "fixture_in", "new_world", "playing_on"]
+__all__ = ["BULLET", "DEFAULT_ENGINE", "ENGINES", "MUJOCO", "arm_in", "fixture_in", "new_world", "playing_on"]
 
 BULLET, MUJOCO = ENGINES = ("bullet", "mujoco")
 
-DEFAULT = MUJOCO if find_spec("pybullet") is None and find_spec("mujoco") is not None else BULLET
+DEFAULT_ENGINE = MUJOCO if find_spec("pybullet") is None and find_spec("mujoco") is not None else BULLET
 """What plays where nothing is said: PyBullet; MuJoCo where it alone is installed."""
 
 _CHOSEN: ContextVar[str] = ContextVar("engine", default=BULLET)
@@ -105,6 +105,6 @@ def fixture_in(world: "PhysicalWorld", names: "Collection[str]") -> "Fixture | N
 
         if isinstance(world, MujocoWorld):
             return MujocoClamps(world, names)
-    from topple.robots.world.clamps import Clamps
+    from topple.robots.world.bullet_clamps import BulletClamps
 
-    return Clamps(world, names)
+    return BulletClamps(world, names)

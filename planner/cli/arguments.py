@@ -6,7 +6,7 @@ from collections.abc import Callable, Sequence
 from typing import Any
 
 from topple.planner.cli.main import ShowVersion
-from topple.robots.engines import DEFAULT, ENGINES
+from topple.robots.engines import DEFAULT_ENGINE, ENGINES
 
 
 def _above(least: float, number: Callable[[str], float], expected: str) -> Callable[[str], float]:
@@ -153,9 +153,9 @@ OPTIONS: dict[str, dict[str, Any]] = {
         "what was foreseen",
     },
     "--engine": {
-        "default": DEFAULT,
+        "default": DEFAULT_ENGINE,
         "choices": ENGINES,
-        "help": f"what plays the world: PyBullet, or MuJoCo (extra 'mujoco'; one arm) ({DEFAULT})",
+        "help": f"what plays the world: PyBullet, or MuJoCo (extra 'mujoco'; one arm) ({DEFAULT_ENGINE})",
     },
     "--video": {"metavar": "FILE", "help": "write a film of it, out.mp4 (extra 'video')"},
     "--rerun": {

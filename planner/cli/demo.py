@@ -12,6 +12,7 @@ from topple.planner.cli.options import orderer_of, rule_of
 from topple.planner.cli.progress import Progress
 from topple.planner.cli.robot_options import recordings_of
 from topple.planner.cli.tables import print_order, print_relations, print_run
+from topple.robots.engines import BULLET
 
 _FOLDER = "topple-demo"
 _FILES = ("relations.json", "order.json", "plan.json", "run.json", "report.html")
@@ -61,7 +62,7 @@ def _as_counted(args: argparse.Namespace) -> bool:
     plain = not (
         args.mask_noise or args.wrist_camera or args.ahead or args.rule or args.orderer or args.clamped
     )
-    same = args.robot is None and args.engine == "bullet"
+    same = args.robot is None and args.engine == BULLET
     return same and args.cameras == CAMERAS and plain
 
 

@@ -26,7 +26,7 @@ from topple.planner.report.rerun_file import RATE as RERUN_RATE
 from topple.planner.report.rerun_file import rerun_file
 from topple.planner.report.run_page import run_page
 from topple.robots.catalog import robot as robot_named
-from topple.robots.engines import DEFAULT, arm_in, fixture_in
+from topple.robots.engines import DEFAULT_ENGINE, arm_in, fixture_in
 from topple.robots.scenarios import SCENARIOS, Scenario, scenario_called
 from topple.robots.world.acting_arm import ActingArm
 from topple.robots.world.camera import Camera
@@ -50,7 +50,7 @@ def demo(
     wrist_camera: bool = False,
     ahead: bool = False,
     clamped: Collection[str] = (),
-    engine: str = DEFAULT,
+    engine: str = DEFAULT_ENGINE,
     folder: str | Path = "topple-demo",
     video: Path | None = None,
     rerun: Path | None = None,

@@ -377,7 +377,7 @@ class ClosedLoop:
             return []
         if outcome.stuck:
             return [outcome.text]
-        left = self._selector.left(chosen.transfer.object)
+        left = self._selector.tries_left(chosen.transfer.object)
         then = f"another grasp is tried, {left} attempts are left" if left > 0 else "it is given up"
         return [f"{outcome.text} {then[0].upper()}{then[1:]}."]
 

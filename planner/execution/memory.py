@@ -92,7 +92,7 @@ class Memory:
             most: Failed attempts at one object after which it is given up, or twice as many in all.
         """
         given_up = {
-            name: f"{n} attempts failed"
+            name: f"{n} attempts failed" if self.failures(name) >= most else f"tried {n} times, misplaced"
             for name, n in self.attempts.items()
             if self.failures(name) >= most or n >= 2 * most
         }

@@ -20,7 +20,7 @@ from topple.planner.report.rerun_file import rerun_file
 from topple.robots.arm.arm import Arm
 from topple.robots.catalog import robot as robot_named
 from topple.robots.catalog.own_arm import check_tool
-from topple.robots.engines import DEFAULT, arm_in, playing_on
+from topple.robots.engines import DEFAULT_ENGINE, arm_in, playing_on
 from topple.robots.world.film import filmed
 from topple.robots.world.recorded import recorded
 from topple.topology.arrays import FloatArray
@@ -42,7 +42,7 @@ def run(
     shuffle_labels: bool = False,
     wrist_camera: bool = False,
     ahead: bool = False,
-    engine: str = DEFAULT,
+    engine: str = DEFAULT_ENGINE,
     video: Path | None = None,
     rerun: Path | None = None,
     photos: bool = False,

@@ -144,7 +144,7 @@ class StepSelector:
         self._ahead = Ahead.of(chosen.order, name if there else None)
         return attempts
 
-    def left(self, name: str) -> int:
+    def tries_left(self, name: str) -> int:
         """How many more tries at an object may fail."""
         return self._attempts - self._memory.failures(name)
 

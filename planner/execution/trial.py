@@ -81,14 +81,14 @@ def trial(arm: Arm, tool: str) -> Trial | None:
     """
     jaw = arm.tool(tool).gripper
     side = min(TRIAL_BLOCK, TRIAL_SHARE * jaw.max_opening) if isinstance(jaw, ParallelJaw) else TRIAL_BLOCK
-    for place, ahead in _places(arm, tool, side):
-        if _reached(arm, tool, found := Trial(side, place), ahead):
+    for place, bearing in _places(arm, tool, side):
+        if _reached(arm, tool, found := Trial(side, place), bearing):
             return found
     return None
 
 
 def _places(arm: Arm, tool: str, side: float) -> Iterator[tuple[Place, float]]:
-    """Places before the shoulder, along x first, each with the bearing [rad] that it is ahead in.
+    """Places before the shoulder, along x first, each with the bearing [rad] that it lies in.
 
     Where the tool points straight down whatever the joints do, as a gantry's, they are as low as it gets with
     room to spare, and the middle of where it gets comes first.
@@ -102,12 +102,12 @@ def _places(arm: Arm, tool: str, side: float) -> Iterator[tuple[Place, float]]:
         yield from (((float(x), float(y), level), 0.0) for level in levels)
     else:
         levels = [max(0.0, level_of(arm, reach) + share * reach) for share in TRIAL_HEIGHTS]
-    for ahead, level, share in product(TRIAL_BEARINGS, dict.fromkeys(levels), TRIAL_SHARES):
-        x, y = shoulder[:2] + share * reach * np.array([np.cos(ahead), np.sin(ahead)])
-        yield (float(x), float(y), level), ahead
+    for bearing, level, share in product(TRIAL_BEARINGS, dict.fromkeys(levels), TRIAL_SHARES):
+        x, y = shoulder[:2] + share * reach * np.array([np.cos(bearing), np.sin(bearing)])
+        yield (float(x), float(y), level), bearing
 
 
-def _reached(arm: Arm, tool: str, tried: Trial, ahead: float) -> bool:
+def _reached(arm: Arm, tool: str, tried: Trial, bearing: float) -> bool:
     """Whether the hand gets to the block from above, over it, and to both sides of it, free of all else."""
     corners = np.array(list(product((-0.5, 0.5), (-0.5, 0.5), (-1.0, 0.0))))
     table = corners * [TRIAL_TABLE, TRIAL_TABLE, 0.02] + np.array(tried.place)
@@ -120,7 +120,7 @@ def _reached(arm: Arm, tool: str, tried: Trial, ahead: float) -> bool:
         poses[:, 0, 0], poses[:, 0, 1] = np.cos(angle), np.sin(angle)
         poses[:, 1, 0], poses[:, 1, 1] = np.sin(angle), -np.cos(angle)
         x, y, z = tried.place
-        aside = across * np.array([-np.sin(ahead), np.cos(ahead)])
+        aside = across * np.array([-np.sin(bearing), np.cos(bearing)])
         poses[:, :3, 3] = x + aside[0], y + aside[1], z + tried.side + above
         states = np.concatenate(arm.inverse(poses, tool, seeds=TRIAL_SEEDS))
         if not len(states) or not checker.free(states).any():

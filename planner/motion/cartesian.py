@@ -39,7 +39,7 @@ def straight_lines(
             break
         targets = np.array([lines[k][waypoint] for k in moving])
         seeds = np.array([paths[k][-1] for k in moving])[:, None, :]
-        found, owners = solve(arm.chain, targets, seeds, CONTINUED, tool=held[:3, 3])
+        found, owners = solve(arm.chain, targets, seeds, CONTINUED, tool_point=held[:3, 3])
         for q, owner in zip(found, owners, strict=True):
             if np.abs(q - seeds[owner, 0]).max() <= JUMP:
                 paths[moving[int(owner)]].append(q)

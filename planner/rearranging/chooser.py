@@ -62,7 +62,7 @@ class MoveChooser:
         known = [name for name in situation.movable if name in arrangement.situation.movable]
         self._fits = {name: arrangement.fit(name, situation) for name in known}
         self._moving = tuple(name for name in known if not self._is_there(name))
-        self._transfers = Transfers(situation, _wary(context, self._moving))
+        self._transfers = Transfers(situation, _avoiding_misplacement(context, self._moving))
         self._failed: dict[Move, TransferFailure] = {}
 
     def unmet(self) -> tuple[str, ...]:
@@ -91,7 +91,7 @@ class MoveChooser:
             problem = replace(needed.problem, before=needed.problem.before | self._learned)
             found = fewest_moves(problem, self._seconds)
             order = replace(taken, order=tuple(m.object for m in found.moves if m.to is To.GOAL))
-            for move in sorted(_ready(problem, found), key=lambda move: _risk(taken, move.object)):
+            for move in sorted(_ready(problem, found), key=lambda move: _risk_now(taken, move.object)):
                 if (step := self._step(move, needed, order)) is not None:
                     return step
             if len(self._failed) > MOST_LEARNED or not self._learned_more(problem):
@@ -238,7 +238,7 @@ class MoveChooser:
         raise NoSafePlan("; ".join(words), words, failures)
 
 
-def _wary(context: Context, moving: Sequence[str]) -> Context:
+def _avoiding_misplacement(context: Context, moving: Sequence[str]) -> Context:
     """The context in which grasps count as failed that put what is to be moved again beside its place.
 
     What is held by its rim swings under the pads, is put down askew and comes level beside its place.
@@ -247,7 +247,7 @@ def _wary(context: Context, moving: Sequence[str]) -> Context:
     return replace(context, avoid={**context.avoid, **avoid})
 
 
-def _risk(taken: Order, name: str) -> float:
+def _risk_now(taken: Order, name: str) -> float:
     """The chance, in steps that matter, that something else moves as an object is taken now."""
     still = [1.0 - chance for (_, then), chance in taken.chances.items() if then == name]
     return RISK_STEP * round((1.0 - float(np.prod(still))) / RISK_STEP)

@@ -293,7 +293,7 @@ class Arm:
         start = self.home if near is None else near
         starts = self._starts(len(targets), seeds, start, rng or np.random.default_rng(0))
         held = self.tool_to_flange(tool)
-        solutions, owner = solve(self.chain, targets @ np.linalg.inv(held), starts, tool=held[:3, 3])
+        solutions, owner = solve(self.chain, targets @ np.linalg.inv(held), starts, tool_point=held[:3, 3])
         result: list[FloatArray] = []
         for k in range(len(targets)):
             found = solutions[owner == k]
@@ -326,7 +326,7 @@ class Arm:
                 if len(left) == 0:
                     break
                 tries = starts[left, :, begin:end].reshape(len(left) * ways, end - begin, -1)
-                _, owner = solve(self.chain, some[left].reshape(-1, 4, 4), tries, tool=held[:3, 3])
+                _, owner = solve(self.chain, some[left].reshape(-1, 4, 4), tries, tool_point=held[:3, 3])
                 found[first + left[owner // ways]] = True
                 left = left[~found[first + left]]
         return found

@@ -5,7 +5,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from topple.robots.arm.kinematics import Chain, rotation_vectors
-from topple.robots.arm.tolerances import SPACE
+from topple.robots.arm.tolerances import FULL_DOF
 from topple.topology.arrays import BoolArray, FloatArray, IntArray
 
 
@@ -17,11 +17,11 @@ class InverseTolerances:
         position: Residual in [m]. Far below what an arm repeats (0.1 mm), so that rounding is all that is
             left.
         rotation: Residual in [rad], for the same reason.
-        few_position: Residual in [m] that an arm of fewer than six joints is left with where it comes no
-            nearer: as much as an arm repeats. Of all poses it reaches next to none, not even a hand that
-            points straight down where its file rounds angles to 1e-5 rad.
-        few_rotation: The same in [rad]: the underside of a block, completed from what is seen of it, leans
-            by two degrees, and comes level as it is let go.
+        deficient_position: Residual in [m] of a kinematically deficient arm, of less than six joints, once it
+            comes no nearer: as much as an arm repeats. Of all poses it reaches next to none, not even a hand
+            that points straight down where its file rounds angles to 1e-5 rad.
+        deficient_rotation: The same in [rad]: the underside of a block, completed from what is seen of it,
+            leans by two degrees, and comes level as it is let go.
         distinct: Two solutions closer than this in every joint, in [rad] or [m], are the same: a redundant
             arm has a continuum of them, and planners profit from spread ones only.
         iterations: Steps before a seed is given up: of the seeds that ever converge on a Panda, 99 % do
@@ -31,8 +31,8 @@ class InverseTolerances:
 
     position: float = 1e-6
     rotation: float = 1e-6
-    few_position: float = 1e-4
-    few_rotation: float = 0.05
+    deficient_position: float = 1e-4
+    deficient_rotation: float = 0.05
     distinct: float = 0.1
     iterations: int = 20
     step: float = 0.6
@@ -47,7 +47,7 @@ def solve(
     seeds: FloatArray,
     tolerances: InverseTolerances = TOLERANCES,
     *,
-    tool: FloatArray | None = None,
+    tool_point: FloatArray | None = None,
 ) -> tuple[FloatArray, IntArray]:
     """Joint values that bring the chain's last frame to the targets.
 
@@ -56,14 +56,14 @@ def solve(
         targets: (k, 4, 4) wanted poses of the last frame in the base.
         seeds: (k, s, n) starts, or (s, n) for the same starts at every target.
         tolerances: When a solution counts.
-        tool: (3,) the point of the last frame [m] that an arm of fewer than six joints brings to where it
-            shall be, whatever it cannot turn; the frame's origin where None.
+        tool_point: (3,) the point of the last frame [m] that a deficient arm brings to where it shall be,
+            whatever it cannot turn; the frame's origin where None.
 
     Returns:
         (r, n) all solutions found within the joint limits, and (r,) the index of the target each belongs to.
     """
     n = chain.size
-    point = tool if n < SPACE else None
+    point = tool_point if n < FULL_DOF else None
     q = np.array(np.broadcast_to(seeds, (len(targets), *seeds.shape[-2:]))).reshape(-1, n)
     owner = np.repeat(np.arange(len(targets)), len(q) // max(len(targets), 1))
     solved: list[FloatArray] = []
@@ -81,9 +81,9 @@ def solve(
         if not len(q):
             break
         q = _step(chain, q, frames, error, tolerances.step, point)
-    if n < SPACE and len(q):
+    if n < FULL_DOF and len(q):
         error = _pose_errors(chain.frames(q)[:, -1], targets[owner], point)
-        near = _within(error, tolerances.few_position, tolerances.few_rotation)
+        near = _within(error, tolerances.deficient_position, tolerances.deficient_rotation)
         solved.append(q[near])
         owners.append(owner[near])
     if not solved:

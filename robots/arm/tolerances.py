@@ -64,7 +64,7 @@ DRAWN = 4096
 
 # -- inverse
 
-SPACE = 6
+FULL_DOF = 6
 """Joints from which on an arm reaches poses in a whole region of space and turns."""
 
 

@@ -25,13 +25,11 @@ class MujocoArm(ActingArm):
         super().__init__(arm, pose_base_to_world)
         self._world = world
         world.put_arm(arm, self.pose_base_to_world, arm.joint_values(self.q_target, self.tool_state))
-        limits = {
-            str(joint.get("name")): float(limit.get("effort") or 0.0)
+        self._efforts = {
+            str(joint.get("name")): float(limit.get("effort") or 0.0) or np.inf
             for joint in urdf_root(arm.urdf).findall("joint")
             if (limit := joint.find("limit")) is not None
         }
-        self._efforts = np.array([limits.get(name) or np.inf for name in arm.joints])
-        self._limits = limits
         self._goal = self.q_target.copy(), np.zeros(len(arm.joints))
         self.wrist = Wrist(self._loads, arm, world.physics.gravity, world.time_step)
         world.drive = self._motors
@@ -92,7 +90,8 @@ class MujocoArm(ActingArm):
         torques = np.zeros(model.nv)
         mujoco.mj_mulM(model, data, torques, wanted)
         torques += data.qfrc_bias - data.qfrc_passive
-        data.qfrc_applied[dofs] = np.clip(torques[dofs], -self._efforts, self._efforts)
+        most = np.array([self._efforts.get(name, np.inf) for name in self.arm.joints])
+        data.qfrc_applied[dofs] = np.clip(torques[dofs], -most, most)
         if self.jaw is not None:
             share = 2.0 * self._grip_force / len(self.jaw.joints)  # all joints together press both pads
             for name, value in self.jaw.values(self._opening).items():
@@ -101,8 +100,9 @@ class MujocoArm(ActingArm):
         if self.cup is not None:
             push = self.control.seating if self.vacuum is None else np.inf
             for name, value in self.cup.values(self._extension).items():
-                most = self._limits.get(name) or MOST_PUSH
-                self._press(name, value, min(push, most), self.cup.speed, PUSHING)
+                most = self._efforts.get(name, np.inf)
+                force = min(push, most if np.isfinite(most) else MOST_PUSH)
+                self._press(name, value, force, self.cup.speed, PUSHING)
 
     def _press(self, joint: str, value: float, force: float, speed: float, rate: float) -> None:
         """Drive a joint of the hand to a value; held up, it presses with its whole force."""

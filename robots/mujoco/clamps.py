@@ -1,41 +1,24 @@
-"""A fixture in a world on MuJoCo: what keeps bodies where they are until it lets go of them."""
+"""A fixture in a world on MuJoCo."""
 
 from collections.abc import Collection
 
 import numpy as np
 
 from topple.robots.mujoco.world import MujocoWorld
-from topple.topology.errors import UnknownObject
+from topple.robots.world.clamps import Clamps
 
 
-class MujocoClamps:
-    """Clamps on some bodies of a world; a `topple.robots.driver.Fixture`.
-
-    Args:
-        world: The world.
-        names: The bodies, as they are now.
-
-    Raises:
-        UnknownObject: There is no such body that can move.
-    """
+class MujocoClamps(Clamps[None]):
+    """`Clamps` in a world on MuJoCo: welds to the world, which hold whatever pulls."""
 
     def __init__(self, world: MujocoWorld, names: Collection[str]) -> None:
-        self._world, self._names = world, set(names)
-        for name in sorted(names):
-            if name not in world.movable:
-                raise UnknownObject(name, world.movable)
-        for name in sorted(names):
-            pose = world.pose(name)
-            middle = pose @ np.append(world.body(name).centre_of_mass, 1.0)
-            world.weld(name, None, middle[:3])
+        self._world = world
+        super().__init__(world, names)
 
-    @property
-    def clamped(self) -> frozenset[str]:
-        """What they keep."""
-        return frozenset(self._names)
+    def _clamp(self, name: str) -> None:
+        middle = self._world.pose(name) @ np.append(self._world.body(name).centre_of_mass, 1.0)
+        self._world.weld(name, None, middle[:3])
 
-    def release(self, name: str) -> None:
-        """Let go of a body; of one that they do not keep, nothing happens."""
-        if name in self._names:
-            self._names.remove(name)
-            self._world.unweld(name, None)
+    def _let_go(self, name: str, grip: None) -> None:
+        del grip
+        self._world.unweld(name, None)

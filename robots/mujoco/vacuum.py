@@ -4,8 +4,7 @@ import numpy as np
 
 from topple.robots.arm.gripper import SuctionCup
 from topple.robots.mujoco.world import MujocoWorld
-from topple.robots.world.tolerances import REACH
-from topple.robots.world.vacuum import Vacuum, follows, lip_rays
+from topple.robots.world.vacuum import Vacuum, lip_rays, sealed_on
 from topple.topology.arrays import FloatArray
 
 
@@ -32,13 +31,9 @@ class MujocoVacuum(Vacuum):
             cup: Radius, force and lip depth.
         """
         start, end = lip_rays(pose_lip_to_world, cup)
-        met = [world.met(*ray, link) for ray in zip(start, end, strict=True)]
-        names = {name for name, _ in met}
-        name = names.pop()
-        if names or name is None or name not in world.movable:
-            return None
-        heights = np.array([2.0 * REACH * share - REACH for _, share in met])
-        return cls(world, name, link, pose_lip_to_world, cup) if follows(heights, cup) else None
+        hits = [world.ray_hit(*ray, link) for ray in zip(start, end, strict=True)]
+        name = sealed_on(world, hits, cup)
+        return None if name is None else cls(world, name, link, pose_lip_to_world, cup)
 
     @property
     def sealed(self) -> bool:
@@ -49,6 +44,7 @@ class MujocoVacuum(Vacuum):
         """Lets go."""
         self._mujoco.unweld(self.name, self._link)
 
-    def _load(self) -> tuple[FloatArray, FloatArray]:
+    def load(self) -> tuple[FloatArray, FloatArray]:
+        """What the object does to the lip; see `Vacuum.load`."""
         force, about_middle = self._mujoco.weld_wrench(self.name, self._link)
         return -force, -(about_middle + np.cross(self._from_lip(), force))

@@ -154,7 +154,7 @@ class MujocoWorld(PhysicalWorld):
             found.append((first, second, np.array(contact.pos), normal, pressed, float(contact.dist)))
         return found
 
-    def met(self, start: FloatArray, end: FloatArray, link: str) -> tuple[str | None, float]:
+    def ray_hit(self, start: FloatArray, end: FloatArray, link: str) -> tuple[str | None, float]:
         """What the way from one point (3,) to another meets first.
 
         Args:

@@ -7,8 +7,8 @@ import numpy as np
 from topple.robots.arm.gripper import SuctionCup
 from topple.robots.engine import pybullet
 from topple.robots.poses import inverse, pose_from, position_and_quaternion
-from topple.robots.world.tolerances import CONSTRAINT_ERP, REACH
-from topple.robots.world.vacuum import Vacuum, follows, lip_rays
+from topple.robots.world.tolerances import CONSTRAINT_ERP
+from topple.robots.world.vacuum import Vacuum, lip_rays, sealed_on
 from topple.robots.world.world import World
 from topple.topology.arrays import FloatArray
 
@@ -41,8 +41,10 @@ class BulletVacuum(Vacuum):
             pose_lip_to_world: (4, 4) where the lip is, z out of the hand.
             cup: Radius, force and lip depth.
         """
-        name = _under(world, pose_lip_to_world, cup)
-        if name is None or name not in world.movable:
+        start, end = lip_rays(pose_lip_to_world, cup)
+        rays: Any = pybullet.rayTestBatch(start.tolist(), end.tolist(), physicsClientId=world.client)
+        name = sealed_on(world, [(world.name_of(ray[0]), ray[2]) for ray in rays], cup)
+        if name is None:
             return None
         state: Any = pybullet.getLinkState(
             robot, link, computeForwardKinematics=1, physicsClientId=world.client
@@ -67,17 +69,8 @@ class BulletVacuum(Vacuum):
             pybullet.removeConstraint(self._constraint, physicsClientId=self._bullet.client)
             self._constraint = None
 
-    def _load(self) -> tuple[FloatArray, FloatArray]:
+    def load(self) -> tuple[FloatArray, FloatArray]:
+        """What the object does to the lip; see `Vacuum.load`."""
         state = np.array(pybullet.getConstraintState(self._constraint, physicsClientId=self._bullet.client))
         force, about_middle = state[:3], state[3:6]  # the constraint holds the object's centre of mass
         return force, about_middle + np.cross(self._from_lip(), force)
-
-
-def _under(world: World, pose_lip_to_world: FloatArray, cup: SuctionCup) -> str | None:
-    """The body that the rays all meet in a plane that the lip can follow."""
-    start, end = lip_rays(pose_lip_to_world, cup)
-    hits: Any = pybullet.rayTestBatch(start.tolist(), end.tolist(), physicsClientId=world.client)
-    if len({hit[0] for hit in hits}) > 1:
-        return None
-    heights = np.array([hit[2] * 2 * REACH - REACH for hit in hits])
-    return world.name_of(hits[0][0]) if follows(heights, cup) else None

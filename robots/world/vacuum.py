@@ -1,6 +1,7 @@
 """A suction cup that holds as a real one does: where its lip seals, and no more than its vacuum pulls."""
 
 from abc import ABC, abstractmethod
+from collections.abc import Sequence
 
 import numpy as np
 
@@ -45,7 +46,7 @@ class Vacuum(ABC):
         """Lets go."""
 
     @abstractmethod
-    def _load(self) -> tuple[FloatArray, FloatArray]:
+    def load(self) -> tuple[FloatArray, FloatArray]:
         """What the object does to the lip in the last step.
 
         Returns:
@@ -61,7 +62,7 @@ class Vacuum(ABC):
         """Reads the forces of the last step and lets go where they were too much for too long."""
         if not self.sealed:
             return
-        force, moment = self._load()
+        force, moment = self.load()
         out = self.world.pose(self.name)[:3, :3] @ self._axis
         pull = float(force @ out)
         twist = float(moment @ out)
@@ -76,35 +77,44 @@ class Vacuum(ABC):
             self.off()
 
 
-def lip_ring(cup: SuctionCup) -> FloatArray:
-    """(k, 2) places just outside a lip, around its centre [m]."""
-    angle = np.linspace(0.0, 2 * np.pi, RAYS, endpoint=False)
-    return np.asarray((cup.radius + CLEAR) * np.column_stack([np.cos(angle), np.sin(angle)]))
-
-
 def lip_rays(pose_lip_to_world: FloatArray, cup: SuctionCup) -> tuple[FloatArray, FloatArray]:
-    """Where the rays around a lip begin, `REACH` behind it, and end, as far before it.
+    """Rays just outside a lip, along its axis, from `REACH` behind it to as far before it.
 
     Args:
         pose_lip_to_world: (4, 4) where the lip is, z out of the hand.
         cup: Its radius.
 
     Returns:
-        (k, 3) each, in the world [m].
+        Where they begin and where they end, (k, 3) each, in the world [m].
     """
-    ring = lip_ring(cup)
+    ring = _ring(cup)
     behind, before = (np.column_stack([ring, np.full(RAYS, z)]) for z in (-REACH, REACH))
     return transformed(behind, pose_lip_to_world), transformed(before, pose_lip_to_world)
 
 
-def follows(heights: FloatArray, cup: SuctionCup) -> bool:
-    """Whether a lip can follow what its rays met.
+def sealed_on(world: PhysicalWorld, hits: Sequence[tuple[str | None, float]], cup: SuctionCup) -> str | None:
+    """The body that a lip seals on: all rays meet it, in a plane that the lip can follow.
 
-    What stands out of their plane within the lip holds the cup off, and the plane is then too far away.
+    What stands out of that plane within the lip holds the cup off, and the plane is then too far away.
 
     Args:
-        heights: (k,) of what each ray met before the lip [m].
+        world: The world.
+        hits: For each of `lip_rays` the body that it meets first, and the share of its way until there.
         cup: Its radius and what it bridges.
+
+    Returns:
+        A body that can move; None where there is none.
     """
-    plane, uneven = lip_plane(lip_ring(cup), heights)
-    return bool(max(uneven, abs(plane[2])) <= cup.lip_depth and np.hypot(plane[0], plane[1]) <= np.tan(TILT))
+    (name, _), *others = hits
+    if name is None or name not in world.movable or any(other != name for other, _ in others):
+        return None
+    heights = np.array([share * 2 * REACH - REACH for _, share in hits])
+    plane, uneven = lip_plane(_ring(cup), heights)
+    flat = max(uneven, abs(plane[2])) <= cup.lip_depth and np.hypot(plane[0], plane[1]) <= np.tan(TILT)
+    return name if flat else None
+
+
+def _ring(cup: SuctionCup) -> FloatArray:
+    """(k, 2) places just outside a lip, around its centre [m]."""
+    angle = np.linspace(0.0, 2 * np.pi, RAYS, endpoint=False)
+    return np.asarray((cup.radius + CLEAR) * np.column_stack([np.cos(angle), np.sin(angle)]))

@@ -4,43 +4,22 @@ from collections.abc import Iterator
 
 import numpy as np
 import pytest
-from moving import FLIP, Way, at
+from cup_down import FLAT, LOADS, RAMP, loaded, lowered
+from moving import at
 
 pytest.importorskip("mujoco", reason="MuJoCo is not installed: pip install '.[mujoco]'")
 
-from topple.robots.catalog import robot
-from topple.robots.mujoco.acting import MujocoArm
 from topple.robots.mujoco.clamps import MujocoClamps
 from topple.robots.mujoco.world import MujocoWorld
 from topple.robots.scenarios import scenario_called
 from topple.robots.shapes import block, plate
+from topple.robots.world.acting_arm import ActingArm
 from topple.robots.world.bodies import Body
 from topple.topology import UnknownObject
-from topple.topology.arrays import FloatArray
-
-FLAT = 0.0065  # [m] height of a plate's inside, see `shapes.plate`
-RAMP = 30  # steps until a load is whole: a load put on at once would be a knock
-
-
-def lowered(world: MujocoWorld, body: Body, top: float) -> tuple[MujocoArm, Way]:
-    """An arm that has put its cup onto the middle of a body on a table, and the way back up, 5 cm."""
-    world.add_table(size=(1.6, 1.4))
-    world.add(body, at(0.5, 0.0, 0.0))
-    world.settle()
-    arm = MujocoArm(world, robot("panda-suction"), np.eye(4))
-    heights, states = np.linspace(top + 0.05, top, 12), list[FloatArray]()
-    for height in heights:
-        lip = at(0.5, 0.0, height) @ FLIP
-        states.append(arm.arm.inverse(lip, "suction", near=states[-1] if states else None)[0][0])
-    arm.follow(Way.between(arm.q_target, states[0], 3.0))
-    assert arm.cup is not None
-    arm.extend(arm.cup.stroke)
-    arm.follow(Way(np.array(states), 1.0))
-    return arm, Way(np.array(states[::-1]), 1.0)
 
 
 @pytest.fixture
-def lifted() -> Iterator[MujocoArm]:
+def lifted() -> Iterator[ActingArm]:
     """An arm whose cup holds a plate 5 cm above a table."""
     with MujocoWorld() as world:
         arm, up = lowered(world, plate("plate"), FLAT)
@@ -52,9 +31,9 @@ def lifted() -> Iterator[MujocoArm]:
         yield arm
 
 
-def test_a_held_plate_weighs_what_it_weighs_and_falls_when_let_go(lifted: MujocoArm) -> None:
+def test_a_held_plate_weighs_what_it_weighs_and_falls_when_let_go(lifted: ActingArm) -> None:
     assert lifted.vacuum is not None
-    force, moment = lifted.vacuum._load()  # pyright: ignore[reportPrivateUsage]
+    force, moment = lifted.vacuum.load()
     weight = lifted.world.body("plate").mass * 9.81
     assert force == pytest.approx([0.0, 0.0, -weight], abs=0.02 * weight)
     assert np.abs(moment).max() < 0.01
@@ -64,32 +43,19 @@ def test_a_held_plate_weighs_what_it_weighs_and_falls_when_let_go(lifted: Mujoco
     assert lifted.world.pose("plate")[2, 3] < 0.001
 
 
-@pytest.mark.parametrize(
-    ("pull", "shear", "twist", "held"),
-    [
-        (0.7, 0.0, 0.0, True),
-        (1.2, 0.0, 0.0, False),
-        (0.0, 0.7, 0.0, True),
-        (0.0, 1.2, 0.0, False),
-        (0.8, 0.8, 0.0, False),  # each alone would be held
-        (0.0, 0.0, 0.7, True),
-        (0.0, 0.0, 1.3, False),
-    ],
-)
+@pytest.mark.parametrize(("pull", "shear", "twist", "held"), LOADS)
 def test_a_cup_holds_up_to_its_force_and_its_moment(
-    lifted: MujocoArm, pull: float, shear: float, twist: float, held: bool
+    lifted: ActingArm, pull: float, shear: float, twist: float, held: bool
 ) -> None:
     """Loads in shares of the cup's force, across it and about it of what friction bears of that."""
-    world, cup = lifted.world, lifted.cup
-    assert cup is not None
-    rubbed = cup.max_force * cup.friction
-    force = np.array([shear * rubbed, 0.0, -pull * cup.max_force])
+    world, (force, moment) = lifted.world, loaded(lifted, pull, shear, twist)
+    assert isinstance(world, MujocoWorld)
     lip = lifted.tool_pose("suction")[:3, 3]
     for step in range(2 * RAMP):
         share = min(1.0, (step + 1) / RAMP)
         body = world.state[1].body("plate")
         turning = np.cross(lip - body.xipos, force)
-        turning[2] += twist * rubbed * cup.radius
+        turning[2] += moment
         body.xfrc_applied[:] = share * np.concatenate([force, turning])
         lifted.step()
     assert lifted.holding is held
