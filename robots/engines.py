@@ -15,14 +15,22 @@ if TYPE_CHECKING:
     from topple.robots.world.physical_world import PhysicalWorld
     from topple.topology.arrays import FloatArray
 
-__all__ = ["BULLET", "DEFAULT_ENGINE", "ENGINES", "MUJOCO", "arm_in", "fixture_in", "new_world", "playing_on"]
+__all__ = [
+    "BULLET", "DEFAULT_ENGINE", "ENGINES", "INSTALLED", "MUJOCO",
+    "arm_in", "fixture_in", "new_world", "playing_on",
+]  # fmt: skip
 
 BULLET, MUJOCO = ENGINES = ("bullet", "mujoco")
 
-DEFAULT_ENGINE = MUJOCO if find_spec("pybullet") is None and find_spec("mujoco") is not None else BULLET
+_MODULES = {BULLET: "pybullet", MUJOCO: "mujoco"}
+
+INSTALLED = tuple(engine for engine in ENGINES if find_spec(_MODULES[engine]) is not None)
+"""Those that can play here."""
+
+DEFAULT_ENGINE = INSTALLED[0] if INSTALLED else BULLET
 """What plays where nothing is said: PyBullet; MuJoCo where it alone is installed."""
 
-_CHOSEN: ContextVar[str] = ContextVar("engine", default=BULLET)
+_CHOSEN: ContextVar[str] = ContextVar("engine", default=DEFAULT_ENGINE)
 
 
 @contextmanager
@@ -44,13 +52,16 @@ def playing_on(engine: str) -> Generator[None]:
         _CHOSEN.reset(token)
 
 
-def new_world() -> "PhysicalWorld":
-    """An empty world on the engine of `playing_on`; on PyBullet without one.
+def new_world(engine: str | None = None) -> "PhysicalWorld":
+    """An empty world.
+
+    Args:
+        engine: One of `ENGINES`; if not given that of `playing_on`, and `DEFAULT_ENGINE` without one.
 
     Raises:
         NotInstalled: The engine is not installed.
     """
-    if _CHOSEN.get() == MUJOCO:
+    if (engine or _CHOSEN.get()) == MUJOCO:
         from topple.robots.mujoco.world import MujocoWorld
 
         return MujocoWorld()
@@ -60,15 +71,20 @@ def new_world() -> "PhysicalWorld":
 
 
 def arm_in(
-    world: "PhysicalWorld", arm: "Arm", pose_base_to_world: "FloatArray", beside: "ActingArm | None" = None
+    world: "PhysicalWorld",
+    arm: "Arm",
+    pose_base_to_world: "FloatArray",
+    beside: "ActingArm | None" = None,
+    q: "FloatArray | None" = None,
 ) -> "ActingArm":
-    """Put an arm into a world, at home, and return what drives it.
+    """Put an arm into a world and return what drives it.
 
     Args:
         world: A world of `new_world`.
         arm: The arm.
         pose_base_to_world: (4, 4) where it stands.
         beside: Another arm that is in the world already.
+        q: (n,) joint values it has there; the arm's home, if not given.
 
     Raises:
         InvalidInput: The world's engine does not simulate two arms.
@@ -80,14 +96,14 @@ def arm_in(
         from topple.robots.mujoco.world import MujocoWorld
 
         if isinstance(world, MujocoWorld):
-            return MujocoArm(world, arm, pose_base_to_world)
+            return MujocoArm(world, arm, pose_base_to_world, q)
     from topple.robots.world.simulated_arm import SimulatedArm
     from topple.robots.world.world import World
 
     if not isinstance(world, World):
         raise InvalidInput(f"no arm is known for worlds of {world.engine!r}: expected one of {ENGINES}")
     other = beside if isinstance(beside, SimulatedArm) else None
-    return SimulatedArm(world, arm, pose_base_to_world, beside=other)
+    return SimulatedArm(world, arm, pose_base_to_world, q, beside=other)
 
 
 def fixture_in(world: "PhysicalWorld", names: "Collection[str]") -> "Fixture | None":

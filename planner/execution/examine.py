@@ -2,7 +2,6 @@
 
 from collections.abc import Callable
 from dataclasses import dataclass
-from importlib.util import find_spec
 from typing import Any
 
 import numpy as np
@@ -13,6 +12,7 @@ from topple.planner.motion.collision import Checker
 from topple.robots.arm.arm import Arm
 from topple.robots.arm.gripper import ParallelJaw
 from topple.robots.arm.home import reach_of
+from topple.robots.engines import INSTALLED
 from topple.topology.errors import ToppleError
 
 
@@ -135,8 +135,8 @@ def examine(
         untried = "there is nothing to take hold with"
     elif not grasp:
         untried = "it was not asked for"
-    elif find_spec("pybullet") is None:
-        untried = "simulation needs PyBullet: pip install 'topple-planner[sim]'"
+    elif not INSTALLED:
+        untried = "simulation needs an engine: pip install 'topple-planner[mujoco]'"
     else:
         grasped = _grasped(arm, tool, seed, say)
     asked = len(reached) if tool is not None else 0
@@ -145,7 +145,7 @@ def examine(
 
 
 def _grasped(arm: Arm, tool: str, seed: int, say: Callable[[str], None]) -> Grasped:
-    """Take the object of a trial with PyBullet's contacts and friction alone."""
+    """Take the object of a trial by an engine's contacts and friction alone."""
     from topple.planner.execution.run import run
 
     tried = trial(arm, tool)

@@ -1,8 +1,7 @@
-"""Where a thing comes to rest once it is let go: dropped in PyBullet among bodies that hold still."""
+"""Where a thing comes to rest once it is let go: dropped in simulation among bodies that hold still."""
 
 from collections.abc import Collection, Sequence
 from dataclasses import replace
-from importlib.util import find_spec
 
 import numpy as np
 
@@ -10,6 +9,7 @@ from topple.planner.placement.placement import Placement
 from topple.planner.placement.tolerances import CLEAR, OTHER_FACE, QUIET, SECONDS
 from topple.planner.tolerances import DISTURBED, TURNED
 from topple.robots.collision.fcl_bodies import apart
+from topple.robots.engines import DEFAULT_ENGINE, INSTALLED, new_world
 from topple.robots.poses import angle_between
 from topple.topology.arrays import FloatArray
 from topple.topology.bodies.solids import Solids, moved
@@ -20,6 +20,8 @@ from topple.topology.sixim.table import Relation
 
 class Drops:
     """A simulated world in which one object is let go time and again, to be used with `with`.
+
+    It is one of `DEFAULT_ENGINE` whatever plays what is rehearsed: a plan is the same for both.
 
     Args:
         name: The object.
@@ -39,7 +41,6 @@ class Drops:
     ) -> None:
         from topple.robots.world.bodies import Body
         from topple.robots.world.tolerances import FRICTION
-        from topple.robots.world.world import World
 
         def body(which: str) -> Body:
             mass, friction = (None, FRICTION) if scene is None else (
@@ -48,7 +49,7 @@ class Drops:
             return Body.of(which, bodies[which], mass=mass, friction=friction)
 
         self.name, self._level = name, levelling(up)
-        self._world = World()
+        self._world = new_world(DEFAULT_ENGINE)
         for other in bodies:
             if other != name:
                 self._world.add(body(other), self._level, fixed=other not in loose)
@@ -124,8 +125,8 @@ class Drops:
 
 
 def simulated() -> bool:
-    """Whether drops can be simulated: without PyBullet placements are chosen by geometry alone."""
-    return find_spec("pybullet") is not None
+    """Whether drops can be simulated: without an engine placements are chosen by geometry alone."""
+    return bool(INSTALLED)
 
 
 def staying(

@@ -92,7 +92,7 @@ class Proof:
         return self._known[place]
 
     def holds(self, place: Placement) -> bool:
-        """Whether the object stays where a place has it, with some to spare; unasked without PyBullet."""
+        """Whether the object stays where a place has it, with some to spare; unasked without an engine."""
         return not place.falls and (not simulated() or self.settled(place).within(PROOF_SPARE))
 
 

@@ -1,4 +1,4 @@
-"""Where a thing comes to lie that an arm pushes along a table: the push, played in PyBullet beforehand."""
+"""Where a thing comes to lie that an arm pushes along a table: the push, played in simulation beforehand."""
 
 from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass
@@ -10,6 +10,7 @@ from topple.planner.placement.tolerances import SECONDS
 from topple.planner.tolerances import DISTURBED, TURNED
 from topple.robots.arm.arm import Arm
 from topple.robots.driver import Motion
+from topple.robots.engines import DEFAULT_ENGINE, arm_in, new_world
 from topple.robots.poses import angle_between, inverse
 from topple.topology.arrays import FloatArray
 from topple.topology.bodies.solids import Solids
@@ -68,19 +69,17 @@ def pushed(
         How it ends once everything is at rest again.
     """
     from topple.robots.world.bodies import Body
-    from topple.robots.world.simulated_arm import SimulatedArm
     from topple.robots.world.tolerances import FRICTION, TABLE_FRICTION
-    from topple.robots.world.world import World
 
     level, known, rough = levelling(up), masses or {}, friction or {}
-    with World() as world:
+    with new_world(DEFAULT_ENGINE) as world:
         for other, parts in bodies.items():
             usual = TABLE_FRICTION if other in fixed else FRICTION
             body = Body.of(other, parts, mass=known.get(other), friction=rough.get(other, usual))
             world.add(body, level, fixed=other in fixed)
         world.settle(SECONDS)
         before = world.poses()
-        robot = SimulatedArm(world, arm, level @ pose_base_to_world, motions[0].positions[0])
+        robot = arm_in(world, arm, level @ pose_base_to_world, q=motions[0].positions[0])
         robot.open(opening)
         for motion in motions:
             robot.follow(motion)

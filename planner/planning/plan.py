@@ -33,6 +33,7 @@ from topple.planner.transfer.transfer import after
 from topple.robots.arm.arm import Arm
 from topple.robots.catalog import robot as robot_named
 from topple.robots.catalog.own_arm import check_tool
+from topple.robots.engines import BULLET, INSTALLED
 from topple.topology.arrays import FloatArray
 from topple.topology.checks import as_pose
 from topple.topology.errors import InvalidInput
@@ -44,7 +45,8 @@ from topple.topology.statics.gravity import check_up
 from topple.topology.workers import all_of
 
 Progress = Callable[[str], None]
-UNPROVEN = "placements were not let go in simulation: PyBullet is not installed"
+UNPROVEN = "placements were not let go in simulation: no engine is installed"
+UNCHECKED = "the plan was not checked by other means: PyBullet is not installed"
 
 
 def plan(
@@ -132,11 +134,12 @@ def plan(
     planning.grasps = {} if grasps is None else own_grasps(grasps, scene, arm)
     planning.orderer = orderer
     planning.run(task, asked)
-    said = () if simulated() else (UNPROVEN,)
+    checked = BULLET in INSTALLED
+    said = (*(() if simulated() else (UNPROVEN,)), *(() if checked else (UNCHECKED,)))
     found = planning.plan(
         start, given is None, (*scene.assumptions, *arm.assumptions, *wanted.assumptions, *said)
     )
-    if check and simulated():
+    if check and checked:
         if progress is not None:
             progress(f"checking the plan by other means (steps: {len(found.steps)})")
         _hold(found, scene, arm, orderer is ordered and relations is None)

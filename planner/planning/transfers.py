@@ -125,7 +125,7 @@ class Transfers:
     def _of_use(self, transfer: Transfer) -> bool:
         """Whether a hand takes the thing where a push has it, and it comes to lie there, played beforehand.
 
-        Without PyBullet that is not asked.
+        Without an engine that is not asked.
         """
         situation, station, name = self.situation, self.context.station, transfer.object
         there = replace(self.context, station=replace(station, q=transfer.q_end))

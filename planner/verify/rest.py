@@ -1,4 +1,4 @@
-"""Whether things stay where a plan puts them: each is let go in PyBullet, among the others held in place."""
+"""Whether things stay where a plan puts them: each is let go in simulation, the others held in place."""
 
 from dataclasses import dataclass, field
 

@@ -21,8 +21,10 @@ from topple.topology.arrays import FloatArray
 class MujocoArm(ActingArm):
     """An `ActingArm` at home in a world on MuJoCo; gains are those of `topple.robots.mujoco.tolerances`."""
 
-    def __init__(self, world: MujocoWorld, arm: Arm, pose_base_to_world: FloatArray) -> None:
-        super().__init__(arm, pose_base_to_world)
+    def __init__(
+        self, world: MujocoWorld, arm: Arm, pose_base_to_world: FloatArray, q: FloatArray | None = None
+    ) -> None:
+        super().__init__(arm, pose_base_to_world, q)
         self._world = world
         world.put_arm(arm, self.pose_base_to_world, arm.joint_values(self.q_target, self.tool_state))
         self._efforts = {
