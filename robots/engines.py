@@ -17,7 +17,7 @@ if TYPE_CHECKING:
 
 __all__ = [
     "BULLET", "DEFAULT_ENGINE", "ENGINES", "INSTALLED", "MUJOCO",
-    "arm_in", "fixture_in", "new_world", "playing_on",
+    "arm_in", "fixture_in", "new_world", "playing_on", "rehearsal_world",
 ]  # fmt: skip
 
 BULLET, MUJOCO = ENGINES = ("bullet", "mujoco")
@@ -25,7 +25,7 @@ BULLET, MUJOCO = ENGINES = ("bullet", "mujoco")
 _MODULES = {BULLET: "pybullet", MUJOCO: "mujoco"}
 
 INSTALLED = tuple(engine for engine in ENGINES if find_spec(_MODULES[engine]) is not None)
-"""Those that can play here."""
+"""Those that can play here; none of them is needed to relate, to order or to rank."""
 
 DEFAULT_ENGINE = INSTALLED[0] if INSTALLED else BULLET
 """What plays where nothing is said: PyBullet; MuJoCo where it alone is installed."""
@@ -52,16 +52,28 @@ def playing_on(engine: str) -> Generator[None]:
         _CHOSEN.reset(token)
 
 
-def new_world(engine: str | None = None) -> "PhysicalWorld":
-    """An empty world.
-
-    Args:
-        engine: One of `ENGINES`; if not given that of `playing_on`, and `DEFAULT_ENGINE` without one.
+def new_world() -> "PhysicalWorld":
+    """An empty world on the engine of `playing_on`; on `DEFAULT_ENGINE` without one.
 
     Raises:
         NotInstalled: The engine is not installed.
     """
-    if (engine or _CHOSEN.get()) == MUJOCO:
+    return _world_of(_CHOSEN.get())
+
+
+def rehearsal_world() -> "PhysicalWorld":
+    """An empty world in which a plan tries something beforehand.
+
+    It is one of `DEFAULT_ENGINE`, whatever plays the world that is planned for: both play the same plan.
+
+    Raises:
+        NotInstalled: The engine is not installed.
+    """
+    return _world_of(DEFAULT_ENGINE)
+
+
+def _world_of(engine: str) -> "PhysicalWorld":
+    if engine == MUJOCO:
         from topple.robots.mujoco.world import MujocoWorld
 
         return MujocoWorld()

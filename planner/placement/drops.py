@@ -9,7 +9,7 @@ from topple.planner.placement.placement import Placement
 from topple.planner.placement.tolerances import CLEAR, OTHER_FACE, QUIET, SECONDS
 from topple.planner.tolerances import DISTURBED, TURNED
 from topple.robots.collision.fcl_bodies import apart
-from topple.robots.engines import DEFAULT_ENGINE, INSTALLED, new_world
+from topple.robots.engines import INSTALLED, rehearsal_world
 from topple.robots.poses import angle_between
 from topple.topology.arrays import FloatArray
 from topple.topology.bodies.solids import Solids, moved
@@ -20,8 +20,6 @@ from topple.topology.sixim.table import Relation
 
 class Drops:
     """A simulated world in which one object is let go time and again, to be used with `with`.
-
-    It is one of `DEFAULT_ENGINE` whatever plays what is rehearsed: a plan is the same for both.
 
     Args:
         name: The object.
@@ -49,7 +47,7 @@ class Drops:
             return Body.of(which, bodies[which], mass=mass, friction=friction)
 
         self.name, self._level = name, levelling(up)
-        self._world = new_world(DEFAULT_ENGINE)
+        self._world = rehearsal_world()
         for other in bodies:
             if other != name:
                 self._world.add(body(other), self._level, fixed=other not in loose)
@@ -124,11 +122,6 @@ class Drops:
         return replace(place, pose_before_to_after=pose, rest="as it comes to lie by itself")
 
 
-def simulated() -> bool:
-    """Whether drops can be simulated: without an engine placements are chosen by geometry alone."""
-    return bool(INSTALLED)
-
-
 def staying(
     places: Sequence[Placement],
     name: str,
@@ -160,7 +153,7 @@ def staying(
         return pair.relation in (Relation.WITHIN, Relation.PARTIAL_WITHIN)
 
     found = [place for place in places if inside(place.pose_at_rest(up))]
-    if not simulated():
+    if not INSTALLED:  # by geometry alone
         return found, found
     gentle: list[tuple[tuple[float, ...], Placement]] = []
     kept: list[tuple[tuple[float, ...], Placement]] = []
@@ -202,7 +195,7 @@ def standing(places: Sequence[Placement], name: str, situation: Situation) -> li
     Returns:
         The placements in their order, with `rolls` where it does not stay, and those that it falls from.
     """
-    if not places or not simulated():
+    if not places or not INSTALLED:
         return list(places)
     up, scene, whole = situation.up, situation.scene, situation.completed
     ground = {other: whole[other] for other in scene.fixed}

@@ -10,9 +10,10 @@ from dataclasses import dataclass
 import numpy as np
 
 from topple.planner.decide.goal import PlaceRelation
-from topple.planner.placement.drops import Drops, simulated
+from topple.planner.placement.drops import Drops
 from topple.planner.placement.placement import Placement
 from topple.planner.placement.tolerances import PROOF_SPARE, SHIFT, TURN
+from topple.robots.engines import INSTALLED
 from topple.robots.poses import angle_between
 from topple.topology.arrays import FloatArray
 from topple.topology.geometry.axes import level_axes
@@ -93,7 +94,7 @@ class Proof:
 
     def holds(self, place: Placement) -> bool:
         """Whether the object stays where a place has it, with some to spare; unasked without an engine."""
-        return not place.falls and (not simulated() or self.settled(place).within(PROOF_SPARE))
+        return not place.falls and (not INSTALLED or self.settled(place).within(PROOF_SPARE))
 
 
 def settled(

@@ -10,7 +10,7 @@ from topple.planner.placement.tolerances import SECONDS
 from topple.planner.tolerances import DISTURBED, TURNED
 from topple.robots.arm.arm import Arm
 from topple.robots.driver import Motion
-from topple.robots.engines import DEFAULT_ENGINE, arm_in, new_world
+from topple.robots.engines import arm_in, rehearsal_world
 from topple.robots.poses import angle_between, inverse
 from topple.topology.arrays import FloatArray
 from topple.topology.bodies.solids import Solids
@@ -72,7 +72,7 @@ def pushed(
     from topple.robots.world.tolerances import FRICTION, TABLE_FRICTION
 
     level, known, rough = levelling(up), masses or {}, friction or {}
-    with new_world(DEFAULT_ENGINE) as world:
+    with rehearsal_world() as world:
         for other, parts in bodies.items():
             usual = TABLE_FRICTION if other in fixed else FRICTION
             body = Body.of(other, parts, mass=known.get(other), friction=rough.get(other, usual))

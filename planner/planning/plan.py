@@ -23,7 +23,6 @@ from topple.planner.formats.verification import BROKEN
 from topple.planner.grasp.given import GraspsByObject, OwnGrasps, own_grasps
 from topple.planner.grasp.grasp import Grasp
 from topple.planner.placement.base import choose_base
-from topple.planner.placement.drops import simulated
 from topple.planner.planning.goal_task import GoalTask
 from topple.planner.planning.order import check_clamped, ordered
 from topple.planner.planning.start import check_start, check_upright
@@ -134,12 +133,13 @@ def plan(
     planning.grasps = {} if grasps is None else own_grasps(grasps, scene, arm)
     planning.orderer = orderer
     planning.run(task, asked)
-    checked = BULLET in INSTALLED
-    said = (*(() if simulated() else (UNPROVEN,)), *(() if checked else (UNCHECKED,)))
+    missing = [] if INSTALLED else [UNPROVEN]
+    if BULLET not in INSTALLED:
+        missing.append(UNCHECKED)
     found = planning.plan(
-        start, given is None, (*scene.assumptions, *arm.assumptions, *wanted.assumptions, *said)
+        start, given is None, (*scene.assumptions, *arm.assumptions, *wanted.assumptions, *missing)
     )
-    if check and checked:
+    if check and BULLET in INSTALLED:
         if progress is not None:
             progress(f"checking the plan by other means (steps: {len(found.steps)})")
         _hold(found, scene, arm, orderer is ordered and relations is None)

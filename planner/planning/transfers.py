@@ -10,7 +10,7 @@ from topple.planner.grasp.candidates import grasp_candidates
 from topple.planner.grasp.given import doable
 from topple.planner.grasp.grasp import Grasp
 from topple.planner.grasp.hand import hand_shape
-from topple.planner.placement.drops import simulated, standing
+from topple.planner.placement.drops import standing
 from topple.planner.placement.placement import Placement, placements
 from topple.planner.placement.proof import Proof
 from topple.planner.placement.pushed import pushed
@@ -33,6 +33,7 @@ from topple.planner.transfer.transfer import (
 from topple.robots.arm.gripper import ToolName
 from topple.robots.arm.home import workplace_of
 from topple.robots.collision.fcl_bodies import apart
+from topple.robots.engines import INSTALLED
 from topple.topology.arrays import FloatArray
 from topple.topology.situation import Situation
 from topple.topology.sixim.table import Relation
@@ -131,7 +132,7 @@ class Transfers:
         there = replace(self.context, station=replace(station, q=transfer.q_end))
         if not Transfers(after(situation, transfer), there).hands(name):
             return False
-        if not simulated():
+        if not INSTALLED:
             return True
         scene = situation.scene
         motions = [segment.trajectory for segment in transfer.segments[1:] if segment.trajectory is not None]
