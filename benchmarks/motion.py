@@ -79,6 +79,7 @@ PARTS: dict[str, Callable[[bool, int, Progress], list[dict[str, Any]]]] = {
     "motions": _motions,
     "grasps": grasps.rows,
     "plans": plans.rows,
+    "rearranged": plans.rearranged,
 }
 """What is measured, each with a table of its own."""
 

@@ -13,9 +13,12 @@ import numpy as np
 from scipy.spatial.transform import Rotation
 
 from topple.benchmarks.row import Progress, Row
+from topple.benchmarks.scores import share_interval
 from topple.planner.errors import NoSafePlan
+from topple.planner.execution.demo import task_in
 from topple.planner.execution.look import Observer
 from topple.planner.planning.plan import plan
+from topple.planner.planning.step import Task
 from topple.robots import shapes
 from topple.robots.catalog import robot as robot_named
 from topple.robots.scenarios.scenario import Scenario, Unlucky, drop, settle, settled
@@ -23,7 +26,18 @@ from topple.robots.world.bodies import Body
 from topple.robots.world.physical_world import PhysicalWorld
 from topple.robots.world.simulated_arm import SimulatedArm
 from topple.robots.world.world import in_bullet
+from topple.topology.errors import ToppleError
 from topple.topology.scene import Scene
+from topple.topology.workers import Lost, mapped, opened
+
+REARRANGED: tuple[str, ...] = ("set-table", "restack", "pack", "swap")
+"""The scenes in which one arrangement is turned into another, both seen once by the three cameras."""
+
+MANY = 40
+"""Seeds of each of them; the first is the bench's."""
+
+MOST = 95.0
+"""[%] of them that are to be planned whole and verified."""
 
 COUNT = 10
 SECONDS = 15.0
@@ -68,6 +82,45 @@ def rows(quick: bool, seed: int, progress: Progress) -> list[dict[str, Any]]:
     return found
 
 
+def rearranged(quick: bool, seed: int, progress: Progress) -> list[dict[str, Any]]:
+    """Count how many arrangements are turned into others by one whole plan that verifies.
+
+    Args:
+        quick: One seed of the last scene.
+        seed: First seed of the scenes.
+        progress: Called as plans end.
+
+    Returns:
+        The bench's rows.
+    """
+    scenes = REARRANGED[-1:] if quick else REARRANGED
+    numbers = range(seed, seed + (1 if quick else MANY))
+    held = dict.fromkeys(scenes, 0)
+    wanted = [(scene, one) for one in numbers for scene in scenes]
+    with opened(None) as pool:
+        for answer in mapped(_turned, wanted, pool, in_turn=False):
+            if isinstance(answer, Lost):
+                raise ToppleError(f"the plan of {answer.task} was lost with the process that made it")
+            scene, one, verified = answer
+            held[scene] += verified
+            progress(f"{scene}, seed {one}: {'verified' if verified else 'no plan that verifies'}")
+    of, bar, what = len(numbers), f">= {MOST:g}", "planned whole from one look, and verified"
+    found = [
+        Row(f"{scene}: {what}, of {of}", 100.0 * count / of, "%", bar=bar, interval=share_interval(count, of))
+        for scene, count in held.items()
+    ]
+    return [row.to_json() for row in found]
+
+
+def _turned(wanted: tuple[str, int]) -> tuple[str, int, bool]:
+    """A scene's name and seed, and whether the plan made of one look at it verifies."""
+    from topple.robots.scenarios import scenario_called
+
+    name, seed = wanted
+    with scenario_called(name, seed) as stage:
+        return name, seed, _verifies(stage, seen(stage), task_in(stage, stage.cameras, seed))
+
+
 def _clearing(seeds: range, progress: Progress) -> list[dict[str, Any]]:
     """The longest of the times that plans of ten objects take, and how many were found and certified."""
     longest, proven = 0.0, 0
@@ -95,9 +148,13 @@ def _holds(kind: str, seed: int) -> bool:
     from topple.robots.scenarios import scenario_called
 
     with scenario_called(kind, seed) as stage:
-        scene = seen(stage)
+        return _verifies(stage, seen(stage), stage.goal)
+
+
+def _verifies(stage: Scenario, scene: Scene, goal: str | Task) -> bool:
+    """Whether there is a plan from what was seen, and it passes its check."""
     try:
-        made = plan(scene, stage.goal, stage.robot, base=stage.pose_base_to_world, check=False, seed=seed)
+        made = plan(scene, goal, stage.robot, base=stage.pose_base_to_world, check=False, seed=stage.seed)
     except NoSafePlan:
         return False
     return made.certified and made.verify(scene).ok

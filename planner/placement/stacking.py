@@ -14,7 +14,7 @@ from topple.planner.placement.resting import (
     about,
     resting_poses,
 )
-from topple.planner.placement.tolerances import CELL, CONTACT, HEADINGS, INSET, SPOT, YAWS
+from topple.planner.placement.tolerances import CELL, CONTACT, GAPS, HEADINGS, INSET, SPOT, YAWS
 from topple.topology.arrays import FloatArray, IntArray
 from topple.topology.bodies.solids import hull_vertices
 from topple.topology.bodies.tops import tops_of
@@ -174,7 +174,8 @@ def heights_of(scene: Scene, up: FloatArray, leave_out: str, ceiling: float = np
 def _closed(own: FloatArray) -> FloatArray:
     """Fill empty cells between cells of one object with their neighbours' mean height."""
     known = np.isfinite(own)
-    gaps = binary_closing(np.pad(known, 4), iterations=3)[4:-4, 4:-4] & ~known
+    wide, inner = GAPS + 1, slice(GAPS + 1, -GAPS - 1)
+    gaps = binary_closing(np.pad(known, wide), iterations=GAPS)[inner, inner] & ~known
     if gaps.any():
         nearest = distance_transform_edt(~known, return_distances=False, return_indices=True)
         assert nearest is not None

@@ -86,6 +86,9 @@ FLAT_SHARE = 0.5
 CELL = 0.005
 """Grid of heights: half a finger's thickness [m]."""
 
+GAPS = 3
+"""Cells over which gaps between points are closed."""
+
 CONTACT = 0.005
 """Cells this close to touching carry: depth noise of both surfaces [m]."""
 

@@ -152,7 +152,9 @@ class MoveChooser:
             barring = {} if place is None or place.into is None else {place.into: 1}
             failed = FailedCheck(SegmentKind.PLACE, Check.ROOM, text)
             return TransferFailure(name, {text: 1}, next(iter(barring), None), failed, barring)
-        return self._transfers.to(name, self._turned(name, place))
+        # It comes to lie as it is told: higher by the noise of two clouds each, upper ones of a tower float.
+        told = replace(place, drop=place.drop + max(0.0, raised))
+        return self._transfers.to(name, self._turned(name, told))
 
     def _into(self, place: Place) -> Transfer | TransferFailure:
         """An object to a spot in what it shall lie in: best where it pushes nothing that lies there."""

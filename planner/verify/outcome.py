@@ -11,7 +11,7 @@ from topple.planner.decide.tolerances import LIKELY
 from topple.planner.formats.plan_structs import PlanData
 from topple.planner.formats.verification import BROKEN, OFF_PLACE, Residual, Worst
 from topple.planner.tolerances import DISTURBED
-from topple.planner.verify.bodies import parts_of
+from topple.planner.verify.bodies import completed_of
 from topple.planner.verify.tolerances import SURFACE
 from topple.topology.arrays import FloatArray
 from topple.topology.bodies.solids import moved
@@ -148,9 +148,9 @@ def check_poses(plan: PlanData, poses: Mapping[str, FloatArray]) -> Residual:
         How far the surface of a body is from where it shall be, beyond what counts as a move.
     """
     worst = Worst(OFF_PLACE, "m", DISTURBED)
-    parts = parts_of(plan)
+    wholes = completed_of(plan)  # what was seen of a round thing is another half once it is turned
     for name, wanted in plan.poses.items():
-        surface = sampled(parts[name], SURFACE)
+        surface = sampled(wholes[name], SURFACE)
         here, there = (moved((surface,), pose)[0] for pose in (poses[name], np.array(wanted)))
         ways = (KDTree(one).query(other)[0].max() for one, other in ((here, there), (there, here)))
         worst.note(float(max(ways)), name)

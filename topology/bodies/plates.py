@@ -7,10 +7,19 @@ from scipy.spatial import KDTree
 
 from topple.topology.arrays import BoolArray, FloatArray, IntArray
 from topple.topology.bodies.parts import convex_parts
-from topple.topology.bodies.tolerances import AROUND, LINKED, PLATES_FEWEST, PLATES_LEAST, THICK, TRIES
+from topple.topology.bodies.tolerances import (
+    AROUND,
+    LINKED,
+    PLATES_FEWEST,
+    PLATES_LEAST,
+    THICK,
+    TOPS_LEVEL,
+    TRIES,
+)
+from topple.topology.geometry.plane import plane_through
 
 
-def plates_of(cloud: FloatArray, tolerance: float, seed: int = 0) -> tuple[FloatArray, ...]:
+def plates_of(cloud: FloatArray, tolerance: float, up: FloatArray, seed: int = 0) -> tuple[FloatArray, ...]:
     """Cut the cloud of a bin or a shelf into flat plates, and what is not flat into convex parts.
 
     Hulls of pieces cut anywhere fill the room between wall and floor, where hands and objects have to go.
@@ -18,6 +27,7 @@ def plates_of(cloud: FloatArray, tolerance: float, seed: int = 0) -> tuple[Float
     Args:
         cloud: (N, 3) points [m].
         tolerance: How far points of what is not flat may lie below the hull of their part [m].
+        up: (3,) unit vector.
         seed: Of the places where plates are looked for.
 
     Returns:
@@ -31,11 +41,17 @@ def plates_of(cloud: FloatArray, tolerance: float, seed: int = 0) -> tuple[Float
         if flat.sum() < max(PLATES_FEWEST, PLATES_LEAST * len(cloud)):
             break
         for piece in _pieces(rest[flat]):
-            found += convex_parts(piece, THICK)
+            found += _plate(piece, up)
         rest = rest[~flat]
     for piece in _pieces(rest):
         found += convex_parts(piece, tolerance)
     return tuple(found)
+
+
+def _plate(points: FloatArray, up: FloatArray) -> tuple[FloatArray, ...]:
+    """Convex parts of a flat piece that is no top: where it is level and open inside, a rim and no lid."""
+    level = abs(float(plane_through(points)[1] @ up)) > TOPS_LEVEL
+    return convex_parts(points, THICK, np.empty((0, 3)) if level else None)
 
 
 def _largest_plane(points: FloatArray, rng: np.random.Generator) -> BoolArray:
@@ -61,10 +77,15 @@ def _beside(points: FloatArray, some: FloatArray) -> BoolArray:
 
 def _pieces(points: FloatArray) -> list[FloatArray]:
     """Points that hang together; what is too small to be a thing is left out."""
+    return [piece for piece in connected(points) if len(piece) >= PLATES_FEWEST]
+
+
+def connected(points: FloatArray) -> list[FloatArray]:
+    """(N, 3) points [m] as those that hang together."""
     if len(points) == 0:
         return []
     pairs = KDTree(points).query_pairs(LINKED, output_type="ndarray")
     links = coo_matrix((np.ones(len(pairs)), (pairs[:, 0], pairs[:, 1])), shape=(len(points),) * 2)
     count, which = connected_components(links, directed=False)
     number: IntArray = np.asarray(which)
-    return [points[number == k] for k in range(count) if np.count_nonzero(number == k) >= PLATES_FEWEST]
+    return [points[number == k] for k in range(count)]

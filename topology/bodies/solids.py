@@ -143,7 +143,7 @@ def fixed_parts(cloud: FloatArray, up: FloatArray) -> tuple[FloatArray, ...]:
     more = up.tobytes() + b"fixed"
     return (
         *slabs,
-        *_remembered(rest, more, lambda: plates_of(voxel_means(rest, 2 * GRAIN, ahead=0.0), HOLLOW)),
+        *_remembered(rest, more, lambda: plates_of(voxel_means(rest, 2 * GRAIN, ahead=0.0), HOLLOW, up)),
     )
 
 

@@ -63,6 +63,26 @@ def test_a_plan_that_leaves_a_thing_beside_its_place_is_refuted(swapped: Plan) -
     assert [bad.name for bad in spoilt.verify(START).failed] == ["bodies off the place they shall have"]
 
 
+def noisy(scene: Scene, seed: int) -> Scene:
+    rng = np.random.default_rng(seed)
+    clouds = {name: cloud + rng.normal(0, 0.0015, cloud.shape) for name, cloud in scene.clouds.items()}
+    return replace(scene, clouds=clouds)
+
+
+@pytest.mark.slow
+def test_a_tower_does_not_grow_by_the_noise_of_what_is_seen() -> None:
+    start = noisy(blocks(red=(0, 0, 0), green=(0, 0, 0.05), blue=(0, 0, 0.1)), 0)
+    goal = noisy(blocks(red=(0.2, 0, 0), green=(0.2, 0, 0.1), blue=(0.2, 0, 0.05)), 1)
+    found = rearrange(start, goal, "panda", base=BASE)
+    put = [step for step in found.steps if step.action == "place"]
+    assert [step.object for step in put] == ["red", "blue", "green"]
+    for step in put:
+        down = step.placement.drop
+        rest = np.array(step.placement.pose_before_to_after)
+        assert 0.003 < down < 0.02 and rest.shape == (4, 4)
+    assert found.verify(start).ok
+
+
 @pytest.mark.slow
 def test_a_tower_is_built_again_in_another_order() -> None:
     start = blocks(red=(0, 0, 0), green=(0, 0, 0.05), blue=(0, 0, 0.1))
