@@ -131,6 +131,7 @@ def convex_parts(
     viewpoints: FloatArray | None = None,
     most: int = 24,
     finest: int = 1500,
+    fewest: int = PARTS_FEWEST,
 ) -> tuple[FloatArray, ...]:
     """Cut a surface cloud into pieces whose hulls its points hug.
 
@@ -143,6 +144,7 @@ def convex_parts(
             one. Where not given, only points below the hull count, and a thin shell stays one part.
         most: Largest number of parts.
         finest: Points that are looked at: denser clouds are thinned to about this many first.
+        fewest: Points that a part has at least.
 
     Returns:
         Corners (V, 3) of each part's hull; one entry for a convex cloud.
@@ -160,7 +162,7 @@ def convex_parts(
     while pieces and len(pieces) + len(settled) < most:
         worst = max(range(len(pieces)), key=lambda index: pieces[index].hollow)
         piece = pieces.pop(worst)
-        halves = _cut(piece, judge) if piece.hollow > tolerance else None
+        halves = _cut(piece, judge, fewest) if piece.hollow > tolerance else None
         if halves is None:
             settled.append(piece)
         else:
@@ -190,7 +192,7 @@ def _spacing(points: FloatArray) -> float:
     return float(np.median(KDTree(points).query(points, k=5)[0][:, -1]))
 
 
-def _cut(piece: _Piece, judge: _Judge) -> tuple[_Piece, _Piece] | None:
+def _cut(piece: _Piece, judge: _Judge, fewest: int) -> tuple[_Piece, _Piece] | None:
     """The two halves of the cut that leaves the least hollow, or None where no cut is worth it."""
     points = piece.points
     step = -(-len(points) // SEARCHED)
@@ -212,7 +214,7 @@ def _cut(piece: _Piece, judge: _Judge) -> tuple[_Piece, _Piece] | None:
     _, axis, limit = best
     along = points @ axis
     low, high = points[along <= limit], points[along > limit]
-    if min(len(low), len(high)) < PARTS_FEWEST:
+    if min(len(low), len(high)) < fewest:
         return None
     cuts = (*piece.cuts, (axis, limit))
     return judge.piece(low, cuts), judge.piece(high, cuts)

@@ -12,11 +12,11 @@ from topple.topology.bodies.tolerances import (
     LINKED,
     PLATES_FEWEST,
     PLATES_LEAST,
+    RIM_FEWEST,
+    SKY,
     THICK,
-    TOPS_LEVEL,
     TRIES,
 )
-from topple.topology.geometry.plane import plane_through
 
 
 def plates_of(cloud: FloatArray, tolerance: float, up: FloatArray, seed: int = 0) -> tuple[FloatArray, ...]:
@@ -34,6 +34,7 @@ def plates_of(cloud: FloatArray, tolerance: float, up: FloatArray, seed: int = 0
         (V, 3) corners of each part.
     """
     rng = np.random.default_rng(seed)
+    above = (cloud.mean(axis=0) + SKY * up)[None]  # a hull of a rim is bare from there: it is no lid
     found: list[FloatArray] = []
     rest = cloud
     while len(rest) > max(PLATES_FEWEST, PLATES_LEAST * len(cloud)):
@@ -41,17 +42,11 @@ def plates_of(cloud: FloatArray, tolerance: float, up: FloatArray, seed: int = 0
         if flat.sum() < max(PLATES_FEWEST, PLATES_LEAST * len(cloud)):
             break
         for piece in _pieces(rest[flat]):
-            found += _plate(piece, up)
+            found += convex_parts(piece, THICK, above, fewest=RIM_FEWEST)
         rest = rest[~flat]
     for piece in _pieces(rest):
-        found += convex_parts(piece, tolerance)
+        found += convex_parts(piece, tolerance, above, fewest=RIM_FEWEST)
     return tuple(found)
-
-
-def _plate(points: FloatArray, up: FloatArray) -> tuple[FloatArray, ...]:
-    """Convex parts of a flat piece that is no top: where it is level and open inside, a rim and no lid."""
-    level = abs(float(plane_through(points)[1] @ up)) > TOPS_LEVEL
-    return convex_parts(points, THICK, np.empty((0, 3)) if level else None)
 
 
 def _largest_plane(points: FloatArray, rng: np.random.Generator) -> BoolArray:

@@ -189,6 +189,12 @@ LINKED = 0.015
 PLATES_FEWEST = 12
 """Points of a piece that counts: fewer are noise."""
 
+RIM_FEWEST = 6
+"""Points of a part of it: 3 cm of a rim that is one averaged point wide."""
+
+SKY = 10.0
+"""[m] above a thing that never moves, from where whatever of it looks up shows."""
+
 TRIES = 150
 """Points that a plate is looked for at: a wall with a twentieth of all points is not missed."""
 
