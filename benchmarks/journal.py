@@ -5,7 +5,7 @@ from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
-from topple.benchmarks.behaviour import BEHAVIOUR, PLAYS_LIKE, REARRANGED, REARRANGING
+from topple.benchmarks.behaviour import BEHAVIOUR, PLAYS_LIKE, REARRANGING
 from topple.benchmarks.episodes import FORMAT, Ending
 from topple.planner.formats.json_lines import JsonLines
 from topple.topology.errors import InvalidInput
@@ -39,14 +39,15 @@ class Journal(JsonLines):
         if entry.get("behaviour") not in {BEHAVIOUR, *PLAYS_LIKE}:
             self.stale += 1
             return
-        ending = Ending.from_json(entry)
-        if ending.episode.scenario in REARRANGED and entry.get("rearranging") != REARRANGING:
+        scene = Ending.from_json(entry).episode.scenario
+        if scene in REARRANGING and entry.get("rearranging") != REARRANGING[scene]:
             self.stale += 1
             return
         self.entries.append(entry)
 
     def add(self, entry: Mapping[str, Any]) -> None:
         """Append an entry of today's behaviour; see `JsonLines.add`."""
-        kept = {**entry, "behaviour": BEHAVIOUR, "rearranging": REARRANGING}
+        version = REARRANGING.get(Ending.from_json(entry).episode.scenario)
+        kept = {**entry, "behaviour": BEHAVIOUR, **({} if version is None else {"rearranging": version})}
         super().add(kept)
         self.entries.append(kept)
