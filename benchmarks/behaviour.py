@@ -19,9 +19,9 @@ PLAYS_LIKE = frozenset({7})
 Empty it with the next change, unless that is shown again."""
 
 REARRANGING: Mapping[str, int] = {"pack": 4, "restack": 3, "set-table": 3, "swap": 3}
-"""Version of how each scene is played in which things are put as they lie in another one: raise it by one with
-every change that is meant and that the scene's episodes show, since no frozen case does it. Its earlier results
-do not count."""
+"""Version of how each scene is played in which things are put as they lie in another one. Raise it by one
+with every change that is meant and that the scene's episodes show, since no frozen case does it: earlier
+results of the scene then do not count."""
 
 DIGITS = 5
 """Decimals that count: steps of 0.01 mm or 0.01 mrad. What is to be noticed, 0.1 mm, is ten of them and never

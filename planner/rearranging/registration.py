@@ -29,6 +29,7 @@ from topple.planner.rearranging.tolerances import (
     SYMMETRIC,
 )
 from topple.planner.tolerances import DISTURBED, STEPS_ROUND, TURNED
+from topple.robots.poses import inverse
 from topple.topology.arrays import BoolArray, FloatArray, frozen
 from topple.topology.geometry.rigid import transformed, turned_to
 from topple.topology.geometry.thin import voxel_means
@@ -125,6 +126,18 @@ def least(fit: Registration, start: FloatArray, surface: FloatArray, up: FloatAr
     middle = (there.min(axis=0) + there.max(axis=0)) / 2.0
     alike = (turned_to(about(up, angle), middle, middle) @ fit.pose for angle in turns(there, up))
     return min((_told(pose, start, fit.residual) for pose in alike), key=lambda each: round(each.turn, 6))
+
+
+def carried_on(known: Registration, before: FloatArray, now: FloatArray) -> Registration | None:
+    """What is left of a motion for an object that was moved meanwhile; None where it was seen anew since.
+
+    Args:
+        known: The motion.
+        before: (N, 3) points that it is of [m].
+        now: (M, 3) points of the object where it is now [m].
+    """
+    meanwhile = _point_by_point(before, now)
+    return None if meanwhile is None else _told(known.pose @ inverse(meanwhile.pose), now, known.residual)
 
 
 def _point_by_point(start: FloatArray, goal: FloatArray) -> Registration | None:

@@ -6,12 +6,14 @@ from scipy.spatial.transform import Rotation
 
 from topple.planner.execution.look import Look, Observer
 from topple.planner.rearranging.arrangement import Arrangement
-from topple.planner.rearranging.registration import least, registered, turns
+from topple.planner.rearranging.registration import carried_on, least, registered, turns
 from topple.robots.poses import angle_between, inverse
 from topple.robots.scenarios import scenario_called
+from topple.robots.scenarios.scenario import pose_at
 from topple.robots.shapes import block, bowl, box, can, fork, mug, spoon
 from topple.robots.world.bodies import Body
 from topple.topology.arrays import FloatArray
+from topple.topology.geometry.rigid import transformed
 
 UP = np.array([0.0, 0.0, 1.0])
 SHAPES = [bowl(), spoon(), fork(), mug(), box(), can()]
@@ -100,3 +102,16 @@ def test_two_points_are_a_thing_too() -> None:
     ends = np.array([[0.25, 0.0, 0.0], [0.25, 0.0, 0.05]])
     found = registered(ends, ends + np.array([0.1, 0.0, 0.0]), UP)
     assert found.pose[:3, 3] == pytest.approx([0.1, 0.0, 0.0], abs=1e-3)
+
+
+def test_what_was_moved_meanwhile_comes_to_the_same_place_and_what_was_seen_anew_is_asked_again() -> None:
+    rng = np.random.default_rng(5)
+    before, goal = rng.uniform(-0.05, 0.05, (2, 400, 3))
+    known = registered(before, goal, UP)
+    meanwhile = pose_at(0.1, -0.2, 0.03, Rotation.from_euler("xyz", [0.2, -0.1, 1.0]))
+    now = transformed(before, meanwhile)
+    left = carried_on(known, before, now)
+    assert left is not None
+    assert np.allclose(transformed(now, left.pose), transformed(before, known.pose), atol=1e-9)
+    assert carried_on(known, before, now + rng.normal(0, 0.002, now.shape)) is None
+    assert carried_on(known, before, now[:-1]) is None
