@@ -92,7 +92,11 @@ def _near_strays(surface: FloatArray, found: Tops, frame: FloatArray) -> BoolArr
     """
     off = [np.abs(board.above(found.rest)) > SKIN for board in found.tops]
     floating = found.rest[np.logical_and.reduce(off)] if off else found.rest[:0]
-    strays = [piece for piece in connected(floating) if len(piece) < PLATES_FEWEST]
+    pieces = connected(voxel_means(floating, CELL)) if len(floating) else []
+    which = np.repeat(np.arange(len(pieces)), [len(piece) for piece in pieces])
+    own = which[KDTree(np.vstack(pieces)).query(floating)[1]] if pieces else which
+    counts = np.bincount(own, minlength=len(pieces))
+    strays = [piece for piece, count in zip(pieces, counts, strict=True) if count < PLATES_FEWEST]
     near = np.zeros(len(surface), dtype=np.bool_)
     if strays:
         known = np.isfinite(surface[:, 2])
