@@ -47,7 +47,7 @@ class Journal(JsonLines):
 
     def add(self, entry: Mapping[str, Any]) -> None:
         """Append an entry of today's behaviour; see `JsonLines.add`."""
-        version = REARRANGING.get(Ending.from_json(entry).episode.scenario)
+        version = REARRANGING.get(entry["episode"]["scenario"])
         kept = {**entry, "behaviour": BEHAVIOUR, **({} if version is None else {"rearranging": version})}
         super().add(kept)
         self.entries.append(kept)

@@ -12,6 +12,7 @@ from typing import Any
 import numpy as np
 from scipy.spatial.transform import Rotation
 
+from topple.benchmarks.behaviour import REARRANGING
 from topple.benchmarks.row import Progress, Row
 from topple.benchmarks.scores import share_interval
 from topple.planner.errors import NoSafePlan
@@ -30,13 +31,10 @@ from topple.topology.errors import ToppleError
 from topple.topology.scene import Scene
 from topple.topology.workers import Lost, mapped, opened
 
-REARRANGED: tuple[str, ...] = ("set-table", "restack", "pack", "swap")
-"""The scenes in which one arrangement is turned into another, both seen once by the three cameras."""
-
 MANY = 40
-"""Seeds of each of them; the first is the bench's."""
+"""Seeds of each scene in which one arrangement is turned into another; the first is the bench's."""
 
-MOST = 95.0
+VERIFIED = 95.0
 """[%] of them that are to be planned whole and verified."""
 
 COUNT = 10
@@ -93,18 +91,18 @@ def rearranged(quick: bool, seed: int, progress: Progress) -> list[dict[str, Any
     Returns:
         The bench's rows.
     """
-    scenes = REARRANGED[-1:] if quick else REARRANGED
+    scenes = list(REARRANGING)[-1:] if quick else list(REARRANGING)
     numbers = range(seed, seed + (1 if quick else MANY))
     held = dict.fromkeys(scenes, 0)
     wanted = [(scene, one) for one in numbers for scene in scenes]
     with opened(None) as pool:
-        for answer in mapped(_turned, wanted, pool, in_turn=False):
+        for answer in mapped(_rearranged, wanted, pool, in_turn=False):
             if isinstance(answer, Lost):
                 raise ToppleError(f"the plan of {answer.task} was lost with the process that made it")
             scene, one, verified = answer
             held[scene] += verified
             progress(f"{scene}, seed {one}: {'verified' if verified else 'no plan that verifies'}")
-    of, bar, what = len(numbers), f">= {MOST:g}", "planned whole from one look, and verified"
+    of, bar, what = len(numbers), f">= {VERIFIED:g}", "planned whole from one look, and verified"
     found = [
         Row(f"{scene}: {what}, of {of}", 100.0 * count / of, "%", bar=bar, interval=share_interval(count, of))
         for scene, count in held.items()
@@ -112,7 +110,7 @@ def rearranged(quick: bool, seed: int, progress: Progress) -> list[dict[str, Any
     return [row.to_json() for row in found]
 
 
-def _turned(wanted: tuple[str, int]) -> tuple[str, int, bool]:
+def _rearranged(wanted: tuple[str, int]) -> tuple[str, int, bool]:
     """A scene's name and seed, and whether the plan made of one look at it verifies."""
     from topple.robots.scenarios import scenario_called
 

@@ -9,9 +9,8 @@ from topple.planner.placement.resting import PLACEMENT_TOLERANCES
 from topple.planner.placement.stacking import heights_of, underside
 from topple.planner.placement.tolerances import CELL, CONTACT, GAPS, SKIN
 from topple.topology.arrays import BoolArray, FloatArray, IntArray
-from topple.topology.bodies.plates import connected
+from topple.topology.bodies.plates import strays_of
 from topple.topology.bodies.solids import hull_vertices
-from topple.topology.bodies.tolerances import PLATES_FEWEST
 from topple.topology.bodies.tops import Tops, tops_of
 from topple.topology.geometry.axes import level_axes
 from topple.topology.geometry.rigid import transformed
@@ -92,14 +91,10 @@ def _near_strays(surface: FloatArray, found: Tops, frame: FloatArray) -> BoolArr
     """
     off = [np.abs(board.above(found.rest)) > SKIN for board in found.tops]
     floating = found.rest[np.logical_and.reduce(off)] if off else found.rest[:0]
-    pieces = connected(voxel_means(floating, CELL)) if len(floating) else []
-    which = np.repeat(np.arange(len(pieces)), [len(piece) for piece in pieces])
-    own = which[KDTree(np.vstack(pieces)).query(floating)[1]] if pieces else which
-    counts = np.bincount(own, minlength=len(pieces))
-    strays = [piece for piece, count in zip(pieces, counts, strict=True) if count < PLATES_FEWEST]
+    strays = strays_of(floating, CELL)
     near = np.zeros(len(surface), dtype=np.bool_)
-    if strays:
+    if len(strays):
         known = np.isfinite(surface[:, 2])
-        tree = KDTree(np.vstack(strays) @ frame.T)
+        tree = KDTree(strays @ frame.T)
         near[known] = tree.query(surface[known])[0] < GAPS * CELL
     return near

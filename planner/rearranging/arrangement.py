@@ -11,7 +11,7 @@ from topple.planner.building.standing import falling_in
 from topple.planner.decide.goal import Goal, Place, PlaceRelation
 from topple.planner.rearranging.matching import Match, matched, sizes
 from topple.planner.rearranging.possible import check_possible
-from topple.planner.rearranging.registration import Registration, carried_on, least, registered
+from topple.planner.rearranging.registration import Registration, least, registered, remaining
 from topple.planner.rearranging.steady import steadied
 from topple.planner.rearranging.tolerances import OTHER, SIZES
 from topple.topology.arrays import FloatArray
@@ -123,7 +123,7 @@ class Arrangement:
             return known[1]
         guess, up = None if known is None else known[1].pose, self.situation.up
         surface = situation.surfaces[name] @ situation.statics.upright.rotation
-        found = None if known is None else carried_on(known[1], known[0], cloud)
+        found = None if known is None else remaining(known[1], known[0], cloud)
         if found is None:
             found = registered(cloud, self.situation.scene.clouds[name], up, guess)
         found = least(found, cloud, surface, up)

@@ -128,7 +128,7 @@ def least(fit: Registration, start: FloatArray, surface: FloatArray, up: FloatAr
     return min((_told(pose, start, fit.residual) for pose in alike), key=lambda each: round(each.turn, 6))
 
 
-def carried_on(known: Registration, before: FloatArray, now: FloatArray) -> Registration | None:
+def remaining(known: Registration, before: FloatArray, now: FloatArray) -> Registration | None:
     """What is left of a motion for an object that was moved meanwhile; None where it was seen anew since.
 
     Args:

@@ -17,6 +17,7 @@ from topple.topology.bodies.tolerances import (
     THICK,
     TRIES,
 )
+from topple.topology.geometry.thin import voxel_means
 
 
 def plates_of(cloud: FloatArray, tolerance: float, up: FloatArray, seed: int = 0) -> tuple[FloatArray, ...]:
@@ -72,10 +73,29 @@ def _beside(points: FloatArray, some: FloatArray) -> BoolArray:
 
 def _pieces(points: FloatArray) -> list[FloatArray]:
     """Points that hang together; what is too small to be a thing is left out."""
-    return [piece for piece in connected(points) if len(piece) >= PLATES_FEWEST]
+    return [piece for piece in _connected(points) if len(piece) >= PLATES_FEWEST]
 
 
-def connected(points: FloatArray) -> list[FloatArray]:
+def strays_of(points: FloatArray, cell: float) -> FloatArray:
+    """What hangs together with too few points to be a thing: a depth camera's mixed pixels.
+
+    Args:
+        points: (N, 3) points [m].
+        cell: Edge of the cubes whose points are averaged first [m].
+
+    Returns:
+        (M, 3) the averaged points of such pieces [m].
+    """
+    pieces = _connected(voxel_means(points, cell)) if len(points) else []
+    if not pieces:
+        return np.zeros((0, 3))
+    which = np.repeat(np.arange(len(pieces)), [len(piece) for piece in pieces])
+    counts = np.bincount(which[KDTree(np.vstack(pieces)).query(points)[1]], minlength=len(pieces))
+    few = [piece for piece, count in zip(pieces, counts, strict=True) if count < PLATES_FEWEST]
+    return np.vstack([np.zeros((0, 3)), *few])
+
+
+def _connected(points: FloatArray) -> list[FloatArray]:
     """(N, 3) points [m] as those that hang together."""
     if len(points) == 0:
         return []

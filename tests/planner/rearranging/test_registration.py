@@ -6,7 +6,7 @@ from scipy.spatial.transform import Rotation
 
 from topple.planner.execution.look import Look, Observer
 from topple.planner.rearranging.arrangement import Arrangement
-from topple.planner.rearranging.registration import carried_on, least, registered, turns
+from topple.planner.rearranging.registration import least, registered, remaining, turns
 from topple.robots.poses import angle_between, inverse
 from topple.robots.scenarios import scenario_called
 from topple.robots.scenarios.scenario import pose_at
@@ -110,8 +110,8 @@ def test_what_was_moved_meanwhile_comes_to_the_same_place_and_what_was_seen_anew
     known = registered(before, goal, UP)
     meanwhile = pose_at(0.1, -0.2, 0.03, Rotation.from_euler("xyz", [0.2, -0.1, 1.0]))
     now = transformed(before, meanwhile)
-    left = carried_on(known, before, now)
+    left = remaining(known, before, now)
     assert left is not None
     assert np.allclose(transformed(now, left.pose), transformed(before, known.pose), atol=1e-9)
-    assert carried_on(known, before, now + rng.normal(0, 0.002, now.shape)) is None
-    assert carried_on(known, before, now[:-1]) is None
+    assert remaining(known, before, now + rng.normal(0, 0.002, now.shape)) is None
+    assert remaining(known, before, now[:-1]) is None
