@@ -24,6 +24,7 @@ from topple.topology.relations import Relations
 from topple.topology.scene import Scene
 from topple.topology.situation import Situation
 from topple.topology.sixim.table import Relation
+from topple.topology.views.borders import mended
 
 Relate = Callable[[Scene], Relations]
 
@@ -121,16 +122,19 @@ class Observer:
         images, faults = self._frames.take(self.world, self.rng, changed=expected is not self._last)
         photo = None if self.photographer is None else self.photographer()
         taken = time.perf_counter()
-        images, kept = (*images, *more), self._kept
+        images, said = _mended((*images, *more))
+        if expected is None:  # the first look stands for all
+            faults = (*faults, *said)
+        kept = self._kept
         if self.shuffle_labels and expected is not None:
             images = associated(images, expected, self.rng)
         scene = self._scene(images)
         surprises: dict[str, str] = {}
         if expected is not None:
-            names, said = misnamed(scene, expected)
+            names, wrong = misnamed(scene, expected)
             if names:
                 images = tuple(renamed(image, names) for image in images)
-                scene, faults = self._scene(images), (*faults, *said.values())
+                scene, faults = self._scene(images), (*faults, *wrong.values())
             scene, surprises = _joined(scene, expected)
             kept = tuple(image for each in kept if (image := _unmoved(each, self._last, expected, surprises)))
             if kept:
@@ -146,6 +150,17 @@ class Observer:
     def _scene(self, images: Sequence[DepthImage]) -> Scene:
         fixed = [name for name in self.fixed if any(name in image.names.values() for image in images)]
         return _thinned(Scene.from_images(images, fixed=fixed, up=self.up))
+
+
+def _mended(images: Sequence[DepthImage]) -> tuple[tuple[DepthImage, ...], tuple[str, ...]]:
+    """Pictures whose masks end where depth says, and what was wrong with them, in a sentence."""
+    put_right = [mended(image) for image in images]
+    wrong = [share for _, share in put_right if share > 0.0]
+    said = (
+        f"masks of {len(wrong)} pictures are off by a pixel or more, {100 * max(wrong):.0f} % of their "
+        "borders: put where the depth says",
+    )
+    return tuple(image for image, _ in put_right), said if wrong else ()
 
 
 def _unmoved(
