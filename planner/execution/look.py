@@ -153,14 +153,10 @@ class Observer:
 
 
 def _mended(images: Sequence[DepthImage]) -> tuple[tuple[DepthImage, ...], tuple[str, ...]]:
-    """Pictures whose masks end where depth says, and what was wrong with them, in a sentence."""
+    """Pictures whose masks end where depth says, and of each that was changed what was wrong."""
     put_right = [mended(image) for image in images]
-    wrong = [share for _, share in put_right if share > 0.0]
-    said = (
-        f"masks of {len(wrong)} pictures are off by a pixel or more, {100 * max(wrong):.0f} % of their "
-        "borders: put where the depth says",
-    )
-    return tuple(image for image, _ in put_right), said if wrong else ()
+    said = [f"camera {number}: {note}" for number, (_, note) in enumerate(put_right, 1) if note is not None]
+    return tuple(image for image, _ in put_right), tuple(said)
 
 
 def _unmoved(

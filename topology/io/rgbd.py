@@ -10,6 +10,7 @@ from topple.topology.io.archive import MASK_KEYS, STACK_KEY, Array
 from topple.topology.io.assemble import Parts
 from topple.topology.io.clouds import SPECIAL, amounts_in, ignored
 from topple.topology.io.labels import NAMING, fixed_labels, label_names
+from topple.topology.views.borders import mended
 
 _KEYS = ("depth", "K", "rgb", "pose_camera_to_world", "masses", "friction")
 
@@ -43,8 +44,9 @@ def parts_from_rgbd(arrays: Mapping[str, Array]) -> Parts:
             )
     if not clouds:
         raise InvalidInput(f"{mask} is 0 everywhere: expected labels from 1 on, one per object")
+    image, said = mended(image)
     return Parts(
-        clouds=dict(clouds),
+        clouds=dict(image.clouds()),
         fixed=fixed_labels(arrays, names),
         up=arrays.get("up"),
         viewpoints=image.viewpoint,
@@ -54,7 +56,7 @@ def parts_from_rgbd(arrays: Mapping[str, Array]) -> Parts:
         masses=amounts_in(arrays, "masses"),
         friction=amounts_in(arrays, "friction"),
         background=image.background(),
-        notes=ignored(arrays, (*_KEYS, *NAMING, *SPECIAL, mask)),
+        notes=[*ignored(arrays, (*_KEYS, *NAMING, *SPECIAL, mask)), *([] if said is None else [said])],
     )
 
 

@@ -15,18 +15,24 @@ from topple.topology.image import DepthImage
 from topple.topology.views.tolerances import BORDER, CLOSER, NARROW, OFF, OFF_BORDERS, PATCH
 
 
-def mended(image: DepthImage) -> tuple[DepthImage, float]:
+def mended(image: DepthImage) -> tuple[DepthImage, str | None]:
     """Give pixels at borders of masks to the neighbour whose surface they are of, where many are.
 
     Args:
         image: Depth and labels.
 
     Returns:
-        The image, with other labels where it needs them; and the share of the pixels at borders that were
-        another's, 0 where labels stay: exact masks do, whose flying pixels are few.
+        The image with other labels, and a sentence that says so; or, where no more pixels are another's than
+        flying ones of exact masks are, the same image and None.
     """
     share, label = border_share(image)
-    return (replace(image, label=label), share) if share > OFF_BORDERS else (image, 0.0)
+    if share <= OFF_BORDERS:
+        return image, None
+    said = (
+        f"masks are off by a pixel or more: {100 * share:.0f} % of the pixels at their borders lie on a "
+        "neighbour by depth, and count as its own"
+    )
+    return replace(image, label=label), said
 
 
 def border_share(image: DepthImage) -> tuple[float, IntArray]:
@@ -99,7 +105,8 @@ def _continued(depth: FloatArray, core: BoolArray, places: IntArray) -> FloatArr
     close = away[places[0], places[1]] <= 2 * BORDER + 1
     row, column = (along[close].astype(np.float64) for along in places)
     at = tuple(nearest[:, places[0, close], places[1, close]])
-    rows, columns = np.indices(core.shape, dtype=np.float64, sparse=True)
+    rows, columns = (np.arange(side, dtype=np.float64) for side in core.shape)
+    rows = rows[:, None]
     weight = core.astype(np.float64)
     inverse = np.divide(1.0, depth, out=np.zeros_like(depth), where=core)
 
@@ -107,9 +114,8 @@ def _continued(depth: FloatArray, core: BoolArray, places: IntArray) -> FloatArr
         return ndimage.uniform_filter(values, PATCH)[at]
 
     count = mean_of(weight)
-    row_mean, column_mean, level = (
-        mean_of(values) / count for values in (weight * rows, weight * columns, inverse)
-    )
+    row_mean, column_mean = mean_of(weight * rows) / count, mean_of(weight * columns) / count
+    level = mean_of(inverse) / count
     across_rows = mean_of(weight * rows**2) / count - row_mean**2 + NARROW
     across_columns = mean_of(weight * columns**2) / count - column_mean**2 + NARROW
     both = mean_of(weight * rows * columns) / count - row_mean * column_mean
