@@ -5,8 +5,8 @@ from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
-from topple.benchmarks.behaviour import BEHAVIOUR, PLAYS_LIKE, REARRANGING
-from topple.benchmarks.episodes import FORMAT, Ending
+from topple.benchmarks.behaviour import BEHAVIOUR, MASKS, PLAYS_LIKE, REARRANGING
+from topple.benchmarks.episodes import FORMAT, Ending, Episode
 from topple.planner.formats.json_lines import JsonLines
 from topple.topology.errors import InvalidInput
 
@@ -39,15 +39,24 @@ class Journal(JsonLines):
         if entry.get("behaviour") not in {BEHAVIOUR, *PLAYS_LIKE}:
             self.stale += 1
             return
-        scene = Ending.from_json(entry).episode.scenario
-        if scene in REARRANGING and entry.get("rearranging") != REARRANGING[scene]:
+        wanted = _versions(Ending.from_json(entry).episode)
+        if any(entry.get(part) != version for part, version in wanted.items()):
             self.stale += 1
             return
         self.entries.append(entry)
 
     def add(self, entry: Mapping[str, Any]) -> None:
         """Append an entry of today's behaviour; see `JsonLines.add`."""
-        version = REARRANGING.get(entry["episode"]["scenario"])
-        kept = {**entry, "behaviour": BEHAVIOUR, **({} if version is None else {"rearranging": version})}
+        kept = {**entry, "behaviour": BEHAVIOUR, **_versions(Ending.from_json(entry).episode)}
         super().add(kept)
         self.entries.append(kept)
+
+
+def _versions(episode: Episode) -> dict[str, int]:
+    """Versions of parts of topple that an episode asks, beside that of the whole."""
+    parts: dict[str, int] = {}
+    if episode.scenario in REARRANGING:
+        parts["rearranging"] = REARRANGING[episode.scenario]
+    if episode.mask_noise > 0.0:
+        parts["masks"] = MASKS
+    return parts

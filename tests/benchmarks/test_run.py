@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from topple import benchmarks
-from topple.benchmarks.behaviour import BEHAVIOUR, PLAYS_LIKE, REARRANGING
+from topple.benchmarks.behaviour import BEHAVIOUR, MASKS, PLAYS_LIKE, REARRANGING
 from topple.benchmarks.episodes import Ending, Episode, play
 from topple.benchmarks.frames import frames_in, wanted_of
 from topple.benchmarks.journal import Journal
@@ -101,6 +101,20 @@ def test_what_was_rearranged_another_way_does_not_count(
     assert len(Journal(path).entries) == counts
 
 
+@pytest.mark.parametrize(("version", "counts"), [(MASKS, True), (MASKS - 1, False), (None, False)])
+def test_what_was_made_of_masks_that_are_off_another_way_does_not_count(
+    version: int | None, counts: bool, tmp_path: Path
+) -> None:
+    path = tmp_path / "endings.jsonl"
+    told = {"behaviour": BEHAVIOUR} | ({} if version is None else {"masks": version})
+    for noise in (0.0, 1.0):
+        ending = Ending(Episode("pile", 3, mask_noise=noise), "success")
+        path.write_text(json.dumps({**ending.to_json(), **told}) + "\n")
+        assert len(Journal(path).entries) == (counts or noise == 0.0)
+    Journal(path).add(ending.to_json())
+    assert Journal(path).entries[-1]["masks"] == MASKS
+
+
 @pytest.mark.slow  # every scene is built
 def test_scenes_that_are_rearranged_are_named() -> None:
     for name in SCENARIOS:
@@ -112,7 +126,7 @@ def test_what_counts_as_played_like_today_was_played_alike() -> None:
     went: dict[Episode, dict[int, tuple[object, ...]]] = {}
     for line in (Path(benchmarks.__file__).parent / "played.jsonl").read_text().splitlines():
         entry = json.loads(line)
-        later = entry["episode"]["scenario"] in REARRANGING and "rearranging" in entry  # another way since
+        later = {"rearranging", "masks"} & entry.keys()  # another way since
         if entry["behaviour"] in {BEHAVIOUR, *PLAYS_LIKE} and not later:
             end = Ending.from_json(entry)
             told = (end.ending, end.violations, end.steps, end.robot_seconds, end.used)
