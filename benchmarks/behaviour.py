@@ -23,9 +23,10 @@ REARRANGING: Mapping[str, int] = {"set-table": 4, "restack": 4, "pack": 4, "swap
 with every change that is meant and that the scene's episodes show, since no frozen case does it: earlier
 results of the scene then do not count."""
 
+
 MASKS = 1
-"""Version of what is made of masks that are off. Raise it by one with every change of that alone: episodes with
-exact masks count on."""
+"""Version of what is made of masks that are off. Raise it by one with every change of that alone: what was
+played with exact masks counts on."""
 
 DIGITS = 5
 """Decimals that count: steps of 0.01 mm or 0.01 mrad. What is to be noticed, 0.1 mm, is ten of them and never
