@@ -24,7 +24,7 @@ from topple.topology.relations import Relations
 from topple.topology.scene import Scene
 from topple.topology.situation import Situation
 from topple.topology.sixim.table import Relation
-from topple.topology.views.borders import mended
+from topple.topology.views.borders import mend_masks
 
 Relate = Callable[[Scene], Relations]
 
@@ -154,7 +154,7 @@ class Observer:
 
 def _mended(images: Sequence[DepthImage]) -> tuple[tuple[DepthImage, ...], tuple[str, ...]]:
     """Pictures whose masks end where depth says, and of each that was changed what was wrong."""
-    put_right = [mended(image) for image in images]
+    put_right = [mend_masks(image) for image in images]
     said = [f"camera {number}: {note}" for number, (_, note) in enumerate(put_right, 1) if note is not None]
     return tuple(image for image, _ in put_right), tuple(said)
 

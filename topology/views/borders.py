@@ -15,7 +15,7 @@ from topple.topology.image import DepthImage
 from topple.topology.views.tolerances import BORDER, CLOSER, NARROW, OFF, OFF_BORDERS, PATCH
 
 
-def mended(image: DepthImage) -> tuple[DepthImage, str | None]:
+def mend_masks(image: DepthImage) -> tuple[DepthImage, str | None]:
     """Give pixels at borders of masks to the neighbour whose surface they are of, where many are.
 
     Args:

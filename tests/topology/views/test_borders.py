@@ -9,7 +9,7 @@ from topple.robots.scenarios import SCENARIOS
 from topple.robots.scenarios.scenario import Scenario
 from topple.topology.image import DepthImage
 from topple.topology.io.load import load_scene
-from topple.topology.views.borders import border_share, mended
+from topple.topology.views.borders import border_share, mend_masks
 
 
 @pytest.fixture(scope="module")
@@ -26,7 +26,7 @@ def test_of_the_pixels_that_change_nine_tenths_were_wrong_and_half_of_the_wrong_
     pile: Scenario,
 ) -> None:
     for true, seen in zip(looks(pile, 0.0), looks(pile, 1.0), strict=True):
-        found, said = mended(seen)
+        found, said = mend_masks(seen)
         assert said is not None and "off by a pixel" in said
         changed, right = found.label != seen.label, found.label == true.label
         wrong = (seen.label != true.label) & (seen.depth > 0)
@@ -36,7 +36,7 @@ def test_of_the_pixels_that_change_nine_tenths_were_wrong_and_half_of_the_wrong_
 
 def test_exact_masks_stay_as_they_are(pile: Scenario) -> None:
     for seen in looks(pile, 0.0):
-        assert mended(seen) == (seen, None)
+        assert mend_masks(seen) == (seen, None)
 
 
 def test_what_depends_on_what_is_as_with_exact_masks(pile: Scenario) -> None:
@@ -67,7 +67,7 @@ def test_a_pixel_of_a_step_goes_to_the_side_that_it_is_of() -> None:
 @pytest.mark.parametrize("label", [np.zeros((6, 8), int), np.arange(48).reshape(6, 8)])
 def test_masks_without_borders_or_without_an_inside_stay(label: np.ndarray) -> None:
     image = DepthImage(np.full((6, 8), 0.5), np.array([[50.0, 0, 4], [0, 50, 3], [0, 0, 1]]), label)
-    assert mended(image) == (image, None)
+    assert mend_masks(image) == (image, None)
 
 
 @pytest.mark.parametrize("off", [0.0, 1.0])
@@ -77,4 +77,4 @@ def test_a_frame_is_mended_as_it_is_read_and_says_so(pile: Scenario, tmp_path: P
     scene = load_scene(tmp_path / "frame.npz")
     said = [note for note in scene.assumptions if "masks are off" in note]
     assert len(said) == (off > 0.0)
-    assert (scene.images[0].label == mended(seen)[0].label).all()
+    assert (scene.images[0].label == mend_masks(seen)[0].label).all()
