@@ -9,12 +9,12 @@ import json
 from collections.abc import Mapping, Sequence
 from typing import Any
 
-BEHAVIOUR = 9
+BEHAVIOUR = 8
 """Version of what topple does. Raise it by one with every change that is meant and that `topple bench frozen`
 reports, then run `topple bench frozen --data DIR --write`. Results in the journals of benches count as long
 as it stays the same."""
 
-PLAYS_LIKE = frozenset({7, 8})
+PLAYS_LIKE = frozenset({7})
 """Earlier versions whose episodes count, too: they went digit for digit as today's wherever both were played.
 Empty it with the next change, unless that is shown again."""
 
