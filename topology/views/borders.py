@@ -108,7 +108,7 @@ def _continued(depth: FloatArray, core: BoolArray, places: IntArray) -> FloatArr
     rows, columns = (np.arange(side, dtype=np.float64) for side in core.shape)
     rows = rows[:, None]
     weight = core.astype(np.float64)
-    inverse = np.divide(1.0, depth, out=np.zeros_like(depth), where=core)
+    inverse = np.where(core, 1.0 / np.maximum(depth, 1e-6), 0.0)  # [1/m], of depths beyond a micrometre
 
     def mean_of(values: FloatArray) -> FloatArray:
         return ndimage.uniform_filter(values, PATCH)[at]
