@@ -6,7 +6,7 @@ BIN := .venv/bin
 # a file stay in one process, which makes their fixtures once.
 TESTS := OMP_NUM_THREADS=1 OPENBLAS_NUM_THREADS=1 $(BIN)/python -m pytest -n 2 --dist loadfile --no-loadscope-reorder
 
-.PHONY: demo test test-all lint docs figures peers schema film python clean
+.PHONY: demo test test-all lint truth docs figures peers schema film python clean
 
 demo: .venv/run.stamp
 	$(BIN)/topple demo
@@ -22,6 +22,11 @@ lint: .venv/dev.stamp
 	$(BIN)/ruff format --check .
 	$(BIN)/codespell
 	$(BIN)/pyright
+
+# Whether this tree tells less of the truth than the commit that changes are held against; goes on where it was stopped.
+REFERENCE ?= a2ac90c
+truth: .venv/dev.stamp
+	$(BIN)/topple bench truth --against $(REFERENCE)
 
 # The site, in site/: any warning stops the build, a broken link too.
 docs: .venv/dev.stamp

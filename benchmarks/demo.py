@@ -10,11 +10,11 @@ from importlib.metadata import version
 from pathlib import Path
 from typing import Any
 
-from topple.benchmarks.behaviour import BEHAVIOUR
 from topple.benchmarks.episodes import Ending, Episode
 from topple.benchmarks.row import Progress, Row
 from topple.benchmarks.run import JOURNAL, collected, in_turn
 from topple.benchmarks.scores import share_interval
+from topple.benchmarks.versions import commit_now
 from topple.planner.execution.demo_seeds import CAMERAS, SeedCount, document, text
 from topple.planner.formats.files import check_writable, write_whole
 from topple.robots.scenarios import SCENARIOS
@@ -61,7 +61,7 @@ def rows(
         made = {
             "made_by": "topple bench demo --counts FILE",
             "topple": version(DISTRIBUTION),
-            "behaviour": BEHAVIOUR,
+            "commit": commit_now(),
         }
         write_whole(place, text(document(counted, made)))
     missing = sum(episode not in known for episode in wanted)

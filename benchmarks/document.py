@@ -15,7 +15,7 @@ from topple.topology.errors import DISTRIBUTION, InvalidInput
 BENCHES = ("relate", "order", "build", "rearrange", "motion", "paper", "run", "demo")
 """Names; each is a module of this package with a function `rows(quick, seed, progress)`."""
 
-CHECKS = ("engines", "frozen", "reliability", "speed")
+CHECKS = ("engines", "reliability", "speed", "truth")
 """Benches that compare topple with itself, not with others: run where they are named."""
 
 _LIBRARIES = (DISTRIBUTION, "numpy", "scipy", "pybullet", "python-fcl", "ompl")
@@ -72,7 +72,8 @@ def _rows_of(name: str) -> Callable[..., list[dict[str, Any]]]:
     known = (*BENCHES, *CHECKS)
     if name not in known:
         raise InvalidInput(f"there is no bench {name!r}: expected one of {', '.join(known)}")
-    return importlib.import_module(f"topple.benchmarks.{name}").rows
+    module = "truth.gate" if name == "truth" else name
+    return importlib.import_module(f"topple.benchmarks.{module}").rows
 
 
 def machine() -> dict[str, Any]:

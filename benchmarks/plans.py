@@ -12,7 +12,6 @@ from typing import Any
 import numpy as np
 from scipy.spatial.transform import Rotation
 
-from topple.benchmarks.behaviour import REARRANGING
 from topple.benchmarks.row import Progress, Row
 from topple.benchmarks.scores import share_interval
 from topple.planner.errors import NoSafePlan
@@ -30,6 +29,9 @@ from topple.robots.world.world import in_bullet
 from topple.topology.errors import ToppleError
 from topple.topology.scene import Scene
 from topple.topology.workers import Lost, mapped, opened
+
+REARRANGED: tuple[str, ...] = ("set-table", "restack", "pack", "swap")
+"""Scenes in which things are put as they lie in another one."""
 
 MANY = 40
 """Seeds of each scene in which one arrangement is turned into another; the first is the bench's."""
@@ -91,7 +93,7 @@ def rearranged(quick: bool, seed: int, progress: Progress) -> list[dict[str, Any
     Returns:
         The bench's rows.
     """
-    scenes = list(REARRANGING)[-1:] if quick else list(REARRANGING)
+    scenes = REARRANGED[-1:] if quick else REARRANGED
     numbers = range(seed, seed + (1 if quick else MANY))
     held = dict.fromkeys(scenes, 0)
     wanted = [(scene, one) for one in numbers for scene in scenes]

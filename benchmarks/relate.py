@@ -28,7 +28,7 @@ from typing import Any
 
 from scipy.spatial import ConvexHull
 
-from topple.benchmarks import truth
+from topple.benchmarks import labelled
 from topple.benchmarks.clock import cpu_medians
 from topple.benchmarks.clouds import crowd, frame, household
 from topple.benchmarks.plain_numpy import plain_numpy
@@ -96,7 +96,7 @@ def rows(quick: bool, seed: int, progress: Progress, data: Path | None = None) -
         quick: Without the densest clouds, and fewer repeats.
         seed: Seed of the clouds.
         progress: Called before each part.
-        data: Folder of frames a person labelled, see `truth`; None leaves them out.
+        data: Folder of frames a person labelled, see `labelled`; None leaves them out.
 
     Returns:
         The bench's rows.
@@ -113,7 +113,7 @@ def rows(quick: bool, seed: int, progress: Progress, data: Path | None = None) -
     if extent.frame:
         progress("a frame of 15 objects")
         found.append(_frame(extent.repeats, seed))
-    found += truth.rows(data, progress)
+    found += labelled.rows(data, progress)
     return [row.to_json() for row in found]
 
 

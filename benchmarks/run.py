@@ -11,8 +11,9 @@
 - The same piles again with the same arm, grasps and motions, but with the order decided by a rule of thumb:
   what is nearest to the arm first, the highest top first, or the paper's relations and height.
 
-Every episode that ends is kept in a journal: a bench that was stopped goes on, and the figures are of all
-that was played with the same behaviour, in as many sittings as it took. Shares have Wilson's 95 %
+Every episode that ends is kept in a journal with its commit: a bench that was stopped goes on, and the
+figures are of all that the same code played, in as many sittings as it took. `--against JOURNAL` compares the
+seeds that both have. Shares have Wilson's 95 %
 intervals. A sitting of half an hour shows whether anything leaks or breaks: its rows are those of memory and
 crashes.
 """
@@ -35,14 +36,16 @@ from topple.benchmarks.journal import Journal
 from topple.benchmarks.other_piles import NAME as OTHER_PILE
 from topple.benchmarks.row import Progress, Row
 from topple.benchmarks.rules import RULES
-from topple.benchmarks.scores import share_interval
+from topple.benchmarks.scores import DRAWS, share_interval
 from topple.benchmarks.series import BESIDE, FULL, QUICK, Series
 from topple.planner.fallbacks import FALLBACKS
+from topple.topology.errors import InvalidInput
 from topple.topology.workers import Lost, mapped, opened
 
 JOURNAL = Path("topple-bench-run.jsonl")
 LEAST_THIRD = 5  # episodes: with fewer in a third a process's memory says nothing
 LOOP = 30  # [min] that a process has to go on without a break
+WORST = 3.0  # points of all runs that a change may lose
 STAYED = 0.01  # [m] a rebuilt body may move until it is at rest
 
 
@@ -55,6 +58,7 @@ def rows(
     data: Path | None = None,
     meshes: Path | None = None,
     ahead: bool = False,
+    against: str | None = None,
     executor: Executor | None = None,
 ) -> list[dict[str, Any]]:
     """Play what is not in the journal yet, and count.
@@ -64,10 +68,12 @@ def rows(
         seed: The first seed of every series.
         progress: Called as episodes end.
         journal: Where endings are kept, line by line.
-        minutes: After this time no further episode is begun; the figures are of what was played.
+        minutes: After this time no further episode is begun; the figures are of what was played. With 0 they
+            are of what the code of the journal's last line played, else of what today's did.
         data: A folder with annotated camera frames, to be acted out too.
         meshes: A folder with models that the piles of another generator are made of, besides its own shapes.
         ahead: Whether the next step is chosen while the arm acts, in series that are no frames.
+        against: Another journal, of which the same seeds are compared with.
         executor: Whose workers play, and see the same folders; None for a process a core.
 
     Returns:
@@ -94,6 +100,8 @@ def rows(
     asked = set(wanted)
     endings = [ending for episode, ending in known.items() if episode in asked]
     rows += [*fallback_rows(endings), *endurance(endings)]
+    if against is not None:
+        rows += paired_rows(found, _endings_in(Path(against), journal))
     return [row.to_json() for row in rows]
 
 
@@ -114,10 +122,9 @@ def collected(
         executor: Whose workers play; None for a process a core.
 
     Returns:
-        Everything that the journal has of today's behaviour, wanted or not, in the order in which it was
-        played.
+        Everything that counts in the journal, wanted or not, in the order in which it was played.
     """
-    with Journal(journal) as book:
+    with Journal(journal, last=minutes == 0) as book:
         return _kept(wanted, progress, book, minutes, executor)
 
 
@@ -129,7 +136,7 @@ def _kept(
     executor: Executor | None,
 ) -> Mapping[Episode, Ending]:
     if book.stale:
-        progress(f"{book.stale} results of another version of behaviour are left out")
+        progress(f"{book.stale} results of other code are left out: --against compares with them")
     known = {ending.episode: ending for ending in map(Ending.from_json, book.entries)}
     left = [episode for episode in wanted if episode not in known]
     until = None if minutes is None else time.monotonic() + 60 * minutes
@@ -189,6 +196,43 @@ def figures(found: Mapping[Series, Sequence[Ending]]) -> list[Row]:
             what = f"targets that ideal lifts of true bodies free, {len(endings)} of {one.seeds} piles"
             rows.append(_share(what, possible, len(endings)))
     return rows + _against_rules(found)
+
+
+def _endings_in(path: Path, journal: Path) -> Mapping[Episode, Ending]:
+    """The last ending of each episode in another journal, whatever played it."""
+    if not path.is_file() or path.resolve() == journal.resolve():
+        raise InvalidInput(f"{path}: expected another journal than the one that is kept ({journal})")
+    with Journal(path) as book:
+        return {ending.episode: ending for ending in map(Ending.from_json, book.lines)}
+
+
+def paired_rows(found: Mapping[Series, Sequence[Ending]], theirs: Mapping[Episode, Ending]) -> list[Row]:
+    """Successes lost against another journal, on the seeds that both have, each series and all together.
+
+    Args:
+        found: Series to the endings of those of its episodes that were played.
+        theirs: Endings by episode.
+
+    Returns:
+        Rows of paired differences in points, with 95 % intervals; all together may lose `WORST`, and nothing
+        significantly.
+    """
+    pairs = {
+        str(one): [(e.success, theirs[e.episode].success) for e in endings if e.episode in theirs]
+        for one, endings in found.items()
+        if one.rule == TOPPLE
+    }
+    rows: list[Row] = []
+    every = [pair for some in pairs.values() for pair in some]
+    for what, some in (*pairs.items(), ("all series", every)):
+        if some:
+            lost = 100.0 * np.array([float(its) - float(ours) for ours, its in some])
+            drawn = np.random.default_rng(0).choice(lost, (DRAWS, len(lost))).mean(axis=1)
+            low, high = (float(value) for value in np.percentile(drawn, [2.5, 97.5]))
+            most = None if what in pairs else "<= 0" if low > 0.0 else f"<= {WORST:g}"
+            told = f"runs lost against the other journal: {what}, {len(some)} seeds of both"
+            rows.append(Row(told, float(lost.mean()), "points", bar=most, interval=(low, high)))
+    return rows
 
 
 def fallback_rows(endings: Sequence[Ending]) -> list[Row]:

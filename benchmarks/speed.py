@@ -1,12 +1,13 @@
 """How fast whole answers are: frame to order, plans, the thinking of a closed loop, and how times grow.
 
-With `--baseline DIR`, a checkout of an older tree (`git worktree add DIR dc3093d`), every task is done by it
-as well, in the same run and turn about, each time in a process of its own with the libraries of this one; a
-bar in x compares the two. Without it these bars are not judged.
+With `--against COMMIT` every task is done by that commit as well, in the same run and turn about, each time
+in a process of its own with the libraries of this one; a bar in x compares the two. Without it what has a
+fixed peer is held against that: Qhull on the same clouds, a process that imports numpy and SciPy. No bar is a
+time.
 
 - Default relations of ten objects against Qhull alone on the same clouds.
 - A file with a 640x480 frame to its order, imports left out: recorded frames of `--data DIR`, else a rendered
-  one; the same with its first object moved and everything else known.
+  one; the same as `topple order`, a process; the same with its first object moved and everything else known.
 - A plan that clears ten things with a Panda, seen by three cameras.
 - Thinking in the closed loop of the pile: all that is neither an arm's motion nor a camera's picture, for
   each action.
@@ -30,7 +31,7 @@ import time
 from collections.abc import Callable, Generator, Sequence
 from concurrent.futures import Executor
 from contextlib import AbstractContextManager, ExitStack, contextmanager, suppress
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from functools import partial
 from pathlib import Path
 from statistics import median
@@ -43,13 +44,21 @@ from topple.benchmarks import plans, speed_tasks
 from topple.benchmarks.clock import cpu_medians, cpu_seconds
 from topple.benchmarks.clouds import brick_wall, frame, household, stacks_of_four
 from topple.benchmarks.row import Progress, Row, faster, longer
+from topple.benchmarks.versions import of_commit
 from topple.planner.planning.order import order
 from topple.topology.errors import InvalidInput, NotInstalled
 from topple.topology.relations import relate, relate_all
 from topple.topology.scene import Scene
 from topple.topology.workers import WorkerPool
 
-LAYERS = ("topology", "robots", "planner")
+NOT_SLOWER = ">= 0.9x"
+"""Of what a commit before takes: figures of one run differ by a few percent."""
+
+FRAME, PROCESS, WALL, RELATIONS = 30.0, 5.0, 400.0, 9.0
+"""Most times as long as the fixed peer: a frame to order, the same as a process, a wall of 30 bricks,
+relations of ten objects in the quick run. A quarter to a half more than where they were set."""
+
+PEERS = {"hulls": "Qhull alone", "imports": "a process that imports numpy and SciPy"}
 WORKERS = 2
 WAITING = ("dishes", "tower", "pile")
 """Scenes in which the arm's waiting is measured."""
@@ -65,21 +74,21 @@ class Extent:
 
     Attributes:
         relations: Points of each of ten objects, and the bar against Qhull alone.
-        walls: Bricks, and the bar [s]; None where there is none.
+        walls: Bricks, and the bar against Qhull alone; None where there is none.
         stacks: Objects of the scenes, rising: the last are held against the first.
         repeats: How often tasks in processes of their own are done.
         whole: Whether plan, closed loop and demo are measured: minutes.
     """
 
     relations: tuple[tuple[int, float], ...] = ((10_000, 3.5), (50_000, 1.7), (200_000, 1.1))
-    walls: tuple[tuple[int, float | None], ...] = ((30, 1.0), (60, 4.0), (120, None))
+    walls: tuple[tuple[int, float | None], ...] = ((30, WALL), (60, None), (120, None))
     stacks: tuple[int, ...] = (100, 200, 400, 1000)
     repeats: int = 3
     whole: bool = True
 
 
 FULL = Extent()
-QUICK = Extent(((10_000, 3.5),), ((30, 1.0),), (40, 100), 1, whole=False)
+QUICK = Extent(((10_000, RELATIONS),), ((30, WALL),), (40, 100), 1, whole=False)
 
 
 def rows(
@@ -87,7 +96,7 @@ def rows(
     seed: int,
     progress: Progress,
     data: Path | None = None,
-    baseline: Path | None = None,
+    against: str | None = None,
 ) -> list[dict[str, Any]]:
     """Measure.
 
@@ -96,13 +105,13 @@ def rows(
         seed: Of clouds and scenes.
         progress: Called before each part.
         data: A folder of recorded frames (`*.npz`); None: a rendered one.
-        baseline: A checkout of an older tree; None: bars against one are not judged.
+        against: A commit that does the same; None: bars against one are not judged.
 
     Returns:
         The bench's rows.
 
     Raises:
-        InvalidInput: The baseline is no checkout.
+        InvalidInput: There is no such commit.
     """
     extent = QUICK if quick else FULL
     found: list[Row] = []
@@ -110,15 +119,15 @@ def rows(
         progress(f"relations of 10 objects x {points:,} points")
         found.append(relations_row(points, bar, seed, 3 if quick else 5))
     with tempfile.TemporaryDirectory(prefix="topple-speed-") as scratch:
-        trees = Trees(Path(scratch), baseline)
+        trees = Trees(Path(scratch), against)
         found += _frames(trees, data, extent.repeats, seed, progress)
         if extent.whole and data is not None:
             found += many_rows(sorted(data.rglob("*.npz"))[:MANY], progress)
         if extent.whole:
             found += _whole(trees, extent.repeats, seed, progress)
-        for bricks, seconds in extent.walls:
+        for bricks, most in extent.walls:
             progress(f"a wall of {bricks} bricks")
-            found.append(wall_row(trees, bricks, seconds, seed))
+            found += wall_rows(trees, bricks, most, seed)
     progress(f"stacks of four: {', '.join(map(str, extent.stacks))} objects")
     found.append(stacks_row(extent.stacks, seed))
     progress(f"relations JSON of {extent.stacks[-1]} objects")
@@ -127,36 +136,23 @@ def rows(
 
 
 class Trees:
-    """This tree, and an older one where there is a checkout of it.
+    """This tree, and that of a commit where one is named.
 
     Args:
         scratch: A folder to write into.
-        baseline: The checkout.
+        against: The commit.
 
     Raises:
-        InvalidInput: It is none.
+        InvalidInput: There is no such commit.
     """
 
-    def __init__(self, scratch: Path, baseline: Path | None) -> None:
-        self.scratch, self.name = scratch, None if baseline is None else baseline.resolve().name
-        self._old: Path | None = None
+    def __init__(self, scratch: Path, against: str | None) -> None:
+        self.scratch = scratch
+        self._old = None if against is None else of_commit(against, scratch / "versions")
+        self.name = None if self._old is None else self._old.name
         self._script = scratch / "tasks" / "speed_tasks.py"  # beside it are no modules that hide others
         self._script.parent.mkdir()
         self._script.write_text(Path(speed_tasks.__file__).read_text(encoding="utf-8"), encoding="utf-8")
-        if baseline is None:
-            return
-        missing = [layer for layer in LAYERS if not (baseline / layer).is_dir()]
-        if missing:
-            raise InvalidInput(
-                f"{baseline} is no checkout of topple: it has no folder {missing[0]}; make one with "
-                "git worktree add DIR COMMIT"
-            )
-        self._old = scratch / "old"
-        package = self._old / "topple"
-        package.mkdir(parents=True)
-        (package / "__init__.py").touch()
-        for layer in LAYERS:
-            (package / layer).symlink_to((baseline / layer).resolve(), target_is_directory=True)
 
     def measure(
         self, task: str, settings: dict[str, Any], repeats: int
@@ -176,7 +172,7 @@ class Trees:
         for _ in range(repeats):
             ours.append(self._figures(task, settings, None))
             if self._old is not None:
-                theirs.append(self._figures(task, settings, self._old))
+                theirs.append(self._figures(task, settings, self._old.folder))
         medians = [median(values) for values in zip(*ours, strict=True)]
         return medians, [median(values) for values in zip(*theirs, strict=True)] if theirs else None
 
@@ -196,11 +192,11 @@ class Trees:
             raise RuntimeError(f"{task} by {self.name if tree else 'this tree'} failed: {last}")
         return json.loads(done.stdout.splitlines()[-1])
 
-    def row(self, what: str, ours: float, theirs: float | None, bar: str) -> Row:
-        """A figure, against that of the older tree where it was measured."""
+    def row(self, what: str, ours: float, theirs: float | None) -> Row:
+        """A figure, against that of the commit where it was measured."""
         if theirs is None or self.name is None:
             return Row(what, ours, "s")
-        return faster(what, ours, self.name, theirs, bar)
+        return faster(what, ours, self.name, theirs, NOT_SLOWER)
 
 
 def exponent(counts: Sequence[float], seconds: Sequence[float]) -> float:
@@ -234,14 +230,18 @@ def _frames(trees: Trees, data: Path | None, repeats: int, seed: int, progress: 
         what = f"{len(paths)} recorded frames, mean"
     settings = {"paths": [str(path) for path in paths]}
     found: list[Row] = []
-    for task, words, bar in (
-        ("order", "to order", ">= 2.7x"),
-        ("again", "to order again, one object moved", ">= 4x"),
+    for task, words, peer, bar in (
+        ("order", "to order", "hulls", FRAME),
+        ("process", "to order, as a process", "imports", PROCESS),
+        ("again", "to order again, one object moved", "hulls", None),
     ):
         progress(f"{what}, {words}")
         ours, theirs = trees.measure(task, settings, repeats)
         means = float(np.mean(ours)), None if theirs is None else float(np.mean(theirs))
-        found.append(trees.row(f"{what}, {words}", *means, bar))
+        found.append(trees.row(f"{what}, {words}", *means))
+        fixed = float(np.mean(trees.ours(peer, settings)))
+        most = None if bar is None else f"<= {bar:g}x"
+        found.append(longer(f"{what}, {words}", means[0], PEERS[peer], fixed, most))
     return found
 
 
@@ -295,17 +295,17 @@ def _whole(trees: Trees, repeats: int, seed: int, progress: Progress) -> list[Ro
     path = written(scene, trees.scratch / "ten_scene.npz")
     ours, theirs = trees.measure("plan", {"paths": [str(path)], "base": base}, 1)
     what = "plan that clears ten objects with a Panda"
-    found = [trees.row(what, ours[0], None if theirs is None else theirs[0], ">= 2.6x")]
+    found = [trees.row(what, ours[0], None if theirs is None else theirs[0])]
     progress("thinking in closed loops")
     runs = [trees.measure("think", {"scene": "pile", "seed": seed + k}, 1) for k in range(repeats)]
     old = [theirs[0] for _, theirs in runs if theirs is not None]
     what = f"thinking for an action in a closed loop, pile, median of {len(runs)} runs, CPU"
     ours = median(figures[0] for figures, _ in runs)
-    found.append(trees.row(what, ours, median(old) if old else None, ">= 2.5x"))
+    found.append(trees.row(what, ours, median(old) if old else None))
     found += waiting_rows(trees, range(seed, seed + repeats), progress)
     progress("topple demo")
     ours, theirs = trees.measure("demo", {"folder": str(trees.scratch)}, 1)
-    return [*found, trees.row("topple demo, wall", ours[0], None if theirs is None else theirs[0], ">= 2x")]
+    return [*found, trees.row("topple demo, wall", ours[0], None if theirs is None else theirs[0])]
 
 
 def waiting_rows(trees: Trees, seeds: Sequence[int], progress: Progress) -> list[Row]:
@@ -339,18 +339,18 @@ def waiting_rows(trees: Trees, seeds: Sequence[int], progress: Progress) -> list
     ]
 
 
-def wall_row(trees: Trees, bricks: int, seconds: float | None, seed: int) -> Row:
-    """The order of a wall of so many bricks; with its bar [s], and by the older tree, where there is one."""
+def wall_rows(trees: Trees, bricks: int, most: float | None, seed: int) -> list[Row]:
+    """The order of a wall of so many bricks, against Qhull alone and by the commit where one is named."""
     small, wall = (
         str(written(brick_wall(count, seed), trees.scratch / f"wall_{count}_scene.npz"))
         for count in (8, bricks)
     )
     what, settings = f"order of a wall of {bricks} bricks", {"paths": [small, wall]}
-    if seconds is None:
-        return Row(what, trees.ours("order", settings)[-1], "s")
     ours, theirs = trees.measure("order", settings, 1)
-    row = trees.row(what, ours[-1], None if theirs is None else theirs[-1], "")
-    return replace(row, bar=f"<= {seconds:g}")
+    fixed = trees.ours("hulls", settings)[-1]
+    bar = None if most is None else f"<= {most:g}x"
+    found = [longer(what, ours[-1], PEERS["hulls"], fixed, bar)]
+    return found if theirs is None else [*found, trees.row(what, ours[-1], theirs[-1])]
 
 
 def stacks_row(counts: Sequence[int], seed: int) -> Row:

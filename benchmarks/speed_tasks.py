@@ -5,11 +5,13 @@ arguments are used that older trees have as well; where a module has moved since
 """
 
 import json
+import resource
 import subprocess
 import sys
 import time
 from collections.abc import Callable, Sequence
 from contextlib import suppress
+from functools import partial
 from importlib import import_module
 from pathlib import Path
 from typing import Any
@@ -31,6 +33,29 @@ def order_scenes(settings: Settings) -> list[float]:
         like = like.with_cloud(name, cloud + 0.001)
     order(like)
     return [_cpu(lambda path=path: order(_scene(path))) for path in paths]
+
+
+def order_process(settings: Settings) -> list[float]:
+    """CPU time [s] of `topple order` of each file as a process of its own, the second of two."""
+    command = [sys.executable, "-m", "topple.planner.cli.main", "order", "--json"]
+    return [_of_process([*command, path, *_fixed(path)]) for path in settings["paths"]]
+
+
+def imports(settings: Settings) -> list[float]:
+    """CPU time [s] of a process that imports numpy and SciPy, the second of two."""
+    return [_of_process([sys.executable, "-c", "import numpy, scipy.spatial, scipy.optimize"])]
+
+
+def hulls(settings: Settings) -> list[float]:
+    """CPU time [s] of Qhull on every cloud of each file, the median of five."""
+    return [sorted(_cpu(partial(_hulls, _scene(path))) for _ in range(5))[2] for path in settings["paths"]]
+
+
+def _hulls(scene: Any) -> None:
+    from scipy.spatial import ConvexHull
+
+    for cloud in scene.clouds.values():
+        ConvexHull(cloud, qhull_options="Qt QJ")  # a table is flat
 
 
 def order_again(settings: Settings) -> list[float]:
@@ -140,6 +165,22 @@ def _scene(path: str) -> Any:
     return load_scene(Path(path))
 
 
+def _fixed(path: str) -> list[str]:
+    """How a command is told of the table of a frame."""
+    return ["--fixed", "1"] if "1" in _scene(path).fixed else []
+
+
+def _of_process(command: Sequence[str]) -> float:
+    """CPU time [s] of a process and what it starts, the second of two that do the same."""
+    taken = 0.0
+    for _ in range(2):
+        before = resource.getrusage(resource.RUSAGE_CHILDREN)
+        subprocess.run(command, capture_output=True, check=True)
+        after = resource.getrusage(resource.RUSAGE_CHILDREN)
+        taken = after.ru_utime + after.ru_stime - before.ru_utime - before.ru_stime
+    return taken
+
+
 def _of(name: str, *modules: str) -> Any:
     """What is called `name` in the first of some modules that there is."""
     for module in modules[:-1]:
@@ -156,6 +197,9 @@ def _cpu(call: Callable[[], object]) -> float:
 
 TASKS: dict[str, Callable[[Settings], list[float]]] = {
     "order": order_scenes,
+    "process": order_process,
+    "imports": imports,
+    "hulls": hulls,
     "again": order_again,
     "plan": plan_scene,
     "think": think,

@@ -22,31 +22,30 @@ MISSED = 1
 
 _THREADS = ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS")
 _WITH_VALUES = (
-    ("--data", "DIR", "relate, order, run, frozen, rearrange, speed: recorded data of a folder"),
+    ("--data", "DIR", "relate, order, run, rearrange, speed, truth: recorded data of a folder"),
+    ("--piles", "DIR", "order: score recorded piles of a folder; truth: those too (piles beside --data)"),
     (
-        "--piles",
-        "DIR",
-        "order: score recorded piles of a folder; frozen: those too (piles beside --data)",
+        "--against",
+        "COMMIT",
+        "truth, speed: compare with a commit of the checkout; run: JOURNAL, with its seeds",
     ),
     ("--meshes", "DIR", "run: models that piles of another generator are made of"),
     ("--models", "DIR", "paper: YCB models, as 011_banana (procedural)"),
     ("--scenes", "DIR", "paper: write its scenes there, for other commands"),
     ("--journal", "FILE", "run, demo, engines: keep what ended there, and go on (topple-bench-run.jsonl)"),
     ("--counts", "FILE", "demo: write what `topple demo` tells of its seeds"),
-    ("--file", "FILE", "frozen: compare with that file (the package's own)"),
     (
         "--part",
         "PART",
         "reliability: readers, sabotages, faults, kills or soak alone; motion: motions, grasps or plans",
     ),
-    ("--baseline", "DIR", "speed: compare with a checkout of an older tree"),
     ("--page", "FILE", "put the table of one bench into a page, between its marks"),
 )
 _SWITCHES = (
     ("--quick", "smaller and fewer cases: below two minutes"),
     ("--ahead", "run: choose the next step while the arm acts"),
     ("--verify", "order: score --verify too, which is slow"),
-    ("--write", "frozen: make the file anew"),
+    ("--write", "truth: raise the floors to today's figures"),
     ("--markdown", "print the table as the pages of the docs have it"),
 )
 _HEADINGS = ("what", "tried", "held", "value", "baseline", "its value", "ratio", "bar", "")
@@ -60,7 +59,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         nargs="?",
         metavar="NAME",
         help="relate, order, build, rearrange, motion, paper, run or demo (all of these, one by one), "
-        "or engines, frozen, reliability or speed",
+        "or engines, reliability, speed or truth",
     )
     for option, metavar, purpose in _WITH_VALUES:
         parser.add_argument(option, metavar=metavar, help=purpose)
@@ -125,11 +124,11 @@ def _options(args: argparse.Namespace, name: str) -> dict[str, Any]:
     """Of the options, those that were given and that a bench takes."""
     given = {key: getattr(args, key) for key in options_of(name) if key != "executor"}
     found = {key: value for key, value in given.items() if value is not None}
-    for key in found.keys() & {"data", "piles", "models", "meshes", "baseline"}:
+    for key in found.keys() & {"data", "piles", "models", "meshes"}:
         found[key] = _folder(found[key])
     if "scenes" in found:
         found["scenes"] = make_folder(found["scenes"])
-    for key in found.keys() & {"journal", "counts", "file"}:
+    for key in found.keys() & {"journal", "counts"}:
         found[key] = Path(found[key])
     return found
 

@@ -8,13 +8,12 @@ from typing import Any
 
 import numpy as np
 
-from topple.benchmarks.behaviour import BEHAVIOUR
 from topple.benchmarks.episodes import Ending, Episode
-from topple.benchmarks.frozen import FORMAT, FORMAT_VERSION, Frozen
 from topple.benchmarks.fuzz.oracle import wrong_numbers
 from topple.benchmarks.fuzz.reader import Parts, Reader
 from topple.benchmarks.fuzz.scenes import SCENES, cloud, npy
 from topple.benchmarks.journal import Journal
+from topple.benchmarks.versions import code_key
 from topple.planner.decide.goal import Goal, parse_goal
 from topple.planner.formats.plan_format import Plan, plan_from_json, plan_to_json
 from topple.planner.formats.plan_structs import (
@@ -174,35 +173,12 @@ def _wrong_urdf(answer: object, path: Path) -> str | None:
 
 def _journal() -> Parts:
     ending = Ending(Episode("pile", 3), "success", seconds=31.5, sagged=0.001).to_json()
-    line = json.dumps({**ending, "behaviour": BEHAVIOUR})
+    line = json.dumps({**ending, "commit": "a2ac90c", "code": code_key()})
     return {"endings.jsonl": f"{line}\n{line}\n".encode()}
 
 
 def _read_journal(path: Path) -> list[Ending]:
     return [Ending.from_json(entry) for entry in Journal(path).entries]
-
-
-def _frozen() -> Parts:
-    item: dict[str, Any] = {"what": "order", "digest": {"order": "0a1b2c3d"}, "summary": "mug box"}
-    head = {
-        "format": FORMAT,
-        "format_version": FORMAT_VERSION,
-        "behaviour": BEHAVIOUR,
-        "machine": {"cores": 2},
-    }
-    return {"frozen.json": json.dumps({**head, "own": [item], "recorded": []}).encode()}
-
-
-def _read_frozen(path: Path) -> Frozen:
-    frozen = Frozen.read(path)
-    frozen.text()
-    return frozen
-
-
-def _wrong_frozen(answer: object, path: Path) -> str | None:
-    items = answer.items.values() if isinstance(answer, Frozen) else ()
-    told: list[object] = [text for one in items for text in (one.what, one.summary, *one.digest.values())]
-    return None if all(isinstance(text, str) for text in told) else "an item that is none"
 
 
 def _goal() -> Parts:
@@ -224,7 +200,6 @@ READERS = (
     Reader("gripper toml", _gripper, read_gripper, wrong_numbers, "gripper.toml"),
     Reader("urdf", _urdf, read_urdf, _wrong_urdf, "arm.urdf"),
     Reader("journal", _journal, _read_journal, wrong_numbers, "endings.jsonl"),
-    Reader("frozen json", _frozen, _read_frozen, _wrong_frozen, "frozen.json"),
     Reader("goal", _goal, _read_goal, wrong_numbers, "goal.txt"),
 )
 """All of them."""

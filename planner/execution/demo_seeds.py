@@ -74,7 +74,7 @@ def document(counts: Mapping[str, SeedCount], made: Mapping[str, Any]) -> dict[s
 
     Args:
         counts: By name of the scene.
-        made: By what, of which version of behaviour.
+        made: By what, of which commit.
     """
     kept = {"format": FORMAT, "format_version": FORMAT_VERSION}
     return {**kept, **made, "scenes": msgspec.to_builtins(counts)}

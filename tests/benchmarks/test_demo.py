@@ -5,10 +5,10 @@ from pathlib import Path
 
 import pytest
 
-from topple.benchmarks.behaviour import BEHAVIOUR
 from topple.benchmarks.demo import SEEDS, count_of, rows
 from topple.benchmarks.episodes import Ending, Episode
 from topple.benchmarks.journal import Journal
+from topple.benchmarks.versions import commit_now
 from topple.planner.execution.demo_seeds import FORMAT, SeedCount, counted, default_seed
 from topple.robots.scenarios import SCENARIOS
 
@@ -49,7 +49,7 @@ def test_the_bench_counts_from_the_journal_of_runs_and_writes_what_the_demo_tell
     assert sorted(shares.values()) == [0.0] + [100.0] * (len(list(SCENARIOS)) - 1)
     document = json.loads(file.read_text())
     assert document["format"] == FORMAT
-    assert document["behaviour"] == BEHAVIOUR
+    assert document["commit"] == commit_now()
     assert document["topple"] and "topple bench demo" in document["made_by"]
     assert document["scenes"]["pile"] == {"played": [7], "reached": [], "default": 7}
     assert document["scenes"]["sort"] == {"played": [7], "reached": [7], "default": 7}

@@ -6,16 +6,16 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from topple import benchmarks
-from topple.benchmarks.behaviour import BEHAVIOUR, MASKS, PLAYS_LIKE, REARRANGING
 from topple.benchmarks.episodes import Ending, Episode, play
 from topple.benchmarks.frames import frames_in, wanted_of
 from topple.benchmarks.journal import Journal
+from topple.benchmarks.plans import REARRANGED
 from topple.benchmarks.recorded import Frame
 from topple.benchmarks.row import Row
 from topple.benchmarks.rules import RULES, order_by
 from topple.benchmarks.run import collected, endurance, fallback_rows, figures, rows
 from topple.benchmarks.series import QUICK, Series
+from topple.benchmarks.versions import code_key, commit_now
 from topple.planner.decide.beliefs import Beliefs
 from topple.robots.scenarios import SCENARIOS, scenario_called
 from topple.topology.errors import InvalidInput
@@ -78,63 +78,67 @@ def test_a_line_that_was_cut_off_is_left_out_and_the_next_is_whole(tmp_path: Pat
     assert [entry["episode"]["seed"] for entry in Journal(path).entries] == [0, 1]
 
 
-@pytest.mark.parametrize("version", [{}, {"behaviour": 1}, {"behaviour": BEHAVIOUR + 1}])
-def test_results_of_another_behaviour_do_not_count(version: dict[str, int], tmp_path: Path) -> None:
+def _played(path: Path, seeds: dict[int, bool], **version: str) -> None:
+    lines = [
+        {**Ending(Episode("pile", seed), "success" if good else "hit", memory=10**8).to_json(), **version}
+        for seed, good in seeds.items()
+    ]
+    with path.open("a") as file:
+        file.writelines(json.dumps(line) + "\n" for line in lines)
+
+
+@pytest.mark.parametrize("version", [{}, {"commit": "a2ac90c", "code": "0123456789ab"}])
+def test_results_of_other_code_do_not_count(version: dict[str, str], tmp_path: Path) -> None:
     path = tmp_path / "endings.jsonl"
-    path.write_text(json.dumps({**Ending(Episode("pile", 3), "success").to_json(), **version}) + "\n")
+    _played(path, {3: True}, **version)
     with Journal(path) as book:
         assert (book.entries, book.stale) == ([], 1)
         book.add(Ending(Episode("pile", 4), "success").to_json())
-    assert [entry["behaviour"] for entry in Journal(path).entries] == [BEHAVIOUR]
+    (entry,) = Journal(path).entries
+    assert (entry["episode"]["seed"], entry["code"], entry["commit"]) == (4, code_key(), commit_now())
 
 
-@pytest.mark.parametrize(
-    ("version", "counts"),
-    [(REARRANGING["swap"], True), (REARRANGING["swap"] - 1, False), (None, False)],
-)
-def test_what_was_rearranged_another_way_does_not_count(
-    version: int | None, counts: bool, tmp_path: Path
-) -> None:
+def test_what_was_kept_is_counted_by_the_code_of_the_last_line(tmp_path: Path) -> None:
     path = tmp_path / "endings.jsonl"
-    told = {"behaviour": BEHAVIOUR} | ({} if version is None else {"rearranging": version})
-    path.write_text(json.dumps({**Ending(Episode("swap", 3), "success").to_json(), **told}) + "\n")
-    assert len(Journal(path).entries) == counts
+    _played(path, {0: False, 1: True}, code="one")
+    _played(path, {1: True, 2: True, 3: False}, code="other")
+    found = rows(False, 0, lambda text: None, path, minutes=0)
+    (reached,) = (row for row in found if row["what"].startswith("goal reached"))
+    assert "3 of 100 seeds" in reached["what"] and reached["value"] == pytest.approx(200 / 3)
 
 
-@pytest.mark.parametrize(("version", "counts"), [(MASKS, True), (MASKS - 1, False), (None, False)])
-def test_what_was_made_of_masks_that_are_off_another_way_does_not_count(
-    version: int | None, counts: bool, tmp_path: Path
-) -> None:
-    path = tmp_path / "endings.jsonl"
-    told = {"behaviour": BEHAVIOUR} | ({} if version is None else {"masks": version})
-    for noise in (0.0, 1.0):
-        ending = Ending(Episode("pile", 3, mask_noise=noise), "success")
-        path.write_text(json.dumps({**ending.to_json(), **told}) + "\n")
-        assert len(Journal(path).entries) == (counts or noise == 0.0)
-    Journal(path).add(ending.to_json())
-    assert Journal(path).entries[-1]["masks"] == MASKS
+def test_a_comment_or_a_docstring_is_no_other_code(tmp_path: Path) -> None:
+    def key(name: str, text: str) -> str:
+        (tmp_path / name / "topology").mkdir(parents=True)
+        (tmp_path / name / "topology" / "one.py").write_text(text)
+        return code_key(tmp_path / name)
+
+    plain = key("plain", "x = 1\n\n\ndef f():\n    return x\n")
+    assert (
+        key("told", '"""What x is."""\n\nx = (1)  # why\n\ndef f():\n    """Give x."""\n    return x\n')
+        == plain
+    )
+    assert key("changed", "x = 2\n\n\ndef f():\n    return x\n") != plain
+
+
+def test_the_same_seeds_of_two_journals_are_paired(tmp_path: Path) -> None:
+    ours, theirs = tmp_path / "ours.jsonl", tmp_path / "theirs.jsonl"
+    _played(ours, {seed: seed >= 8 for seed in range(40)}, code="new")
+    _played(theirs, {seed: True for seed in range(4, 60)}, code="old")
+    found = rows(False, 0, lambda text: None, ours, minutes=0, against=str(theirs))
+    lost = [row for row in found if "lost against" in row["what"]]
+    assert [row["value"] for row in lost] == pytest.approx([100 * 4 / 36] * 2)
+    assert "36 seeds of both" in lost[0]["what"]
+    assert [row["ok"] for row in lost] == [None, False], "all series together decide"
+    with pytest.raises(InvalidInput, match="expected another journal"):
+        rows(False, 0, lambda text: None, ours, minutes=0, against=str(ours))
 
 
 @pytest.mark.slow  # every scene is built
 def test_scenes_that_are_rearranged_are_named() -> None:
     for name in SCENARIOS:
         with scenario_called(name) as stage:
-            assert (stage.finished is not None) == (name in REARRANGING), name
-
-
-def test_what_counts_as_played_like_today_was_played_alike() -> None:
-    went: dict[Episode, dict[int, tuple[object, ...]]] = {}
-    for line in (Path(benchmarks.__file__).parent / "played.jsonl").read_text().splitlines():
-        entry = json.loads(line)
-        later = {"rearranging", "masks"} & entry.keys()  # another way since
-        if entry["behaviour"] in {BEHAVIOUR, *PLAYS_LIKE} and not later:
-            end = Ending.from_json(entry)
-            told = (end.ending, end.violations, end.steps, end.robot_seconds, end.used)
-            went.setdefault(end.episode, {})[entry["behaviour"]] = told
-    for version in PLAYS_LIKE:
-        both = [some for some in went.values() if {version, BEHAVIOUR} <= some.keys()]
-        assert len(both) >= 12
-        assert all(some[version] == some[BEHAVIOUR] for some in both)
+            assert (stage.finished is not None) == (name in REARRANGED), name
 
 
 def test_an_episode_is_kept_with_its_folders_as_they_were_given(
@@ -167,7 +171,7 @@ def test_a_line_of_another_shape_is_refused_by_its_number(
     change: dict[str, object], words: str, tmp_path: Path
 ) -> None:
     path = tmp_path / "endings.jsonl"
-    kept = {**Ending(Episode("pile", 3), "success").to_json(), "behaviour": BEHAVIOUR}
+    kept = {**Ending(Episode("pile", 3), "success").to_json(), "code": code_key()}
     path.write_text(f"{json.dumps(kept)}\n{json.dumps({**kept, **change})}\n")
     with pytest.raises(
         InvalidInput, match=f"endings.jsonl: line 2 is no journal of a bench.*{words}"

@@ -8,8 +8,11 @@ import pytest
 from topple.benchmarks import speed
 from topple.benchmarks.clouds import brick_wall, stacks_of_four
 from topple.benchmarks.speed import Trees, exponent
+from topple.benchmarks.versions import commit_now
 from topple.planner.planning.order import order
 from topple.topology.errors import InvalidInput
+
+in_checkout = pytest.mark.skipif(commit_now() is None, reason="this is no checkout: there are no commits")
 
 
 def test_an_exponent_is_that_of_the_power() -> None:
@@ -35,7 +38,7 @@ def test_rows_say_against_what_and_how_far(tmp_path: Path) -> None:
     small, large = speed.json_row(8, 0), speed.json_row(40, 0)
     assert small.value == pytest.approx(large.value, rel=0.3)  # for each object, however many there are
     assert large.baseline_value is not None and large.value < 0.6 * large.baseline_value
-    alone = Trees(tmp_path, None).row("a figure", 2.0, None, ">= 2x")
+    alone = Trees(tmp_path, None).row("a figure", 2.0, None)
     assert (alone.bar, alone.ok) == (None, None)
 
 
@@ -48,26 +51,29 @@ def test_two_workers_are_held_against_one_process(tmp_path: Path) -> None:
     assert all(row.bar == ">= 1.7x" and row.value > 0 for row in rows)
 
 
-def test_a_folder_that_is_no_checkout_is_refused(tmp_path: Path) -> None:
-    with pytest.raises(InvalidInput, match="no folder topology"):
-        Trees(tmp_path, tmp_path)
+@in_checkout
+def test_what_is_no_commit_is_refused(tmp_path: Path) -> None:
+    with pytest.raises(InvalidInput, match="no-such-commit is no commit"):
+        Trees(tmp_path, "no-such-commit")
 
 
+@in_checkout
 @pytest.mark.slow
-def test_another_tree_does_the_same_task_in_a_process_of_its_own(tmp_path: Path) -> None:
-    here = Path(speed.__file__).resolve().parents[1]
-    trees = Trees(tmp_path, here)
+def test_a_commit_does_the_same_task_in_a_process_of_its_own(tmp_path: Path) -> None:
+    trees = Trees(tmp_path, "HEAD")
     path = speed.written(stacks_of_four(8, 0), tmp_path / "stacks_scene.npz")
     ours, theirs = trees.measure("order", {"paths": [str(path)]}, 1)
     assert theirs is not None
     assert min(*ours, *theirs) > 0
-    row = trees.row("order", ours[0], theirs[0], ">= 2x")
-    assert (row.baseline, row.bar) == (here.name, ">= 2x")
+    row = trees.row("order", ours[0], theirs[0])
     assert row.ratio == pytest.approx(theirs[0] / ours[0])
     assert np.isfinite(row.value)
-    wall = speed.wall_row(trees, 12, 9.0, 0)
-    assert (wall.baseline, wall.bar, wall.ok) == (here.name, "<= 9", wall.value <= 9)
-    assert speed.wall_row(trees, 10, None, 0).bar is None
+    qhull, commit = speed.wall_rows(trees, 12, 99.0, 0)
+    assert (qhull.baseline, qhull.bar, qhull.ok) == ("Qhull alone", "<= 99x", True)
+    assert (row.baseline, row.bar) == (commit.baseline, commit.bar) == (trees.name, ">= 0.9x")
+    (imports,) = trees.ours("imports", {"paths": []})
+    (process,) = trees.ours("process", {"paths": [str(path)]})
+    assert process > imports > 0.0
 
 
 @pytest.mark.slow

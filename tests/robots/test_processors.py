@@ -9,7 +9,7 @@ import pytest
 
 SEEN = """
 import hashlib
-from topple.benchmarks.frozen_cases import seen
+from topple.benchmarks.plans import seen
 from topple.robots.scenarios import scenario_called
 for name, seed in (("dishes", 0), ("pile", 1)):
     with scenario_called(name, seed) as stage:

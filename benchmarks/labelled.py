@@ -6,6 +6,8 @@ from what a depth camera measures and from rendered piles (`topology/tolerances.
 """
 
 import json
+from collections.abc import Mapping
+from itertools import combinations
 from pathlib import Path
 from typing import Any
 
@@ -63,6 +65,15 @@ def _frames(truths: list[Path]) -> list[Row]:
         Row(f"{what}: non-disjoint pairs right, of {wanted}", right / max(wanted, 1), "", bar=">= 0.92"),
         Row(f"{what}: false contacts a scene", false / len(truths), "", bar="<= 0.3"),
     ]
+
+
+def truth_of(truth: Mapping[str, Any]) -> dict[tuple[str, str], str]:
+    """Relations of all pairs of an annotated frame, those left out that its annotator was not sure of."""
+    left_out = {frozenset(map(str, pair[:2])) for pair in truth["uncertain_pairs"]}
+    told = _told(truth["relations"], left_out)
+    known = left_out | {frozenset(pair) for pair in told}
+    others = combinations(truth["objects"], 2)
+    return told | {pair: "disjoint" for pair in others if frozenset(pair) not in known}
 
 
 def _sequence(path: Path) -> Row:

@@ -1,0 +1,260 @@
+"""Counts: how an answer to one scene does against its labels; figures of many of them, with their chance."""
+
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, fields, replace
+from typing import Any
+
+import networkx as nx
+import numpy as np
+
+from topple.benchmarks.guesses import Guess
+from topple.benchmarks.scores import DRAWS, Labels, judged, unsafe_steps
+from topple.benchmarks.truth.geometry import Told
+
+BINS = (0.0, 0.05, 0.1, 0.2, 0.4, 0.6, 0.8, 0.9, 0.95, 1.0)
+"""Bounds of the bins of chances."""
+
+CONVERSE = {
+    "within": "contain", "contain": "within",
+    "partial within": "partial contain", "partial contain": "partial within",
+}  # fmt: skip
+
+
+@dataclass(frozen=True)
+class Counts:
+    """What was counted on one scene, or on several: counts add up.
+
+    Attributes:
+        scenes: Scenes.
+        unanswered: Of these refused, or ended by a fault.
+        pairs: Pairs whose relation is beyond doubt and that were seen.
+        related: Of these told rightly.
+        apart: Pairs that are apart.
+        contacts: Of these told to meet: false contacts.
+        right: Dependencies of the closure that had to be told and were.
+        false: That were and had not to be.
+        missed: That had to be and were not.
+        told: Dependencies told directly whose label is known.
+        wrong: Of these false.
+        cycled: Objects in a group that are in no true cycle.
+        safe: Scenes cleared in a safe order.
+        targets: Targets whose first removal was asked for.
+        harmed: Of these with a first removal that disturbs what is not taken with it.
+        free: Targets that disturb nothing if taken at once.
+        needless: Of these before which something else is taken.
+        steps: Objects taken whose risk was told.
+        disturbed: Of these that moved something.
+        risk: Sum of the risks told.
+        brier: Sum of the squared differences of risk and what came.
+    """
+
+    scenes: int = 0
+    unanswered: int = 0
+    pairs: int = 0
+    related: int = 0
+    apart: int = 0
+    contacts: int = 0
+    right: int = 0
+    false: int = 0
+    missed: int = 0
+    told: int = 0
+    wrong: int = 0
+    cycled: int = 0
+    safe: int = 0
+    targets: int = 0
+    harmed: int = 0
+    free: int = 0
+    needless: int = 0
+    steps: int = 0
+    disturbed: int = 0
+    risk: float = 0.0
+    brier: float = 0.0
+
+    def array(self) -> np.ndarray[Any, Any]:
+        """All of them, in the order of the fields."""
+        return np.array([getattr(self, field.name) for field in fields(self)], dtype=np.float64)
+
+
+COLUMN = {field.name: k for k, field in enumerate(fields(Counts))}
+
+
+def count(found: Mapping[str, Any], labels: Labels, relations: Told) -> Counts:
+    """Count one answer.
+
+    Args:
+        found: As `topple.benchmarks.truth.asked.answer` gives it.
+        labels: What simulation says.
+        relations: What the shapes say.
+
+    Returns:
+        The counts; of a refusal, what was to be found is missed.
+    """
+    told = {(a, b): relation for a, b, relation in found.get("relations", ())}
+    told |= {(b, a): CONVERSE.get(relation, relation) for (a, b), relation in told.items()}
+    there = set(found.get("names", ()))
+    scored = {
+        pair: told.get(pair, "disjoint") == relation
+        for pair, relation in relations.items()
+        if there >= set(pair)
+    }
+    apart = [pair for pair in scored if relations[pair] == "disjoint"]
+    of_relations = Counts(
+        pairs=len(scored), related=sum(scored.values()), apart=len(apart),
+        contacts=sum(not scored[pair] for pair in apart),
+    )  # fmt: skip
+    if "refused" in found:
+        needed = sum(sign == 1 for firsts in labels.values() for sign in firsts.values())
+        return replace(of_relations, scenes=1, unanswered=1, missed=needed)
+    objects: list[str] = found["objects"]
+    names = [name for name in labels if name in objects]
+    direct = {(first, then) for first, then, *_ in found["dependencies"]}
+    guess = Guess(frozenset(direct), tuple(found["order"]), tuple(map(tuple, found["groups"])))
+    verdicts = judged(guess, labels, names)
+    known = [pair for pair in direct if set(pair) <= set(names) and labels[pair[1]].get(pair[0]) is not None]
+    cycles = _cycles(labels, names)
+    unsafe = dict(unsafe_steps(guess, labels, names))
+    risks = {
+        name: float(found["risk"][name]) for name in guess.order if name in found["risk"] and name in names
+    }
+    firsts = {target: first for target, first in found["first"].items() if target in names and first}
+    free = [target for target in firsts if not any(sign == 1 for sign in labels[target].values())]
+    return replace(
+        of_relations,
+        scenes=1,
+        right=len(verdicts.right),
+        false=len(verdicts.false),
+        missed=len(verdicts.missed),
+        told=len(known),
+        wrong=sum(labels[then][first] == 0 for first, then in known),
+        cycled=len(
+            {name for group in guess.groups for name in group if name in names and name not in cycles}
+        ),
+        safe=int(set(names) <= set(guess.order) and not unsafe),
+        targets=len(firsts),
+        harmed=sum(_harms(first, group, labels, cycles, names) for first, group, _ in firsts.values()),
+        free=len(free),
+        needless=sum(firsts[target][2] > 1 for target in free),
+        steps=len(risks),
+        disturbed=sum(name in unsafe for name in risks),
+        risk=sum(risks.values()),
+        brier=sum((risk - (name in unsafe)) ** 2 for name, risk in risks.items()),
+    )
+
+
+def chances(found: Mapping[str, Any], labels: Labels) -> list[tuple[float, int]]:
+    """Chances told of dependencies, each with whether simulation has it."""
+    told = [
+        (chance, labels.get(then, {}).get(first)) for first, then, _, chance in found.get("dependencies", ())
+    ]
+    return [(float(chance), sign) for chance, sign in told if sign is not None]
+
+
+def _cycles(labels: Labels, names: Sequence[str]) -> dict[str, set[str]]:
+    """Objects that truly hold each other."""
+    truth: nx.DiGraph[str] = nx.DiGraph([(x, y) for y in names for x in names if labels[y].get(x) == 1])
+    return {name: c for c in nx.strongly_connected_components(truth) if len(c) > 1 for name in c}
+
+
+def _harms(
+    first: str, group: Sequence[str], labels: Labels, cycles: Mapping[str, set[str]], names: Sequence[str]
+) -> bool:
+    """Whether a first removal disturbs what is not taken with it; a group excuses only what truly cycles."""
+    together = set(group) & cycles.get(first, set())
+    return any(labels.get(first, {}).get(other) == 1 for other in names if other not in together)
+
+
+@dataclass(frozen=True)
+class Figure:
+    """A figure of truth.
+
+    Attributes:
+        what: What it is.
+        value: From summed counts: of one sum, or of sums in rows.
+        better: 1 where more is better, -1 where less is.
+        part, whole: Columns of a share, which gets Wilson's interval; empty where it is none.
+        worst: What it may fall by against the reference, in its own unit; None: it decides nothing.
+    """
+
+    what: str
+    value: Callable[[np.ndarray[Any, Any]], Any]
+    better: int
+    part: str = ""
+    whole: str = ""
+    worst: float | None = None
+
+
+def _share(what: str, part: str, whole: str, better: int, worst: float | None = None) -> Figure:
+    def value(sums: np.ndarray[Any, Any]) -> Any:
+        return _over(sums[..., COLUMN[part]], sums[..., COLUMN[whole]], 0.0 if better < 0 else 1.0)
+
+    return Figure(what, value, better, part, whole, worst)
+
+
+def _over(part: Any, whole: Any, empty: float) -> Any:
+    return np.divide(part, whole, out=np.full(np.shape(part), empty), where=np.asarray(whole) > 0)
+
+
+def _f1(sums: np.ndarray[Any, Any]) -> Any:
+    right, false, missed = (sums[..., COLUMN[key]] for key in ("right", "false", "missed"))
+    return _over(2 * right, 2 * right + false + missed, 1.0)
+
+
+def _recall(sums: np.ndarray[Any, Any]) -> Any:
+    right, missed = (sums[..., COLUMN[key]] for key in ("right", "missed"))
+    return _over(right, right + missed, 1.0)
+
+
+FIGURES: tuple[Figure, ...] = (
+    _share("relations right", "related", "pairs", 1, 0.01),
+    _share("false contacts", "contacts", "apart", -1, 0.01),
+    Figure("F1 of the closure", _f1, 1, worst=0.01),
+    Figure("dependencies found", _recall, 1),
+    _share("false dependencies", "wrong", "told", -1),
+    Figure("objects in false cycles", lambda sums: _over(sums[..., COLUMN["cycled"]], sums[..., 0], 0.0), -1),
+    _share("safe orders", "safe", "scenes", 1, 0.02),
+    _share("first removals that disturb", "harmed", "targets", -1, 0.02),
+    _share("needless removals", "needless", "free", -1, 0.02),
+    _share("unanswered", "unanswered", "scenes", -1, 0.02),
+    Figure(
+        "Brier score of risk",
+        lambda sums: _over(sums[..., COLUMN["brier"]], sums[..., COLUMN["steps"]], 0.0),
+        -1,
+    ),
+)
+"""What is told of each view."""
+
+
+def base_brier(sums: np.ndarray[Any, Any]) -> float:
+    """Brier score of telling every step the same risk: that with which steps disturb."""
+    rate = sums[COLUMN["disturbed"]] / max(sums[COLUMN["steps"]], 1.0)
+    return float(rate * (1.0 - rate))
+
+
+def interval(figure: Figure, counts: np.ndarray[Any, Any]) -> tuple[float, float]:
+    """95 % interval of a figure over (N, K) counts, by drawing scenes anew."""
+    low, high = np.percentile(figure.value(_drawn(counts)), [2.5, 97.5])
+    return float(low), float(high)
+
+
+def difference(
+    figure: Figure, ours: np.ndarray[Any, Any], theirs: np.ndarray[Any, Any]
+) -> tuple[float, tuple[float, float]]:
+    """Paired difference of a figure over the same scenes, positive where ours is better, and its interval.
+
+    Args:
+        figure: The figure.
+        ours: (N, K) counts.
+        theirs: The same of the same scenes by another version.
+    """
+    value = figure.better * (figure.value(ours.sum(axis=0)) - figure.value(theirs.sum(axis=0)))
+    both = _drawn(np.concatenate([ours, theirs], axis=1))
+    k = ours.shape[1]
+    drawn = figure.better * (figure.value(both[:, :k]) - figure.value(both[:, k:]))
+    low, high = np.percentile(drawn, [2.5, 97.5])
+    return float(value), (float(low), float(high))
+
+
+def _drawn(counts: np.ndarray[Any, Any]) -> np.ndarray[Any, Any]:
+    """Sums (DRAWS, K) over scenes drawn anew."""
+    weights = np.random.default_rng(0).multinomial(len(counts), np.full(len(counts), 1 / len(counts)), DRAWS)
+    return weights @ counts

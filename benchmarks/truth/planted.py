@@ -1,0 +1,224 @@
+"""Faults and refactorings planted into copies of topple: does the gate tell them apart?
+
+`python -m topple.benchmarks.truth.planted [NAME ...]` runs the scenes of every run on each copy, view by
+view until a floor is broken, and prints which: a fault has to break one, a refactoring none. A change is a
+text in one file that stands there once; where the code has changed so that it does not, its entry has to be
+written anew.
+"""
+
+import argparse
+import hashlib
+import shutil
+from collections.abc import Sequence
+from dataclasses import dataclass
+from pathlib import Path
+
+from topple.benchmarks.truth.answers import answers
+from topple.benchmarks.truth.cases import few, pool_cases
+from topple.benchmarks.truth.gate import FLOORS, FOLDER, Floors, broken
+from topple.benchmarks.truth.views import VIEWS
+from topple.benchmarks.versions import Version, code_key, today
+from topple.planner.cli.console import print_text
+from topple.topology.errors import InvalidInput
+
+
+@dataclass(frozen=True)
+class Change:
+    """A change of one place.
+
+    Attributes:
+        name: What it is.
+        file: Where, from the root.
+        before: What stands there, once.
+        after: What is put in its place.
+        fault: Whether it is a fault; else what it says is the same.
+    """
+
+    name: str
+    file: str
+    before: str
+    after: str
+    fault: bool = True
+
+    def planted(self, version: Version, cache: Path) -> Version:
+        """A copy of a version with the change.
+
+        Args:
+            version: What is copied.
+            cache: Folder of versions.
+
+        Raises:
+            InvalidInput: The text does not stand there once.
+        """
+        number = hashlib.sha256(self.name.encode()).hexdigest()[:12]
+        folder = cache.resolve() / f"planted-{number}"
+        shutil.rmtree(folder, ignore_errors=True)
+        shutil.copytree(version.folder, folder)
+        path = folder / "topple" / self.file
+        text = path.read_text(encoding="utf-8")
+        if text.count(self.before) != 1:
+            raise InvalidInput(
+                f"{self.name}: {self.file} has its text {text.count(self.before)} times, not once"
+            )
+        path.write_text(text.replace(self.before, self.after), encoding="utf-8")
+        code_key.cache_clear()
+        return Version(self.name, code_key(folder / "topple"), folder)
+
+
+_CONTACT = "topology/statics/contact.py"
+_SWEEP = "topology/statics/sweep.py"
+_DEPENDENCY = "planner/decide/dependency.py"
+_ROBUST = "topology/rule/robust.py"
+
+CHANGES = (
+    Change(
+        "a term dropped: what is over a table stands on it, however high", _CONTACT,
+        "near = over & (heights < reach)", "near = over",
+    ),
+    Change(
+        "a sign: what hangs over needs a push aside", _SWEEP,
+        "evasion=float(reach.min()),", "evasion=-float(reach.min()),",
+    ),
+    Change(
+        "normals turned", _CONTACT,
+        "normals = np.where(offsets[:, None] < 0, -normals, normals)",
+        "normals = np.where(offsets[:, None] > 0, -normals, normals)",
+    ),
+    Change(
+        "one contact lost in ten", _CONTACT,
+        "return tuple(rubbing(contact, upright.friction) for contact in found)",
+        "return tuple(rubbing(c, upright.friction) for k, c in enumerate(found) if k % 10 != 7)",
+    ),
+    Change(
+        "the table 5 mm low", _CONTACT,
+        "over, heights = plane.over(points), plane.heights(points)",
+        "over, heights = plane.over(points), plane.heights(points) + 0.005",
+    ),
+    Change(
+        "what falls is not asked", _DEPENDENCY,
+        "found += [_falls(first, then, missing, touching) for (first, then), missing in lost.items()]",
+        "lost = {}",
+    ),
+    Change(
+        "first and then exchanged where something falls", _DEPENDENCY,
+        "        (first, then): missing\n        for then in situation.movable",
+        "        (then, first): missing\n        for then in situation.movable",
+    ),
+    Change(
+        "nothing is completed where cameras look", "topology/bodies/surfaces.py",
+        "self._done.update(complete(self.upright.among(missing), self.sight))",
+        "self._done.update(self.upright.among(missing).clouds)",
+    ),
+    Change(
+        "what lies in something only touches it", _ROBUST,
+        "if one.held:\n            return Relation.PARTIAL_WITHIN if one.stands_out else Relation.WITHIN",
+        "if one.held:\n            return Relation.TOUCH",
+    ),
+    Change(
+        "centres of mass 3 cm aside", "topology/statics/rest.py",
+        "    centre = middle_of(points)\n    if mass is not None",
+        "    centre = middle_of(points) + np.array([0.03, 0.0, 0.0])\n    if mass is not None",
+    ),
+    Change(
+        "a sum in another order", _CONTACT,
+        "return np.add.reduceat(self._along(directions), self._starts) / self.counts",
+        "ends = np.cumsum(self._along(directions))[self._starts + self.counts - 1]\n"
+        "        return np.diff(ends, prepend=0.0) / self.counts",
+        fault=False,
+    ),
+    Change(
+        "a scatter matrix by a product", _CONTACT,
+        "values, vectors = np.linalg.eigh(outer / (counts - 1)[:, None, None])",
+        "values, vectors = np.linalg.eigh(outer)\n    values = values / (counts - 1)[:, None]",
+        fault=False,
+    ),
+    Change(
+        "middles by a mean", _CONTACT,
+        "middles = (candidates[close] + first[nearest[close]]) / 2",
+        "middles = np.mean([first[nearest[close]], candidates[close]], axis=0)",
+        fault=False,
+    ),
+    Change(
+        "a name and a local variable", _SWEEP,
+        "    ceiling = _plan(upper, low, size, highest=True)\n"
+        "    ground = _plan(lower, low, size, highest=False)\n"
+        "    height = ceiling - ground",
+        "    floor = _plan(lower, low, size, highest=False)\n"
+        "    ceiling = _plan(upper, low, size, highest=True)\n"
+        "    height = -(floor - ceiling)",
+        fault=False,
+    ),
+    Change(
+        "a share the other way round", _SWEEP,
+        "share=len(cells) / max(footprint, 1),", "share=1.0 / (max(footprint, 1) / len(cells)),",
+        fault=False,
+    ),
+    Change(
+        "edges in another order", _DEPENDENCY,
+        "graph = DependencyGraph(names, tuple(believed))",
+        "graph = DependencyGraph(names, tuple(sorted(believed, key=lambda e: (e.then, e.first))))",
+        fault=False,
+    ),
+    Change(
+        "pairs by two loops", _DEPENDENCY,
+        "    for first, then in combinations(statics.upright.movable, 2):\n"
+        "        if (first, then) in hanging and (then, first) in hanging:",
+        "    for then, first in combinations(statics.upright.movable, 2):\n"
+        "        if (first, then) in hanging and (then, first) in hanging:",
+        fault=False,
+    ),
+    Change(
+        "an angle by its sine", _CONTACT,
+        "leaning = np.arccos(np.minimum(1.0, np.abs(normals @ plane.normal)))",
+        "upright_ = np.minimum(1.0, np.abs(normals @ plane.normal))\n"
+        "    leaning = np.arctan2(np.sqrt(1.0 - upright_**2), upright_)",
+        fault=False,
+    ),
+    Change(
+        "a count by a sum", _ROBUST,
+        "beyond = int(np.count_nonzero(b.hull.facet_distance(a.coarse[exterior]) > 0))",
+        "beyond = int(sum(b.hull.facet_distance(a.coarse[exterior]) > 0))",
+        fault=False,
+    ),
+    Change(
+        "distances in a tree of another leaf size", _CONTACT,
+        "_tree_of = remembered(KEPT_BODIES)(KDTree)",
+        "_tree_of = remembered(KEPT_BODIES)(lambda points: KDTree(points, leafsize=24))",
+        fault=False,
+    ),
+)  # fmt: skip
+"""Ten faults, then ten refactorings."""
+
+
+def main(arguments: Sequence[str] | None = None) -> None:
+    """Plant each and print what breaks."""
+    parser = argparse.ArgumentParser(
+        description="Plant faults and refactorings, and see which the gate notices."
+    )
+    parser.add_argument("name", nargs="*", help="parts of names; all of them where not given")
+    wanted = parser.parse_args(arguments).name
+    cache, floors = FOLDER / "versions", Floors.read(FLOORS)
+    version, cases = today(cache), pool_cases(few(), FOLDER / "given", lambda text: None)
+    for change in CHANGES:
+        if wanted and not any(part in change.name for part in wanted):
+            continue
+        copy = change.planted(version, cache)
+        below: list[str] = []
+        for view in VIEWS:
+            some = [case for case in cases if case.view == view]
+            found = answers(copy, [case.question for case in some], FOLDER / "answers", lambda text: None)
+            below += broken(floors, some, found)
+            if below:
+                break
+        told = bool(below) == change.fault
+        kind = "fault" if change.fault else "refactoring"
+        verdict = f"{len(below)} floors broken" if below else "no floor broken"
+        print_text(
+            f"{'ok    ' if told else 'WRONG '} {kind}: {change.name}: {verdict}",
+            *(f"    {one}" for one in below),
+        )
+        shutil.rmtree(copy.folder)
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,234 @@
+"""The pool: scenes of three generators that are unlike, with what simulation says of each, kept in a file.
+
+`python -m topple.benchmarks.truth.pool JOURNAL` makes the scenes that a journal lacks, one a line, and
+`--pack FILE` writes what it holds as the pool. Each object in turn is lifted straight up, rigidly, and taken
+away at three frictions; whatever moves had to go first (`oracle`). Relations are those of the exact shapes,
+where they are beyond doubt (`geometry`).
+"""
+
+import argparse
+import json
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass
+from functools import cache
+from io import BytesIO
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from scipy.spatial.transform import Rotation
+
+from topple.benchmarks.piles import make_pile
+from topple.benchmarks.scores import Labels
+from topple.benchmarks.truth.built import built
+from topple.benchmarks.truth.designed import designed
+from topple.benchmarks.truth.geometry import Told, relations_of
+from topple.benchmarks.truth.laid import FRICTION, Laid
+from topple.benchmarks.truth.oracle import labels_of
+from topple.planner.cli.console import print_text
+from topple.planner.formats.files import write_whole
+from topple.planner.simulate.lifts import set_friction
+from topple.robots.poses import pose_from
+from topple.robots.world.bodies import Body
+from topple.topology.errors import InvalidInput, ToppleError
+from topple.topology.workers import WorkerPool
+
+FILE = Path(__file__).with_name("pool.npz")
+UNIT = 2e-5  # [m] of the corners in the file: a fiftieth of a camera's noise
+FIRST_SEED = 44_000_000
+SETS: Mapping[str, int] = {"settled": 300, "built": 400, "designed": 500}
+SIGNS = {"1": 1, "0": 0, "?": None}
+
+
+@dataclass(frozen=True, eq=False)
+class PoolScene:
+    """A scene of the pool.
+
+    Attributes:
+        set: The generator's name.
+        kind: What it was to make.
+        seed: Of the generator.
+        laid: Bodies and poses.
+        labels: then -> first -> 1 had to go first, 0 not, None too close to call.
+        relations: (a, b) -> relation of the exact shapes, "a relation b", pairs beyond doubt alone.
+    """
+
+    set: str
+    kind: str
+    seed: int
+    laid: Laid
+    labels: Labels
+    relations: Told
+
+    @property
+    def name(self) -> str:
+        """Set and seed."""
+        return f"{self.set} {self.seed}"
+
+
+def _settled(seed: int) -> tuple[str, Laid]:
+    pile = make_pile(seed)
+    return "pile", Laid(pile.bodies, pile.poses)
+
+
+_GENERATORS: Mapping[str, Callable[[int], tuple[str, Laid]]] = {
+    "settled": _settled, "built": built, "designed": designed,
+}  # fmt: skip
+
+
+def made(which: str, seed: int) -> dict[str, Any]:
+    """Make and label a scene, as JSON data.
+
+    Args:
+        which: The generator.
+        seed: Its seed.
+
+    Returns:
+        The entry; `failed` says why there is none.
+    """
+    head = {"set": which, "seed": seed}
+    try:
+        kind, laid = _GENERATORS[which](seed)
+        shapes = {body.name: _rounded(body) for body in laid.bodies}
+        rounded = Laid(
+            tuple(_body(body.name, shapes[body.name], body.mass, body.rolling) for body in laid.bodies),
+            laid.poses,
+            laid.fixed,
+        )
+        with rounded.world() as world:
+            world.settle(3.0)
+            rest = Laid(rounded.bodies, {name: world.pose(name) for name in laid.poses}, laid.fixed)
+        with rest.world() as world:
+            movable = [name for name in rest.poses if name not in rest.fixed]
+            labels = labels_of(world, movable)
+            set_friction(world, *FRICTION)
+            relations = relations_of(rest, world)
+    except ToppleError as error:
+        return {**head, "failed": str(error)}
+    signs = {value: sign for sign, value in SIGNS.items()}
+    rows = ["".join("-" if a == b else signs[labels[b][a]] for a in movable) for b in movable]
+    return {
+        **head,
+        "kind": kind,
+        "names": list(rest.poses),
+        "fixed": sorted(rest.fixed),
+        "parts": [[part.tolist() for part in shapes[name]] for name in rest.poses],
+        "mass": [round(body.mass, 4) for body in rest.bodies],
+        "rolling": [body.rolling for body in rest.bodies],
+        "poses": [_flat(rest.poses[name]) for name in rest.poses],
+        "labels": rows,
+        "relations": [[*pair, relation] for pair, relation in relations.items()],
+    }
+
+
+def _rounded(body: Body) -> list[np.ndarray[Any, Any]]:
+    return [np.unique(np.rint(part / UNIT).astype(np.int16), axis=0) for part in body.parts]
+
+
+def _body(name: str, parts: Sequence[Any], mass: float, rolling: float) -> Body:
+    corners = [np.asarray(part, dtype=np.float64) * UNIT for part in parts]
+    return Body.of(name, corners, mass=mass, rolling=rolling)
+
+
+def _flat(pose: Any) -> list[float]:
+    return [round(float(x), 7) for x in (*pose[:3, 3], *Rotation.from_matrix(pose[:3, :3]).as_quat())]
+
+
+def pack(entries: Sequence[Mapping[str, Any]], path: Path) -> None:
+    """Write scenes as a pool: corners and poses as arrays, all else as JSON.
+
+    Args:
+        entries: As `made` gives them; those that failed are left out.
+        path: Where.
+    """
+    kept = [entry for entry in entries if "failed" not in entry]
+    kept.sort(key=lambda entry: (list(SETS).index(entry["set"]), entry["seed"]))
+    parts = [np.asarray(part, dtype=np.int16) for entry in kept for body in entry["parts"] for part in body]
+    heads = [
+        {**entry, "parts": [len(body) for body in entry["parts"]], "poses": None} for entry in kept
+    ]  # fmt: skip
+    text = json.dumps([{key: value for key, value in head.items() if key != "poses"} for head in heads])
+    poses = np.array([pose for entry in kept for pose in entry["poses"]])
+    sizes = np.array([len(part) for part in parts], dtype=np.uint16)
+    buffer = BytesIO()
+    np.savez_compressed(
+        buffer, corners=np.concatenate(parts), sizes=sizes, poses=poses, scenes=np.array(text)
+    )
+    write_whole(path, buffer.getvalue())
+
+
+@cache
+def pool(path: Path = FILE) -> tuple[PoolScene, ...]:
+    """Read the pool.
+
+    Args:
+        path: The file.
+
+    Returns:
+        Its scenes, by set and seed.
+
+    Raises:
+        InvalidInput: It is not there: wheels come without it.
+    """
+    if not path.is_file():
+        raise InvalidInput(f"{path} is not there: the pool of scenes comes with a checkout, not with a wheel")
+    with np.load(path, allow_pickle=False) as held:
+        ends = np.cumsum(held["sizes"].astype(np.int64))
+        parts = iter(np.split(held["corners"], ends[:-1]))
+        poses = iter(held["poses"])
+        heads: list[dict[str, Any]] = json.loads(str(held["scenes"]))
+    found: list[PoolScene] = []
+    for head in heads:
+        bodies = tuple(
+            _body(name, [next(parts) for _ in range(count)], mass, rolling)
+            for name, count, mass, rolling in zip(
+                head["names"], head["parts"], head["mass"], head["rolling"], strict=True
+            )
+        )
+        at = {body.name: pose_from((row := next(poses))[:3], row[3:]) for body in bodies}
+        movable = [name for name in head["names"] if name not in head["fixed"]]
+        labels = {
+            then: {a: SIGNS[sign] for a, sign in zip(movable, row, strict=True) if a != then}
+            for then, row in zip(movable, head["labels"], strict=True)
+        }
+        relations = {(a, b): relation for a, b, relation in head["relations"]}
+        laid = Laid(bodies, at, frozenset(head["fixed"]))
+        found.append(PoolScene(head["set"], head["kind"], head["seed"], laid, labels, relations))
+    return tuple(found)
+
+
+def _made(job: tuple[str, int]) -> dict[str, Any]:
+    return made(*job)
+
+
+def main() -> None:
+    """Make what the journal lacks, and pack where that is asked for."""
+    parser = argparse.ArgumentParser(description="Make the pool of labelled scenes.")
+    parser.add_argument("journal", type=Path, help="one scene a line; what is there is not made again")
+    parser.add_argument("--pack", type=Path, metavar="FILE", help="write the pool there")
+    parser.add_argument("--share", type=float, default=1.0, help="of the pool to make")
+    args = parser.parse_args()
+    entries = (
+        [json.loads(line) for line in args.journal.read_text().splitlines()] if args.journal.exists() else []
+    )
+    there = {(entry["set"], entry["seed"]) for entry in entries}
+    jobs = [
+        (which, FIRST_SEED + number)
+        for number in range(round(max(SETS.values()) * args.share))
+        for which, count in SETS.items()
+        if number < count and (which, FIRST_SEED + number) not in there
+    ]
+    with WorkerPool(2) as workers, args.journal.open("a", encoding="utf-8") as file:
+        for entry in workers.map(_made, jobs, chunksize=1):
+            entries.append(entry)
+            file.write(json.dumps(entry) + "\n")
+            file.flush()
+            print_text(
+                f"{len(entries)}: {entry['set']} {entry.get('kind', entry.get('failed'))} {entry['seed']}"
+            )
+    if args.pack:
+        pack(entries, args.pack)
+
+
+if __name__ == "__main__":
+    main()
