@@ -11,7 +11,8 @@ cycles, safe orders, first removals that disturb, needless removals, and the Bri
   must change nothing (0.2 mm of noise, half of the points, a kilometre off, turned with its grids), and
   looked at five times: how much of the answers stays.
 - `--against COMMIT`: the same scenes by that commit, in processes of its own; per figure the paired
-  difference. A change is refused where it loses more than `worst` of a figure, or anything significantly.
+  difference. A change is refused where it loses more than `worst` of a figure, or anything significantly;
+  a step that claims to change nothing shows it by how many answers are the same to the last digit.
 - `--data DIR`, `--piles DIR`: recorded frames and piles too, reported and never worked towards.
 
 Answers are kept in `.truth` and not asked again, so that a run that was stopped goes on.
@@ -329,7 +330,9 @@ def _compared(
     summary = Row(
         f"scenes and views that are counted otherwise than by {theirs.name}, of {len(cases)}", len(differ), ""
     )
-    return [*documents, {**summary.to_json(), "differences": differ}]
+    same = sum(found[case.question] == other[case.question] for case in cases)
+    equal = Row(f"answers that are those of {theirs.name} to the last digit, of {len(cases)}", same, "")
+    return [*documents, equal.to_json(), {**summary.to_json(), "differences": differ}]
 
 
 def _counts(case: Case, found: Answers) -> Counts:

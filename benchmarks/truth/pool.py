@@ -1,9 +1,9 @@
 """The pool: scenes of three generators that are unlike, with what simulation says of each, kept in a file.
 
-`python -m topple.benchmarks.truth.pool JOURNAL` makes the scenes that a journal lacks, one a line, and
-`--pack FILE` writes what it holds as the pool. Each object in turn is lifted straight up, rigidly, and taken
-away at three frictions; whatever moves had to go first (`oracle`). Relations are those of the exact shapes,
-where they are beyond doubt (`geometry`).
+`python -m topple.benchmarks.truth.pool` makes the scenes that the file lacks: hours, and it goes on where it
+was stopped. Each object in turn is lifted straight up, rigidly, and taken away at three frictions; whatever
+moves had to go first (`oracle`). Relations are those of the exact shapes, where they are beyond doubt
+(`geometry`).
 """
 
 import argparse
@@ -36,6 +36,7 @@ from topple.topology.workers import WorkerPool
 FILE = Path(__file__).with_name("pool.npz")
 UNIT = 2e-5  # [m] of the corners in the file: a fiftieth of a camera's noise
 FIRST_SEED = 44_000_000
+WRITTEN = 20  # scenes after which the file is written
 SETS: Mapping[str, int] = {"settled": 300, "built": 400, "designed": 500}
 SIGNS = {"1": 1, "0": 0, "?": None}
 
@@ -144,17 +145,37 @@ def pack(entries: Sequence[Mapping[str, Any]], path: Path) -> None:
     kept = [entry for entry in entries if "failed" not in entry]
     kept.sort(key=lambda entry: (list(SETS).index(entry["set"]), entry["seed"]))
     parts = [np.asarray(part, dtype=np.int16) for entry in kept for body in entry["parts"] for part in body]
-    heads = [
-        {**entry, "parts": [len(body) for body in entry["parts"]], "poses": None} for entry in kept
-    ]  # fmt: skip
-    text = json.dumps([{key: value for key, value in head.items() if key != "poses"} for head in heads])
-    poses = np.array([pose for entry in kept for pose in entry["poses"]])
-    sizes = np.array([len(part) for part in parts], dtype=np.uint16)
+    heads = [{**entry, "parts": [len(body) for body in entry["parts"]]} for entry in kept]
+    for head in heads:
+        del head["poses"]
     buffer = BytesIO()
     np.savez_compressed(
-        buffer, corners=np.concatenate(parts), sizes=sizes, poses=poses, scenes=np.array(text)
+        buffer,
+        corners=np.concatenate(parts),
+        sizes=np.array([len(part) for part in parts], dtype=np.uint16),
+        poses=np.array([pose for entry in kept for pose in entry["poses"]]),
+        scenes=np.array(json.dumps(heads)),
     )
     write_whole(path, buffer.getvalue())
+
+
+def entries_in(path: Path) -> list[dict[str, Any]]:
+    """What `pack` wrote.
+
+    Args:
+        path: The pool; none holds nothing.
+    """
+    if not path.is_file():
+        return []
+    with np.load(path, allow_pickle=False) as held:
+        ends = np.cumsum(held["sizes"].astype(np.int64))
+        parts = iter(np.split(held["corners"], ends[:-1]))
+        poses = iter(held["poses"].tolist())
+        heads: list[dict[str, Any]] = json.loads(str(held["scenes"]))
+    for head in heads:
+        head["parts"] = [[next(parts) for _ in range(count)] for count in head["parts"]]
+        head["poses"] = [next(poses) for _ in head["names"]]
+    return heads
 
 
 @cache
@@ -172,29 +193,23 @@ def pool(path: Path = FILE) -> tuple[PoolScene, ...]:
     """
     if not path.is_file():
         raise InvalidInput(f"{path} is not there: the pool of scenes comes with a checkout, not with a wheel")
-    with np.load(path, allow_pickle=False) as held:
-        ends = np.cumsum(held["sizes"].astype(np.int64))
-        parts = iter(np.split(held["corners"], ends[:-1]))
-        poses = iter(held["poses"])
-        heads: list[dict[str, Any]] = json.loads(str(held["scenes"]))
-    found: list[PoolScene] = []
-    for head in heads:
-        bodies = tuple(
-            _body(name, [next(parts) for _ in range(count)], mass, rolling)
-            for name, count, mass, rolling in zip(
-                head["names"], head["parts"], head["mass"], head["rolling"], strict=True
-            )
-        )
-        at = {body.name: pose_from((row := next(poses))[:3], row[3:]) for body in bodies}
-        movable = [name for name in head["names"] if name not in head["fixed"]]
-        labels = {
-            then: {a: SIGNS[sign] for a, sign in zip(movable, row, strict=True) if a != then}
-            for then, row in zip(movable, head["labels"], strict=True)
-        }
-        relations = {(a, b): relation for a, b, relation in head["relations"]}
-        laid = Laid(bodies, at, frozenset(head["fixed"]))
-        found.append(PoolScene(head["set"], head["kind"], head["seed"], laid, labels, relations))
-    return tuple(found)
+    return tuple(map(_scene, entries_in(path)))
+
+
+def _scene(entry: Mapping[str, Any]) -> PoolScene:
+    names, fixed = entry["names"], frozenset(entry["fixed"])
+    bodies = tuple(map(_body, names, entry["parts"], entry["mass"], entry["rolling"]))
+    poses = {
+        name: pose_from(pose[:3], pose[3:]) for name, pose in zip(names, entry["poses"], strict=True)
+    }  # fmt: skip
+    movable = [name for name in names if name not in fixed]
+    labels = {
+        then: {first: SIGNS[sign] for first, sign in zip(movable, row, strict=True) if first != then}
+        for then, row in zip(movable, entry["labels"], strict=True)
+    }
+    relations = {(a, b): relation for a, b, relation in entry["relations"]}
+    laid = Laid(bodies, poses, fixed)
+    return PoolScene(entry["set"], entry["kind"], entry["seed"], laid, labels, relations)
 
 
 def _made(job: tuple[str, int]) -> dict[str, Any]:
@@ -202,32 +217,25 @@ def _made(job: tuple[str, int]) -> dict[str, Any]:
 
 
 def main() -> None:
-    """Make what the journal lacks, and pack where that is asked for."""
-    parser = argparse.ArgumentParser(description="Make the pool of labelled scenes.")
-    parser.add_argument("journal", type=Path, help="one scene a line; what is there is not made again")
-    parser.add_argument("--pack", type=Path, metavar="FILE", help="write the pool there")
-    parser.add_argument("--share", type=float, default=1.0, help="of the pool to make")
-    args = parser.parse_args()
-    entries = (
-        [json.loads(line) for line in args.journal.read_text().splitlines()] if args.journal.exists() else []
-    )
+    """Make what the pool lacks; it is written as it grows."""
+    parser = argparse.ArgumentParser(description="Make the pool of labelled scenes, or go on with it.")
+    parser.add_argument("--most", type=int, default=max(SETS.values()), help="scenes of a set to come to")
+    most: int = parser.parse_args().most
+    entries = entries_in(FILE)
     there = {(entry["set"], entry["seed"]) for entry in entries}
     jobs = [
         (which, FIRST_SEED + number)
-        for number in range(round(max(SETS.values()) * args.share))
+        for number in range(most)
         for which, count in SETS.items()
         if number < count and (which, FIRST_SEED + number) not in there
     ]
-    with WorkerPool(2) as workers, args.journal.open("a", encoding="utf-8") as file:
-        for entry in workers.map(_made, jobs, chunksize=1):
+    with WorkerPool(2) as workers:
+        for done, entry in enumerate(workers.map(_made, jobs, chunksize=1), 1):
             entries.append(entry)
-            file.write(json.dumps(entry) + "\n")
-            file.flush()
-            print_text(
-                f"{len(entries)}: {entry['set']} {entry.get('kind', entry.get('failed'))} {entry['seed']}"
-            )
-    if args.pack:
-        pack(entries, args.pack)
+            said = f"{done} of {len(jobs)}: {entry['set']} {entry.get('kind', entry.get('failed'))}"
+            print_text(f"{said} {entry['seed']}")
+            if done % WRITTEN == 0 or done == len(jobs):
+                pack(entries, FILE)
 
 
 if __name__ == "__main__":

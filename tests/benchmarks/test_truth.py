@@ -116,6 +116,9 @@ def test_a_made_scene_is_packed_and_read_back(tmp_path: Path) -> None:
             assert labels_of(world, list(scene.labels)) == scene.labels, (
                 "the same shapes give the same labels"
             )
+    again = tmp_path / "again.npz"
+    pool.pack(pool.entries_in(path), again)
+    assert again.read_bytes() == path.read_bytes(), "what was packed grows by what is made later"
     with pytest.raises(InvalidInput, match="comes with a checkout"):
         pool.pool(tmp_path / "none.npz")
 
