@@ -87,12 +87,13 @@ CHANGES = (
     Change(
         "one contact lost in ten", _CONTACT,
         "return tuple(rubbing(contact, upright.friction) for contact in found)",
-        "return tuple(rubbing(c, upright.friction) for k, c in enumerate(found) if k % 10 != 7)",
+        "from zlib import crc32\n\n"
+        "    kept = (c for c in found if crc32(f'{c.a} {c.b}'.encode()) % 10 != 7)\n"
+        "    return tuple(rubbing(contact, upright.friction) for contact in kept)",
     ),
     Change(
-        "the table 5 mm low", _CONTACT,
-        "over, heights = plane.over(points), plane.heights(points)",
-        "over, heights = plane.over(points), plane.heights(points) + 0.005",
+        "the table 5 mm low", "topology/statics/grounds.py",
+        "return points @ self.normal + self.offset", "return points @ self.normal + self.offset + 0.005",
     ),
     Change(
         "what falls is not asked", _DEPENDENCY,
