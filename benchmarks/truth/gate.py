@@ -18,16 +18,13 @@ cycles, safe orders, first removals that disturb, needless removals, and the Bri
 Answers are kept in `.truth` and not asked again, so that a run that was stopped goes on.
 """
 
-import json
 from collections.abc import Mapping, Sequence
 from concurrent.futures import Executor
-from dataclasses import asdict, dataclass, replace
-from datetime import date
+from dataclasses import replace
 from itertools import pairwise
 from pathlib import Path
 from typing import Any
 
-import msgspec
 import numpy as np
 
 from topple.benchmarks.row import Progress, Row
@@ -46,6 +43,7 @@ from topple.benchmarks.truth.counts import (
     difference,
     interval,
 )
+from topple.benchmarks.truth.floors import POOL, Floors
 from topple.benchmarks.truth.views import VIEWS
 from topple.benchmarks.versions import Version, commit_now, of_commit, today
 from topple.planner.formats.files import write_whole
@@ -60,9 +58,6 @@ FREEING = ("noise 1", "turn 45")
 VARIANTS = ("noise 1", "noise 2", "noise 3", "half", "offset", "turn 22.5", "turn 45", "turn 67.5")
 OF_TARGETS = ("first removals that disturb", "needless removals")
 LOOKS = 5
-POOL = "pool"
-"""All three generators together."""
-
 Answers = Mapping[Question, Mapping[str, Any]]
 
 
@@ -125,7 +120,7 @@ def rows(
     return documents
 
 
-def broken(floors: "Floors", cases: Sequence[Case], found: Answers) -> list[str]:
+def broken(floors: Floors, cases: Sequence[Case], found: Answers) -> list[str]:
     """Floors that answers are below, in words.
 
     Args:
@@ -344,101 +339,3 @@ def _words(counts: Counts) -> str:
         f"{counts.related} of {counts.pairs} relations, {counts.right} right, {counts.false} false, "
         f"{counts.missed} missed, {'safe' if counts.safe else 'refused' if counts.unanswered else 'unsafe'}"
     )
-
-
-@dataclass(frozen=True)
-class Floor:
-    """What a figure must not fall below.
-
-    Attributes:
-        set: Of the scenes.
-        view: Of them.
-        figure: Its name.
-        value: When it was raised.
-        chance: What jitter alone moved it by.
-        floor: Value less one and a half times the chance; of a figure of which less is better, more.
-        raised: When, and by which commit.
-    """
-
-    set: str
-    view: str
-    figure: str
-    value: float
-    chance: float
-    floor: float
-    raised: str
-
-
-MARGIN = 1.5
-"""Times the most that eight kinds of jitter moved a figure by: the next kind moves it by a little more."""
-
-_BETTER = {figure.what: figure.better for figure in FIGURES}
-
-
-@dataclass(frozen=True)
-class Floors:
-    """The floors in a file.
-
-    Attributes:
-        floors: By set, view and figure.
-    """
-
-    floors: Mapping[tuple[str, str, str], Floor]
-
-    @staticmethod
-    def read(path: Path) -> "Floors":
-        """Read a file; none has no floors.
-
-        Raises:
-            InvalidInput: It is something else.
-        """
-        if not path.exists():
-            return Floors({})
-        try:
-            document = json.loads(path.read_text(encoding="utf-8"))
-            entries = msgspec.convert(document["floors"], list[Floor])
-        except (ValueError, KeyError, TypeError) as error:
-            raise InvalidInput(f"{path}: holds no floors of truth ({error})") from error
-        return Floors({(entry.set, entry.view, entry.figure): entry for entry in entries})
-
-    def raised(
-        self,
-        values: Mapping[tuple[str, str, str], float],
-        chance: Mapping[tuple[str, str, str], float],
-        commit: str,
-    ) -> "Floors":
-        """Raised to today's figures where these are better; none falls.
-
-        Args:
-            values: Figures, better the more they are.
-            chance: What jitter moves each by; that of the pool's scenes for recorded ones.
-            commit: That has them.
-        """
-        found = dict(self.floors)
-        for key, value in values.items():
-            better = _BETTER[key[2]]
-            moved = chance.get(key, chance.get((POOL, *key[1:]), 0.0))
-            low = value - MARGIN * moved
-            if key not in found or low > better * found[key].floor:
-                said = f"{date.today().isoformat()} {commit}"
-                numbers = (round(better * value, 4), round(moved, 4), round(better * low, 4))
-                found[key] = Floor(*key, *numbers, said)
-        return Floors(found)
-
-    def rows(self, values: Mapping[tuple[str, str, str], float]) -> list[Row]:
-        """Figures against their floors."""
-        told: list[Row] = []
-        for key, value in values.items():
-            if (floor := self.floors.get(key)) is not None:
-                better = _BETTER[key[2]]
-                bar = f"{'>=' if better > 0 else '<='} {floor.floor:.4f}"
-                what = f"{key[2]}: {key[0]}, {key[1]}, scenes of every run"
-                told.append(
-                    Row(what, round(better * value + 0.0, 4), "", "when raised", floor.value, bar=bar)
-                )
-        return told
-
-    def text(self) -> str:
-        """The file, a floor a line."""
-        lines = ",\n".join(json.dumps(asdict(entry)) for _, entry in sorted(self.floors.items()))
-        return '{"format": "topple.truth", "format_version": 1, "floors": [\n' + lines + "\n]}\n"

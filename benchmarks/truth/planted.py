@@ -15,7 +15,8 @@ from pathlib import Path
 
 from topple.benchmarks.truth.answers import answers
 from topple.benchmarks.truth.cases import few, pool_cases
-from topple.benchmarks.truth.gate import FLOORS, FOLDER, Floors, broken
+from topple.benchmarks.truth.floors import Floors
+from topple.benchmarks.truth.gate import FLOORS, FOLDER, broken
 from topple.benchmarks.truth.views import VIEWS
 from topple.benchmarks.versions import Version, code_key, today
 from topple.planner.cli.console import print_text

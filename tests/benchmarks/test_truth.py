@@ -17,7 +17,8 @@ from topple.benchmarks.truth.answers import Question, answers
 from topple.benchmarks.truth.asked import FAR, LEFT, jittered
 from topple.benchmarks.truth.cases import FEW, MANY, drawn, few, pool_cases
 from topple.benchmarks.truth.counts import COLUMN, FIGURES, Counts, chances, count, difference
-from topple.benchmarks.truth.gate import FLOORS, Floors
+from topple.benchmarks.truth.floors import Floors
+from topple.benchmarks.truth.gate import FLOORS
 from topple.benchmarks.truth.geometry import relations_of
 from topple.benchmarks.truth.laid import Laid
 from topple.benchmarks.truth.oracle import labels_of
