@@ -32,7 +32,7 @@ def test_rows_say_against_what_and_how_far(tmp_path: Path) -> None:
     row = speed.relations_row(500, 3.5, 0, 1)
     assert (row.baseline, row.bar) == ("Qhull alone", "<= 3.5x")
     assert row.value > 0
-    grows = speed.stacks_row((8, 16), 0)
+    grows = speed.stacks_row((8, 16), 1.2, 0)
     assert grows.bar == "<= 1.2"
     assert "16 objects against 8" in grows.what
     small, large = speed.json_row(8, 0), speed.json_row(40, 0)
