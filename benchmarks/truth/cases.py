@@ -23,7 +23,7 @@ from topple.benchmarks.truth.pool import SETS, PoolScene
 from topple.benchmarks.truth.views import VIEWS
 from topple.robots.world import camera
 from topple.topology.errors import InvalidInput
-from topple.topology.workers import WorkerPool
+from topple.topology.workers import opened
 
 FEW = 20
 """Scenes of each set that every run has: the quick run, and all jitter."""
@@ -105,7 +105,7 @@ def pool_cases(
     ]
     missing = [job for job in jobs if not _file(place, *job).exists()]
     if missing:
-        with executor or WorkerPool(2) as workers:
+        with opened(executor) as workers:
             for number, path in enumerate(workers.map(partial(_rendered, place), missing), 1):
                 progress(f"{number} of {len(missing)} views rendered: {path.stem}")
     return [

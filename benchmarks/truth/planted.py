@@ -1,9 +1,9 @@
 """Faults and refactorings planted into copies of topple: does the gate tell them apart?
 
-`python -m topple.benchmarks.truth.planted [NAME ...]` runs the scenes of every run on each copy, view by
-view until a floor is broken, and prints which: a fault has to break one, a refactoring none. A change is a
-text in one file that stands there once; where the code has changed so that it does not, its entry has to be
-written anew.
+`python -m topple.benchmarks.truth.planted [NAME ...]` runs the scenes of every run on a copy with each fault,
+view by view until a floor is broken, and prints which: a fault has to break one. The refactorings are planted
+into one copy together, which has to break none. A change is a text in one file that stands there once; where
+the code has changed so that it does not, its entry has to be written anew.
 """
 
 import argparse
@@ -41,20 +41,15 @@ class Change:
     after: str
     fault: bool = True
 
-    def planted(self, version: Version, cache: Path) -> Version:
-        """A copy of a version with the change.
+    def plant(self, folder: Path) -> None:
+        """Make the change in a copy.
 
         Args:
-            version: What is copied.
-            cache: Folder of versions.
+            folder: The copy's.
 
         Raises:
             InvalidInput: The text does not stand there once.
         """
-        number = hashlib.sha256(self.name.encode()).hexdigest()[:12]
-        folder = cache.resolve() / f"planted-{number}"
-        shutil.rmtree(folder, ignore_errors=True)
-        shutil.copytree(version.folder, folder)
         path = folder / "topple" / self.file
         text = path.read_text(encoding="utf-8")
         if text.count(self.before) != 1:
@@ -62,8 +57,24 @@ class Change:
                 f"{self.name}: {self.file} has its text {text.count(self.before)} times, not once"
             )
         path.write_text(text.replace(self.before, self.after), encoding="utf-8")
-        code_key.cache_clear()
-        return Version(self.name, code_key(folder / "topple"), folder)
+
+
+def planted(changes: Sequence[Change], version: Version, cache: Path) -> Version:
+    """A copy of a version with changes.
+
+    Args:
+        changes: What is planted.
+        version: What is copied.
+        cache: Folder of versions.
+    """
+    name = "; ".join(change.name for change in changes)
+    folder = cache.resolve() / f"planted-{hashlib.sha256(name.encode()).hexdigest()[:12]}"
+    shutil.rmtree(folder, ignore_errors=True)
+    shutil.copytree(version.folder, folder)
+    for change in changes:
+        change.plant(folder)
+    code_key.cache_clear()
+    return Version(name, code_key(folder / "topple"), folder)
 
 
 _CONTACT = "topology/statics/contact.py"
@@ -201,22 +212,22 @@ def main(arguments: Sequence[str] | None = None) -> None:
     wanted = parser.parse_args(arguments).name
     cache, floors = FOLDER / "versions", Floors.read(FLOORS)
     version, cases = today(cache), pool_cases(few(), FOLDER / "given", lambda text: None)
-    for change in CHANGES:
-        if wanted and not any(part in change.name for part in wanted):
-            continue
-        copy = change.planted(version, cache)
+    some = [c for c in CHANGES if not wanted or any(part in c.name for part in wanted)]
+    alike = [change for change in some if not change.fault]
+    for changes in [*([change] for change in some if change.fault), *([alike] if alike else [])]:
+        copy = planted(changes, version, cache)
         below: list[str] = []
         for view in VIEWS:
-            some = [case for case in cases if case.view == view]
-            found = answers(copy, [case.question for case in some], FOLDER / "answers", lambda text: None)
-            below += broken(floors, some, found)
+            seen = [case for case in cases if case.view == view]
+            found = answers(copy, [case.question for case in seen], FOLDER / "answers", lambda text: None)
+            below += broken(floors, seen, found)
             if below:
                 break
-        told = bool(below) == change.fault
-        kind = "fault" if change.fault else "refactoring"
+        fault = changes[0].fault
+        kind = "fault" if fault else f"{len(changes)} refactorings"
         verdict = f"{len(below)} floors broken" if below else "no floor broken"
         print_text(
-            f"{'ok    ' if told else 'WRONG '} {kind}: {change.name}: {verdict}",
+            f"{'ok    ' if bool(below) == fault else 'WRONG '} {kind}: {copy.name}: {verdict}",
             *(f"    {one}" for one in below),
         )
         shutil.rmtree(copy.folder)

@@ -22,7 +22,7 @@ from topple.benchmarks.truth.gate import FLOORS
 from topple.benchmarks.truth.geometry import relations_of
 from topple.benchmarks.truth.laid import Laid
 from topple.benchmarks.truth.oracle import labels_of
-from topple.benchmarks.truth.planted import CHANGES
+from topple.benchmarks.truth.planted import CHANGES, planted
 from topple.benchmarks.truth.views import VIEWS, seen
 from topple.benchmarks.versions import ROOT, Version, commit_now, of_commit, today
 from topple.robots import shapes
@@ -368,7 +368,7 @@ def test_a_worse_version_is_refused_against_a_better_one_and_below_its_floors(
 ) -> None:
     labels, relations = labelled(stack)
     scenes = [pool.PoolScene("designed", "over", 7 + k, stack, labels, relations) for k in range(2)]
-    blind = replace(CHANGES[5], name="blind").planted(version, tmp_path / "versions")
+    blind = planted([replace(CHANGES[5], name="blind")], version, tmp_path / "versions")
     path = blind.folder / "topple" / CHANGES[4].file
     path.write_text(path.read_text().replace("return tuple(rubbing(", "return () and tuple(rubbing("))
     path = blind.folder / "topple" / "planner" / "decide" / "dependency.py"
