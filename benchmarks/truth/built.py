@@ -3,26 +3,14 @@
 import numpy as np
 from scipy.spatial.transform import Rotation
 
-from topple.benchmarks.truth.laid import GAP, Laid, Layout, laid
+from topple.benchmarks.truth.resting import GAP, Layout, RestingScene, of_a_kind
 from topple.robots import shapes
 from topple.robots.world.bodies import Body
 
 
-def built(seed: int) -> tuple[str, Laid]:
-    """A scene of the kind that its seed draws.
-
-    Args:
-        seed: Any number.
-
-    Returns:
-        The name of its kind, and the scene.
-
-    Raises:
-        ToppleError: None of its layouts stands.
-    """
-    kinds = (_bin, _wall, _slabs)
-    lay = kinds[int(np.random.default_rng([seed, 44]).integers(len(kinds)))]
-    return lay.__name__.strip("_"), laid(lay, [seed, 45])
+def built(seed: int) -> tuple[str, RestingScene]:
+    """A bin, a wall or slabs: `topple.benchmarks.truth.resting.of_a_kind`."""
+    return of_a_kind({"bin": _bin, "wall": _wall, "slabs": _slabs}, seed, 44)
 
 
 def goods(name: str, rng: np.random.Generator) -> Body:

@@ -17,9 +17,9 @@ from topple.benchmarks.row import Progress
 from topple.benchmarks.scores import Labels
 from topple.benchmarks.truth import geometry, pool, views
 from topple.benchmarks.truth.answers import Question
-from topple.benchmarks.truth.geometry import Told
-from topple.benchmarks.truth.laid import TABLE as NARROW
+from topple.benchmarks.truth.geometry import RelationLabels
 from topple.benchmarks.truth.pool import SETS, PoolScene
+from topple.benchmarks.truth.resting import TABLE as NARROW
 from topple.benchmarks.truth.views import VIEWS
 from topple.robots.world import camera
 from topple.topology.errors import InvalidInput
@@ -54,7 +54,7 @@ class Case:
     name: str
     question: Question
     labels: Labels
-    relations: Told
+    relations: RelationLabels
     looks: tuple[Question, ...] = ()
 
 
@@ -124,15 +124,17 @@ def _question(scene: PoolScene, place: Path, view: str, look: int) -> Question:
 
 def _file(place: Path, scene: PoolScene, view: str, look: int) -> Path:
     shape = hashlib.sha256()
-    for body in scene.laid.bodies:
-        shape.update(scene.laid.poses[body.name].tobytes() + b"".join(part.tobytes() for part in body.parts))
+    for body in scene.resting.bodies:
+        shape.update(
+            scene.resting.poses[body.name].tobytes() + b"".join(part.tobytes() for part in body.parts)
+        )
     return place / f"{scene.set}-{scene.seed}-{shape.hexdigest()[:8]}-{VIEWS[view]}-{look}.npz"
 
 
 def _rendered(place: Path, job: tuple[PoolScene, str, int]) -> Path:
     scene, view, look = job
     narrow = scene.seed % views.NARROW_EVERY == 0
-    arrays = views.seen(scene.laid, VIEWS[view], look, NARROW if narrow else views.WIDE)
+    arrays = views.seen(scene.resting, VIEWS[view], look, NARROW if narrow else views.WIDE)
     path = _file(place, scene, view, look)
     views.keep(arrays, path)
     return path

@@ -9,15 +9,11 @@ import numpy as np
 
 from topple.benchmarks.guesses import Guess
 from topple.benchmarks.scores import DRAWS, Labels, judged, unsafe_steps
-from topple.benchmarks.truth.geometry import Told
+from topple.benchmarks.truth.geometry import RelationLabels
+from topple.topology.sixim.table import Relation
 
 BINS = (0.0, 0.05, 0.1, 0.2, 0.4, 0.6, 0.8, 0.9, 0.95, 1.0)
 """Bounds of the bins of chances."""
-
-CONVERSE = {
-    "within": "contain", "contain": "within",
-    "partial within": "partial contain", "partial contain": "partial within",
-}  # fmt: skip
 
 
 @dataclass(frozen=True)
@@ -78,7 +74,7 @@ class Counts:
 COLUMN = {field.name: k for k, field in enumerate(fields(Counts))}
 
 
-def count(found: Mapping[str, Any], labels: Labels, relations: Told) -> Counts:
+def count(found: Mapping[str, Any], labels: Labels, relations: RelationLabels) -> Counts:
     """Count one answer.
 
     Args:
@@ -90,7 +86,7 @@ def count(found: Mapping[str, Any], labels: Labels, relations: Told) -> Counts:
         The counts; of a refusal, what was to be found is missed.
     """
     told = {(a, b): relation for a, b, relation in found.get("relations", ())}
-    told |= {(b, a): CONVERSE.get(relation, relation) for (a, b), relation in told.items()}
+    told |= {(b, a): str(Relation(relation).converse) for (a, b), relation in told.items()}
     there = set(found.get("names", ()))
     scored = {
         pair: told.get(pair, "disjoint") == relation

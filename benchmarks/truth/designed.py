@@ -1,12 +1,13 @@
 """Arrangements with a point: things over, in, around, through, across each other, and hung."""
 
 from collections.abc import Mapping
+from functools import partial
 
 import numpy as np
 from scipy.spatial.transform import Rotation
 
 from topple.benchmarks.truth.built import goods
-from topple.benchmarks.truth.laid import GAP, Laid, Lay, Layout, laid
+from topple.benchmarks.truth.resting import GAP, Lay, Layout, RestingScene, of_a_kind
 from topple.robots import shapes
 from topple.robots.shapes.vessel import circle, rings, sectors
 from topple.robots.world.bodies import Body
@@ -15,28 +16,16 @@ from topple.topology.arrays import FloatArray
 Size = tuple[float, float, float]
 
 
-def designed(seed: int) -> tuple[str, Laid]:
-    """An arrangement of the kind that its seed draws, often with things beside it.
+def designed(seed: int) -> tuple[str, RestingScene]:
+    """One of `KINDS`, often with things beside it: `topple.benchmarks.truth.resting.of_a_kind`."""
+    return of_a_kind({kind: partial(_with_things_beside, lay) for kind, lay in KINDS.items()}, seed, 46)
 
-    Args:
-        seed: Any number.
 
-    Returns:
-        The name of its kind, and the scene.
-
-    Raises:
-        ToppleError: None of its layouts stands.
-    """
-    kinds = list(KINDS)
-    kind = kinds[int(np.random.default_rng([seed, 46]).integers(len(kinds)))]
-
-    def lay(layout: Layout) -> None:
-        KINDS[kind](layout)
-        for k in range(int(layout.rng.integers(0, 3))):
-            angle = layout.number(0, 2 * np.pi)
-            layout.drop(goods(f"{k}x", layout.rng), 0.2 * np.array([np.cos(angle), np.sin(angle)]), 0.02)
-
-    return kind, laid(lay, [seed, 47])
+def _with_things_beside(lay: Lay, layout: Layout) -> None:
+    lay(layout)
+    for k in range(int(layout.rng.integers(0, 3))):
+        angle = layout.number(0, 2 * np.pi)
+        layout.drop(goods(f"{k}x", layout.rng), 0.2 * np.array([np.cos(angle), np.sin(angle)]), 0.02)
 
 
 def _block(size: Size, at: Size) -> FloatArray:

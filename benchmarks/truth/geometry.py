@@ -2,16 +2,19 @@
 
 from collections.abc import Mapping
 from itertools import combinations
+from typing import Any
 
 import numpy as np
 from scipy.spatial import ConvexHull
 
-from topple.benchmarks.truth.laid import Laid
+from topple.benchmarks.truth.resting import RestingScene
 from topple.robots.engine import pybullet
+from topple.robots.world.bodies import spread_over
 from topple.robots.world.world import World
 from topple.topology.arrays import FloatArray
+from topple.topology.scene import Mesh
 
-Told = Mapping[tuple[str, str], str]
+RelationLabels = Mapping[tuple[str, str], str]
 """(a, b) -> "a relation b"."""
 
 CLOSE = 0.0005  # [m] what is at rest on each other touches: the engine keeps a tenth of that
@@ -23,23 +26,23 @@ LITTLE = 0.004  # share of a body's surface that sticks out and is overlooked: c
 FOOTPRINT = 0.15  # [m] of the table around what stands on it
 
 
-def relations_of(laid: Laid, world: World) -> Told:
+def relations_of(scene: RestingScene, world: World) -> RelationLabels:
     """Relations of every pair beyond doubt; those of two bodies that never move are left out.
 
     Args:
-        laid: The scene at rest.
+        scene: The scene at rest.
         world: The same in simulation.
     """
     rng = np.random.default_rng(0)
     points = {
-        body.name: surface(body.parts, 1500, rng) @ laid.poses[body.name][:3, :3].T
-        + laid.poses[body.name][:3, 3]
-        for body in laid.bodies
+        body.name: surface(body.parts, 1500, rng) @ scene.poses[body.name][:3, :3].T
+        + scene.poses[body.name][:3, 3]
+        for body in scene.bodies
     }
     hulls = {name: ConvexHull(cloud).equations for name, cloud in points.items()}
-    fixed = laid.fixed | {"table"}
+    fixed = scene.fixed | {"table"}
     found: dict[tuple[str, str], str] = {}
-    for a, b in combinations([*laid.poses, "table"], 2):
+    for a, b in combinations([*scene.poses, "table"], 2):
         if not (a in fixed and b in fixed) and (told := _relation(a, b, points, hulls, world)):
             found[a, b] = told
     return found
@@ -71,16 +74,12 @@ def _depths(points: FloatArray, planes: FloatArray) -> FloatArray:
 
 def surface(parts: tuple[FloatArray, ...], count: int, rng: np.random.Generator) -> FloatArray:
     """Points (N, 3) on what parts together show: what lies in or on another part is left out."""
-    hulls = [ConvexHull(part) for part in parts]
+    hulls: list[Any] = [ConvexHull(part) for part in parts]
     areas = np.array([hull.area for hull in hulls])
     kept: list[FloatArray] = []
     for k, (part, hull) in enumerate(zip(parts, hulls, strict=True)):
-        corners = part[hull.simplices]
-        sizes = np.linalg.norm(np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0]), axis=1)
         wanted = max(1, round(count * areas[k] / areas.sum()))
-        chosen = corners[rng.choice(len(corners), wanted, p=sizes / sizes.sum())]
-        u, v = np.sqrt(rng.random((wanted, 1))), rng.random((wanted, 1))
-        points = (1 - u) * chosen[:, 0] + u * (1 - v) * chosen[:, 1] + u * v * chosen[:, 2]
+        points = spread_over(Mesh(part, hull.simplices), wanted, rng)
         shown = np.ones(wanted, dtype=bool)
         for j, other in enumerate(hulls):
             if j != k:

@@ -22,9 +22,9 @@ from topple.benchmarks.piles import make_pile
 from topple.benchmarks.scores import Labels
 from topple.benchmarks.truth.built import built
 from topple.benchmarks.truth.designed import designed
-from topple.benchmarks.truth.geometry import Told, relations_of
-from topple.benchmarks.truth.laid import FRICTION, Laid
+from topple.benchmarks.truth.geometry import RelationLabels, relations_of
 from topple.benchmarks.truth.oracle import labels_of
+from topple.benchmarks.truth.resting import FRICTION, RestingScene
 from topple.planner.cli.console import print_text
 from topple.planner.formats.files import write_whole
 from topple.planner.simulate.lifts import set_friction
@@ -49,7 +49,7 @@ class PoolScene:
         set: The generator's name.
         kind: What it was to make.
         seed: Of the generator.
-        laid: Bodies and poses.
+        resting: Bodies and poses.
         labels: then -> first -> 1 had to go first, 0 not, None too close to call.
         relations: (a, b) -> relation of the exact shapes, "a relation b", pairs beyond doubt alone.
     """
@@ -57,9 +57,9 @@ class PoolScene:
     set: str
     kind: str
     seed: int
-    laid: Laid
+    resting: RestingScene
     labels: Labels
-    relations: Told
+    relations: RelationLabels
 
     @property
     def name(self) -> str:
@@ -67,12 +67,12 @@ class PoolScene:
         return f"{self.set} {self.seed}"
 
 
-def _settled(seed: int) -> tuple[str, Laid]:
+def _settled(seed: int) -> tuple[str, RestingScene]:
     pile = make_pile(seed)
-    return "pile", Laid(pile.bodies, pile.poses)
+    return "pile", RestingScene(pile.bodies, pile.poses)
 
 
-_GENERATORS: Mapping[str, Callable[[int], tuple[str, Laid]]] = {
+_GENERATORS: Mapping[str, Callable[[int], tuple[str, RestingScene]]] = {
     "settled": _settled, "built": built, "designed": designed,
 }  # fmt: skip
 
@@ -89,16 +89,16 @@ def made(which: str, seed: int) -> dict[str, Any]:
     """
     head = {"set": which, "seed": seed}
     try:
-        kind, laid = _GENERATORS[which](seed)
-        shapes = {body.name: _rounded(body) for body in laid.bodies}
-        rounded = Laid(
-            tuple(_body(body.name, shapes[body.name], body.mass, body.rolling) for body in laid.bodies),
-            laid.poses,
-            laid.fixed,
+        kind, scene = _GENERATORS[which](seed)
+        shapes = {body.name: _rounded(body) for body in scene.bodies}
+        rounded = RestingScene(
+            tuple(_body(body.name, shapes[body.name], body.mass, body.rolling) for body in scene.bodies),
+            scene.poses,
+            scene.fixed,
         )
         with rounded.world() as world:
             world.settle(3.0)
-            rest = Laid(rounded.bodies, {name: world.pose(name) for name in laid.poses}, laid.fixed)
+            rest = RestingScene(rounded.bodies, {name: world.pose(name) for name in scene.poses}, scene.fixed)
         with rest.world() as world:
             movable = [name for name in rest.poses if name not in rest.fixed]
             labels = labels_of(world, movable)
@@ -208,8 +208,8 @@ def _scene(entry: Mapping[str, Any]) -> PoolScene:
         for then, row in zip(movable, entry["labels"], strict=True)
     }
     relations = {(a, b): relation for a, b, relation in entry["relations"]}
-    laid = Laid(bodies, poses, fixed)
-    return PoolScene(entry["set"], entry["kind"], entry["seed"], laid, labels, relations)
+    scene = RestingScene(bodies, poses, fixed)
+    return PoolScene(entry["set"], entry["kind"], entry["seed"], scene, labels, relations)
 
 
 def _made(job: tuple[str, int]) -> dict[str, Any]:

@@ -9,7 +9,7 @@ import numpy as np
 
 from topple.benchmarks.piles import CAMERAS
 from topple.benchmarks.truth.geometry import surface
-from topple.benchmarks.truth.laid import TABLE, Laid
+from topple.benchmarks.truth.resting import TABLE, RestingScene
 from topple.planner.formats.files import write_whole
 from topple.robots.world.camera import Camera, Noise
 from topple.topology.arrays import FloatArray
@@ -29,11 +29,11 @@ NARROW_EVERY = 4  # every so manieth scene's table ends within the pictures
 Arrays = Mapping[str, np.ndarray[Any, Any]]
 
 
-def seen(laid: Laid, cameras: int, look: int, table: tuple[float, float] = WIDE) -> Arrays:
+def seen(scene: RestingScene, cameras: int, look: int, table: tuple[float, float] = WIDE) -> Arrays:
     """Clouds or images of a scene, as arrays that a file holds.
 
     Args:
-        laid: The scene.
+        scene: The scene.
         cameras: How many look, 0 for whole surfaces.
         look: Number of the look: the seed of its noise.
         table: Extents of the table [m], which has the objects in its middle.
@@ -42,14 +42,14 @@ def seen(laid: Laid, cameras: int, look: int, table: tuple[float, float] = WIDE)
         `names`, `fixed` and `cloud_K`, or `depth_K`, `label_K`, `pose_K` and `K` of each camera.
     """
     rng = np.random.default_rng([look, cameras])
-    names = np.array([*laid.poses, "table"])
-    head = {"names": names, "fixed": np.array([*sorted(laid.fixed), "table"])}
+    names = np.array([*scene.poses, "table"])
+    head = {"names": names, "fixed": np.array([*sorted(scene.fixed), "table"])}
     if not cameras:
-        clouds = [_cloud(laid, name, rng) for name in laid.poses]
+        clouds = [_cloud(scene, name, rng) for name in scene.poses]
         top = np.column_stack([rng.uniform(-0.5, 0.5, (POINTS, 2)) * TABLE, np.zeros(POINTS)])
         return head | {f"cloud_{k}": _rounded(cloud) for k, cloud in enumerate([*clouds, top])}
     found: dict[str, np.ndarray[Any, Any]] = {}
-    with laid.world(table) as world:
+    with scene.world(table) as world:
         number = {world.ids[name] + 1: k + 1 for k, name in enumerate(names)}
         label = np.zeros(max(number) + 1, dtype=np.uint8)
         label[list(number)] = list(number.values())
@@ -61,9 +61,9 @@ def seen(laid: Laid, cameras: int, look: int, table: tuple[float, float] = WIDE)
     return head | found
 
 
-def _cloud(laid: Laid, name: str, rng: np.random.Generator) -> FloatArray:
-    body = next(body for body in laid.bodies if body.name == name)
-    pose = laid.poses[name]
+def _cloud(scene: RestingScene, name: str, rng: np.random.Generator) -> FloatArray:
+    body = next(body for body in scene.bodies if body.name == name)
+    pose = scene.poses[name]
     return surface(body.parts, POINTS, rng) @ pose[:3, :3].T + pose[:3, 3]
 
 

@@ -1,6 +1,6 @@
-"""Laid: bodies at rest on a table, some of which never move; and how layouts come to rest."""
+"""RestingScene: bodies at rest on a table, some of which never move; and how layouts come to rest."""
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
 
 import numpy as np
@@ -29,7 +29,7 @@ BELOW = -0.05  # [m] what is lower fell off the table
 
 
 @dataclass(frozen=True, eq=False)
-class Laid:
+class RestingScene:
     """A scene at rest.
 
     Attributes:
@@ -106,7 +106,25 @@ class Layout:
 Lay = Callable[[Layout], None]
 
 
-def laid(lay: Lay, seeds: Sequence[int]) -> Laid:
+def of_a_kind(kinds: Mapping[str, Lay], seed: int, salt: int) -> tuple[str, RestingScene]:
+    """A scene of the kind that a seed draws, each as likely as the others.
+
+    Args:
+        kinds: What lays out each kind, by name.
+        seed: Any number.
+        salt: Of the generator: two of them draw unlike scenes from one seed.
+
+    Returns:
+        The name of its kind, and the scene.
+
+    Raises:
+        ToppleError: None of its layouts stands.
+    """
+    kind = list(kinds)[int(np.random.default_rng([seed, salt]).integers(len(kinds)))]
+    return kind, come_to_rest(kinds[kind], [seed, salt + 1])
+
+
+def come_to_rest(lay: Lay, seeds: Sequence[int]) -> RestingScene:
     """Lay out and let come to rest.
 
     Args:
@@ -136,7 +154,9 @@ def laid(lay: Lay, seeds: Sequence[int]) -> Laid:
             movable = [name for name in names if name not in fixed]
             creep = max((_crept(rest[name], after[name]) for name in movable), default=0.0)
             if held and creep <= CREEP and len(movable) >= 2:
-                return Laid(tuple(map(world.body, names)), {name: after[name] for name in names}, fixed)
+                return RestingScene(
+                    tuple(map(world.body, names)), {name: after[name] for name in names}, fixed
+                )
     raise ToppleError(f"nothing of seed {list(seeds)} stands in {ATTEMPTS} attempts")
 
 
