@@ -20,7 +20,6 @@ if TYPE_CHECKING:
     from topple.topology.relations import Relations, relate, relate_all
     from topple.topology.scene import Mesh, Scene
     from topple.topology.sixim.table import Relation, classify
-    from topple.topology.views.borders import mend_masks
     from topple.topology.workers import WorkerLost, WorkerPool
 
 __all__ = [
@@ -43,7 +42,6 @@ __all__ = [
     "classify",
     "load_scene",
     "load_sequence",
-    "mend_masks",
     "merge_views",
     "relate",
     "relate_all",
@@ -72,7 +70,6 @@ __getattr__ = lazy_names(
         "relations": "Relations relate relate_all",
         "scene": "Mesh Scene",
         "sixim.table": "Relation classify",
-        "views.borders": "mend_masks",
         "workers": "WorkerLost WorkerPool",
     },
 )

@@ -2,6 +2,7 @@
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field
+from functools import cached_property
 
 import numpy as np
 from numpy.typing import NDArray
@@ -11,6 +12,7 @@ from topple.topology.checks import as_intrinsics, as_name, as_pose, numeric
 from topple.topology.errors import InvalidInput
 from topple.topology.tolerances import FARTHEST_DEPTH
 from topple.topology.values import ByValue, FrozenDict
+from topple.topology.views.borders import Borders, borders
 
 
 @dataclass(frozen=True, eq=False)
@@ -69,6 +71,11 @@ class DepthImage(ByValue):
         """Centre of the camera (3,) in world coordinates, in [m]."""
         return self.pose_camera_to_world[:3, 3]
 
+    @cached_property
+    def borders(self) -> Borders:
+        """What depth says of the masks: which pixel is by its depth of whose surface."""
+        return borders(self.depth, self.label)
+
     def points(self) -> FloatArray:
         """Lift every pixel into the world.
 
@@ -81,14 +88,15 @@ class DepthImage(ByValue):
         return points
 
     def clouds(self) -> dict[str, FloatArray]:
-        """Lift the labelled pixels that have depth.
+        """Lift the pixels that have depth, each for the object whose surface it is of (see `borders`).
 
         Returns:
             Points (N, 3) in world coordinates in [m] per object, by ascending label; an object
             without a single pixel of depth is absent.
         """
-        rows, columns = np.nonzero((self.label > 0) & (self.depth > 0))
-        labels = self.label[rows, columns]
+        owner = self.borders.owner
+        rows, columns = np.nonzero((owner > 0) & (self.depth > 0))
+        labels = owner[rows, columns]
         by_label = np.argsort(labels, kind="stable")
         points = self._lifted(rows[by_label], columns[by_label])
         present, starts = np.unique(labels[by_label], return_index=True)
@@ -96,12 +104,12 @@ class DepthImage(ByValue):
         return {self.name_of(int(number)): piece for number, piece in zip(present, pieces, strict=True)}
 
     def background(self) -> FloatArray:
-        """Lift the pixels without a label that have depth.
+        """Lift the pixels that have depth and are of no object.
 
         Returns:
             Points (N, 3) in world coordinates in [m].
         """
-        return self._lifted(*np.nonzero((self.label == 0) & (self.depth > 0)))
+        return self._lifted(*np.nonzero((self.borders.owner == 0) & (self.depth > 0)))
 
     def in_view(self, places: FloatArray) -> BoolArray:
         """Which places (N, 3) in world coordinates [m] lie within the picture's edges, hidden or not."""

@@ -9,7 +9,7 @@ from numpy.typing import ArrayLike
 
 from topple.topology.amounts import as_friction, as_masses
 from topple.topology.arrays import FloatArray, IntArray, frozen_int
-from topple.topology.bodies.background import find_table, note_of
+from topple.topology.bodies.background import find_table, note_of, unnamed_among
 from topple.topology.checks import as_direction, as_name, as_points, as_pose, as_viewpoints, numeric
 from topple.topology.errors import InvalidInput, UnknownObject
 from topple.topology.geometry.plane import TABLE, table_by_name, up_from_fixed
@@ -17,7 +17,7 @@ from topple.topology.image import DepthImage
 from topple.topology.model_fit import ModelFit
 from topple.topology.notebook import in_cell
 from topple.topology.tolerances import FEWEST_SEEN, LARGEST_HELD, SMALLEST_SEEN
-from topple.topology.values import ByValue, FrozenDict
+from topple.topology.values import ByValue, FrozenDict, free_name
 
 _Value = TypeVar("_Value")
 
@@ -172,6 +172,7 @@ class Scene(ByValue):
         fixed: Iterable[str] = (),
         up: ArrayLike | None = None,
         table: Literal["auto"] | None = None,
+        unnamed: bool = True,
     ) -> "Scene":
         """Merge what one or several depth cameras see into one scene.
 
@@ -181,6 +182,8 @@ class Scene(ByValue):
             up: Direction (3,) against gravity; None takes it from the plane of a fixed object.
             table: "auto" finds the table where nothing is fixed: an object named so, else the plane under
                 the objects among the pixels without a label, which becomes the fixed object "table".
+            unnamed: Whether what no mask names, over or at an object, becomes an object (`with_unnamed`); a
+                robot in the picture does, too.
 
         Returns:
             The scene in world coordinates. An object of which hardly a point was seen is left out,
@@ -200,6 +203,7 @@ class Scene(ByValue):
             for name, points in clouds.items()
             if len(points) < FEWEST_SEEN
         ]
+        notes += said_of_masks(images)
         clouds = {name: points for name, points in clouds.items() if len(points) >= FEWEST_SEEN}
         viewpoints = np.array([image.viewpoint for image in images]).reshape(-1, 3)
         fixed = [fixed] if isinstance(fixed, str) else list(fixed)
@@ -207,7 +211,8 @@ class Scene(ByValue):
             background = np.concatenate([image.background() for image in images])
             fixed = table_among(clouds, background, viewpoints, notes)
         scene = cls(clouds, fixed, up, viewpoints, images, assumptions=notes)
-        return scene if up is not None else scene.upright()
+        scene = scene if up is not None else scene.upright()
+        return scene.with_unnamed() if unnamed else scene
 
     @property
     def names(self) -> tuple[str, ...]:
@@ -242,6 +247,24 @@ class Scene(ByValue):
             return self
         up, note = found
         return self._changed(up=as_direction(up, "up"), assumptions=(*self.assumptions, note))
+
+    def with_unnamed(self) -> "Scene":
+        """Add what the images show at objects and no mask names, as objects `unnamed_1` and so on.
+
+        Returns:
+            The scene with them and a sentence on each; the same scene where there is none, or up is unknown.
+        """
+        if self.up is None or not self.images:
+            return self
+        background = np.concatenate([image.background() for image in self.images])
+        clouds, notes = dict(self.clouds), list(self.assumptions)
+        found = unnamed_among(background, self.clouds, self._fixed_in_order(), self.up)
+        for number, (cloud, near) in enumerate(found, 1):
+            name = free_name(f"unnamed_{number}", clouds)
+            at = ", ".join(near)
+            notes.append(f"something without a name is at {at}: {name!r}; take it away, or name it")
+            clouds[name] = as_points(cloud, f"cloud {name!r}")
+        return self._changed(clouds=FrozenDict(clouds), assumptions=tuple(notes))
 
     def with_up(self, up: ArrayLike) -> "Scene":
         """Give the scene another upward direction.
@@ -330,6 +353,16 @@ class Scene(ByValue):
 
     def _fixed_in_order(self) -> list[str]:
         return [name for name in self.clouds if name in self.fixed]
+
+
+def said_of_masks(images: Sequence[DepthImage]) -> list[str]:
+    """Sentences on masks that are off, by picture where there are several."""
+    said = {number: image.borders.said() for number, image in enumerate(images, 1)}
+    return [
+        note if len(images) == 1 else f"camera {number}: {note}"
+        for number, note in said.items()
+        if note is not None
+    ]
 
 
 def _except(name: str, values: Mapping[str, _Value]) -> Mapping[str, _Value]:

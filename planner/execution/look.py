@@ -21,10 +21,9 @@ from topple.topology.geometry.thin import thinned
 from topple.topology.image import DepthImage
 from topple.topology.photo import Photo
 from topple.topology.relations import Relations
-from topple.topology.scene import Scene
+from topple.topology.scene import Scene, said_of_masks
 from topple.topology.situation import Situation
 from topple.topology.sixim.table import Relation
-from topple.topology.views.borders import mend_masks
 
 Relate = Callable[[Scene], Relations]
 
@@ -122,9 +121,9 @@ class Observer:
         images, faults = self._frames.take(self.world, self.rng, changed=expected is not self._last)
         photo = None if self.photographer is None else self.photographer()
         taken = time.perf_counter()
-        images, said = _mended((*images, *more))
+        images = (*images, *more)
         if expected is None:  # the first look stands for all
-            faults = (*faults, *said)
+            faults = (*faults, *said_of_masks(images))
         kept = self._kept
         if self.shuffle_labels and expected is not None:
             images = associated(images, expected, self.rng)
@@ -149,14 +148,7 @@ class Observer:
 
     def _scene(self, images: Sequence[DepthImage]) -> Scene:
         fixed = [name for name in self.fixed if any(name in image.names.values() for image in images)]
-        return _thinned(Scene.from_images(images, fixed=fixed, up=self.up))
-
-
-def _mended(images: Sequence[DepthImage]) -> tuple[tuple[DepthImage, ...], tuple[str, ...]]:
-    """Pictures whose masks end where depth says, and of each that was changed what was wrong."""
-    put_right = [mend_masks(image) for image in images]
-    said = [f"camera {number}: {note}" for number, (_, note) in enumerate(put_right, 1) if note is not None]
-    return tuple(image for image, _ in put_right), tuple(said)
+        return _thinned(Scene.from_images(images, fixed=fixed, up=self.up, unnamed=False))
 
 
 def _unmoved(

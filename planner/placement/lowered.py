@@ -1,17 +1,15 @@
 """Putting a thing down as and where it is told: lowered there until it meets what is below."""
 
 import numpy as np
-from scipy.spatial import KDTree
 
 from topple.planner.decide.goal import PlaceRelation
 from topple.planner.placement.placement import Placement
 from topple.planner.placement.resting import PLACEMENT_TOLERANCES
 from topple.planner.placement.stacking import heights_of, underside
-from topple.planner.placement.tolerances import CELL, CONTACT, GAPS, SKIN
-from topple.topology.arrays import BoolArray, FloatArray, IntArray
-from topple.topology.bodies.plates import strays_of
+from topple.planner.placement.tolerances import CELL, CONTACT, SKIN
+from topple.topology.arrays import FloatArray, IntArray
 from topple.topology.bodies.solids import hull_vertices
-from topple.topology.bodies.tops import Tops, tops_of
+from topple.topology.bodies.tops import tops_of
 from topple.topology.geometry.axes import level_axes
 from topple.topology.geometry.rigid import transformed
 from topple.topology.geometry.samples import centre_of_mass, sampled
@@ -75,26 +73,9 @@ def _with_boards(
     top, owner = top.copy(), owner.copy()
     for name in sorted(scene.fixed):
         found = tops_of(scene.clouds[name], up)
-        stray = _near_strays(np.column_stack([places, top]), found, np.vstack([axes, up]))
         for board in found.tops:
-            noise = stray | (np.abs(top - board.height) < SKIN)
+            noise = np.abs(top - board.height) < SKIN
             hidden = ~np.isfinite(top) | ((owner == names.index(name)) & noise)
             hidden[hidden] = inset(hull_vertices(board.points @ axes.T), places[hidden]) > 0.0
             top[hidden], owner[hidden] = board.height, names.index(name)
     return top, owner
-
-
-def _near_strays(surface: FloatArray, found: Tops, frame: FloatArray) -> BoolArray:
-    """Which of (N, 3) places on what is below were drawn by points too few to be a thing, seen over a board.
-
-    A camera's pixels on the edge of one thing before another float between both.
-    """
-    off = [np.abs(board.above(found.rest)) > SKIN for board in found.tops]
-    floating = found.rest[np.logical_and.reduce(off)] if off else found.rest[:0]
-    strays = strays_of(floating, CELL)
-    near = np.zeros(len(surface), dtype=np.bool_)
-    if len(strays):
-        known = np.isfinite(surface[:, 2])
-        tree = KDTree(strays @ frame.T)
-        near[known] = tree.query(surface[known])[0] < GAPS * CELL
-    return near

@@ -12,6 +12,7 @@ from topple.planner.report.limits import LIMITS
 from topple.planner.report.palette import Colour, css, ink_on, object_colours
 from topple.topology.arrays import FloatArray, IntArray
 from topple.topology.bodies.surfaces import whole_surfaces
+from topple.topology.cloud import clean
 from topple.topology.geometry.hull import Hull
 from topple.topology.geometry.normals import patch_planes
 from topple.topology.geometry.thin import voxel_means
@@ -133,7 +134,7 @@ def _drawn(
     share: int,
     up: FloatArray,
 ) -> DrawnObject:
-    seen = _without_strays(_thinned(cloud, share))
+    seen = clean(_thinned(cloud, share))
     points = seen
     if whole is not None and len(whole):
         hidden = whole[np.asarray(KDTree(cloud).query(whole)[0]) > LIMITS.guessed]
@@ -151,15 +152,6 @@ def _thinned(cloud: FloatArray, share: int) -> FloatArray:
     while len(kept := voxel_means(cloud, cell)) > share:
         cell *= max(1.1, float(np.sqrt(len(kept) / share)))
     return kept
-
-
-def _without_strays(points: FloatArray) -> FloatArray:
-    """Points that have others about them: a pixel that flew off an edge is no surface."""
-    if len(points) < LIMITS.normal:
-        return points
-    near = np.asarray(KDTree(points).query(points, k=4)[0])[:, 3]
-    kept = near <= LIMITS.stray * np.median(near)
-    return points[kept] if kept.mean() > 1 - LIMITS.most_strays else points
 
 
 def _spacing_and_normals(points: FloatArray) -> tuple[float, FloatArray]:

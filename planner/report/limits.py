@@ -26,8 +26,6 @@ class Limits:
         finest: Edge in [m] of the cells in which a cloud is averaged before it is drawn: a depth camera's
             noise is smoothed away, and a spoon still has a rim.
         normal: Neighbours that a point's surface normal is fitted to: a patch of a centimetre.
-        stray: A point is left out if the third nearest is this many times as far as usual.
-        most_strays: Unless that would be more than this share of the points: the cloud is then uneven.
         guessed: Surface farther in [m] than this from every point that was seen counts as guessed: more
             than twice the spacing of the completed surface.
         largest: A disc of a picture is at most this share of its height: larger ones take seconds.
@@ -56,8 +54,6 @@ class Limits:
     fixed_share: float = 0.3
     finest: float = 0.0025
     normal: int = 26
-    stray: float = 3.0
-    most_strays: float = 0.1
     guessed: float = 0.008
     largest: int = 130
     hull_vertices: int = 36

@@ -1,21 +1,28 @@
-"""The table among the points that belong to no object: the plane on which the objects stand."""
+"""What points of no object show: the table on which the objects stand, and things without a name."""
 
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 
 import numpy as np
 from scipy import ndimage
+from scipy.spatial import KDTree
 
-from topple.topology.arrays import BoolArray, FloatArray, bounds
+from topple.topology.arrays import BoolArray, FloatArray, bounds, within_corners
+from topple.topology.bodies.plates import pieces_of
 from topple.topology.bodies.tolerances import (
     BACKGROUND_FEWEST,
+    BESIDE,
+    LINKED,
     NEAR,
     OVER,
     PLANES,
+    RISES,
+    SAME,
     STANDS,
     VOXEL,
 )
-from topple.topology.geometry.axes import perpendiculars
+from topple.topology.geometry.axes import level_axes, perpendiculars
 from topple.topology.geometry.plane import fit_plane
+from topple.topology.geometry.thin import voxel_means
 from topple.topology.geometry.tolerances import ON_PLANE
 
 
@@ -61,6 +68,48 @@ def note_of(table: FloatArray) -> str:
         f"'table' is the plane found under the objects in what has no label ({len(table)} points): "
         "it is taken as fixed"
     )
+
+
+def unnamed_among(
+    background: FloatArray, clouds: Mapping[str, FloatArray], fixed: Iterable[str], up: FloatArray
+) -> list[tuple[FloatArray, list[str]]]:
+    """Find things without a name over, under or at objects, above what carries these.
+
+    A wall, a screen or another table reaches beyond the objects: it is no thing that one could take away.
+
+    Args:
+        background: (N, 3) points [m] that belong to no object.
+        clouds: Points (N, 3) [m] per object.
+        fixed: Names of those that never move.
+        up: (3,) unit vector.
+
+    Returns:
+        (M, 3) points of each, the largest first, and the movable objects that it is close to, one at least.
+    """
+    fixed = list(fixed)
+    movable = {name: cloud for name, cloud in clouds.items() if name not in fixed}
+    if not fixed or not movable or len(background) == 0:
+        return []
+    lower, upper = bounds(np.concatenate(list(movable.values())))
+    lower, upper = lower - BESIDE, upper + BESIDE
+    points = background[within_corners(background, lower, upper)]
+    for name in fixed:
+        plane, _ = fit_plane(clouds[name], up=up)
+        plane = plane * np.sign(plane[:3] @ up)
+        points = points[points @ plane[:3] + plane[3] > RISES]
+    if len(points):
+        known = KDTree(np.concatenate([voxel_means(cloud, SAME / 2) for cloud in clouds.values()]))
+        points = points[known.query(points, distance_upper_bound=SAME)[0] > SAME]
+    level = np.stack(level_axes(up), axis=1)  # (3, 2)
+    below = {name: KDTree(voxel_means(cloud, LINKED / 3) @ level) for name, cloud in movable.items()}
+    found: list[tuple[FloatArray, list[str]]] = []
+    for piece in sorted(pieces_of(voxel_means(points, LINKED / 3)), key=len, reverse=True):
+        if within_corners(piece, lower + LINKED, upper - LINKED).all():
+            at = piece @ level
+            near = [name for name, tree in below.items() if (tree.query(at)[0] < LINKED).any()]
+            cloud = points[KDTree(piece).query(points)[0] < LINKED / 2]
+            found += [(cloud, near)] if near else []
+    return found
 
 
 def _on(points: FloatArray, plane: FloatArray) -> BoolArray:

@@ -17,7 +17,6 @@ from topple.topology.bodies.tolerances import (
     THICK,
     TRIES,
 )
-from topple.topology.geometry.thin import voxel_means
 
 
 def plates_of(cloud: FloatArray, tolerance: float, up: FloatArray, seed: int = 0) -> tuple[FloatArray, ...]:
@@ -42,10 +41,10 @@ def plates_of(cloud: FloatArray, tolerance: float, up: FloatArray, seed: int = 0
         flat = _largest_plane(rest, rng)
         if flat.sum() < max(PLATES_FEWEST, PLATES_LEAST * len(cloud)):
             break
-        for piece in _pieces(rest[flat]):
+        for piece in pieces_of(rest[flat]):
             found += convex_parts(piece, THICK, above, fewest=RIM_FEWEST)
         rest = rest[~flat]
-    for piece in _pieces(rest):
+    for piece in pieces_of(rest):
         found += convex_parts(piece, tolerance, above, fewest=RIM_FEWEST)
     return tuple(found)
 
@@ -71,28 +70,9 @@ def _beside(points: FloatArray, some: FloatArray) -> BoolArray:
     return np.abs((points - middle) @ normal) < THICK
 
 
-def _pieces(points: FloatArray) -> list[FloatArray]:
+def pieces_of(points: FloatArray) -> list[FloatArray]:
     """Points that hang together; what is too small to be a thing is left out."""
     return [piece for piece in _connected(points) if len(piece) >= PLATES_FEWEST]
-
-
-def strays_of(points: FloatArray, cell: float) -> FloatArray:
-    """What hangs together with too few points to be a thing: a depth camera's mixed pixels.
-
-    Args:
-        points: (N, 3) points [m].
-        cell: Edge of the cubes whose points are averaged first [m].
-
-    Returns:
-        (M, 3) the averaged points of such pieces [m].
-    """
-    pieces = _connected(voxel_means(points, cell)) if len(points) else []
-    if not pieces:
-        return np.zeros((0, 3))
-    which = np.repeat(np.arange(len(pieces)), [len(piece) for piece in pieces])
-    counts = np.bincount(which[KDTree(np.vstack(pieces)).query(points)[1]], minlength=len(pieces))
-    few = [piece for piece, count in zip(pieces, counts, strict=True) if count < PLATES_FEWEST]
-    return np.vstack([np.zeros((0, 3)), *few])
 
 
 def _connected(points: FloatArray) -> list[FloatArray]:

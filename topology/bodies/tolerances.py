@@ -314,3 +314,15 @@ SIDE_NEAR = 0.02
 
 EDGE_SEEN = 0.8
 """Share of an edge along which its side is to be seen."""
+
+# -- unnamed
+
+BESIDE = 0.3
+"""Distance [m] beyond the objects to which things without a name are looked for: what reaches further is a
+wall or a screen."""
+
+RISES = 0.012
+"""Height [m] above what carries the objects from which points are of a thing: noise and ripple of a table."""
+
+SAME = 0.008
+"""Distance [m] to an object within which points are its own: pixels of a mask that another view has."""

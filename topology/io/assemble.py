@@ -23,7 +23,7 @@ from topple.topology.io.tolerances import (
     TABLE_SPACING,
     UNDER_SHARE,
 )
-from topple.topology.scene import Mesh, Scene, table_among
+from topple.topology.scene import Mesh, Scene, said_of_masks, table_among
 
 
 @dataclass
@@ -77,7 +77,7 @@ def assemble(parts: Parts, fixed: list[str], up: ArrayLike | None) -> Scene:
     if not parts.clouds:
         raise InvalidInput("no objects found: expected at least one named cloud (N, 3) in metres")
     clouds = {name: _as_cloud(name, points) for name, points in parts.clouds.items()}
-    notes = list(parts.notes)
+    notes = [*parts.notes, *said_of_masks(parts.images)]
     all_fixed = list(dict.fromkeys([*parts.fixed, *fixed]))
     up = parts.up if up is None else up
     if parts.table_plane is not None:
@@ -92,7 +92,7 @@ def assemble(parts: Parts, fixed: list[str], up: ArrayLike | None) -> Scene:
     scene = Scene(
         clouds, all_fixed, up, parts.viewpoints, parts.images, parts.meshes, parts.robot_base, notes
     )
-    return scene.weighed(parts.masses, parts.friction).upright()
+    return scene.weighed(parts.masses, parts.friction).upright().with_unnamed()
 
 
 def _as_cloud(name: str, points: ArrayLike) -> FloatArray:

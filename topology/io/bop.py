@@ -21,7 +21,6 @@ from topple.topology.io.picture import read_picture
 from topple.topology.io.strict_json import read_json
 from topple.topology.scene import Mesh
 from topple.topology.tolerances import FARTHEST_DEPTH, FEWEST_SEEN
-from topple.topology.views.borders import mend_masks
 
 _CAMERAS, _TRUTH = "scene_camera.json", "scene_gt.json"
 _MODELS = ("models", "models_cad", "models_fine", "models_reconst", "models_eval")
@@ -209,11 +208,7 @@ def _seen(
         depth[claims > 1] = 0.0
         notes.append(f"{int((claims > 1).sum())} pixels that several masks claim are left out")
     K = _numbers(camera, "cam_K", 9, _CAMERAS).reshape(3, 3)
-    image, said = mend_masks(
-        DepthImage(depth, K, label, to_world, {row + 1: name for name, row in names.items()})
-    )
-    notes += [] if said is None else [said]
-    return image
+    return DepthImage(depth, K, label, to_world, {row + 1: name for name, row in names.items()})
 
 
 def _found(folder: Path, stem: str, suffixes: tuple[str, ...]) -> Path | None:

@@ -16,7 +16,6 @@ from topple.topology.image import DepthImage
 from topple.topology.io.assemble import Parts, assemble
 from topple.topology.scene import Scene
 from topple.topology.values import free_name
-from topple.topology.views.borders import mend_masks
 
 _ZERO, _BITS, _MORE, _SIGN = 48, 0x1F, 0x20, 0x10  # of a character of compressed run lengths
 
@@ -68,14 +67,12 @@ def scene_from_coco(
         kind = str(each.get("name") or kinds.get(category, place + 1))
         names[place + 1] = free_name(kind, names.values())
     pose = np.eye(4) if pose_camera_to_world is None else pose_camera_to_world
-    seen, said = mend_masks(
-        DepthImage(image, np.asarray(K), label, np.asarray(pose, dtype=np.float64), names)
-    )
+    seen = DepthImage(image, np.asarray(K), label, np.asarray(pose, dtype=np.float64), names)
     clouds = {name: cloud for name, cloud in seen.clouds().items() if len(cloud) > 1}
     notes = [f"{name!r} is left out: its mask has no depth" for name in names.values() if name not in clouds]
     fixed = [fixed] if isinstance(fixed, str) else list(fixed)
     parts = Parts(dict(clouds), fixed, up, seen.viewpoint, images=(seen,), background=seen.background())
-    parts.notes = notes if said is None else [*notes, said]
+    parts.notes = notes
     return assemble(parts, [], None)
 
 

@@ -10,7 +10,6 @@ from topple.topology.io.archive import MASK_KEYS, STACK_KEY, Array
 from topple.topology.io.assemble import Parts
 from topple.topology.io.clouds import SPECIAL, amounts_in, ignored
 from topple.topology.io.labels import NAMING, fixed_labels, label_names
-from topple.topology.views.borders import mend_masks
 
 _KEYS = ("depth", "K", "rgb", "pose_camera_to_world", "masses", "friction")
 
@@ -44,9 +43,8 @@ def parts_from_rgbd(arrays: Mapping[str, Array]) -> Parts:
             )
     if not clouds:
         raise InvalidInput(f"{mask} is 0 everywhere: expected labels from 1 on, one per object")
-    image, said = mend_masks(image)
     return Parts(
-        clouds=dict(image.clouds()),
+        clouds=dict(clouds),
         fixed=fixed_labels(arrays, names),
         up=arrays.get("up"),
         viewpoints=image.viewpoint,
@@ -56,7 +54,7 @@ def parts_from_rgbd(arrays: Mapping[str, Array]) -> Parts:
         masses=amounts_in(arrays, "masses"),
         friction=amounts_in(arrays, "friction"),
         background=image.background(),
-        notes=[*ignored(arrays, (*_KEYS, *NAMING, *SPECIAL, mask)), *([] if said is None else [said])],
+        notes=ignored(arrays, (*_KEYS, *NAMING, *SPECIAL, mask)),
     )
 
 

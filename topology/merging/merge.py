@@ -279,7 +279,7 @@ def _scene(
         label = (on & (np.linalg.norm(points - middle, axis=2) < TOLERANCES.around)).astype(np.int64)
         label[rows, columns] = np.where(objects[part] < 0, 0, objects[part] + 2)
         relabelled.append(replace(image, label=label, names=names))
-    found = Scene.from_images(relabelled, fixed=[TABLE], up=ground.up if up is None else up)
+    found = Scene.from_images(relabelled, fixed=[TABLE], up=ground.up if up is None else up, unnamed=False)
     notes = ["the table is the plane that holds most of each view"]
     notes += ["up is the normal of that plane"] if up is None else []
     if not masked:

@@ -1,130 +1,268 @@
-"""Borders of masks that are a pixel or two off, put where the depth says they are.
+"""Whose surface each pixel at the border of a mask is of, by its depth.
 
-A segmentation's edge wanders beside the object's. What it takes in of a neighbour then lies on the neighbour,
-and looks like a contact, or like a part of the object that leans on it.
+A segmentation's edge wanders beside the object's, colour and depth are registered to a pixel or two, and at a
+step of depth a camera measures something in between. Such pixels lift to points beside the object: on a
+neighbour, where they look like a contact, or in the air, where they widen it. So a pixel near a border is its
+mask's only where its depth continues the surface seen inside the mask; else it is of the mask beside it whose
+surface it continues, or of none. Where all masks end a few pixels to one side of the steps, they are moved.
 """
 
-from dataclasses import replace
-from typing import cast
+from dataclasses import dataclass
 
 import numpy as np
+from numpy.typing import NDArray
 from scipy import ndimage
 
 from topple.topology.arrays import BoolArray, FloatArray, IntArray
-from topple.topology.image import DepthImage
-from topple.topology.views.tolerances import BORDER, CLOSER, NARROW, OFF, OFF_BORDERS, PATCH
+from topple.topology.views.tolerances import (
+    AROUND,
+    BORDER,
+    CLEARLY,
+    ENOUGH,
+    FAR,
+    IN_A_PART,
+    NARROW,
+    NEAREST,
+    NOBODY,
+    OFF,
+    OFF_BORDERS,
+    OFF_REGISTERED,
+    PATCH,
+    STEP,
+    THIN,
+)
 
 
-def mend_masks(image: DepthImage) -> tuple[DepthImage, str | None]:
-    """Give pixels at borders of masks to the neighbour whose surface they are of, where many are.
+@dataclass(frozen=True, eq=False)
+class Borders:
+    """What depth says of masks.
+
+    Attributes:
+        owner: (H, W) label whose surface each pixel is of; `NOBODY` for those that continue neither their own
+            mask's inside nor another's. Pixels without depth, those whose mask has no inside in any direction
+            and those of thin parts, a rim or a handle, keep their label.
+        off: Pixels that are another's, for each with depth that lies beside a border.
+        moved: Rows and columns by which all masks were moved to where the steps of depth are.
+    """
+
+    owner: IntArray
+    off: float
+    moved: tuple[int, int]
+
+    def said(self) -> str | None:
+        """A sentence where masks are off by a pixel or more; None where they are not."""
+        if self.moved != (0, 0):
+            sides = (("up", "down"), ("to the left", "to the right"))
+            ways = [f"{abs(by)} px {way[by < 0]}" for by, way in zip(self.moved, sides, strict=True) if by]
+            return (
+                f"masks lie {' and '.join(ways)} of the depth, and are moved back: is it registered to them?"
+            )
+        if self.off > OFF_BORDERS:
+            return (
+                f"masks are off by a pixel or more: {100 * self.off:.0f} % of the pixels at their borders "
+                "are by depth of what lies beside, and count as its own"
+            )
+        return None
+
+
+def borders(depth: FloatArray, label: IntArray) -> Borders:
+    """Tell whose surface each pixel is of.
+
+    The inside of a mask is what lies further than `BORDER` pixels from its border; of what is too thin to
+    have one, the middle. From every other pixel rays go in eight directions to the nearest insides, and the
+    plane that fits such a place best is continued to the pixel.
 
     Args:
-        image: Depth and labels.
-
-    Returns:
-        The image with other labels, and a sentence that says so; or, where no more pixels are another's than
-        flying ones of exact masks are, the same image and None.
+        depth: (H, W) [m], 0 where there is none.
+        label: (H, W), 0 for what no mask names.
     """
-    share, label = border_share(image)
-    if share <= OFF_BORDERS:
-        return image, None
-    said = (
-        f"masks are off by a pixel or more: {100 * share:.0f} % of the pixels at their borders lie on a "
-        "neighbour by depth, and count as its own"
-    )
-    return replace(image, label=label), said
+    owner, off = _owners(depth, label)
+    moved = _offset(depth, label) if off > OFF_REGISTERED else (0, 0)
+    if moved != (0, 0):
+        there = _owners(depth, ndimage.shift(label, moved, order=0, mode="nearest"))
+        if there[1] < off / 2:
+            return Borders(*there, moved)
+    return Borders(owner, off, (0, 0))
 
 
-def border_share(image: DepthImage) -> tuple[float, IntArray]:
-    """How much of the borders of masks lies on the surface of a neighbour, and labels that put it right.
+def _owners(depth: FloatArray, label: IntArray) -> tuple[IntArray, float]:
+    picture = _Picture.of(depth, label)
+    rim = np.flatnonzero((picture.inverse > 0) & ~picture.inside)
+    steps, owner, ahead = picture.continued(rim, own=True)
+    thin = np.flatnonzero(steps > FAR)
+    middle = picture.is_middle(rim[thin])
+    picture.inside[rim[thin[middle]]] = True
+    left = thin[~middle]
+    steps[left], owner[left], ahead[left] = picture.continued(rim[left], own=True)
+    for _ in range(BORDER):  # what bends away is followed from pixel to pixel
+        picture.inside[rim[owner != NOBODY]] = True
+        left = np.flatnonzero((steps <= FAR) & (owner == NOBODY))
+        _, owner[left], _ = picture.continued(rim[left], own=True)
+        if (owner[left] == NOBODY).all():
+            break
+    off = (steps <= FAR) & (owner == NOBODY)
+    wrong = rim[off]
+    _, owner, before = picture.continued(wrong, own=False)
+    found = picture.label.copy()
+    found[wrong] = owner
+    thin = wrong[(owner == NOBODY) & ((steps[off] > BORDER + 1) | (ahead[off] & before))]
+    thin = thin[picture.beside(thin) >= IN_A_PART]
+    found[thin] = picture.label[thin]
+    beside = int(np.count_nonzero((_from_border(label, 1) == 1) & (depth > 0)))
+    share = np.count_nonzero(owner != NOBODY) / max(beside, 1)
+    return found.reshape(-1, picture.width)[FAR:-FAR, FAR:-FAR], share
 
-    Args:
-        image: Depth and labels.
 
-    Returns:
-        Share of the pixels within `BORDER` pixels of a border that lie on another mask's surface, continued
-        as a plane from its inside, and off their own; and labels (H, W) in which these are the other's.
-        What is too narrow to have an inside keeps its pixels.
+def _offset(depth: FloatArray, label: IntArray) -> tuple[int, int]:
+    """Rows and columns by which masks are to be moved, so that most of their borders lie on steps of depth.
+
+    A shift counts only where it beats both none and its opposite clearly: masks that are too wide, or ragged,
+    lie off to all sides.
     """
-    wide = cast(BoolArray, ndimage.binary_dilation(_changes(image.label), iterations=BORDER))
-    rim = wide & (image.depth > 0)
-    rows, columns = np.nonzero(rim)
-    if len(rows) == 0:
-        return 0.0, image.label
-    margin = 2 * BORDER + PATCH
-    part = tuple(slice(max(0, int(at.min()) - margin), int(at.max()) + margin + 1) for at in (rows, columns))
-    label, depth, rim = image.label[part], image.depth[part], rim[part]
-    rows, columns = np.nonzero(rim)
-    there, now = depth[rows, columns], label[rows, columns]
-    own, best, whose = np.full(len(rows), np.inf), np.full(len(rows), np.inf), now.copy()
-    inside = ~rim & (depth > 0)
-    numbers, flat = np.unique(label, return_inverse=True)
-    boxes = ndimage.find_objects(flat.reshape(label.shape) + 1)
-    for number, box in zip(numbers.tolist(), boxes, strict=True):
-        around = tuple(slice(max(0, side.start - margin), side.stop + margin) for side in box)
-        corner = np.array([side.start for side in around])
-        close = np.nonzero(
-            (rows >= around[0].start) & (rows < around[0].stop)
-            & (columns >= around[1].start) & (columns < around[1].stop)
-        )[0]  # fmt: skip
-        core = inside[around] & (label[around] == number)
-        if len(close) == 0 or not core.any():
-            continue
-        places = np.stack([rows[close], columns[close]]) - corner[:, None]
-        error = np.abs(_continued(depth[around], core, places) - there[close])
-        mine = now[close] == number
-        own[close[mine]] = error[mine]
-        better = error < best[close]
-        whose[close[better]], best[close[better]] = number, error[better]
-    off = OFF * np.maximum(1.0, there) ** 2
-    wrong = (whose != now) & np.isfinite(own) & (own > off) & (best < np.minimum(CLOSER * own, off))
-    labels = image.label.copy()
-    labels[part][rows[wrong], columns[wrong]] = whose[wrong]
-    return float(wrong.mean()), labels
+    meet = np.zeros((2 * BORDER + 1, 2 * BORDER + 1))
+    core = slice(BORDER, -BORDER)
+    for axis in (0, 1):
+        far = [np.delete(each, end, axis) for each in (depth, label) for end in (-1, 0)]
+        step = np.abs(far[0] - far[1]) > STEP * np.maximum(1.0, np.maximum(far[0], far[1])) ** 2
+        step &= (far[0] > 0) & (far[1] > 0)
+        at = np.flatnonzero(np.pad((far[2] != far[3])[core, core], BORDER))
+        at = at[:: 1 + len(at) // ENOUGH]
+        flat, width = step.ravel(), step.shape[1]
+        for row, column in np.ndindex(*meet.shape):
+            meet[row, column] += flat[at + (row - BORDER) * width + column - BORDER].sum()
+    best = np.unravel_index(int(meet.argmax()), meet.shape)
+    others = max(meet[BORDER, BORDER], meet[tuple(2 * BORDER - each for each in best)], 1.0)
+    if meet[best] < CLEARLY * others:
+        return (0, 0)
+    return int(best[0]) - BORDER, int(best[1]) - BORDER
 
 
-def _changes(label: IntArray) -> BoolArray:
-    """Pixels (H, W) on either side of a border between two labels."""
-    found = np.zeros(label.shape, dtype=bool)
+@dataclass(frozen=True, eq=False)
+class _Picture:
+    """A picture in rows one after the other, with an empty margin that no ray leaves.
+
+    Attributes:
+        inverse: (N,) 1 / depth [1/m], in which planes are linear; 0 where there is none.
+        label: (N,) labels; those of the margin are nobody's.
+        from_border: (N,) pixels to the nearest other mask, at most one more than `BORDER`.
+        inside: (N,) pixels of which a surface is continued.
+        width: Of a row.
+    """
+
+    inverse: FloatArray
+    label: IntArray
+    from_border: NDArray[np.int8]
+    inside: BoolArray
+    width: int
+
+    @staticmethod
+    def of(depth: FloatArray, label: IntArray) -> "_Picture":
+        from_border = _from_border(label)
+        inverse = np.where(depth > 0, 1.0 / np.maximum(depth, NEAREST), 0.0)
+        return _Picture(
+            np.pad(inverse, FAR).ravel(),
+            np.pad(label, FAR, constant_values=NOBODY).ravel(),
+            np.pad(from_border, FAR).ravel(),
+            np.pad((from_border > BORDER) & (depth > 0), FAR).ravel(),
+            label.shape[1] + 2 * FAR,
+        )
+
+    def is_middle(self, at: IntArray) -> BoolArray:
+        """Which of pixels (k,) are as far from a border as all of their mask beside them."""
+        found = np.ones(len(at), dtype=bool)
+        for down, right in AROUND:
+            beside = at + down * self.width + right
+            same = self.label[beside] == self.label[at]
+            found &= ~same | (self.from_border[beside] <= self.from_border[at])
+        return found
+
+    def beside(self, at: IntArray) -> IntArray:
+        """How many of pixels (k,) lie close to each, itself counted, on a surface of the same mask."""
+        number = np.full(len(self.label), -1)
+        number[at] = np.arange(len(at))
+        depth, found = 1.0 / self.inverse[at], np.zeros(len(at), dtype=np.int64)
+        for down, right in np.ndindex(THIN, THIN):
+            place = at + (down - THIN // 2) * self.width + right - THIN // 2
+            near = np.abs(depth[number[place]] - depth) <= OFF * np.maximum(1.0, depth) ** 2
+            found += near & (number[place] >= 0) & (self.label[place] == self.label[at])
+        return found
+
+    def continued(self, at: IntArray, own: bool) -> tuple[IntArray, IntArray, BoolArray]:
+        """Which surfaces pixels continue.
+
+        Args:
+            at: (k,) pixels.
+            own: Whether of the pixel's own mask, or of others.
+
+        Returns:
+            (k,) pixels to the nearest such inside, more than `FAR` where none is met; labels of the first
+            that is continued, or `NOBODY`; whether the pixel lies before all: a rim does, nothing that flies.
+        """
+        nearest, owner = np.full(len(at), FAR + 1), np.full(len(at), NOBODY)
+        ahead = np.ones(len(at), dtype=bool)
+        left = np.arange(len(at))
+        for down, right in AROUND:
+            step = down * self.width + right
+            found, place, steps = self._ray(at[left], step, own)
+            nearest[left[found]] = np.minimum(nearest[left[found]], steps)
+            ends, which = np.unique(place, return_inverse=True)
+            level, slope_down, slope_right = self._planes(ends)[:, which]
+            depth = 1.0 / self.inverse[at[left[found]]]
+            plane = level - steps * (down * slope_down + right * slope_right)
+            behind, most = 1.0 / np.maximum(plane, NEAREST) - depth, OFF * np.maximum(1.0, depth) ** 2
+            ahead[left[found]] &= behind > most
+            close = np.abs(behind) <= most
+            owner[left[found][close]] = self.label[place[close]]
+            left = left[owner[left] == NOBODY]
+        return nearest, owner, ahead
+
+    def _ray(self, at: IntArray, step: int, own: bool) -> tuple[BoolArray, IntArray, IntArray]:
+        """Where rays first meet an inside: which rays do (k,), at what pixel and after how many steps."""
+        ends, steps = np.full(len(at), -1), np.zeros(len(at), dtype=np.int64)
+        left, place = np.arange(len(at)), at
+        for number in range(1, FAR + 1):
+            place = place + step
+            hit = self.inside[place] & ((self.label[place] == self.label[at[left]]) == own)
+            ends[left[hit]], steps[left[hit]] = place[hit], number
+            left, place = left[~hit], place[~hit]
+        found = ends >= 0
+        return found, ends[found], steps[found]
+
+    def _planes(self, at: IntArray) -> FloatArray:
+        """Inverse depth and its slope down and right (3, k) of planes fitted around pixels (k,)."""
+        side = np.arange(PATCH) - PATCH // 2
+        down, right = (each.ravel().astype(np.float64) for each in np.meshgrid(side, side, indexing="ij"))
+        places = at[:, None] + (down * self.width + right).astype(np.int64)
+        weight = (self.inside[places] & (self.label[places] == self.label[at][:, None])).astype(np.float64)
+        count = weight.sum(axis=1)
+        inverse = weight * self.inverse[places]
+        moments = np.stack([down, right, down**2, right**2, down * right], axis=1)
+        row, column, rows, columns, both = (weight @ moments / count[:, None]).T
+        level = inverse.sum(axis=1) / count
+        along_rows, along_columns = (inverse @ moments[:, :2] / count[:, None]).T
+        rows, columns, both = rows - row**2 + NARROW, columns - column**2 + NARROW, both - row * column
+        along_rows, along_columns = along_rows - level * row, along_columns - level * column
+        area = rows * columns - both**2
+        slope_down = (along_rows * columns - along_columns * both) / area
+        slope_right = (along_columns * rows - along_rows * both) / area
+        return np.stack([level - slope_down * row - slope_right * column, slope_down, slope_right])
+
+
+def _from_border(label: IntArray, most: int = BORDER) -> NDArray[np.int8]:
+    """Pixels (H, W) to the nearest other mask, one for those beside it, `most` + 1 where it is further."""
+    near = np.zeros(label.shape, dtype=bool)
     down, right = label[1:] != label[:-1], label[:, 1:] != label[:, :-1]
-    found[1:] |= down
-    found[:-1] |= down
-    found[:, 1:] |= right
-    found[:, :-1] |= right
+    near[1:] |= down
+    near[:-1] |= down
+    near[:, 1:] |= right
+    near[:, :-1] |= right
+    found = np.full(label.shape, most + 1, dtype=np.int8)
+    for distance in range(1, most + 1):
+        found[near & (found > most)] = distance
+        tall = near.copy()
+        tall[1:] |= near[:-1]
+        tall[:-1] |= near[1:]
+        near = tall.copy()
+        near[:, 1:] |= tall[:, :-1]
+        near[:, :-1] |= tall[:, 1:]
     return found
-
-
-def _continued(depth: FloatArray, core: BoolArray, places: IntArray) -> FloatArray:
-    """Depth (k,) [m] at pixels (2, k) of the surface seen in a core, inf where the core is too far away.
-
-    The surface is continued as the plane that fits it best around the core's nearest pixel: planes are linear
-    in the inverse of depth.
-    """
-    found = ndimage.distance_transform_edt(~core, return_indices=True)
-    away, nearest = cast(tuple[FloatArray, IntArray], found)
-    close = away[places[0], places[1]] <= 2 * BORDER + 1
-    row, column = (along[close].astype(np.float64) for along in places)
-    at = tuple(nearest[:, places[0, close], places[1, close]])
-    rows, columns = (np.arange(side, dtype=np.float64) for side in core.shape)
-    rows = rows[:, None]
-    weight = core.astype(np.float64)
-    inverse = np.where(core, 1.0 / np.maximum(depth, 1e-6), 0.0)  # [1/m], of depths beyond a micrometre
-
-    def mean_of(values: FloatArray) -> FloatArray:
-        return ndimage.uniform_filter(values, PATCH)[at]
-
-    count = mean_of(weight)
-    row_mean, column_mean = mean_of(weight * rows) / count, mean_of(weight * columns) / count
-    level = mean_of(inverse) / count
-    across_rows = mean_of(weight * rows**2) / count - row_mean**2 + NARROW
-    across_columns = mean_of(weight * columns**2) / count - column_mean**2 + NARROW
-    both = mean_of(weight * rows * columns) / count - row_mean * column_mean
-    down = mean_of(inverse * rows) / count - level * row_mean
-    right = mean_of(inverse * columns) / count - level * column_mean
-    area = across_rows * across_columns - both**2
-    slope_down = (down * across_columns - right * both) / area
-    slope_right = (right * across_rows - down * both) / area
-    plane = level + slope_down * (row - row_mean) + slope_right * (column - column_mean)
-    continued = np.full(places.shape[1], np.inf)
-    continued[close] = 1.0 / np.maximum(plane, 1e-6)
-    return continued

@@ -69,7 +69,7 @@ def looks(name: str, seed: int) -> tuple[Look, Look, dict[str, FloatArray]]:
 def test_the_handle_of_a_mug_is_found_by_three_cameras_however_it_stands(seed: int) -> None:
     here, there, true = looks("set-table", seed)
     fit = Arrangement(there.scene).fit("mug", here.situation)
-    assert np.degrees(angle_between(fit.pose, true["mug"])) < 6.0
+    assert np.degrees(angle_between(fit.pose, true["mug"])) < 8.0
 
 
 def test_a_block_is_not_turned_upside_down_though_it_fits_better_by_noise() -> None:

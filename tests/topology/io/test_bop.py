@@ -8,6 +8,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 from PIL import Image
+from scipy.spatial import KDTree
 
 from topple.robots import Camera, World, shapes
 from topple.robots.scenarios.scenario import pose_at
@@ -70,7 +71,8 @@ def test_what_was_seen_stands_where_the_camera_saw_it(
     assert scene.names == (PLATE, CAN, BLOCK, "table")
     seen = image.clouds()
     for name, true in zip((PLATE, CAN, BLOCK), ("plate", "can", "block"), strict=True):
-        assert scene.clouds[name] == pytest.approx(seen[true], abs=1e-4)  # half a step of the depth
+        away = KDTree(seen[true]).query(scene.clouds[name])[0]
+        assert away.max() < 2e-4 and abs(len(away) - len(seen[true])) < 0.01 * len(away)  # steps of the depth
     assert scene.viewpoints == pytest.approx(image.viewpoint[None])
     assert scene.fixed == {"table"}
     assert scene.up == pytest.approx([0, 0, 1], abs=1e-3)
