@@ -78,19 +78,24 @@ def _meeting_between_points(scene: Scene, relations: AnyTable) -> AnyTable:
     """Relations in which near misses touch whose surfaces meet between the points that show them.
 
     Points of a surface are further from another surface than its plane is: the planes through the points
-    around the narrowest place tell whether the two carry each other.
+    around the narrowest place tell whether the two carry each other. A gap that no camera saw is none where
+    it is no wider than what clouds lack at their borders.
     """
-    narrow = frozenset(
-        frozenset((pair.a, pair.b))
+    narrow = {
+        frozenset((pair.a, pair.b)): pair
         for pair in relations.near.values()
         if pair.relation is Relation.DISJOINT and pair.gap <= CONTACT.search
-    )
+    }
     if not narrow:
         return relations
-    for contact in find_contacts(surfaces_of(scene).upright, among=narrow):
+    most = 2 * relations.deviation  # each ends by up to the deviation short of where it turns away
+    meeting = {each for each, pair in narrow.items() if not pair.observed and pair.gap <= most}
+    for contact in find_contacts(surfaces_of(scene).upright, among=frozenset(narrow) - meeting):
         if float(contact.gaps.min()) <= CONTACT.tight:
-            pair = relations.between(contact.a, contact.b)
-            sure = confidence(Evidence.MEETS, len(scene.viewpoints))
+            meeting.add(frozenset((contact.a, contact.b)))
+    sure = confidence(Evidence.MEETS, len(scene.viewpoints))
+    for each, pair in narrow.items():
+        if each in meeting:
             relations = relations.with_pair(_touching(pair, sure, MEET))
     return relations
 

@@ -28,6 +28,7 @@ from topple.topology.views.tolerances import (
     OFF_BORDERS,
     OFF_REGISTERED,
     PATCH,
+    SQUARE,
     STEP,
     THIN,
 )
@@ -105,9 +106,12 @@ def _owners(depth: FloatArray, label: IntArray) -> tuple[IntArray, float]:
     _, owner, before = picture.continued(wrong, own=False)
     found = picture.label.copy()
     found[wrong] = owner
-    thin = wrong[(owner == NOBODY) & ((steps[off] > BORDER + 1) | (ahead[off] & before))]
+    flying = owner == NOBODY
+    thin = wrong[flying & ((steps[off] > BORDER + 1) | (ahead[off] & before))]
     thin = thin[picture.beside(thin) >= IN_A_PART]
     found[thin] = picture.label[thin]
+    wide = picture.faces(wrong[flying])
+    found[wide] = picture.label[wide]
     beside = int(np.count_nonzero((_from_border(label, 1) == 1) & (depth > 0)))
     share = np.count_nonzero(owner != NOBODY) / max(beside, 1)
     return found.reshape(-1, picture.width)[FAR:-FAR, FAR:-FAR], share
@@ -186,6 +190,22 @@ class _Picture:
             near = np.abs(depth[number[place]] - depth) <= OFF * np.maximum(1.0, depth) ** 2
             found += near & (number[place] >= 0) & (self.label[place] == self.label[at])
         return found
+
+    def faces(self, at: IntArray) -> IntArray:
+        """Those of pixels (k,) that lie in squares of three by three of them, each flat and of one mask.
+
+        A face turned away from the camera is as wide, at its mask's border; a line of flying pixels is not.
+        """
+        among = np.zeros(len(self.label), dtype=bool)
+        among[at] = True
+        squares = at[:, None] + np.array([down * self.width + right for down, right in SQUARE])
+        whole = (among[squares] & (self.label[squares] == self.label[at][:, None])).all(axis=1)
+        squares = squares[whole]
+        inverse = self.inverse[squares]
+        level = inverse.mean(axis=1, keepdims=True)
+        plane = level + (inverse @ SQUARE / 6.0) @ SQUARE.T
+        off = np.abs(1.0 / plane - 1.0 / inverse).max(axis=1)
+        return np.unique(squares[off <= OFF * np.maximum(1.0, 1.0 / level[:, 0]) ** 2])
 
     def continued(self, at: IntArray, own: bool) -> tuple[IntArray, IntArray, BoolArray]:
         """Which surfaces pixels continue.

@@ -41,6 +41,16 @@ def test_what_flies_between_two_surfaces_is_nobodys() -> None:
     assert len(image.background()) == 0
 
 
+@pytest.mark.parametrize(("wide", "kept"), [(2, False), (3, True), (4, True)])
+def test_a_face_turned_away_at_a_border_stays_and_a_narrower_ramp_flies(wide: int, kept: bool) -> None:
+    depth = np.where(HALVES == 1, 0.7, 0.8)
+    face = slice(20 - wide, 20)
+    depth[:, face] = 0.7 + 0.006 * np.arange(1, wide + 1)  # falls off steeply, towards what stands behind
+    found = owners_of(depth, HALVES)
+    assert (found[1:-1, face] == (1 if kept else NOBODY)).all()
+    assert (found[:, 20:] == 2).all() and (found[:, : 20 - wide] == 1).all()
+
+
 @pytest.mark.parametrize("wide", [1, 2, 3, 5])
 def test_thin_things_keep_their_pixels(wide: int) -> None:
     depth, label = np.full((60, 60), 0.8), np.zeros((60, 60), dtype=int)
