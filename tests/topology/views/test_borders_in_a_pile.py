@@ -3,13 +3,20 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+import trimesh
 
 from topple.planner.decide.dependency import dependencies
 from topple.planner.execution.look import Observer
 from topple.robots.scenarios import scenario_called
-from topple.robots.scenarios.scenario import Scenario
+from topple.robots.scenarios.scenario import Scenario, pose_at
+from topple.robots.world.bodies import Body
+from topple.robots.world.camera import Camera
+from topple.robots.world.world import World
 from topple.topology.image import DepthImage
 from topple.topology.io.load import load_scene
+from topple.topology.relations import relate
+from topple.topology.rule.inferred import MEET
+from topple.topology.scene import Scene
 
 
 @pytest.fixture(scope="module")
@@ -54,3 +61,16 @@ def test_a_frame_whose_masks_are_off_says_so_as_it_is_read(
     np.savez(tmp_path / "frame.npz", depth=seen.depth, K=seen.K, label=seen.label)
     said = [note for note in load_scene(tmp_path / "frame.npz").assumptions if "masks are off" in note]
     assert len(said) == (off > 0.0)
+
+
+@pytest.mark.parametrize(("gap", "reason"), [(0.0, MEET), (0.006, None)])
+def test_balls_side_by_side_meet_where_no_camera_sees_between_them(gap: float, reason: str | None) -> None:
+    round_ = trimesh.creation.icosphere(3, 0.04).vertices
+    with World() as world:
+        world.add_table()
+        for name, side in (("left", -1), ("right", 1)):
+            world.add(Body.of(name, [round_], mass=0.2), pose_at(side * (0.04 + gap / 2), 0.0, 0.04))
+        camera = Camera.looking_at((0.0, -0.6, 0.5), (0, 0, 0.03), width=480, height=360)
+        image = camera.look(world, np.random.default_rng(0))
+    pair = relate(Scene.from_images([image], fixed=["table"])).between("left", "right")
+    assert pair.reason == reason and pair.inferred == (reason is not None), pair
