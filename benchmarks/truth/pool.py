@@ -10,7 +10,7 @@ import argparse
 import json
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
-from functools import cache
+from functools import cache, cached_property
 from io import BytesIO
 from pathlib import Path
 from typing import Any
@@ -49,7 +49,7 @@ class PoolScene:
         set: The generator's name.
         kind: What it was to make.
         seed: Of the generator.
-        resting: Bodies and poses.
+        shapes: Bodies and poses, as `shapes_of` gives them.
         labels: then -> first -> 1 had to go first, 0 not, None too close to call.
         relations: (a, b) -> relation of the exact shapes, "a relation b", pairs beyond doubt alone.
     """
@@ -57,9 +57,14 @@ class PoolScene:
     set: str
     kind: str
     seed: int
-    resting: RestingScene
+    shapes: Mapping[str, Any]
     labels: Labels
     relations: RelationLabels
+
+    @cached_property
+    def resting(self) -> RestingScene:
+        """Bodies and poses: of few scenes in a pool they are asked, and their masses take a while."""
+        return resting(self.shapes)
 
     @property
     def name(self) -> str:
@@ -90,15 +95,10 @@ def made(which: str, seed: int) -> dict[str, Any]:
     head = {"set": which, "seed": seed}
     try:
         kind, scene = _GENERATORS[which](seed)
-        shapes = {body.name: _rounded(body) for body in scene.bodies}
-        rounded = RestingScene(
-            tuple(_body(body.name, shapes[body.name], body.mass, body.rolling) for body in scene.bodies),
-            scene.poses,
-            scene.fixed,
-        )
-        with rounded.world() as world:
+        bodies = tuple(_body(body.name, _rounded(body), body.mass, body.rolling) for body in scene.bodies)
+        with RestingScene(bodies, scene.poses, scene.fixed).world() as world:
             world.settle(3.0)
-            rest = RestingScene(rounded.bodies, {name: world.pose(name) for name in scene.poses}, scene.fixed)
+            rest = RestingScene(bodies, {name: world.pose(name) for name in scene.poses}, scene.fixed)
         with rest.world() as world:
             movable = [name for name in rest.poses if name not in rest.fixed]
             labels = labels_of(world, movable)
@@ -111,15 +111,34 @@ def made(which: str, seed: int) -> dict[str, Any]:
     return {
         **head,
         "kind": kind,
-        "names": list(rest.poses),
-        "fixed": sorted(rest.fixed),
-        "parts": [[part.tolist() for part in shapes[name]] for name in rest.poses],
-        "mass": [round(body.mass, 4) for body in rest.bodies],
-        "rolling": [body.rolling for body in rest.bodies],
-        "poses": [_flat(rest.poses[name]) for name in rest.poses],
+        **shapes_of(rest),
         "labels": rows,
         "relations": [[*pair, relation] for pair, relation in relations.items()],
     }
+
+
+def shapes_of(scene: RestingScene) -> dict[str, Any]:
+    """Bodies and poses as JSON data, corners in whole `UNIT`s.
+
+    Args:
+        scene: The scene; its poses are in the order of its bodies.
+    """
+    return {
+        "names": list(scene.poses),
+        "fixed": sorted(scene.fixed),
+        "parts": [[part.tolist() for part in _rounded(body)] for body in scene.bodies],
+        "mass": [round(body.mass, 4) for body in scene.bodies],
+        "rolling": [body.rolling for body in scene.bodies],
+        "poses": [_flat(pose) for pose in scene.poses.values()],
+    }
+
+
+def resting(shapes: Mapping[str, Any]) -> RestingScene:
+    """The scene of what `shapes_of` gave."""
+    names = shapes["names"]
+    bodies = tuple(map(_body, names, shapes["parts"], shapes["mass"], shapes["rolling"]))
+    poses = {name: pose_from(pose[:3], pose[3:]) for name, pose in zip(names, shapes["poses"], strict=True)}
+    return RestingScene(bodies, poses, frozenset(shapes["fixed"]))
 
 
 def _rounded(body: Body) -> list[np.ndarray[Any, Any]]:
@@ -127,8 +146,7 @@ def _rounded(body: Body) -> list[np.ndarray[Any, Any]]:
 
 
 def _body(name: str, parts: Sequence[Any], mass: float, rolling: float) -> Body:
-    corners = [np.asarray(part, dtype=np.float64) * UNIT for part in parts]
-    return Body.of(name, corners, mass=mass, rolling=rolling)
+    return Body.of(name, [np.asarray(part, dtype=float) * UNIT for part in parts], mass=mass, rolling=rolling)
 
 
 def _flat(pose: Any) -> list[float]:
@@ -197,19 +215,13 @@ def pool(path: Path = FILE) -> tuple[PoolScene, ...]:
 
 
 def _scene(entry: Mapping[str, Any]) -> PoolScene:
-    names, fixed = entry["names"], frozenset(entry["fixed"])
-    bodies = tuple(map(_body, names, entry["parts"], entry["mass"], entry["rolling"]))
-    poses = {
-        name: pose_from(pose[:3], pose[3:]) for name, pose in zip(names, entry["poses"], strict=True)
-    }  # fmt: skip
-    movable = [name for name in names if name not in fixed]
+    movable = [name for name in entry["names"] if name not in entry["fixed"]]
     labels = {
         then: {first: SIGNS[sign] for first, sign in zip(movable, row, strict=True) if first != then}
         for then, row in zip(movable, entry["labels"], strict=True)
     }
-    relations = {(a, b): relation for a, b, relation in entry["relations"]}
-    scene = RestingScene(bodies, poses, fixed)
-    return PoolScene(entry["set"], entry["kind"], entry["seed"], scene, labels, relations)
+    relations = {(a, b): word for a, b, word in entry["relations"]}
+    return PoolScene(entry["set"], entry["kind"], entry["seed"], entry, labels, relations)
 
 
 def _made(job: tuple[str, int]) -> dict[str, Any]:

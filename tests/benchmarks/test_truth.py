@@ -234,7 +234,9 @@ def test_a_worse_version_is_refused_against_a_better_one_and_below_its_floors(
     version: Version, stack: RestingScene, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     labels, relations = labelled(stack)
-    scenes = [pool.PoolScene("designed", "over", 7 + k, stack, labels, relations) for k in range(2)]
+    scenes = [
+        pool.PoolScene("designed", "over", 7 + k, pool.shapes_of(stack), labels, relations) for k in range(2)
+    ]
     blind = planted([replace(CHANGES[5], name="blind")], version, tmp_path / "versions")
     path = blind.folder / "topple" / CHANGES[4].file
     path.write_text(path.read_text().replace("return tuple(rubbing(", "return () and tuple(rubbing("))
@@ -259,7 +261,7 @@ def test_a_worse_version_is_refused_against_a_better_one_and_below_its_floors(
 
 
 def test_given_scenes_are_rendered_once(stack: RestingScene, tmp_path: Path) -> None:
-    scene = pool.PoolScene("designed", "over", 7, stack, {}, {})
+    scene = pool.PoolScene("designed", "over", 7, pool.shapes_of(stack), {}, {})
     said: list[str] = []
     cases = pool_cases([scene], tmp_path, said.append, looks=2)
     assert [(case.view, len(case.looks)) for case in cases] == [

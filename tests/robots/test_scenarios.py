@@ -70,6 +70,7 @@ def test_dishes_lie_on_the_plate_and_the_can_leans_on_it(seed: int) -> None:
         assert scenario.goal == "free plate" and scenario.targets == ("plate",)
 
 
+@pytest.mark.slow
 def test_things_of_the_lemon_scene_are_in_the_bowl_and_the_lemon_is_not() -> None:
     with scenario_called("lemon", 3) as scenario:
         world = scenario.world

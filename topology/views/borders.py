@@ -28,7 +28,6 @@ from topple.topology.views.tolerances import (
     OFF_BORDERS,
     OFF_REGISTERED,
     PATCH,
-    SQUARE,
     STEP,
     THIN,
 )
@@ -196,14 +195,14 @@ class _Picture:
 
         A face turned away from the camera is as wide, at its mask's border; a line of flying pixels is not.
         """
-        among = np.zeros(len(self.label), dtype=bool)
+        among, square = np.zeros(len(self.label), dtype=bool), np.array([(0, 0), *AROUND])
         among[at] = True
-        squares = at[:, None] + np.array([down * self.width + right for down, right in SQUARE])
+        squares = at[:, None] + np.array([down * self.width + right for down, right in square.tolist()])
         whole = (among[squares] & (self.label[squares] == self.label[at][:, None])).all(axis=1)
         squares = squares[whole]
         inverse = self.inverse[squares]
         level = inverse.mean(axis=1, keepdims=True)
-        plane = level + (inverse @ SQUARE / 6.0) @ SQUARE.T
+        plane = level + inverse @ square / np.square(square).sum(axis=0) @ square.T
         off = np.abs(1.0 / plane - 1.0 / inverse).max(axis=1)
         return np.unique(squares[off <= OFF * np.maximum(1.0, 1.0 / level[:, 0]) ** 2])
 

@@ -27,9 +27,6 @@ NOBODY = -1
 AROUND = ((0, 1), (0, -1), (1, 0), (-1, 0), (1, 1), (-1, -1), (1, -1), (-1, 1))
 """Rows and columns to the pixels beside one."""
 
-SQUARE = np.array([(down, right) for down in (-1, 0, 1) for right in (-1, 0, 1)])
-"""(9, 2) rows and columns to the pixels of the square around one."""
-
 NEAREST = 1e-3
 """Depth [m] below which a pixel counts as this near, and inverse depth [1/m] that counts as far: no camera
 sees so near or so far."""

@@ -215,6 +215,7 @@ class Missing(Ghost):
         return super().close(force)
 
 
+@pytest.mark.slow
 def test_what_was_given_up_is_tried_again_once_another_thing_is_out_of_its_way() -> None:
     beside = np.array([0.0, 0.06, 0.0])
     block = shapes.block("block", 0.04).surface(3000, np.random.default_rng(1)) + beside

@@ -80,6 +80,7 @@ def test_a_step_that_was_foreseen_is_done_and_the_same_seed_does_the_same(stage:
         assert told(again.run()) == told(record)
 
 
+@pytest.mark.slow
 def test_where_a_thing_was_moved_meanwhile_the_step_is_chosen_anew(stage: Stage) -> None:
     stage.happens = lambda: stage.world.place("low", pose_at(0.0, -0.08, 0.0))
     record = stage.run()
@@ -89,6 +90,7 @@ def test_where_a_thing_was_moved_meanwhile_the_step_is_chosen_anew(stage: Stage)
     assert active_children() == []
 
 
+@pytest.mark.slow
 def test_where_the_process_is_killed_the_run_goes_on_by_itself(stage: Stage) -> None:
     killed: list[int] = []
 
@@ -114,12 +116,14 @@ def test_who_interrupts_leaves_no_process_behind(stage: Stage) -> None:
     assert active_children() == []
 
 
+@pytest.mark.slow
 def test_what_cannot_go_to_another_process_is_chosen_in_this_one(stage: Stage) -> None:
     record = stage.run(orderer=lambda situation, targets, **more: cautious(situation, targets, **more))
     assert record.success, record.violations
     assert not any(step.prepared for step in record.steps)
 
 
+@pytest.mark.slow
 def test_without_it_no_process_is_started(stage: Stage) -> None:
     seen: list[int] = []
     stage.happens = lambda: seen.append(len(active_children()))

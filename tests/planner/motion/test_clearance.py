@@ -51,7 +51,7 @@ def least_distance(client: int, arm: Arm, corners: list[np.ndarray], path: np.nd
     return float(least)
 
 
-@pytest.mark.parametrize("make", [pick, transfer])
+@pytest.mark.parametrize("make", [pick, pytest.param(transfer, marks=pytest.mark.slow)])
 def test_pybullet_sees_no_overlap_on_the_paths_and_what_is_stated_is_kept(client: int, make: object) -> None:
     arm = robot("panda")
     kept: list[float] = []

@@ -89,6 +89,7 @@ def test_a_fixture_at_what_is_not_there_is_refused(clamped: Plan) -> None:
         plan_from_json(json.dumps(document)).verify(balance())
 
 
+@pytest.mark.slow
 def test_the_command_takes_it(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     scene, place, out = balance(), tmp_path / "balance.npz", tmp_path / "plan.json"
     masses = json.dumps(dict(scene.masses))

@@ -27,6 +27,7 @@ def test_things_are_found_by_shape_whatever_they_are_called() -> None:
     assert goal.clouds["mug"] is not None and np.array_equal(goal.clouds["mug"], GOAL.clouds["thing_1"])
 
 
+@pytest.mark.slow
 def test_the_moves_say_what_was_taken_for_what() -> None:
     with pytest.raises(InvalidInput, match="things match by name"):
         rearrange(START, GOAL)
@@ -35,6 +36,7 @@ def test_the_moves_say_what_was_taken_for_what() -> None:
     assert any("mug is taken to be thing_1 of the goal" in said for said in found.assumptions)
 
 
+@pytest.mark.slow
 def test_things_of_one_shape_go_the_shorter_way() -> None:
     a, b = (box(name, (0.05, 0.05, 0.05)) for name in "ab")
     start = on_table((a, (0.0, 0.0, 0.0)), (b, (0.2, 0.0, 0.0)))

@@ -36,6 +36,7 @@ def test_a_thing_of_the_same_name_and_another_shape_is_refused() -> None:
         rearrange(START, other)
 
 
+@pytest.mark.slow
 def test_many_reasons_are_told_in_short() -> None:
     names = [f"block {k:02d}" for k in range(8)]
     flat = (0.06, 0.06, 0.03)

@@ -37,6 +37,7 @@ def test_what_relate_wrote_of_a_tower_stacks_what_lies_apart_and_back() -> None:
     assert rearrange(STACKED, told).moves == ()
 
 
+@pytest.mark.slow
 def test_what_shall_be_in_a_bowl_goes_there_from_either_side_of_the_pair() -> None:
     scene = on_table((bowl("bowl"), (0.0, 0.0, 0.0)), (lemon("lemon"), (0.2, 0.1, 0.0)))
     for pair in (("lemon", "within", "bowl"), ("bowl", "contain", "lemon")):

@@ -121,6 +121,7 @@ def test_what_the_arm_cannot_do_is_told() -> None:
         rearrange(*wide, "panda", base=BASE)
 
 
+@pytest.mark.slow
 def test_the_command_writes_the_plan(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     paths = [str(tmp_path / name) for name in ("start.npz", "goal.npz")]
     for path, scene in zip(paths, (START, GOAL), strict=True):

@@ -24,10 +24,17 @@ def test_an_honest_plan_holds(goal: str, arm: str) -> None:
     assert checked.ok, beyond(checked)
 
 
-@pytest.mark.parametrize(("goal", "arm"), BOTH)
-def test_every_sabotage_is_caught_and_told_of(goal: str, arm: str) -> None:
+def test_some_sabotages_are_caught_and_told_of() -> None:
+    found = catch(CASES[0], every=12)
+    assert found.tried > len(SPOILT) // 12 - 3
+    assert not found.escaped
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("case", CASES)
+def test_every_sabotage_is_caught_and_told_of(case: tuple[str, str]) -> None:
     # Each on two plans, of different scenes and hands; `topple bench reliability` tries each on all six.
-    found = catch((goal, arm), every=3, first=CASES.index((goal, arm)) % 3)
+    found = catch(case, every=3, first=CASES.index(case) % 3)
     assert found.tried > len(SPOILT) // 3 - 6
     assert not found.escaped
 

@@ -12,6 +12,7 @@ from topple.topology.bodies.complete import complete, is_hollow
 from topple.topology.confidence import Evidence, confidence
 from topple.topology.image import DepthImage
 from topple.topology.relations import relate
+from topple.topology.rule.inferred import MEET
 from topple.topology.scene import Scene
 from topple.topology.situation import Situation
 from topple.topology.sixim.table import Relation
@@ -75,7 +76,8 @@ def test_everything_has_its_support_and_no_other(name: str, cameras: int) -> Non
     for pair in relations:
         if "table" in (pair.a, pair.b) and pair.relation is Relation.TOUCH:
             assert pair.inferred and not pair.observed  # the sides are seen so steeply that no foot is
-            assert pair.confidence == confidence(Evidence.FLOATS, cameras)
+            evidence = Evidence.MEETS if pair.reason == MEET else Evidence.FLOATS
+            assert pair.confidence == confidence(evidence, cameras)
 
 
 def test_what_is_added_to_a_box_lies_within_it_and_where_nobody_saw_through() -> None:

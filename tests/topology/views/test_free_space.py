@@ -28,7 +28,7 @@ def picture(depth: np.ndarray) -> DepthImage:
 
 
 @pytest.mark.parametrize("cameras", [1, 3])
-@pytest.mark.parametrize("images", [True, False])
+@pytest.mark.parametrize("images", [True, pytest.param(False, marks=pytest.mark.slow)])
 def test_a_turn_about_the_vertical_changes_no_relation_and_nothing_observed(
     cameras: int, images: bool
 ) -> None:
