@@ -113,9 +113,8 @@ CHANGES = (
         "lost = {}",
     ),
     Change(
-        "first and then exchanged where something falls", _DEPENDENCY,
-        "        (first, then): missing\n        for then in situation.movable",
-        "        (then, first): missing\n        for then in situation.movable",
+        "a pixel is its mask's whatever its depth", "topology/views/borders.py",
+        "    found[wrong] = owner\n", "    found[wrong] = picture.label[wrong]\n",
     ),
     Change(
         "nothing is completed where cameras look", "topology/bodies/surfaces.py",
