@@ -21,7 +21,7 @@ Answers are kept in `.truth` and not asked again, so that a run that was stopped
 from collections.abc import Mapping, Sequence
 from concurrent.futures import Executor
 from dataclasses import replace
-from itertools import pairwise
+from itertools import pairwise, product
 from pathlib import Path
 from typing import Any
 
@@ -210,27 +210,20 @@ def _jitter(
             if variant in FREEING or key[2] not in OF_TARGETS:
                 lowest[key] = min(lowest[key], value)
     told = [
-        Row(
-            f"jitter moves {figure}: {which}, {view}, {len(cases) // len(VIEWS)} scenes",
-            base[key] - lowest[key],
-            "",
-        )
+        Row(f"moved at most by jitter: {figure}, {which}", base[key] - lowest[key], "", column=view)
         for key in base
         for which, view, figure in [key]
     ]
-    for view in VIEWS:
+    for view, variant in product(VIEWS, VARIANTS):
         some = [case for case in cases if case.view == view]
-        for variant in VARIANTS:
-            pairs = [(found[case.question], jittered[questions[case, variant]]) for case in some]
-            what = f"{view}, {variant}, {len(some)} scenes"
-            told += [
-                Row(f"relations kept: {what}", _kept(pairs, "relations"), ""),
-                Row(f"edges kept: {what}", _kept(pairs, "dependencies"), ""),
-                Row(
-                    f"orders that change: {what}", sum(a.get("order") != b.get("order") for a, b in pairs), ""
-                ),
-                Row(f"scenes whose edges change: {what}", sum(_edges(a) != _edges(b) for a, b in pairs), ""),
-            ]
+        pairs = [(found[case.question], jittered[questions[case, variant]]) for case in some]
+        shown = {
+            "relations kept": _kept(pairs, "relations"),
+            "edges kept": _kept(pairs, "dependencies"),
+            "orders that change": sum(a.get("order") != b.get("order") for a, b in pairs),
+            "scenes whose edges change": sum(_edges(a) != _edges(b) for a, b in pairs),
+        }
+        told += [Row(f"{variant}: {what}", value, "", column=view) for what, value in shown.items()]
     return told, {key: max(base[key] - lowest[key], _one_case(key, cases, found)) for key in base}
 
 
@@ -269,9 +262,9 @@ def _seen_again(version: Version, cases: Sequence[Case], found: Answers, progres
                 "set that is free now": sum(_free(a) != _free(b) for a, b in pairs),
                 "graph": sum(_edges(a) != _edges(b) for a, b in pairs),
             }
-            what = f"{view}, of {len(pairs)} further looks"
             told += [
-                Row(f"seen again, changes: {name}, {what}", n / len(pairs), "") for name, n in changes.items()
+                Row(f"seen again {len(pairs)} times: other {name}", n / len(pairs), "", column=view)
+                for name, n in changes.items()
             ]
     return told
 
