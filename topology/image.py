@@ -1,6 +1,6 @@
 """DepthImage: one look of a depth camera, with a mask that says which pixel is which object."""
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from functools import cached_property
 
@@ -208,3 +208,13 @@ def _as_rgb(rgb: NDArray[np.uint8] | None, shape: tuple[int, ...]) -> NDArray[np
     colours = array.copy()
     colours.setflags(write=False)
     return colours
+
+
+def said_of_masks(images: Sequence[DepthImage]) -> list[str]:
+    """Sentences on masks that are off, by picture where there are several."""
+    said = {number: image.borders.said() for number, image in enumerate(images, 1)}
+    return [
+        note if len(images) == 1 else f"camera {number}: {note}"
+        for number, note in said.items()
+        if note is not None
+    ]

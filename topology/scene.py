@@ -13,7 +13,7 @@ from topple.topology.bodies.background import find_table, note_of, unnamed_among
 from topple.topology.checks import as_direction, as_name, as_points, as_pose, as_viewpoints, numeric
 from topple.topology.errors import InvalidInput, UnknownObject
 from topple.topology.geometry.plane import TABLE, table_by_name, up_from_fixed
-from topple.topology.image import DepthImage
+from topple.topology.image import DepthImage, said_of_masks
 from topple.topology.model_fit import ModelFit
 from topple.topology.notebook import in_cell
 from topple.topology.tolerances import FEWEST_SEEN, LARGEST_HELD, SMALLEST_SEEN
@@ -353,16 +353,6 @@ class Scene(ByValue):
 
     def _fixed_in_order(self) -> list[str]:
         return [name for name in self.clouds if name in self.fixed]
-
-
-def said_of_masks(images: Sequence[DepthImage]) -> list[str]:
-    """Sentences on masks that are off, by picture where there are several."""
-    said = {number: image.borders.said() for number, image in enumerate(images, 1)}
-    return [
-        note if len(images) == 1 else f"camera {number}: {note}"
-        for number, note in said.items()
-        if note is not None
-    ]
 
 
 def _except(name: str, values: Mapping[str, _Value]) -> Mapping[str, _Value]:

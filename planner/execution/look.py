@@ -18,10 +18,10 @@ from topple.topology.bodies.solids import up_of
 from topple.topology.bodies.tops import tops_of
 from topple.topology.cloud import clean
 from topple.topology.geometry.thin import thinned
-from topple.topology.image import DepthImage
+from topple.topology.image import DepthImage, said_of_masks
 from topple.topology.photo import Photo
 from topple.topology.relations import Relations
-from topple.topology.scene import Scene, said_of_masks
+from topple.topology.scene import Scene
 from topple.topology.situation import Situation
 from topple.topology.sixim.table import Relation
 

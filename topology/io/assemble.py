@@ -12,7 +12,7 @@ from topple.topology.errors import InvalidInput
 from topple.topology.geometry.axes import perpendiculars
 from topple.topology.geometry.plane import TABLE as _TABLE
 from topple.topology.geometry.tolerances import ON_PLANE
-from topple.topology.image import DepthImage
+from topple.topology.image import DepthImage, said_of_masks
 from topple.topology.io.tolerances import (
     FAR_SPACING,
     MOST_TABLE_POINTS,
@@ -23,7 +23,7 @@ from topple.topology.io.tolerances import (
     TABLE_SPACING,
     UNDER_SHARE,
 )
-from topple.topology.scene import Mesh, Scene, said_of_masks, table_among
+from topple.topology.scene import Mesh, Scene, table_among
 
 
 @dataclass
