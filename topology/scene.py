@@ -17,7 +17,7 @@ from topple.topology.image import DepthImage, said_of_masks
 from topple.topology.model_fit import ModelFit
 from topple.topology.notebook import in_cell
 from topple.topology.tolerances import FEWEST_SEEN, LARGEST_HELD, SMALLEST_SEEN
-from topple.topology.values import ByValue, FrozenDict, free_name
+from topple.topology.values import ByValue, FrozenDict
 
 _Value = TypeVar("_Value")
 
@@ -257,14 +257,11 @@ class Scene(ByValue):
         if self.up is None or not self.images:
             return self
         background = np.concatenate([image.background() for image in self.images])
-        clouds, notes = dict(self.clouds), list(self.assumptions)
-        found = unnamed_among(background, self.clouds, self._fixed_in_order(), self.up)
-        for number, (cloud, near) in enumerate(found, 1):
-            name = free_name(f"unnamed_{number}", clouds)
-            at = ", ".join(near)
-            notes.append(f"something without a name is at {at}: {name!r}; take it away, or name it")
-            clouds[name] = as_points(cloud, f"cloud {name!r}")
-        return self._changed(clouds=FrozenDict(clouds), assumptions=tuple(notes))
+        found, notes = unnamed_among(background, self.clouds, self._fixed_in_order(), self.up)
+        clouds = {name: as_points(cloud, f"cloud {name!r}") for name, cloud in found.items()}
+        return self._changed(
+            clouds=FrozenDict({**self.clouds, **clouds}), assumptions=(*self.assumptions, *notes)
+        )
 
     def with_up(self, up: ArrayLike) -> "Scene":
         """Give the scene another upward direction.

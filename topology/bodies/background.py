@@ -24,6 +24,7 @@ from topple.topology.geometry.axes import level_axes, perpendiculars
 from topple.topology.geometry.plane import fit_plane
 from topple.topology.geometry.thin import voxel_means
 from topple.topology.geometry.tolerances import ON_PLANE
+from topple.topology.values import free_name
 
 
 def find_table(
@@ -72,7 +73,7 @@ def note_of(table: FloatArray) -> str:
 
 def unnamed_among(
     background: FloatArray, clouds: Mapping[str, FloatArray], fixed: Iterable[str], up: FloatArray
-) -> list[tuple[FloatArray, list[str]]]:
+) -> tuple[dict[str, FloatArray], list[str]]:
     """Find things without a name over, under or at objects, above what carries these.
 
     A wall, a screen or another table reaches beyond the objects: it is no thing that one could take away.
@@ -84,12 +85,12 @@ def unnamed_among(
         up: (3,) unit vector.
 
     Returns:
-        (M, 3) points of each, the largest first, and the movable objects that it is close to, one at least.
+        (M, 3) points of each, the largest first, by the names that they get, and a sentence on each.
     """
     fixed = list(fixed)
     movable = {name: cloud for name, cloud in clouds.items() if name not in fixed}
     if not fixed or not movable or len(background) == 0:
-        return []
+        return {}, []
     lower, upper = bounds(np.concatenate(list(movable.values())))
     lower, upper = lower - BESIDE, upper + BESIDE
     points = background[within_corners(background, lower, upper)]
@@ -102,14 +103,17 @@ def unnamed_among(
         points = points[known.query(points, distance_upper_bound=SAME)[0] > SAME]
     level = np.stack(level_axes(up), axis=1)  # (3, 2)
     below = {name: KDTree(voxel_means(cloud, LINKED / 3) @ level) for name, cloud in movable.items()}
-    found: list[tuple[FloatArray, list[str]]] = []
+    found, notes = dict[str, FloatArray](), list[str]()
     for piece in sorted(pieces_of(voxel_means(points, LINKED / 3)), key=len, reverse=True):
         if within_corners(piece, lower + LINKED, upper - LINKED).all():
             at = piece @ level
             near = [name for name, tree in below.items() if (tree.query(at)[0] < LINKED).any()]
-            cloud = points[KDTree(piece).query(points)[0] < LINKED / 2]
-            found += [(cloud, near)] if near else []
-    return found
+            if near:
+                name = free_name(f"unnamed_{len(found) + 1}", {*clouds, *found})
+                found[name] = points[KDTree(piece).query(points)[0] < LINKED / 2]
+                at = ", ".join(near)
+                notes.append(f"something without a name is at {at}: {name!r}; take it away, or name it")
+    return found, notes
 
 
 def _on(points: FloatArray, plane: FloatArray) -> BoolArray:
