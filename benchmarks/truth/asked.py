@@ -100,8 +100,8 @@ def answer(task: Mapping[str, Any]) -> dict[str, Any]:
             the file does not say; `seed`: of the order.
 
     Returns:
-        Relations that are not disjoint, dependencies, order, groups, risks, what goes first for each target;
-        or `refused`, with the sentence.
+        Assumptions, relations that are not disjoint, dependencies, order, groups, risks, what goes first for
+        each target; or `refused`, with the sentence.
     """
     import topple
 
@@ -119,6 +119,7 @@ def answer(task: Mapping[str, Any]) -> dict[str, Any]:
     try:
         scene = scene_of(arrays)
         found |= {"names": list(scene.names), "objects": list(scene.movable)}
+        found["assumptions"] = list(scene.assumptions)
         told = topple.relate(scene).to_json()["relations"]
         found["relations"] = [[p["a"], p["b"], p["relation"]] for p in told if p["relation"] != "disjoint"]
         situation = Situation(scene)
@@ -127,7 +128,7 @@ def answer(task: Mapping[str, Any]) -> dict[str, Any]:
         found["dependencies"] = [[edge[key] for key in keys] for edge in order["dependencies"]]
         found |= {key: order[key] for key in ("order", "groups", "risk")}
         found["first"] = {
-            target: _first(topple.order(situation, [target], seed=task["seed"]).to_json())
+            target: _first(topple.order, situation, target, task["seed"])
             for target in task["targets"]
             if target in scene.movable
         }
@@ -136,12 +137,18 @@ def answer(task: Mapping[str, Any]) -> dict[str, Any]:
     return found
 
 
-def _first(order: Mapping[str, Any]) -> list[Any] | None:
-    """What goes first, the group it is of, and how many go."""
-    if not order["order"]:
+def _first(order: Any, situation: Any, target: str, seed: int) -> list[Any] | None:
+    """What goes first for a target, the group it is of, and how many go; None where that is refused."""
+    import topple
+
+    try:
+        told = order(situation, [target], seed=seed).to_json()
+    except topple.ToppleError:
         return None
-    name = order["order"][0]
-    return [name, next((group for group in order["groups"] if name in group), []), len(order["order"])]
+    if not told["order"]:
+        return None
+    name = told["order"][0]
+    return [name, next((group for group in told["groups"] if name in group), []), len(told["order"])]
 
 
 def main() -> None:

@@ -4,8 +4,9 @@ import hashlib
 import json
 from collections.abc import Iterator, Sequence
 from concurrent.futures import Executor
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cache, partial
+from itertools import product
 from pathlib import Path
 
 import numpy as np
@@ -15,9 +16,10 @@ from topple.benchmarks.labels import read_truth
 from topple.benchmarks.recorded import KEYS, UNIT
 from topple.benchmarks.row import Progress
 from topple.benchmarks.scores import Labels
-from topple.benchmarks.truth import geometry, pool, views
+from topple.benchmarks.truth import geometry, masks, pool, views
 from topple.benchmarks.truth.answers import Question
 from topple.benchmarks.truth.geometry import RelationLabels
+from topple.benchmarks.truth.masks import TRUE_MASKS, Masks
 from topple.benchmarks.truth.pool import SETS, PoolScene
 from topple.benchmarks.truth.resting import TABLE as NARROW
 from topple.benchmarks.truth.views import VIEWS
@@ -47,6 +49,7 @@ class Case:
         labels: What simulation, or a person, says of orders.
         relations: What the shapes, or a person, say of relations.
         looks: Further looks at the same scene.
+        masks: What is wrong with its masks.
     """
 
     set: str
@@ -56,6 +59,7 @@ class Case:
     labels: Labels
     relations: RelationLabels
     looks: tuple[Question, ...] = ()
+    masks: Masks = TRUE_MASKS
 
 
 def few() -> list[PoolScene]:
@@ -145,6 +149,36 @@ def _digest() -> str:
     """Of all that decides what topple is given of a scene, in whatever pool it is."""
     sources = [Path(module.__file__ or "") for module in (views, geometry, camera)]
     return hashlib.sha256(b"".join(path.read_bytes() for path in sources)).hexdigest()[:12]
+
+
+def masked_cases(cases: Sequence[Case], hows: Sequence[str], folder: Path) -> Iterator[Case]:
+    """The same cases of one camera with masks as segmentations give them, each way in turn.
+
+    Args:
+        cases: The cases.
+        hows: Some of `masks.OFF` and `masks.WRONG`.
+        folder: Where what topple is given is kept.
+    """
+    place, how_made = folder / "masks", Path(masks.__file__).read_bytes()
+    place.mkdir(parents=True, exist_ok=True)
+    for case, how in product(cases, hows):
+        given = case.question.path.read_bytes()
+        with np.load(case.question.path, allow_pickle=False) as held:
+            arrays = {key: held[key] for key in held.files}
+        key = "label" if "label" in arrays else "label_0"
+        label = arrays[key].astype(np.int64)
+        names = [str(name) for name in arrays.get("names", np.arange(1, label.max() + 1))]
+        support = case.question.fixed[0] if case.question.fixed else "table"
+        made_of = hashlib.sha256(given + how_made).hexdigest()[:12]
+        rng = np.random.default_rng(int(hashlib.sha256(case.name.encode()).hexdigest()[:8], 16))
+        label, names, wrong = masks.spoil(label, names, how, support, rng)
+        arrays |= {key: label} | ({"names": np.array(names)} if "names" in arrays else {})
+        path = place / f"{case.question.path.stem}-{how.replace(' ', '-')}-{made_of}.npz"
+        if not path.exists():
+            views.keep(arrays, path)
+        question = replace(case.question, name=f"{case.question.name}, masks {how}", path=path)
+        which = "masks" if case.set in SETS else f"{case.set}, masks"
+        yield replace(case, set=which, view=how, question=question, looks=(), masks=wrong)
 
 
 def recorded_cases(data: Path | None, piles: Path | None, folder: Path) -> list[Case]:

@@ -1,7 +1,7 @@
 """Counts: how an answer to one scene does against its labels; figures of many of them, with their chance."""
 
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass, fields, replace
+from dataclasses import dataclass, fields
 from typing import Any
 
 import networkx as nx
@@ -10,6 +10,7 @@ import numpy as np
 from topple.benchmarks.guesses import Guess
 from topple.benchmarks.scores import DRAWS, Labels, judged, unsafe_steps
 from topple.benchmarks.truth.geometry import RelationLabels
+from topple.benchmarks.truth.masks import TRUE_MASKS, Masks
 from topple.topology.sixim.table import Relation
 
 BINS = (0.0, 0.05, 0.1, 0.2, 0.4, 0.6, 0.8, 0.9, 0.95, 1.0)
@@ -27,6 +28,10 @@ class Counts:
         related: Of these told rightly.
         apart: Pairs that are apart.
         contacts: Of these told to meet: false contacts.
+        touching: Pairs that touch, neither within the other.
+        touched: Of these told to.
+        nested: Pairs of which one lies within the other, wholly or partly.
+        nests: Of these told rightly.
         right: Dependencies of the closure that had to be told and were.
         false: That were and had not to be.
         missed: That had to be and were not.
@@ -34,7 +39,8 @@ class Counts:
         wrong: Of these false.
         cycled: Objects in a group that are in no true cycle.
         safe: Scenes cleared in a safe order.
-        targets: Targets whose first removal was asked for.
+        asked: Targets whose first removal was asked for.
+        targets: Of these that got an answer.
         harmed: Of these with a first removal that disturbs what is not taken with it.
         free: Targets that disturb nothing if taken at once.
         needless: Of these before which something else is taken.
@@ -42,6 +48,12 @@ class Counts:
         disturbed: Of these that moved something.
         risk: Sum of the risks told.
         brier: Sum of the squared differences of risk and what came.
+        covered: Targets on which something without a mask lies that has to go first.
+        bared: Of these taken at once all the same.
+        faulty: Masks that are wrong in kind.
+        said: Of these named in a sentence on masks.
+        true: Objects of scenes all of whose masks are right, but for pixels at their borders.
+        alarms: Of these named in a sentence on masks.
     """
 
     scenes: int = 0
@@ -50,6 +62,10 @@ class Counts:
     related: int = 0
     apart: int = 0
     contacts: int = 0
+    touching: int = 0
+    touched: int = 0
+    nested: int = 0
+    nests: int = 0
     right: int = 0
     false: int = 0
     missed: int = 0
@@ -57,6 +73,7 @@ class Counts:
     wrong: int = 0
     cycled: int = 0
     safe: int = 0
+    asked: int = 0
     targets: int = 0
     harmed: int = 0
     free: int = 0
@@ -65,6 +82,12 @@ class Counts:
     disturbed: int = 0
     risk: float = 0.0
     brier: float = 0.0
+    covered: int = 0
+    bared: int = 0
+    faulty: int = 0
+    said: int = 0
+    true: int = 0
+    alarms: int = 0
 
     def array(self) -> np.ndarray[Any, Any]:
         """All of them, in the order of the fields."""
@@ -74,33 +97,24 @@ class Counts:
 COLUMN = {field.name: k for k, field in enumerate(fields(Counts))}
 
 
-def count(found: Mapping[str, Any], labels: Labels, relations: RelationLabels) -> Counts:
+def count(
+    found: Mapping[str, Any], labels: Labels, relations: RelationLabels, masks: Masks = TRUE_MASKS
+) -> Counts:
     """Count one answer.
 
     Args:
         found: As `topple.benchmarks.truth.asked.answer` gives it.
         labels: What simulation says.
         relations: What the shapes say.
+        masks: What is wrong with the masks.
 
     Returns:
         The counts; of a refusal, what was to be found is missed.
     """
-    told = {(a, b): relation for a, b, relation in found.get("relations", ())}
-    told |= {(b, a): str(Relation(relation).converse) for (a, b), relation in told.items()}
-    there = set(found.get("names", ()))
-    scored = {
-        pair: told.get(pair, "disjoint") == relation
-        for pair, relation in relations.items()
-        if there >= set(pair)
-    }
-    apart = [pair for pair in scored if relations[pair] == "disjoint"]
-    of_relations = Counts(
-        pairs=len(scored), related=sum(scored.values()), apart=len(apart),
-        contacts=sum(not scored[pair] for pair in apart),
-    )  # fmt: skip
+    found_so_far = _of_relations(found, relations) | _of_masks(found, labels, masks) | {"scenes": 1}
     if "refused" in found:
         needed = sum(sign == 1 for firsts in labels.values() for sign in firsts.values())
-        return replace(of_relations, scenes=1, unanswered=1, missed=needed)
+        return Counts(**found_so_far, unanswered=1, missed=needed)
     objects: list[str] = found["objects"]
     names = [name for name in labels if name in objects]
     direct = {(first, then) for first, then, *_ in found["dependencies"]}
@@ -114,9 +128,8 @@ def count(found: Mapping[str, Any], labels: Labels, relations: RelationLabels) -
     }
     firsts = {target: first for target, first in found["first"].items() if target in names and first}
     free = [target for target in firsts if not any(sign == 1 for sign in labels[target].values())]
-    return replace(
-        of_relations,
-        scenes=1,
+    return Counts(
+        **found_so_far,
         right=len(verdicts.right),
         false=len(verdicts.false),
         missed=len(verdicts.missed),
@@ -126,6 +139,7 @@ def count(found: Mapping[str, Any], labels: Labels, relations: RelationLabels) -
             {name for group in guess.groups for name in group if name in names and name not in cycles}
         ),
         safe=int(set(names) <= set(guess.order) and not unsafe),
+        asked=len(found["first"].keys() & set(names)),
         targets=len(firsts),
         harmed=sum(_harms(first, group, labels, cycles, names) for first, group, _ in firsts.values()),
         free=len(free),
@@ -135,6 +149,38 @@ def count(found: Mapping[str, Any], labels: Labels, relations: RelationLabels) -
         risk=sum(risks.values()),
         brier=sum((risk - (name in unsafe)) ** 2 for name, risk in risks.items()),
     )
+
+
+def _of_relations(found: Mapping[str, Any], relations: RelationLabels) -> dict[str, int]:
+    """Counts of pairs, by what they truly are."""
+    told = {(a, b): relation for a, b, relation in found.get("relations", ())}
+    told |= {(b, a): str(Relation(relation).converse) for (a, b), relation in told.items()}
+    there = set(found.get("names", ()))
+    rightly = {"disjoint": list[bool](), "touch": list[bool](), "within": list[bool]()}
+    for pair, relation in relations.items():
+        if there >= set(pair):
+            rightly.get(relation, rightly["within"]).append(told.get(pair, "disjoint") == relation)
+    apart, touching, nested = rightly.values()
+    return {
+        "pairs": len(apart) + len(touching) + len(nested),
+        "related": sum(apart) + sum(touching) + sum(nested),
+        "apart": len(apart), "contacts": len(apart) - sum(apart),
+        "touching": len(touching), "touched": sum(touching), "nested": len(nested), "nests": sum(nested),
+    }  # fmt: skip
+
+
+def _of_masks(found: Mapping[str, Any], labels: Labels, masks: Masks) -> dict[str, int]:
+    """Counts of what is said of masks, and of what is taken from under what has none."""
+    said = " ".join(text for text in found.get("assumptions", ()) if "mask" in text)
+    doubted = {name for name in found.get("objects", ()) if repr(name) in said}
+    covered = [then for then in labels if any(labels[then].get(name) == 1 for name in masks.without)]
+    firsts = {then: found.get("first", {}).get(then) for then in covered}
+    right = not (masks.without or masks.wrong)
+    return {
+        "covered": len(covered), "bared": sum(bool(first) and first[0] == t for t, first in firsts.items()),
+        "faulty": len(masks.wrong), "said": len(doubted & set(masks.wrong)),
+        "true": len(found.get("objects", ())) * right, "alarms": len(doubted) * right,
+    }  # fmt: skip
 
 
 def chances(found: Mapping[str, Any], labels: Labels) -> list[tuple[float, int]]:
@@ -203,6 +249,8 @@ def _recall(sums: np.ndarray[Any, Any]) -> Any:
 FIGURES: tuple[Figure, ...] = (
     _share("relations right", "related", "pairs", 1, 0.01),
     _share("false contacts", "contacts", "apart", -1, 0.01),
+    _share("touches told", "touched", "touching", 1, 0.02),
+    _share("what lies in what, told", "nests", "nested", 1, 0.02),
     Figure("F1 of the closure", _f1, 1, worst=0.01),
     Figure("dependencies found", _recall, 1),
     _share("false dependencies", "wrong", "told", -1),
@@ -210,7 +258,16 @@ FIGURES: tuple[Figure, ...] = (
     _share("safe orders", "safe", "scenes", 1, 0.02),
     _share("first removals that disturb", "harmed", "targets", -1, 0.02),
     _share("needless removals", "needless", "free", -1, 0.02),
+    Figure(
+        "targets unanswered",
+        lambda sums: 1.0 - _over(sums[..., COLUMN["targets"]], sums[..., COLUMN["asked"]], 1.0),
+        -1,
+        worst=0.02,
+    ),
     _share("unanswered", "unanswered", "scenes", -1, 0.02),
+    _share("taken at once from under what has no mask", "bared", "covered", -1, 0.0),
+    _share("masks wrong in kind that are said", "said", "faulty", 1, 0.05),
+    _share("true masks said to be wrong", "alarms", "true", -1, 0.02),
     Figure(
         "Brier score of risk",
         lambda sums: _over(sums[..., COLUMN["brier"]], sums[..., COLUMN["steps"]], 0.0),

@@ -101,7 +101,7 @@ class Floors:
         for key, value in values.items():
             if (floor := self.floors.get(key)) is not None:
                 better = _BETTER[key[2]]
-                bar = f"{'>=' if better > 0 else '<='} {floor.floor:.4f}"
+                bar = f"{'>=' if better > 0 else '<='} {max(floor.floor, 0.0):.4f}"
                 what = f"{key[2]}: {key[0]}, {key[1]}, scenes of every run"
                 told.append(
                     Row(what, round(better * value + 0.0, 4), "", "when raised", floor.value, bar=bar)

@@ -7,6 +7,8 @@ cycles, safe orders, first removals that disturb, needless removals, and the Bri
 
 - `--quick`: 60 scenes against the floors in `truth.json`. A floor is the figure when it was raised, less
   what chance alone moved it by; `--write` raises floors, none ever falls.
+- Every third of the 60 is asked with masks as segmentations give them (`masks`), from one camera; in a quick
+  run ragged by two pixels and with one in ten missing, else in every way, recorded frames as well.
 - Full: 400 scenes that the commit draws, so that nobody works towards them; the 60 again under jitter that
   must change nothing (0.2 mm of noise, half of the points, a kilometre off, turned with its grids), and
   looked at five times: how much of the answers stays.
@@ -30,7 +32,8 @@ import numpy as np
 from topple.benchmarks.row import Progress, Row
 from topple.benchmarks.scores import share_interval
 from topple.benchmarks.truth.answers import Question, answers
-from topple.benchmarks.truth.cases import Case, drawn, few, pool_cases, recorded_cases
+from topple.benchmarks.truth.borders import border_rows, pictures_of
+from topple.benchmarks.truth.cases import Case, drawn, few, masked_cases, pool_cases, recorded_cases
 from topple.benchmarks.truth.counts import (
     BINS,
     COLUMN,
@@ -44,6 +47,8 @@ from topple.benchmarks.truth.counts import (
     interval,
 )
 from topple.benchmarks.truth.floors import POOL, Floors
+from topple.benchmarks.truth.masks import OFF, WRONG
+from topple.benchmarks.truth.pool import SETS
 from topple.benchmarks.truth.views import VIEWS
 from topple.benchmarks.versions import Version, commit_now, of_commit, today
 from topple.planner.formats.files import write_whole
@@ -56,6 +61,12 @@ FREEING = ("noise 1", "turn 45")
 """Of the variants, those that are asked about every target as well."""
 
 VARIANTS = ("noise 1", "noise 2", "noise 3", "half", "offset", "turn 22.5", "turn 45", "turn 67.5")
+MASKED, THIN = "1 camera", 3
+"""View, and every which scene of every run, that is asked with masks as segmentations give them."""
+
+OFTEN = ("ragged 2", "missing")
+"""Of the ways in which masks are off or wrong, those that every run asks."""
+
 OF_TARGETS = ("first removals that disturb", "needless removals")
 LOOKS = 5
 Answers = Mapping[Question, Mapping[str, Any]]
@@ -99,6 +110,10 @@ def rows(
         more = [scene for scene in drawn((commit_now() or "").rstrip("+")) if scene not in short]
         cases += pool_cases(more, FOLDER / "given", progress, 1, executor)
     cases += recorded_cases(data, piles, FOLDER / "given")
+    some = [case for case in known if case.view == MASKED][::THIN]
+    some += [case for case in cases if case.set == "recorded frames"]
+    masked = list(masked_cases(some, OFTEN if quick else (*OFF, *WRONG), FOLDER / "given"))
+    cases += masked
     found = _asked(version, [case.question for case in cases], progress)
     told = [*_figures(cases, found)]
     chance: dict[tuple[str, str, str], float] = {}
@@ -106,11 +121,12 @@ def rows(
         jittered, chance = _jitter(version, known, found, progress)
         told += jittered
     if not quick:
-        told += [*_seen_again(version, known, found, progress), *_bins(cases, found)]
+        told += [*_seen_again(version, known, found, progress), *_bins(cases, found), *_borders(cases)]
     floors = Floors.read(FLOORS)
     of_few = {case.name for case in known}
-    kept = [case for case in cases if case.name in of_few or case.set.startswith("recorded")]
+    kept = [case for case in cases if case.name in of_few or case.set not in SETS]
     if write:
+        chance |= _chance_of(masked, found, chance)
         floors = floors.raised(_values(kept, found), chance, version.name)
         write_whole(FLOORS, floors.text())
     told += floors.rows(_values(kept, found))
@@ -140,7 +156,7 @@ def _groups(cases: Sequence[Case]) -> dict[tuple[str, str], list[Case]]:
     """Cases by set and view; those of the pool together as well."""
     found: dict[tuple[str, str], list[Case]] = {}
     for case in cases:
-        if not case.set.startswith("recorded"):
+        if case.set in SETS:
             found.setdefault((POOL, case.view), []).append(case)
     for case in cases:
         found.setdefault((case.set, case.view), []).append(case)
@@ -149,7 +165,7 @@ def _groups(cases: Sequence[Case]) -> dict[tuple[str, str], list[Case]]:
 
 def _table(cases: Sequence[Case], found: Answers) -> FloatArray:
     """(N, K) counts."""
-    return np.array([count(found[case.question], case.labels, case.relations).array() for case in cases])
+    return np.array([_counts(case, found).array() for case in cases])
 
 
 def _figures(cases: Sequence[Case], found: Answers) -> list[Row]:
@@ -159,7 +175,7 @@ def _figures(cases: Sequence[Case], found: Answers) -> list[Row]:
         table = _table(some, found)
         sums = table.sum(axis=0)
         for figure in FIGURES:
-            if figure.what == "relations right" and not sums[COLUMN["pairs"]]:
+            if figure.whole and not sums[COLUMN[figure.whole]]:
                 continue
             what = f"{figure.what}: {which}, {len(some)} scenes"
             value, chance = float(figure.value(sums)), _interval(figure, table)
@@ -181,11 +197,11 @@ def _values(cases: Sequence[Case], found: Answers) -> dict[tuple[str, str, str],
     values: dict[tuple[str, str, str], float] = {}
     for (which, view), some in _groups(cases).items():
         sums = _table(some, found).sum(axis=0)
-        if which == POOL or which.startswith("recorded"):
+        if which not in SETS:
             values |= {
                 (which, view, figure.what): figure.better * float(figure.value(sums))
                 for figure in FIGURES
-                if figure.worst is not None
+                if figure.worst is not None and not (figure.whole and not sums[COLUMN[figure.whole]])
             }
     return values
 
@@ -225,6 +241,19 @@ def _jitter(
         }
         told += [Row(f"{variant}: {what}", value, "", column=view) for what, value in shown.items()]
     return told, {key: max(base[key] - lowest[key], _one_case(key, cases, found)) for key in base}
+
+
+def _chance_of(
+    masked: Sequence[Case], found: Answers, chance: Mapping[tuple[str, str, str], float]
+) -> dict[tuple[str, str, str], float]:
+    """By how much chance moves figures of spoilt masks: that of the same view, of so many scenes fewer."""
+    return {
+        key: max(
+            THIN**0.5 * chance.get((POOL, MASKED, key[2]), 0.0),
+            _one_case(key, [case for case in masked if case.set == key[0]], found),
+        )
+        for key in _values(masked, found)
+    }
 
 
 def _one_case(key: tuple[str, str, str], cases: Sequence[Case], found: Answers) -> float:
@@ -287,6 +316,16 @@ def _bins(cases: Sequence[Case], found: Answers) -> list[Row]:
     return told
 
 
+def _borders(cases: Sequence[Case]) -> list[Row]:
+    """What pixels at borders are, in rendered pictures and in recorded frames."""
+    rendered = [case.question.path for case in cases if case.set in SETS and case.view == MASKED]
+    recorded = [case.question.path for case in cases if case.set == "recorded frames"]
+    return [
+        *border_rows("rendered", pictures_of(rendered)),
+        *(border_rows("recorded", pictures_of(recorded)) if recorded else []),
+    ]
+
+
 def _compared(
     ours: Version, theirs: Version, cases: Sequence[Case], found: Answers, progress: Progress
 ) -> list[dict[str, Any]]:
@@ -324,7 +363,7 @@ def _compared(
 
 
 def _counts(case: Case, found: Answers) -> Counts:
-    return count(found[case.question], case.labels, case.relations)
+    return count(found[case.question], case.labels, case.relations, case.masks)
 
 
 def _words(counts: Counts) -> str:

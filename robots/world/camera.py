@@ -155,7 +155,7 @@ class Camera:
         names = {number + 1: name for name, number in world.ids.items()}
         label = np.where(np.isin(body + 1, list(names)), body + 1, 0)
         if self.noise.shift > 0:
-            label = _shifted(label, self.noise.shift, rng)
+            label = ragged(label, self.noise.shift, rng)
         return DepthImage(
             depth=self._with_faults(depth, label, rng),
             K=self.K,
@@ -208,7 +208,7 @@ def _edges(depth: FloatArray, label: IntArray) -> tuple[BoolArray, FloatArray]:
     return edge, jump
 
 
-def _shifted(label: IntArray, pixels: float, rng: np.random.Generator) -> IntArray:
+def ragged(label: IntArray, pixels: float, rng: np.random.Generator) -> IntArray:
     """Masks whose edges wander by some pixels, smoothly along them, as a segmentation's do."""
     wander = rng.standard_normal((2, *label.shape))
     smooth = cast(FloatArray, ndimage.gaussian_filter(wander, (0, 6, 6)))

@@ -1,0 +1,87 @@
+"""Where a depth camera puts the pixels at borders: rendered ones beside those of recorded frames."""
+
+from collections.abc import Iterable
+from pathlib import Path
+
+import numpy as np
+
+from topple.benchmarks.row import Row
+from topple.topology.arrays import BoolArray, FloatArray, IntArray
+
+FAR, NEAR = 8, 4
+"""[pixel] from a border, between which the surfaces to both sides are seen; they go on straight up to it."""
+
+STEP = 0.03  # [m] least depth step between the two sides: four times what a surface bends by in eight pixels
+SLACK = 0.006  # [m] four times a camera's noise
+STRAIGHT = 0.02  # [m] by which a surface may rise between `FAR` and `NEAR`
+PLACES = (-2, -1, 0, 1, 2, 3)
+"""[pixel] across a border: up to 0 in the nearer object's mask."""
+
+KINDS = ("lost", "of the nearer", "between", "of the further", "beyond both")
+
+
+def border_rows(column: str, pictures: Iterable[tuple[FloatArray, IntArray]]) -> list[Row]:
+    """Shares of what pixels across borders with a depth step are.
+
+    Args:
+        column: What the pictures are.
+        pictures: Depth (H, W) in [m] and masks (H, W) of each.
+    """
+    counts = np.zeros((len(PLACES), len(KINDS)))
+    for depth, label in pictures:
+        for turn in range(4):
+            counts += _counted(np.rot90(depth, turn), np.rot90(label, turn))
+    shares = counts / np.maximum(counts.sum(axis=1, keepdims=True), 1.0)
+    return [
+        Row(f"{place:+d} px across a border: {kind}", float(share), "", column=column)
+        for place, row in zip(PLACES, shares, strict=True)
+        for kind, share in zip(KINDS, row, strict=True)
+    ]
+
+
+def _counted(depth: FloatArray, label: IntArray) -> FloatArray:
+    """(places, kinds) pixels at borders whose nearer object is to the left."""
+    rows, columns = np.nonzero((label[:, :-1] != label[:, 1:]) & (label[:, :-1] > 0))
+    inside = (columns >= FAR) & (columns + FAR + 1 < label.shape[1])
+    rows, columns = rows[inside], columns[inside]
+    wide = np.all(
+        [
+            (label[rows, columns - k] == label[rows, columns])
+            & (label[rows, columns + 1 + k] == label[rows, columns + 1])
+            for k in range(FAR + 1)
+        ],
+        axis=0,
+    )
+    rows, columns = rows[wide], columns[wide]
+    near = depth[rows, columns - NEAR], depth[rows, columns - FAR]
+    far = depth[rows, columns + 1 + NEAR], depth[rows, columns + 1 + FAR]
+    steps = (np.min([*near, *far], axis=0) > 0) & (far[0] - near[0] > STEP) & _straight(near) & _straight(far)
+    rows, columns, near, far = rows[steps], columns[steps], _at(near, steps), _at(far, steps)
+    found = np.zeros((len(PLACES), len(KINDS)))
+    for i, place in enumerate(PLACES):
+        z = depth[rows, columns + place]
+        front = near[0] + (near[0] - near[1]) * (NEAR + place) / (FAR - NEAR)
+        back = far[0] + (far[0] - far[1]) * (NEAR + 1 - place) / (FAR - NEAR)
+        kinds = [z <= 0, np.abs(z - front) <= SLACK, (z > front) & (z < back), np.abs(z - back) <= SLACK]
+        left = np.ones(len(z), dtype=bool)
+        for j in (0, 1, 3, 2):
+            found[i, j] = np.count_nonzero(left & kinds[j])
+            left &= ~kinds[j]
+        found[i, 4] = np.count_nonzero(left)
+    return found
+
+
+def _straight(pair: tuple[FloatArray, FloatArray]) -> BoolArray:
+    return np.abs(pair[0] - pair[1]) < STRAIGHT
+
+
+def _at(pair: tuple[FloatArray, FloatArray], which: BoolArray) -> tuple[FloatArray, FloatArray]:
+    return pair[0][which], pair[1][which]
+
+
+def pictures_of(paths: Iterable[Path]) -> Iterable[tuple[FloatArray, IntArray]]:
+    """The first picture of files of given scenes or of recorded frames."""
+    for path in paths:
+        with np.load(path, allow_pickle=False) as held:
+            last = "" if "depth" in held.files else "_0"
+            yield held[f"depth{last}"].astype(float), held[f"label{last}"].astype(np.int64)
