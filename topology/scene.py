@@ -9,10 +9,10 @@ from numpy.typing import ArrayLike
 
 from topple.topology.amounts import as_friction, as_masses
 from topple.topology.arrays import FloatArray, IntArray, frozen_int
-from topple.topology.bodies.background import find_table, note_of, unnamed_among
+from topple.topology.bodies.background import table_among, unnamed_among
 from topple.topology.checks import as_direction, as_name, as_points, as_pose, as_viewpoints, numeric
 from topple.topology.errors import InvalidInput, UnknownObject
-from topple.topology.geometry.plane import TABLE, table_by_name, up_from_fixed
+from topple.topology.geometry.plane import up_from_fixed
 from topple.topology.image import DepthImage, said_of_masks
 from topple.topology.model_fit import ModelFit
 from topple.topology.notebook import in_cell
@@ -382,29 +382,3 @@ def _check_unit(movable: Mapping[str, FloatArray]) -> None:
             "topple takes metres, so scale the scene (centimetres: points / 100); what never moves may be "
             "larger: name it with --fixed"
         )
-
-
-def table_among(
-    clouds: dict[str, FloatArray], background: FloatArray, viewpoints: FloatArray, notes: list[str]
-) -> list[str]:
-    """Find the table of a scene in which nothing is fixed, by its name or in what belongs to no object.
-
-    Args:
-        clouds: Points (N, 3) in [m] per object, at least one; a table that is found is added.
-        background: Points (N, 3) in [m] that belong to no object.
-        viewpoints: Camera centres (k, 3) in [m].
-        notes: Where the sentence that says so is added.
-
-    Returns:
-        The names of what is fixed by this: one or none.
-    """
-    named = table_by_name(clouds)
-    if named is not None:
-        notes.append(f"{named!r} is taken as fixed because of its name")
-        return [named]
-    found = find_table(background, clouds, viewpoints)
-    if found is None:
-        return []
-    clouds[TABLE] = found
-    notes.append(note_of(found))
-    return [TABLE]

@@ -128,7 +128,7 @@ def answer(task: Mapping[str, Any]) -> dict[str, Any]:
         found["dependencies"] = [[edge[key] for key in keys] for edge in order["dependencies"]]
         found |= {key: order[key] for key in ("order", "groups", "risk")}
         found["first"] = {
-            target: _first(topple.order, situation, target, task["seed"])
+            target: _first(situation, target, task["seed"])
             for target in task["targets"]
             if target in scene.movable
         }
@@ -137,12 +137,12 @@ def answer(task: Mapping[str, Any]) -> dict[str, Any]:
     return found
 
 
-def _first(order: Any, situation: Any, target: str, seed: int) -> list[Any] | None:
+def _first(situation: Any, target: str, seed: int) -> list[Any] | None:
     """What goes first for a target, the group it is of, and how many go; None where that is refused."""
     import topple
 
     try:
-        told = order(situation, [target], seed=seed).to_json()
+        told = topple.order(situation, [target], seed=seed).to_json()
     except topple.ToppleError:
         return None
     if not told["order"]:

@@ -16,10 +16,10 @@ from topple.benchmarks.labels import read_truth
 from topple.benchmarks.recorded import KEYS, UNIT
 from topple.benchmarks.row import Progress
 from topple.benchmarks.scores import Labels
-from topple.benchmarks.truth import geometry, masks, pool, views
+from topple.benchmarks.truth import geometry, mask_faults, pool, views
 from topple.benchmarks.truth.answers import Question
 from topple.benchmarks.truth.geometry import RelationLabels
-from topple.benchmarks.truth.masks import TRUE_MASKS, Masks
+from topple.benchmarks.truth.mask_faults import NO_FAULTS, MaskFaults, corrupt
 from topple.benchmarks.truth.pool import SETS, PoolScene
 from topple.benchmarks.truth.resting import TABLE as NARROW
 from topple.benchmarks.truth.views import VIEWS
@@ -49,7 +49,7 @@ class Case:
         labels: What simulation, or a person, says of orders.
         relations: What the shapes, or a person, say of relations.
         looks: Further looks at the same scene.
-        masks: What is wrong with its masks.
+        mask_faults: What is wrong with its masks.
     """
 
     set: str
@@ -59,7 +59,7 @@ class Case:
     labels: Labels
     relations: RelationLabels
     looks: tuple[Question, ...] = ()
-    masks: Masks = TRUE_MASKS
+    mask_faults: MaskFaults = NO_FAULTS
 
 
 def few() -> list[PoolScene]:
@@ -156,29 +156,34 @@ def masked_cases(cases: Sequence[Case], hows: Sequence[str], folder: Path) -> It
 
     Args:
         cases: The cases.
-        hows: Some of `masks.OFF` and `masks.WRONG`.
+        hows: Some of `mask_faults.INACCURATE` and `mask_faults.WRONG`.
         folder: Where what topple is given is kept.
     """
-    place, how_made = folder / "masks", Path(masks.__file__).read_bytes()
+    place = folder / "masks"
     place.mkdir(parents=True, exist_ok=True)
     for case, how in product(cases, hows):
-        given = case.question.path.read_bytes()
-        with np.load(case.question.path, allow_pickle=False) as held:
-            arrays = {key: held[key] for key in held.files}
-        key = "label" if "label" in arrays else "label_0"
-        label = arrays[key].astype(np.int64)
-        names = [str(name) for name in arrays.get("names", np.arange(1, label.max() + 1))]
-        support = case.question.fixed[0] if case.question.fixed else "table"
-        made_of = hashlib.sha256(given + how_made).hexdigest()[:12]
-        rng = np.random.default_rng(int(hashlib.sha256(case.name.encode()).hexdigest()[:8], 16))
-        label, names, wrong = masks.spoil(label, names, how, support, rng)
-        arrays |= {key: label} | ({"names": np.array(names)} if "names" in arrays else {})
-        path = place / f"{case.question.path.stem}-{how.replace(' ', '-')}-{made_of}.npz"
-        if not path.exists():
-            views.keep(arrays, path)
-        question = replace(case.question, name=f"{case.question.name}, masks {how}", path=path)
-        which = "masks" if case.set in SETS else f"{case.set}, masks"
-        yield replace(case, set=which, view=how, question=question, looks=(), masks=wrong)
+        yield _masked(case, how, place)
+
+
+def _masked(case: Case, how: str, place: Path) -> Case:
+    source = case.question.path
+    with np.load(source, allow_pickle=False) as held:
+        arrays = {key: held[key] for key in held.files}
+    key = "label" if "label" in arrays else "label_0"
+    label = arrays[key].astype(np.int64)
+    names = [str(name) for name in arrays.get("names", np.arange(1, label.max() + 1))]
+    support = case.question.fixed[0] if case.question.fixed else "table"
+    rng = np.random.default_rng(int(hashlib.sha256(case.name.encode()).hexdigest()[:8], 16))
+    arrays[key], names, faults = corrupt(label, names, how, support, rng)
+    if "names" in arrays:
+        arrays["names"] = np.array(names)
+    made_of = hashlib.sha256(source.read_bytes() + Path(mask_faults.__file__).read_bytes()).hexdigest()[:12]
+    path = place / f"{source.stem}-{how.replace(' ', '-')}-{made_of}.npz"
+    if not path.exists():
+        views.keep(arrays, path)
+    question = replace(case.question, name=f"{case.question.name}, masks {how}", path=path)
+    which = "masks" if case.set in SETS else f"{case.set}, masks"
+    return replace(case, set=which, view=how, question=question, looks=(), mask_faults=faults)
 
 
 def recorded_cases(data: Path | None, piles: Path | None, folder: Path) -> list[Case]:

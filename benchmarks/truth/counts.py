@@ -10,7 +10,7 @@ import numpy as np
 from topple.benchmarks.guesses import Guess
 from topple.benchmarks.scores import DRAWS, Labels, judged, unsafe_steps
 from topple.benchmarks.truth.geometry import RelationLabels
-from topple.benchmarks.truth.masks import TRUE_MASKS, Masks
+from topple.benchmarks.truth.mask_faults import NO_FAULTS, MaskFaults
 from topple.topology.sixim.table import Relation
 
 BINS = (0.0, 0.05, 0.1, 0.2, 0.4, 0.6, 0.8, 0.9, 0.95, 1.0)
@@ -98,7 +98,7 @@ COLUMN = {field.name: k for k, field in enumerate(fields(Counts))}
 
 
 def count(
-    found: Mapping[str, Any], labels: Labels, relations: RelationLabels, masks: Masks = TRUE_MASKS
+    found: Mapping[str, Any], labels: Labels, relations: RelationLabels, faults: MaskFaults = NO_FAULTS
 ) -> Counts:
     """Count one answer.
 
@@ -106,15 +106,15 @@ def count(
         found: As `topple.benchmarks.truth.asked.answer` gives it.
         labels: What simulation says.
         relations: What the shapes say.
-        masks: What is wrong with the masks.
+        faults: What is wrong with the masks.
 
     Returns:
         The counts; of a refusal, what was to be found is missed.
     """
-    found_so_far = _of_relations(found, relations) | _of_masks(found, labels, masks) | {"scenes": 1}
+    always = _of_relations(found, relations) | _of_masks(found, labels, faults) | {"scenes": 1}
     if "refused" in found:
         needed = sum(sign == 1 for firsts in labels.values() for sign in firsts.values())
-        return Counts(**found_so_far, unanswered=1, missed=needed)
+        return Counts(**always, unanswered=1, missed=needed)
     objects: list[str] = found["objects"]
     names = [name for name in labels if name in objects]
     direct = {(first, then) for first, then, *_ in found["dependencies"]}
@@ -129,7 +129,7 @@ def count(
     firsts = {target: first for target, first in found["first"].items() if target in names and first}
     free = [target for target in firsts if not any(sign == 1 for sign in labels[target].values())]
     return Counts(
-        **found_so_far,
+        **always,
         right=len(verdicts.right),
         false=len(verdicts.false),
         missed=len(verdicts.missed),
@@ -169,16 +169,16 @@ def _of_relations(found: Mapping[str, Any], relations: RelationLabels) -> dict[s
     }  # fmt: skip
 
 
-def _of_masks(found: Mapping[str, Any], labels: Labels, masks: Masks) -> dict[str, int]:
+def _of_masks(found: Mapping[str, Any], labels: Labels, faults: MaskFaults) -> dict[str, int]:
     """Counts of what is said of masks, and of what is taken from under what has none."""
     said = " ".join(text for text in found.get("assumptions", ()) if "mask" in text)
     doubted = {name for name in found.get("objects", ()) if repr(name) in said}
-    covered = [then for then in labels if any(labels[then].get(name) == 1 for name in masks.without)]
+    covered = [then for then in labels if any(labels[then].get(name) == 1 for name in faults.without)]
     firsts = {then: found.get("first", {}).get(then) for then in covered}
-    right = not (masks.without or masks.wrong)
+    right = not (faults.without or faults.wrong)
     return {
         "covered": len(covered), "bared": sum(bool(first) and first[0] == t for t, first in firsts.items()),
-        "faulty": len(masks.wrong), "said": len(doubted & set(masks.wrong)),
+        "faulty": len(faults.wrong), "said": len(doubted & set(faults.wrong)),
         "true": len(found.get("objects", ())) * right, "alarms": len(doubted) * right,
     }  # fmt: skip
 
@@ -223,6 +223,10 @@ class Figure:
     part: str = ""
     whole: str = ""
     worst: float | None = None
+
+    def counted(self, sums: np.ndarray[Any, Any]) -> bool:
+        """Whether there was anything to count it of in (..., K) sums: always, where it is no share."""
+        return not self.whole or bool(np.any(sums[..., COLUMN[self.whole]]))
 
 
 def _share(what: str, part: str, whole: str, better: int, worst: float | None = None) -> Figure:

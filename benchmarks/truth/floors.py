@@ -89,6 +89,7 @@ class Floors:
             better = _BETTER[key[2]]
             moved = chance.get(key, chance.get((POOL, *key[1:]), 0.0))
             low = value - MARGIN * moved
+            low = max(low, 0.0) if better > 0 else low  # no share is below nothing
             if key not in found or low > better * found[key].floor:
                 said = f"{date.today().isoformat()} {commit}"
                 numbers = (round(better * value, 4), round(moved, 4), round(better * low, 4))
@@ -101,7 +102,7 @@ class Floors:
         for key, value in values.items():
             if (floor := self.floors.get(key)) is not None:
                 better = _BETTER[key[2]]
-                bar = f"{'>=' if better > 0 else '<='} {max(floor.floor, 0.0):.4f}"
+                bar = f"{'>=' if better > 0 else '<='} {floor.floor:.4f}"
                 what = f"{key[2]}: {key[0]}, {key[1]}, scenes of every run"
                 told.append(
                     Row(what, round(better * value + 0.0, 4), "", "when raised", floor.value, bar=bar)

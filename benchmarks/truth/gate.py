@@ -7,8 +7,8 @@ cycles, safe orders, first removals that disturb, needless removals, and the Bri
 
 - `--quick`: 60 scenes against the floors in `truth.json`. A floor is the figure when it was raised, less
   what chance alone moved it by; `--write` raises floors, none ever falls.
-- Every third of the 60 is asked with masks as segmentations give them (`masks`), from one camera; in a quick
-  run ragged by two pixels and with one in ten missing, else in every way, recorded frames as well.
+- Every third of the 60 is asked with masks as segmentations give them (`mask_faults`), from one camera; in a
+  quick run ragged by two pixels and with one in ten missing, else in every way, recorded frames as well.
 - Full: 400 scenes that the commit draws, so that nobody works towards them; the 60 again under jitter that
   must change nothing (0.2 mm of noise, half of the points, a kilometre off, turned with its grids), and
   looked at five times: how much of the answers stays.
@@ -32,7 +32,7 @@ import numpy as np
 from topple.benchmarks.row import Progress, Row
 from topple.benchmarks.scores import share_interval
 from topple.benchmarks.truth.answers import Question, answers
-from topple.benchmarks.truth.borders import border_rows, pictures_of
+from topple.benchmarks.truth.border_pixels import border_rows, pictures_of
 from topple.benchmarks.truth.cases import Case, drawn, few, masked_cases, pool_cases, recorded_cases
 from topple.benchmarks.truth.counts import (
     BINS,
@@ -47,7 +47,7 @@ from topple.benchmarks.truth.counts import (
     interval,
 )
 from topple.benchmarks.truth.floors import POOL, Floors
-from topple.benchmarks.truth.masks import OFF, WRONG
+from topple.benchmarks.truth.mask_faults import INACCURATE, WRONG
 from topple.benchmarks.truth.pool import SETS
 from topple.benchmarks.truth.views import VIEWS
 from topple.benchmarks.versions import Version, commit_now, of_commit, today
@@ -61,11 +61,11 @@ FREEING = ("noise 1", "turn 45")
 """Of the variants, those that are asked about every target as well."""
 
 VARIANTS = ("noise 1", "noise 2", "noise 3", "half", "offset", "turn 22.5", "turn 45", "turn 67.5")
-MASKED, THIN = "1 camera", 3
-"""View, and every which scene of every run, that is asked with masks as segmentations give them."""
+MASKED_VIEW, MASKED_EVERY = "1 camera", 3
+"""View, and every how manieth scene of every run, that is asked with masks as segmentations give them."""
 
-OFTEN = ("ragged 2", "missing")
-"""Of the ways in which masks are off or wrong, those that every run asks."""
+ALWAYS_MASKED = ("ragged 2", "missing")
+"""Of the ways in which masks are inaccurate or wrong, those that every run asks."""
 
 OF_TARGETS = ("first removals that disturb", "needless removals")
 LOOKS = 5
@@ -110,9 +110,9 @@ def rows(
         more = [scene for scene in drawn((commit_now() or "").rstrip("+")) if scene not in short]
         cases += pool_cases(more, FOLDER / "given", progress, 1, executor)
     cases += recorded_cases(data, piles, FOLDER / "given")
-    some = [case for case in known if case.view == MASKED][::THIN]
+    some = [case for case in known if case.view == MASKED_VIEW][::MASKED_EVERY]
     some += [case for case in cases if case.set == "recorded frames"]
-    masked = list(masked_cases(some, OFTEN if quick else (*OFF, *WRONG), FOLDER / "given"))
+    masked = list(masked_cases(some, ALWAYS_MASKED if quick else (*INACCURATE, *WRONG), FOLDER / "given"))
     cases += masked
     found = _asked(version, [case.question for case in cases], progress)
     told = [*_figures(cases, found)]
@@ -126,7 +126,7 @@ def rows(
     of_few = {case.name for case in known}
     kept = [case for case in cases if case.name in of_few or case.set not in SETS]
     if write:
-        chance |= _chance_of(masked, found, chance)
+        chance |= _chance_of_masked(masked, found, chance)
         floors = floors.raised(_values(kept, found), chance, version.name)
         write_whole(FLOORS, floors.text())
     told += floors.rows(_values(kept, found))
@@ -175,7 +175,7 @@ def _figures(cases: Sequence[Case], found: Answers) -> list[Row]:
         table = _table(some, found)
         sums = table.sum(axis=0)
         for figure in FIGURES:
-            if figure.whole and not sums[COLUMN[figure.whole]]:
+            if not figure.counted(sums):
                 continue
             what = f"{figure.what}: {which}, {len(some)} scenes"
             value, chance = float(figure.value(sums)), _interval(figure, table)
@@ -201,7 +201,7 @@ def _values(cases: Sequence[Case], found: Answers) -> dict[tuple[str, str, str],
             values |= {
                 (which, view, figure.what): figure.better * float(figure.value(sums))
                 for figure in FIGURES
-                if figure.worst is not None and not (figure.whole and not sums[COLUMN[figure.whole]])
+                if figure.worst is not None and figure.counted(sums)
             }
     return values
 
@@ -243,13 +243,13 @@ def _jitter(
     return told, {key: max(base[key] - lowest[key], _one_case(key, cases, found)) for key in base}
 
 
-def _chance_of(
+def _chance_of_masked(
     masked: Sequence[Case], found: Answers, chance: Mapping[tuple[str, str, str], float]
 ) -> dict[tuple[str, str, str], float]:
     """By how much chance moves figures of spoilt masks: that of the same view, of so many scenes fewer."""
     return {
         key: max(
-            THIN**0.5 * chance.get((POOL, MASKED, key[2]), 0.0),
+            MASKED_EVERY**0.5 * chance.get((POOL, MASKED_VIEW, key[2]), 0.0),
             _one_case(key, [case for case in masked if case.set == key[0]], found),
         )
         for key in _values(masked, found)
@@ -318,7 +318,7 @@ def _bins(cases: Sequence[Case], found: Answers) -> list[Row]:
 
 def _borders(cases: Sequence[Case]) -> list[Row]:
     """What pixels at borders are, in rendered pictures and in recorded frames."""
-    rendered = [case.question.path for case in cases if case.set in SETS and case.view == MASKED]
+    rendered = [case.question.path for case in cases if case.set in SETS and case.view == MASKED_VIEW]
     recorded = [case.question.path for case in cases if case.set == "recorded frames"]
     return [
         *border_rows("rendered", pictures_of(rendered)),
@@ -334,7 +334,7 @@ def _compared(
     documents: list[dict[str, Any]] = []
     for (which, view), some in _groups(cases).items():
         mine, its = _table(some, found), _table(some, other)
-        for figure in FIGURES:
+        for figure in (figure for figure in FIGURES if figure.counted(mine + its)):
             value, (low, high) = difference(figure, mine, its)
             decides = figure.worst is not None and which == POOL
             most = None if not decides else "<= 0" if high < 0.0 else f"<= {figure.worst:g}"
@@ -363,7 +363,7 @@ def _compared(
 
 
 def _counts(case: Case, found: Answers) -> Counts:
-    return count(found[case.question], case.labels, case.relations, case.masks)
+    return count(found[case.question], case.labels, case.relations, case.mask_faults)
 
 
 def _words(counts: Counts) -> str:

@@ -19,7 +19,7 @@ from topple.benchmarks.truth.cases import pool_cases
 from topple.benchmarks.truth.counts import COLUMN, FIGURES, Counts, chances, count, difference
 from topple.benchmarks.truth.floors import Floors
 from topple.benchmarks.truth.gate import FLOORS
-from topple.benchmarks.truth.masks import OFF, WRONG, Masks, spoil
+from topple.benchmarks.truth.mask_faults import INACCURATE, WRONG, MaskFaults, corrupt
 from topple.benchmarks.truth.planted import CHANGES, planted
 from topple.benchmarks.truth.resting import RestingScene
 from topple.benchmarks.truth.views import VIEWS, seen
@@ -126,24 +126,24 @@ def test_paired_differences_tell_chance_from_change() -> None:
     assert low < value < 0.0 == high, "one scene may be chance"
 
 
-@pytest.mark.parametrize("how", [*OFF, *WRONG])
-def test_masks_are_spoilt_as_their_name_says(how: str) -> None:
+@pytest.mark.parametrize("how", [*INACCURATE, *WRONG])
+def test_masks_are_corrupted_as_their_name_says(how: str) -> None:
     label = np.full((80, 80), 3)
     label[20:40, 10:40], label[20:40, 40:60] = 1, 2
-    found, names, wrong = spoil(label, ["a", "b", "table"], how, "table", np.random.default_rng(0))
-    changed = (found != label).sum()
-    again, *_ = spoil(label, ["a", "b", "table"], how, "table", np.random.default_rng(0))
-    assert changed > 0 and (found == again).all()
-    assert set(wrong.without) == ({"a", "b"} & set(wrong.without) if how == "missing" else set())
-    assert bool(wrong.without) == (how == "missing") and bool(wrong.wrong) == (how in WRONG[1:])
+    found, names, wrong = corrupt(label, ["a", "b", "table"], how, "table", np.random.default_rng(0))
+    again = corrupt(label, ["a", "b", "table"], how, "table", np.random.default_rng(0))[0]
+    assert (found != label).any() and (found == again).all()
+    gone = {"a", "b"} - {names[number - 1] for number in np.unique(found)}
+    assert set(wrong.without) == (gone if how == "missing" else set())
+    assert bool(gone) == (how in ("missing", "merged")) and bool(wrong.wrong) == (how in WRONG[1:])
     assert len(names) == 3 + (how in ("split", "ghost"))
-    if how in OFF:  # a band along borders and no more
-        assert changed <= 4 * int(how[-1]) * 150 and set(np.unique(found)) <= {1, 2, 3}
+    if how in INACCURATE:  # a band along borders and no more
+        assert (found != label).sum() <= 4 * int(how[-1]) * 150 and set(np.unique(found)) <= {1, 2, 3}
 
 
 def test_what_is_taken_from_under_a_missing_mask_and_what_is_said_of_masks_is_counted() -> None:
     bare = {**PERFECT, "first": {"a": ["a", [], 1]}, "assumptions": ["the mask of 'c' is level with 'table'"]}
-    found = count(bare, LABELS, RELATIONS, Masks(without=("b",), wrong=("c", "d")))
+    found = count(bare, LABELS, RELATIONS, MaskFaults(without=("b",), wrong=("c", "d")))
     assert (found.covered, found.bared, found.faulty, found.said, found.true) == (1, 1, 2, 1, 0)
     found = count(bare, LABELS, RELATIONS)
     assert (found.covered, found.bared, found.faulty, found.true, found.alarms) == (0, 0, 0, 4, 1)

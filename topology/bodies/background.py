@@ -21,7 +21,7 @@ from topple.topology.bodies.tolerances import (
     VOXEL,
 )
 from topple.topology.geometry.axes import level_axes, perpendiculars
-from topple.topology.geometry.plane import fit_plane
+from topple.topology.geometry.plane import TABLE, fit_plane, table_by_name
 from topple.topology.geometry.thin import voxel_means
 from topple.topology.geometry.tolerances import ON_PLANE
 from topple.topology.values import free_name
@@ -63,12 +63,33 @@ def find_table(
     return None if table is None else _connected(background[_on(background, table)], table, clouds)
 
 
-def note_of(table: FloatArray) -> str:
-    """The sentence that says where a table found in the background comes from."""
-    return (
-        f"'table' is the plane found under the objects in what has no label ({len(table)} points): "
+def table_among(
+    clouds: dict[str, FloatArray], background: FloatArray, viewpoints: FloatArray, notes: list[str]
+) -> list[str]:
+    """Find the table of a scene in which nothing is fixed, by its name or in what belongs to no object.
+
+    Args:
+        clouds: Points (N, 3) in [m] per object, at least one; a table that is found is added.
+        background: Points (N, 3) in [m] that belong to no object.
+        viewpoints: Camera centres (k, 3) in [m].
+        notes: Where the sentence that says so is added.
+
+    Returns:
+        The names of what is fixed by this: one or none.
+    """
+    named = table_by_name(clouds)
+    if named is not None:
+        notes.append(f"{named!r} is taken as fixed because of its name")
+        return [named]
+    found = find_table(background, clouds, viewpoints)
+    if found is None:
+        return []
+    clouds[TABLE] = found
+    notes.append(
+        f"{TABLE!r} is the plane found under the objects in what has no label ({len(found)} points): "
         "it is taken as fixed"
     )
+    return [TABLE]
 
 
 def unnamed_among(

@@ -7,6 +7,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from topple.topology.arrays import FloatArray, bounds, middle_of, within_corners
+from topple.topology.bodies.background import table_among
 from topple.topology.checks import as_plane, as_points, as_viewpoints
 from topple.topology.errors import InvalidInput
 from topple.topology.geometry.axes import perpendiculars
@@ -23,7 +24,7 @@ from topple.topology.io.tolerances import (
     TABLE_SPACING,
     UNDER_SHARE,
 )
-from topple.topology.scene import Mesh, Scene, table_among
+from topple.topology.scene import Mesh, Scene
 
 
 @dataclass

@@ -10,7 +10,7 @@ from scipy import ndimage
 from topple.robots.world.camera import ragged
 from topple.topology.arrays import BoolArray, IntArray
 
-OFF = tuple(
+INACCURATE = tuple(
     f"{how} {pixels}" for how, pixels in product(("shifted", "dilated", "eroded", "ragged"), (1, 2, 3))
 )
 """How masks are off, and by how many pixels."""
@@ -23,7 +23,7 @@ GHOST = 8  # [pixel] radius of a mask on nothing: an object of 3 cm
 
 
 @dataclass(frozen=True, eq=False)
-class Masks:
+class MaskFaults:
     """What is wrong with the masks of a scene.
 
     Attributes:
@@ -35,19 +35,19 @@ class Masks:
     wrong: tuple[str, ...] = ()
 
 
-TRUE_MASKS = Masks()
-"""Nothing, but for pixels at their borders."""
+NO_FAULTS = MaskFaults()
+"""Masks right in kind; pixels at their borders may be off."""
 
 
-def spoil(
+def corrupt(
     label: IntArray, names: Sequence[str], how: str, support: str, rng: np.random.Generator
-) -> tuple[IntArray, list[str], Masks]:
-    """Spoil the masks of a picture.
+) -> tuple[IntArray, list[str], MaskFaults]:
+    """Corrupt the masks of a picture.
 
     Args:
         label: (H, W) numbers of objects, k + 1 for the k-th name.
         names: Of the objects.
-        how: One of `OFF` or `WRONG`.
+        how: One of `INACCURATE` or `WRONG`.
         support: Name of what carries all: its mask is what the others leave.
         rng: Of directions, and of which masks are wrong.
 
@@ -57,7 +57,7 @@ def spoil(
     what, _, pixels = how.partition(" ")
     ground = list(names).index(support) + 1 if support in names else 0
     if pixels:
-        return _off(label, what, int(pixels), ground, rng), list(names), TRUE_MASKS
+        return _inaccurate(label, what, int(pixels), ground, rng), list(names), NO_FAULTS
     present, counts = np.unique(label, return_counts=True)
     there = present[(counts >= FEWEST) & (present > 0) & (present != ground)]
     chosen = [int(number) for number in rng.permutation(there)[: max(1, round(len(there) / 10))]]
@@ -76,10 +76,10 @@ def spoil(
             found[mask & _half(mask, rng) if what == "split" else _disc(label == ground, rng)] = len(given)
             wrong += [name, given[-1]] if what == "split" else [given[-1]]
     without = [given[number - 1] for number in chosen] if what == "missing" else []
-    return found, given, Masks(tuple(without), tuple(wrong))
+    return found, given, MaskFaults(tuple(without), tuple(wrong))
 
 
-def _off(label: IntArray, what: str, pixels: int, ground: int, rng: np.random.Generator) -> IntArray:
+def _inaccurate(label: IntArray, what: str, pixels: int, ground: int, rng: np.random.Generator) -> IntArray:
     """Masks off by pixels, at the cost of what is behind or beside."""
     if what == "ragged":
         return ragged(label, float(pixels), rng)

@@ -6,7 +6,7 @@ from pathlib import Path
 import numpy as np
 
 from topple.benchmarks.row import Row
-from topple.topology.arrays import BoolArray, FloatArray, IntArray
+from topple.topology.arrays import FloatArray, IntArray
 
 FAR, NEAR = 8, 4
 """[pixel] from a border, between which the surfaces to both sides are seen; they go on straight up to it."""
@@ -17,7 +17,7 @@ STRAIGHT = 0.02  # [m] by which a surface may rise between `FAR` and `NEAR`
 PLACES = (-2, -1, 0, 1, 2, 3)
 """[pixel] across a border: up to 0 in the nearer object's mask."""
 
-KINDS = ("lost", "of the nearer", "between", "of the further", "beyond both")
+KINDS = ("lost", "of the nearer", "of the further", "between", "beyond both")
 
 
 def border_rows(column: str, pictures: Iterable[tuple[FloatArray, IntArray]]) -> list[Row]:
@@ -44,39 +44,29 @@ def _counted(depth: FloatArray, label: IntArray) -> FloatArray:
     rows, columns = np.nonzero((label[:, :-1] != label[:, 1:]) & (label[:, :-1] > 0))
     inside = (columns >= FAR) & (columns + FAR + 1 < label.shape[1])
     rows, columns = rows[inside], columns[inside]
-    wide = np.all(
-        [
-            (label[rows, columns - k] == label[rows, columns])
-            & (label[rows, columns + 1 + k] == label[rows, columns + 1])
-            for k in range(FAR + 1)
-        ],
-        axis=0,
-    )
+    reach = np.arange(FAR + 1)[:, None]
+    left, right = label[rows, columns - reach], label[rows, columns + 1 + reach]  # (FAR + 1, N)
+    wide = (left == left[0]).all(axis=0) & (right == right[0]).all(axis=0)
     rows, columns = rows[wide], columns[wide]
-    near = depth[rows, columns - NEAR], depth[rows, columns - FAR]
-    far = depth[rows, columns + 1 + NEAR], depth[rows, columns + 1 + FAR]
-    steps = (np.min([*near, *far], axis=0) > 0) & (far[0] - near[0] > STEP) & _straight(near) & _straight(far)
-    rows, columns, near, far = rows[steps], columns[steps], _at(near, steps), _at(far, steps)
+    at = np.array([[NEAR], [FAR]])
+    front, back = depth[rows, columns - at], depth[rows, columns + 1 + at]  # (2, N)
+    straight = (np.abs([front[0] - front[1], back[0] - back[1]]) < STRAIGHT).all(axis=0)
+    steps = (np.minimum(front, back).min(axis=0) > 0) & (back[0] - front[0] > STEP) & straight
+    rows, columns, front, back = rows[steps], columns[steps], front[:, steps], back[:, steps]
     found = np.zeros((len(PLACES), len(KINDS)))
     for i, place in enumerate(PLACES):
         z = depth[rows, columns + place]
-        front = near[0] + (near[0] - near[1]) * (NEAR + place) / (FAR - NEAR)
-        back = far[0] + (far[0] - far[1]) * (NEAR + 1 - place) / (FAR - NEAR)
-        kinds = [z <= 0, np.abs(z - front) <= SLACK, (z > front) & (z < back), np.abs(z - back) <= SLACK]
-        left = np.ones(len(z), dtype=bool)
-        for j in (0, 1, 3, 2):
-            found[i, j] = np.count_nonzero(left & kinds[j])
-            left &= ~kinds[j]
-        found[i, 4] = np.count_nonzero(left)
+        nearer = front[0] + (front[0] - front[1]) * (NEAR + place) / (FAR - NEAR)
+        further = back[0] + (back[0] - back[1]) * (NEAR + 1 - place) / (FAR - NEAR)
+        tests = [
+            z <= 0,
+            np.abs(z - nearer) <= SLACK,
+            np.abs(z - further) <= SLACK,
+            (z > nearer) & (z < further),
+        ]
+        kinds = np.select(tests, range(4), default=4)
+        found[i] = np.bincount(kinds, minlength=len(KINDS))
     return found
-
-
-def _straight(pair: tuple[FloatArray, FloatArray]) -> BoolArray:
-    return np.abs(pair[0] - pair[1]) < STRAIGHT
-
-
-def _at(pair: tuple[FloatArray, FloatArray], which: BoolArray) -> tuple[FloatArray, FloatArray]:
-    return pair[0][which], pair[1][which]
 
 
 def pictures_of(paths: Iterable[Path]) -> Iterable[tuple[FloatArray, IntArray]]:
