@@ -20,7 +20,7 @@ class Series:
         bar: Share of successes that is aimed at [%], None where there is none.
         folder: Where the frames are; None for a scenario.
         frames: Their names.
-        mask_noise: Standard deviation in pixels by which edges of masks are wrong.
+        mask_noise: Pixels by which edges of masks are wrong (deviation); one in twenty is missing then.
         shuffle_labels: Whether names of objects are not kept between looks.
         wrist_camera: Whether the arm carries one more camera for a second look.
         meshes: Folder of models that other piles are made of.
@@ -60,7 +60,7 @@ class Series:
         """As it stands in a table."""
         eyes = f"{self.cameras} camera{'s' if self.cameras > 1 else ''}"
         eyes += " and one on the wrist" if self.wrist_camera else ""
-        masks = f", masks {self.mask_noise:g} px off" if self.mask_noise else ""
+        masks = f", masks {self.mask_noise:g} px off, one in twenty missing" if self.mask_noise else ""
         names = ", labels shuffled" if self.shuffle_labels else ""
         kinds = " of models too" if self.meshes is not None else ""
         rule = "" if self.rule == TOPPLE else f", {self.rule}"
@@ -82,7 +82,7 @@ FULL = (
 BESIDE = (
     Series("pile", 100, rule=IDEAL),
     *(Series("pile", 60, rule=rule) for rule in RULES),
-    Series("pile", 60, mask_noise=1.0),
+    Series("pile", 60, mask_noise=1.5),
     Series("pile", 60, shuffle_labels=True),
     Series(OTHER_PILE, 60, cameras=1),
     Series("hold", 20),

@@ -6,6 +6,7 @@ from functools import cached_property
 
 import numpy as np
 from numpy.typing import NDArray
+from scipy import ndimage
 
 from topple.topology.arrays import BoolArray, FloatArray, IntArray, frozen, frozen_int, rounded, whole_numbers
 from topple.topology.checks import as_intrinsics, as_name, as_pose, numeric
@@ -115,20 +116,29 @@ class DepthImage(ByValue):
         """Which places (N, 3) in world coordinates [m] lie within the picture's edges, hidden or not."""
         return self._pixels_of(places)[3]
 
-    def depth_past(self, places: FloatArray) -> FloatArray:
+    def depth_past(self, places: FloatArray, around: bool = False) -> FloatArray:
         """How much further than places the camera saw in their directions.
 
         Args:
             places: (N, 3) in world coordinates [m].
+            around: Whether the pixels beside have to have seen as far: at an outline one alone may belong to
+                what is behind.
 
         Returns:
             (N,) measured depth less that of the place [m]; -inf out of view and where nothing was measured.
         """
         rows, columns, depth, seen = self._pixels_of(places)
         past = np.full(len(places), -np.inf)
-        measured = self.depth[rows[seen], columns[seen]]
+        measured = (self._nearest_around if around else self.depth)[rows[seen], columns[seen]]
         past[seen] = np.where(measured > 0, measured - depth[seen], -np.inf)
         return past
+
+    @cached_property
+    def _nearest_around(self) -> FloatArray:
+        """(H, W) least depth of each pixel and those beside it that have any; 0 where it has none [m]."""
+        far = np.where(self.depth > 0, self.depth, np.inf)
+        nearest = ndimage.minimum_filter(far, 3, mode="nearest")
+        return np.where(self.depth > 0, nearest, 0.0)
 
     def _pixels_of(self, places: FloatArray) -> tuple[IntArray, IntArray, FloatArray, BoolArray]:
         """Row, column and depth [m] of places (N, 3), and which of them are in the picture."""

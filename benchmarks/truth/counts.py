@@ -13,6 +13,9 @@ from topple.benchmarks.truth.geometry import RelationLabels
 from topple.benchmarks.truth.mask_faults import NO_FAULTS, MaskFaults
 from topple.topology.sixim.table import Relation
 
+UNNAMED = ("without a name", "no mask names")
+"""What a sentence on what no mask names has in it."""
+
 BINS = (0.0, 0.05, 0.1, 0.2, 0.4, 0.6, 0.8, 0.9, 0.95, 1.0)
 """Bounds of the bins of chances."""
 
@@ -50,6 +53,7 @@ class Counts:
         brier: Sum of the squared differences of risk and what came.
         covered: Targets on which something without a mask lies that has to go first.
         bared: Of these taken at once all the same.
+        silent: Of these where no sentence says that there is something without a name or a mask.
         faulty: Masks that are wrong in kind.
         said: Of these named in a sentence on masks.
         true: Objects of scenes all of whose masks are right, but for pixels at their borders.
@@ -84,6 +88,7 @@ class Counts:
     brier: float = 0.0
     covered: int = 0
     bared: int = 0
+    silent: int = 0
     faulty: int = 0
     said: int = 0
     true: int = 0
@@ -175,9 +180,11 @@ def _of_masks(found: Mapping[str, Any], labels: Labels, faults: MaskFaults) -> d
     doubted = {name for name in found.get("objects", ()) if repr(name) in said}
     covered = [then for then in labels if any(labels[then].get(name) == 1 for name in faults.without)]
     firsts = {then: found.get("first", {}).get(then) for then in covered}
+    bared = sum(bool(first) and first[0] == then for then, first in firsts.items())
+    silent = not any(text in said for said in found.get("assumptions", ()) for text in UNNAMED)
     right = not (faults.without or faults.wrong)
     return {
-        "covered": len(covered), "bared": sum(bool(first) and first[0] == t for t, first in firsts.items()),
+        "covered": len(covered), "bared": bared, "silent": bared * silent,
         "faulty": len(faults.wrong), "said": len(doubted & set(faults.wrong)),
         "true": len(found.get("objects", ())) * right, "alarms": len(doubted) * right,
     }  # fmt: skip
@@ -269,7 +276,8 @@ FIGURES: tuple[Figure, ...] = (
         worst=0.02,
     ),
     _share("unanswered", "unanswered", "scenes", -1, 0.02),
-    _share("taken at once from under what has no mask", "bared", "covered", -1, 0.0),
+    _share("taken at once from under what has no mask", "bared", "covered", -1),
+    _share("taken at once from under what has no mask, in silence", "silent", "covered", -1, 0.0),
     _share("masks wrong in kind that are said", "said", "faulty", 1, 0.05),
     _share("true masks said to be wrong", "alarms", "true", -1, 0.02),
     Figure(

@@ -20,7 +20,8 @@ VIEWS = {"whole": 0, "1 camera": 1, "3 cameras": 3}
 POINTS = 2500  # of each cloud
 QUANTUM = 1e-4  # [m] to which clouds are rounded
 NOISE = Noise(floor=0.001, growth=0.0)
-"""1 mm as the recorded piles have, and a structured-light camera's edges, lost pixels and steps."""
+"""1 mm as the recorded piles have, a structured-light camera's lost pixels and steps, and borders as those of
+recorded frames (`topple.benchmarks.truth.border_pixels`)."""
 TARGET = (0.0, 0.0, 0.03)  # [m] in the middle of every picture
 SIZE = (480, 360)  # pixels of 1.8 mm at 0.75 m, as those of recorded frames of 640 x 480 are at a metre
 WIDE = (1.6, 1.6)  # [m] a table whose edges no picture shows

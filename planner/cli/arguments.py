@@ -141,7 +141,7 @@ OPTIONS: dict[str, dict[str, Any]] = {
         "type": float,
         "default": 0.0,
         "metavar": "PIXELS",
-        "help": "how far edges of the masks are off, as those of a segmentation are (0)",
+        "help": "how far edges of masks are off, as a segmentation's; one in twenty is missing then (0)",
     },
     "--wrist-camera": {
         **_SWITCH,

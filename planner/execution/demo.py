@@ -66,7 +66,7 @@ def demo(
             `topple.planner.execution.demo_seeds`.
         robot: The arm; the one the scene is made for where None.
         cameras: How many depth cameras look on, 1 to 3.
-        mask_noise: By how many pixels the edges of their masks are wrong (standard deviation).
+        mask_noise: Pixels by which edges of their masks are wrong (deviation); one in twenty is missing then.
         wrist_camera: Whether the arm carries one more for a second look before a doubtful step.
         ahead: Whether the next step is chosen while the arm acts, as for `ClosedLoop`.
         clamped: What a fixture keeps where it stands until the hand has closed on it; there is one arm then.
@@ -171,7 +171,7 @@ def loop_in(
         stage: The scene.
         robot: The arm; the one the scene is made for where None.
         cameras: How many depth cameras look on.
-        mask_noise: By how many pixels the edges of their masks are wrong (standard deviation).
+        mask_noise: Pixels by which edges of their masks are wrong (deviation); one in twenty is missing then.
         shuffle_labels: Whether names of objects are not kept between looks.
         wrist_camera: Whether the arm carries a camera for a second look before a doubtful step.
         ahead: Whether the next step is chosen while the arm acts.

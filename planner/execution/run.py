@@ -63,7 +63,7 @@ def run(
         clamped: Objects that a fixture, such as a vice, keeps where they stand until the hand has closed on
             them.
         cameras: How many depth cameras look on, 1 to 3.
-        mask_noise: By how many pixels the edges of their masks are wrong (standard deviation).
+        mask_noise: Pixels by which edges of their masks are wrong (deviation); one in twenty is missing then.
         shuffle_labels: Whether names of objects are not kept between looks.
         wrist_camera: Whether the arm carries one more for a second look before a doubtful step.
         ahead: Whether the next step is chosen while the arm acts, as for `ClosedLoop`: by a process that is

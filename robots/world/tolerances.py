@@ -56,6 +56,12 @@ AGREED = 0.5
 """Share by which the cameras must agree on the side of a wall they look at."""
 
 
+# -- camera
+
+MASKS_MISSING = 0.05
+"""Chance that a segmentation misses an object in a picture, where its masks are not exact: one in twenty."""
+
+
 # -- film
 
 BACK = 0.4

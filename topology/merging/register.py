@@ -199,11 +199,12 @@ def _refined(gicp: ModuleType, placed: Sequence[_View], view: _View, pose: Float
 def _fit(placed: Sequence[_View], view: _View, pose: FloatArray) -> Registration:
     """How well a view at a pose (4, 4) fits those that are placed."""
     moved = view.moved(pose)
-    past = [other.image.depth_past(moved.standing) for other in placed]
-    past += [moved.image.depth_past(other.standing) for other in placed]
-    each = np.concatenate(past)
+    ways = [(other.image, moved.standing) for other in placed]
+    ways += [(moved.image, other.standing) for other in placed]
+    each = np.concatenate([image.depth_past(points) for image, points in ways])
     same = each[np.abs(each) < TOLERANCES.same]
-    through = int((each > TOLERANCES.through).sum())
+    past = np.concatenate([image.depth_past(points, around=True) for image, points in ways])
+    through = int((past > TOLERANCES.through).sum())
     middle = view.standing.mean(axis=0)
     return Registration(
         pose_given_to_found=pose,

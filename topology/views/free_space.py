@@ -106,7 +106,8 @@ class FreeSpace:
             past = rays.past(places)
             if self._images:
                 blocked = past <= margin
-                found |= (self._images[number].depth_past(places @ self._rotation) > margin) & ~blocked
+                seen = self._images[number].depth_past(places @ self._rotation, around=True)
+                found |= (seen > margin) & ~blocked
             else:
                 found |= past > margin
         return found

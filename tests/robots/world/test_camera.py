@@ -127,7 +127,7 @@ def test_a_camera_needs_something_to_look_at() -> None:
 
 def test_mask_noise_moves_the_edges_of_masks_alone(world: World) -> None:
     exact = Camera.looking_at(EYE, TARGET, noise=Noise.none())
-    rough = exact.with_mask_noise(1.5)
+    rough = exact.with_mask_noise(1.5, missing=0.0)
     labels = exact.look(world).label, rough.look(world).label
     share = float((labels[0] != labels[1]).mean())
     assert 0.0005 < share < 0.02
@@ -135,3 +135,12 @@ def test_mask_noise_moves_the_edges_of_masks_alone(world: World) -> None:
     for pixels in (-1.0, float("nan")):
         with pytest.raises(InvalidInput, match="mask noise"):
             exact.with_mask_noise(pixels)
+
+
+def test_objects_whose_mask_is_missing_are_seen_without_one(world: World) -> None:
+    exact = Camera.looking_at(EYE, TARGET, noise=Noise.none())
+    true, seen = exact.look(world), exact.with_mask_noise(0.0, 1.0).look(world)
+    assert set(true.clouds()) > set(seen.clouds()) and not set(world.movable) & set(seen.clouds())
+    assert np.array_equal(true.depth, seen.depth)
+    with pytest.raises(InvalidInput, match="missing"):
+        exact.with_mask_noise(0.0, 1.5)
