@@ -73,7 +73,8 @@ def told(record: RunRecord) -> dict[str, object]:
 def test_a_step_that_was_foreseen_is_done_and_the_same_seed_does_the_same(stage: Stage) -> None:
     record = stage.run()
     assert record.success, record.violations
-    assert [(step.object, step.prepared) for step in record.steps] == [("upper", False), ("low", True)]
+    taken = [(step.object, step.prepared) for step in record.steps if step.success]
+    assert taken == [("upper", False), ("low", True)]
     assert all(step.waited is not None and step.waited > 0.0 for step in record.steps)
     assert active_children() == []
     with (again := set_up()).world:
