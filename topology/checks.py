@@ -1,11 +1,20 @@
 """Validation of what comes in: numbers are refused where they enter, in the user's words."""
 
+from collections.abc import Mapping
+
 import numpy as np
 from numpy.typing import ArrayLike
 
 from topple.topology.arrays import FloatArray, bounds, frozen
 from topple.topology.errors import InvalidInput
-from topple.topology.tolerances import FARTHEST, LARGEST_EXTENT, RIGID
+from topple.topology.tolerances import (
+    FARTHEST,
+    FEWEST_SEEN,
+    LARGEST_EXTENT,
+    LARGEST_HELD,
+    RIGID,
+    SMALLEST_SEEN,
+)
 
 
 def numeric(values: ArrayLike, what: str) -> FloatArray:
@@ -253,3 +262,30 @@ def as_name(name: object, what: str = "object") -> str:
 
 def _listed(values: FloatArray) -> str:
     return "[" + " ".join(f"{value:g}" for value in values) + "]"
+
+
+def check_unit(movable: Mapping[str, FloatArray]) -> None:
+    """Refuse a scene whose objects are too large for metres: three quarters of them, as a floor may be one.
+
+    Raises:
+        InvalidInput: Most objects are longer than anything an arm takes.
+    """
+    if not movable:
+        return
+    seen = {name: points for name, points in movable.items() if len(points) > FEWEST_SEEN}
+    widths = {name: float(np.ptp(points, axis=0).max()) for name, points in seen.items()}
+    if 0.0 < max(widths.values(), default=0.0) < SMALLEST_SEEN:  # points in one place tell no unit
+        name = max(widths, key=widths.__getitem__)
+        raise InvalidInput(
+            f"no object is larger than {1e3 * SMALLEST_SEEN:g} mm, {name!r} has {1e3 * widths[name]:.3g}: "
+            "too small; topple takes metres, so scale the scene (kilometres: points * 1000)"
+        )
+    ends = {name: np.quantile(points, (0.05, 0.95), axis=0) for name, points in movable.items()}  # no strays
+    extents = {name: float((high - low).max()) for name, (low, high) in ends.items()}
+    name = sorted(extents, key=extents.__getitem__)[(len(extents) - 1) // 4]
+    if extents[name] > LARGEST_HELD:
+        raise InvalidInput(
+            f"most objects are longer than {LARGEST_HELD:g} m, {name!r} {extents[name]:.4g} m: centimetres? "
+            "topple takes metres, so scale the scene (centimetres: points / 100); what never moves may be "
+            "larger: name it with --fixed"
+        )

@@ -23,4 +23,5 @@ def in_frame(scene: Scene, pose_scene_to_frame: FloatArray, up: FloatArray) -> S
         masses=scene.masses,
         friction=scene.friction,
         models={name: fit.moved(pose_scene_to_frame) for name, fit in scene.models.items()},
+        matter=transformed(scene.matter, pose_scene_to_frame),
     )

@@ -15,6 +15,9 @@ from topple.topology.tolerances import FARTHEST_DEPTH
 from topple.topology.values import ByValue, FrozenDict
 from topple.topology.views.borders import Borders, borders
 
+IGNORED = "ignore"
+"""Name of pixels that are of nothing in the scene."""
+
 
 @dataclass(frozen=True, eq=False)
 class DepthImage(ByValue):
@@ -25,7 +28,8 @@ class DepthImage(ByValue):
         K: Intrinsic matrix (3, 3) in pixels.
         label: Instance labels (H, W); 0 is background.
         pose_camera_to_world: Camera pose (4, 4); camera axes x right, y down, z forward.
-        names: Name of each label; a label without one is named by its number.
+        names: Name of each label; a label without one is named by its number. What is called "ignore" is
+            nobody's and in nobody's way: a robot in its own picture.
         rgb: Colours (H, W, 3), or None.
 
     Raises:
@@ -102,7 +106,8 @@ class DepthImage(ByValue):
         points = self._lifted(rows[by_label], columns[by_label])
         present, starts = np.unique(labels[by_label], return_index=True)
         pieces = np.split(points, starts[1:]) if len(present) else []
-        return {self.name_of(int(number)): piece for number, piece in zip(present, pieces, strict=True)}
+        named = zip(map(self.name_of, present.tolist()), pieces, strict=True)
+        return {name: piece for name, piece in named if name != IGNORED}
 
     def background(self) -> FloatArray:
         """Lift the pixels that have depth and are of no object.
@@ -158,7 +163,8 @@ class DepthImage(ByValue):
             Number of mask pixels per object, by ascending label.
         """
         present, counts = np.unique(self.label[self.label > 0], return_counts=True)
-        return {self.name_of(int(number)): int(count) for number, count in zip(present, counts, strict=True)}
+        named = zip(map(self.name_of, present.tolist()), counts.tolist(), strict=True)
+        return {name: count for name, count in named if name != IGNORED}
 
     def name_of(self, number: int) -> str:
         """Name of a label: the one given, or the number itself."""

@@ -81,6 +81,7 @@ def with_models(scene: Scene, folder: str | os.PathLike[str]) -> Scene:
         scene.masses,
         scene.friction,
         fits,
+        scene.matter,
     )
 
 

@@ -8,15 +8,23 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from topple.topology.amounts import as_friction, as_masses
-from topple.topology.arrays import FloatArray, IntArray, frozen_int
-from topple.topology.bodies.background import table_among, unnamed_among
-from topple.topology.checks import as_direction, as_name, as_points, as_pose, as_viewpoints, numeric
+from topple.topology.arrays import FloatArray, IntArray, frozen, frozen_int
+from topple.topology.bodies.background import table_among, unnamed_among, without_bodies
+from topple.topology.checks import (
+    as_direction,
+    as_name,
+    as_points,
+    as_pose,
+    as_viewpoints,
+    check_unit,
+    numeric,
+)
 from topple.topology.errors import InvalidInput, UnknownObject
 from topple.topology.geometry.plane import up_from_fixed
 from topple.topology.image import DepthImage, said_of_masks
 from topple.topology.model_fit import ModelFit
 from topple.topology.notebook import in_cell
-from topple.topology.tolerances import FEWEST_SEEN, LARGEST_HELD, SMALLEST_SEEN
+from topple.topology.tolerances import FEWEST_SEEN
 from topple.topology.values import ByValue, FrozenDict
 
 _Value = TypeVar("_Value")
@@ -70,6 +78,7 @@ class Scene(ByValue):
         friction: Coulomb coefficients of the surfaces of the objects that were tried: two that touch have
             the product (`topple.topology.statics.matter`).
         models: How known models were laid onto what was seen of objects (`topple.topology.with_models`).
+        matter: Points (N, 3) in [m], about 1 cm apart, of what is no object and in the way: walls, screens.
     """
 
     clouds: Mapping[str, FloatArray]
@@ -83,6 +92,7 @@ class Scene(ByValue):
     masses: Mapping[str, float]
     friction: Mapping[str, float]
     models: Mapping[str, ModelFit]
+    matter: FloatArray
 
     def __init__(
         self,
@@ -97,6 +107,7 @@ class Scene(ByValue):
         masses: Mapping[str, float] | None = None,
         friction: Mapping[str, float] | None = None,
         models: Mapping[str, ModelFit] | None = None,
+        matter: ArrayLike | None = None,
     ) -> None:
         """Check everything and keep read-only copies.
 
@@ -112,6 +123,7 @@ class Scene(ByValue):
             masses: Masses in [kg], above 0, of objects that have a cloud; of all, of some or of none.
             friction: Coulomb coefficients, 0 to 10, of the surfaces of objects that have a cloud.
             models: Fits of known models to objects that have a cloud.
+            matter: Points (N, 3) in [m] of what is no object and in the way, about 1 cm apart.
 
         Raises:
             InvalidInput: If anything is not what it should be; names the object.
@@ -129,7 +141,7 @@ class Scene(ByValue):
                 if name not in checked:
                     raise UnknownObject(name, checked, role=role)
         if not images:  # whose depths are held against what a camera reaches
-            _check_unit({name: points for name, points in checked.items() if name not in fixed})
+            check_unit({name: points for name, points in checked.items() if name not in fixed})
         notes = [assumptions] if isinstance(assumptions, str) else list(assumptions)
         if up is not None:
             given = numeric(up, "up")
@@ -148,13 +160,15 @@ class Scene(ByValue):
         put(self, "masses", as_masses(masses, checked))
         put(self, "friction", as_friction(friction, checked))
         put(self, "models", FrozenDict(dict(models or {})))
+        some = np.empty((0, 3)) if matter is None else np.asarray(matter)
+        put(self, "matter", as_points(some, "matter") if len(some) else frozen(np.empty((0, 3))))
 
     def __reduce__(self) -> tuple[object, ...]:
         """Pickle by parts, so that a scene can go to another process."""
         clouds, fixed = dict(self.clouds), self._fixed_in_order()
         parts = (clouds, fixed, self.up, self.viewpoints, self.images, dict(self.meshes), self.robot_base)
         amounts = (dict(self.masses), dict(self.friction))
-        return (Scene, (*parts, self.assumptions, *amounts, dict(self.models)))
+        return (Scene, (*parts, self.assumptions, *amounts, dict(self.models), self.matter))
 
     def _repr_html_(self) -> str | None:
         """What a notebook shows."""
@@ -173,6 +187,7 @@ class Scene(ByValue):
         up: ArrayLike | None = None,
         table: Literal["auto"] | None = None,
         unnamed: bool = True,
+        robot: Iterable[FloatArray] = (),
     ) -> "Scene":
         """Merge what one or several depth cameras see into one scene.
 
@@ -182,8 +197,9 @@ class Scene(ByValue):
             up: Direction (3,) against gravity; None takes it from the plane of a fixed object.
             table: "auto" finds the table where nothing is fixed: an object named so, else the plane under
                 the objects among the pixels without a label, which becomes the fixed object "table".
-            unnamed: Whether what no mask names, over or at an object, becomes an object (`with_unnamed`); a
-                robot in the picture does, too.
+            unnamed: Whether what no mask names becomes objects and matter (`with_unnamed`).
+            robot: Corners (V, 3) [m] of bodies whose points are left out of that: a robot in its own picture,
+                `arm.bodies(q, pose_base_to_world)`.
 
         Returns:
             The scene in world coordinates. An object of which hardly a point was seen is left out,
@@ -212,7 +228,7 @@ class Scene(ByValue):
             fixed = table_among(clouds, background, viewpoints, notes)
         scene = cls(clouds, fixed, up, viewpoints, images, assumptions=notes)
         scene = scene if up is not None else scene.upright()
-        return scene.with_unnamed() if unnamed else scene
+        return scene.with_unnamed(robot=robot) if unnamed else scene
 
     @property
     def names(self) -> tuple[str, ...]:
@@ -248,19 +264,31 @@ class Scene(ByValue):
         up, note = found
         return self._changed(up=as_direction(up, "up"), assumptions=(*self.assumptions, note))
 
-    def with_unnamed(self) -> "Scene":
-        """Add what the images show at objects and no mask names, as objects `unnamed_1` and so on.
+    def with_unnamed(
+        self, background: FloatArray | None = None, robot: Iterable[FloatArray] = (), things: bool = True
+    ) -> "Scene":
+        """Add what was seen and no mask names.
+
+        Args:
+            background: Points (N, 3) [m] that belong to no object; those of the images where None.
+            robot: Corners (V, 3) [m] of bodies whose points are left out.
+            things: Whether what is at objects becomes objects; else it is matter as well.
 
         Returns:
-            The scene with them and a sentence on each; the same scene where there is none, or up is unknown.
+            The scene with what is at objects as objects `unnamed_1` and so on, the rest as `matter`, and
+            sentences on these; the same scene where there is nothing, or up is unknown.
         """
-        if self.up is None or not self.images:
+        if background is None:
+            background = np.concatenate([np.empty((0, 3)), *(image.background() for image in self.images)])
+        if self.up is None or len(background) == 0:
             return self
-        background = np.concatenate([image.background() for image in self.images])
-        found, notes = unnamed_among(background, self.clouds, self._fixed_in_order(), self.up)
+        seen = without_bodies(background, robot)
+        found, matter, notes = unnamed_among(seen, self.clouds, self._fixed_in_order(), self.up, things)
         clouds = {name: as_points(cloud, f"cloud {name!r}") for name, cloud in found.items()}
         return self._changed(
-            clouds=FrozenDict({**self.clouds, **clouds}), assumptions=(*self.assumptions, *notes)
+            clouds=FrozenDict({**self.clouds, **clouds}),
+            matter=frozen(matter),
+            assumptions=(*self.assumptions, *notes),
         )
 
     def with_up(self, up: ArrayLike) -> "Scene":
@@ -355,30 +383,3 @@ class Scene(ByValue):
 def _except(name: str, values: Mapping[str, _Value]) -> Mapping[str, _Value]:
     """What is known of all objects but one, read-only."""
     return FrozenDict({other: value for other, value in values.items() if other != name})
-
-
-def _check_unit(movable: Mapping[str, FloatArray]) -> None:
-    """Refuse a scene whose objects are too large for metres: three quarters of them, as a floor may be one.
-
-    Raises:
-        InvalidInput: Most objects are longer than anything an arm takes.
-    """
-    if not movable:
-        return
-    seen = {name: points for name, points in movable.items() if len(points) > FEWEST_SEEN}
-    widths = {name: float(np.ptp(points, axis=0).max()) for name, points in seen.items()}
-    if 0.0 < max(widths.values(), default=0.0) < SMALLEST_SEEN:  # points in one place tell no unit
-        name = max(widths, key=widths.__getitem__)
-        raise InvalidInput(
-            f"no object is larger than {1e3 * SMALLEST_SEEN:g} mm, {name!r} has {1e3 * widths[name]:.3g}: "
-            "too small; topple takes metres, so scale the scene (kilometres: points * 1000)"
-        )
-    ends = {name: np.quantile(points, (0.05, 0.95), axis=0) for name, points in movable.items()}  # no strays
-    extents = {name: float((high - low).max()) for name, (low, high) in ends.items()}
-    name = sorted(extents, key=extents.__getitem__)[(len(extents) - 1) // 4]
-    if extents[name] > LARGEST_HELD:
-        raise InvalidInput(
-            f"most objects are longer than {LARGEST_HELD:g} m, {name!r} {extents[name]:.4g} m: centimetres? "
-            "topple takes metres, so scale the scene (centimetres: points / 100); what never moves may be "
-            "larger: name it with --fixed"
-        )

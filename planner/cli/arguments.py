@@ -119,6 +119,12 @@ OPTIONS: dict[str, dict[str, Any]] = {
         "metavar": ("X", "Y", "Z", "YAW"),
         "help": "where the arm stands, in metres and radians about up (the scene's robot_base, or searched)",
     },
+    "--joints": {
+        "nargs": "+",
+        "type": float,
+        "metavar": "Q",
+        "help": "joint values of the robot in its own picture [rad, m]: what is seen at it is nobody's",
+    },
     "--second-base": {
         "nargs": 4,
         "type": float,
@@ -167,6 +173,7 @@ OPTIONS: dict[str, dict[str, Any]] = {
 COMMON = ("--max-mb", "--allow-outside", "--fixed", "--up", "--seed", "--json", "--version")
 FORMATS = ("--view", "--image", "--models", "--depth", "--info", "--labels")
 GRIPPER = ("--gripper", "--srdf", "--group")
+SEEN_ROBOT = (*GRIPPER, "--base", "--joints")
 SIMULATION = ("--cameras", "--mask-noise", "--wrist-camera", "--ahead", "--engine", "--video", "--rerun")
 
 
@@ -203,7 +210,7 @@ def add_kept(parser: argparse.ArgumentParser) -> None:
 def add_robot(parser: argparse.ArgumentParser) -> None:
     """Add the arm and its place."""
     add(parser, "--robot", default="panda", help="panda, panda-suction, iiwa, xarm6 or FILE.urdf (panda)")
-    add(parser, *GRIPPER, "--base")
+    add(parser, *SEEN_ROBOT)
 
 
 def add_task(parser: argparse.ArgumentParser) -> None:

@@ -3,7 +3,7 @@
 import argparse
 import os
 import sys
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from functools import partial
 from pathlib import Path
@@ -12,6 +12,7 @@ from typing import TYPE_CHECKING, Any, cast
 if TYPE_CHECKING:
     from topple.planner.formats.plan_format import Plan
     from topple.planner.planning.step import Orderer
+    from topple.topology.arrays import FloatArray
     from topple.topology.relations import Relations
     from topple.topology.scene import Scene
 
@@ -99,6 +100,7 @@ class Reading:
         most_bytes: What a file may unpack to, or None for as much as is usual.
         allow_outside: Whether scene.json may name files that are not below its folder.
         options: What was given of the options that one format alone has, and the folder of known models.
+        robot: What says where in a scene the bodies of a robot in its picture are, or None.
     """
 
     fixed: tuple[str, ...]
@@ -106,14 +108,17 @@ class Reading:
     most_bytes: int | None
     allow_outside: bool
     options: Mapping[str, Any]
+    robot: "Callable[[Scene], Sequence[FloatArray]] | None" = None
 
     @staticmethod
     def of(args: argparse.Namespace) -> "Reading":
         """What the parsed arguments say."""
+        from topple.planner.cli.robot_options import seen_robot
+
         up = None if args.up is None else tuple(args.up)
         most = None if args.max_mb is None else int(1e6 * args.max_mb)
         options = {key: value for key in _OF_FORMATS if (value := getattr(args, key, None)) is not None}
-        return Reading(tuple(args.fixed or ()), up, most, args.allow_outside, options)
+        return Reading(tuple(args.fixed or ()), up, most, args.allow_outside, options, seen_robot(args))
 
     def scene(self, path: str) -> "Scene":
         """Read the scene at a path.
@@ -123,7 +128,8 @@ class Reading:
         """
         from topple.topology.io import load_scene
 
-        return load_scene(
+        read = partial(
+            load_scene,
             path,
             fixed=self.fixed,
             up=self.up,
@@ -131,6 +137,7 @@ class Reading:
             allow_outside=self.allow_outside,
             **self.options,
         )
+        return read() if self.robot is None else read(robot=self.robot(read()))
 
 
 def read_scene(args: argparse.Namespace, path: str) -> "Scene":

@@ -6,7 +6,16 @@ from dataclasses import dataclass, replace
 from functools import partial
 from typing import TYPE_CHECKING, Any
 
-from topple.planner.cli.arguments import COMMON, GRIPPER, add, add_jobs, add_kept, add_scenes, count, positive
+from topple.planner.cli.arguments import (
+    COMMON,
+    SEEN_ROBOT,
+    add,
+    add_jobs,
+    add_kept,
+    add_scenes,
+    count,
+    positive,
+)
 from topple.planner.cli.console import complain, print_json
 from topple.planner.cli.main import DONE, NO_SAFE_PLAN
 from topple.planner.cli.many import Kept, for_each_scene, kept_in
@@ -49,7 +58,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         "--robot",
         help="say what bars the gripper's way: panda, panda-suction, iiwa, xarm6 or FILE.urdf",
     )
-    add(parser, *GRIPPER)
+    add(parser, *SEEN_ROBOT)
     parser.add_argument(
         "--hands",
         type=count,

@@ -4,7 +4,7 @@ import argparse
 from functools import partial
 from typing import Any
 
-from topple.planner.cli.arguments import COMMON, add, add_jobs, add_kept, add_scenes
+from topple.planner.cli.arguments import COMMON, SEEN_ROBOT, add, add_jobs, add_kept, add_scenes
 from topple.planner.cli.console import print_json
 from topple.planner.cli.main import DONE
 from topple.planner.cli.many import Kept, for_each_scene, kept_in
@@ -19,7 +19,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     add_jobs(parser)
     add_kept(parser)
     add_scenes(parser, "SCENE...")
-    add(parser, "--max-objects", "--rule", *COMMON)
+    add(parser, "--max-objects", "--rule", "--robot", *SEEN_ROBOT, *COMMON)
     parser.add_argument(
         "--deviation",
         type=float,

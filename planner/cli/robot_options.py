@@ -2,6 +2,8 @@
 
 import argparse
 import math
+from collections.abc import Callable, Sequence
+from functools import partial
 from typing import TYPE_CHECKING
 
 from topple.planner.cli.options import Reading, finished
@@ -98,6 +100,31 @@ def output_of(args: argparse.Namespace, name: str) -> "Path | None":
     """
     given = getattr(args, name)
     return None if given is None else check_writable(given)
+
+
+def seen_robot(args: argparse.Namespace) -> "Callable[[Scene], Sequence[FloatArray]] | None":
+    """What says where the bodies (V, 3) of the robot of --joints are in a scene [m]; None without joints.
+
+    Raises:
+        InvalidInput: There is no such robot; asked, that the joints are not its, or its place is not known.
+    """
+    if getattr(args, "joints", None) is None:
+        return None
+    if args.robot is None:
+        args.parser.error("--joints are those of --robot: give both or neither")
+    return partial(_bodies, robot_of(args), args.joints, argparse.Namespace(base=args.base))
+
+
+def _bodies(
+    arm: "Arm", joints: "Sequence[float]", place: argparse.Namespace, scene: "Scene"
+) -> "Sequence[FloatArray]":
+    given = base_of(place, scene)
+    base = scene.robot_base if given is None else given
+    if base is None:
+        raise InvalidInput(
+            "where the robot of --joints stands is not known: give --base X Y Z YAW, or a robot_base"
+        )
+    return arm.bodies(joints, base)
 
 
 def base_of(args: argparse.Namespace, scene: "Scene", option: str = "--base") -> "FloatArray | None":

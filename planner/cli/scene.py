@@ -73,7 +73,8 @@ def _write(place: Any, scene: "Scene") -> None:
         for name, cloud in scene.clouds.items()
     }
     about: dict[str, Any] = {
-        "up": scene.up, "fixed": np.array(sorted(scene.fixed)), "viewpoints": scene.viewpoints
+        "up": scene.up, "fixed": np.array(sorted(scene.fixed)), "viewpoints": scene.viewpoints,
+        "matter": scene.matter,
     }  # fmt: skip
     buffer = io.BytesIO()
     np.savez_compressed(buffer, **clouds, **about)

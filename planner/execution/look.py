@@ -3,6 +3,7 @@
 import time
 from collections.abc import Callable, Collection, Mapping, Sequence
 from dataclasses import dataclass, field, replace
+from itertools import chain
 from typing import Protocol
 
 import numpy as np
@@ -12,6 +13,7 @@ from topple.planner.execution.frames import Eye, Frames
 from topple.planner.execution.masks import misnamed, renamed
 from topple.planner.execution.tolerances import COARSE, FINE, GONE, MOVED, THERE
 from topple.planner.formats.pictures import picture
+from topple.robots.driver import Driver
 from topple.robots.world.physical_world import PhysicalWorld
 from topple.topology.arrays import FloatArray
 from topple.topology.bodies.solids import up_of
@@ -85,6 +87,7 @@ class Observer:
             is expected, by place and shape.
         relate: What relates what is seen; topple's own rule where None.
         photographer: What takes photos for people of the world, for a report; None takes none.
+        robots: Those that may be in the pictures: what is seen at them is nobody's.
     """
 
     world: PhysicalWorld
@@ -97,6 +100,7 @@ class Observer:
     shuffle_labels: bool = False
     relate: Relate | None = None
     photographer: Callable[[], Photo] | None = None
+    robots: Sequence[Driver] = ()
 
     def __post_init__(self) -> None:
         self._frames = Frames(self.cameras)
@@ -119,6 +123,7 @@ class Observer:
             InvalidInput: No camera sees anything, or they never saw the table.
         """
         images, faults = self._frames.take(self.world, self.rng, changed=expected is not self._last)
+        background = np.concatenate([image.background() for image in images])
         photo = None if self.photographer is None else self.photographer()
         taken = time.perf_counter()
         images = (*images, *more)
@@ -140,6 +145,9 @@ class Observer:
                 images = (*images, *kept)
                 scene, _ = _joined(self._scene(images), expected)
         self._kept = (*kept, *more)
+        places = [(each.q_target, each.pose_base_to_world, each.tool_state) for each in self.robots]
+        bodies = [each.arm.bodies(*place) for each, place in zip(self.robots, places, strict=True)]
+        scene = scene.with_unnamed(background, chain.from_iterable(bodies), things=False)
         scene = scene.weighed(_among(self.masses, scene), _among(self.friction, scene))
         self._last = scene
         relations = None if self.relate is None else self.relate(scene)
@@ -197,6 +205,7 @@ def _joined(seen: Scene, expected: Scene) -> tuple[Scene, dict[str, str]]:
         viewpoints=seen.viewpoints,
         images=seen.images,
         assumptions=seen.assumptions,
+        matter=seen.matter,
     )
     return joined.weighed(_among(expected.masses, joined), _among(expected.friction, joined)), said
 

@@ -171,6 +171,7 @@ class ClosedLoop:
         perception = Observer(
             world, cameras, rng, fixed, up, masses or {}, friction or {}, shuffle_labels, relate,
             partial(photograph, world, cameras[0]) if photos else None,
+            [robot] if second is None else [robot, second],
         )  # fmt: skip
         wrist = WristCamera(robot, cameras[0], rng) if wrist_camera else None
         return cls(

@@ -100,7 +100,8 @@ class Preparer:
     def prove(self, scene: Scene) -> None:
         """Have what is being chosen proven on what is seen by now."""
         if self._asked:  # bodies are made of clouds alone, and pictures take long to send
-            self._ask(_prove, Scene(scene.clouds, scene.fixed, scene.up, scene.viewpoints))
+            bodies = Scene(scene.clouds, scene.fixed, scene.up, scene.viewpoints, matter=scene.matter)
+            self._ask(_prove, bodies)
 
     def drop(self) -> None:
         """Wait for no answer: what was asked about did not come about."""

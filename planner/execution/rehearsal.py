@@ -14,11 +14,13 @@ from topple.robots.driver import Fixture
 from topple.robots.engines import fixture_in, new_world
 from topple.robots.poses import inverse
 from topple.robots.scenarios.scenario import around
+from topple.robots.world.bodies import Body
 from topple.robots.world.camera import Camera
 from topple.robots.world.physical_world import PhysicalWorld
 from topple.robots.world.tolerances import TABLE_FRICTION
 from topple.topology.arrays import FloatArray
-from topple.topology.bodies.solids import fixed_parts, up_of
+from topple.topology.bodies.matter import MATTER
+from topple.topology.bodies.solids import fixed_parts, solids_of, up_of
 from topple.topology.bodies.tops import lowest_in_use, tops_of
 from topple.topology.checks import as_pose
 from topple.topology.errors import InvalidInput
@@ -106,6 +108,8 @@ class Rehearsal:
                 more=more,
                 friction=scene.friction.get(table, TABLE_FRICTION),
             )
+            if MATTER in (solids := solids_of(level)):
+                world.add(Body.of(MATTER, solids[MATTER]), fixed=True)
             rebuilt.add_to(world)
             fixture = fixture_in(world, clamped)
             relax(world)

@@ -95,16 +95,16 @@ def dependency_data(edge: Dependency) -> DependencyData:
 
 
 def objects_data(situation: Situation) -> list[ObjectData]:
-    """The objects of a situation as a plan keeps them."""
+    """The objects of a situation as a plan keeps them, and the matter around them as one that never moves."""
     scene, solids, whole = situation.scene, situation.solids, situation.completed
     return [
         ObjectData(
             name,
-            name in scene.fixed,
+            name not in scene.movable,
             _rounded(solids[name]),
             [] if whole[name] is solids[name] else _rounded(whole[name]),
         )
-        for name in scene.names
+        for name in solids
     ]
 
 

@@ -59,7 +59,7 @@ class Cells:
         """Gather points.
 
         Args:
-            clouds: (N, 3) points each, none empty [m].
+            clouds: (N, 3) points each [m].
             edge: Of a cell [m].
 
         Returns:

@@ -21,6 +21,7 @@ from topple.robots.arm.arm import Arm
 from topple.robots.arm.gripper import ToolName
 from topple.robots.catalog import robot as robot_named
 from topple.topology.arrays import FloatArray
+from topple.topology.bodies.matter import MATTER
 from topple.topology.bodies.solids import up_of
 from topple.topology.checks import as_pose
 from topple.topology.errors import InvalidInput, UnknownObject
@@ -270,7 +271,7 @@ def in_the_way(grasps: Sequence[Grasp], room: Room) -> list[list[str]]:
         For each grasp what speaks against it, in words; nothing where it has room, or holds no object.
     """
     found: list[list[str]] = [[] for _ in grasps]
-    names = list(room.scene.clouds)
+    names = [*room.scene.clouds, MATTER]
     for tool in (ToolName.FINGERS, ToolName.SUCTION):
         rows = [row for row, grasp in enumerate(grasps) if grasp.object and grasp.tool == tool]
         if not rows:

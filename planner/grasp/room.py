@@ -26,7 +26,7 @@ class Room:
         scene: The scene.
         up: (3,) unit vector against gravity.
         arm: The arm; a Panda's hand or cup stands in for what it does not have.
-        cells: The points of the scene's clouds, in their order.
+        cells: The points of the scene's clouds, in their order, and of its matter.
         movable: Those of the movable objects alone, in theirs.
     """
 
@@ -40,7 +40,7 @@ class Room:
     def of(cls, scene: Scene, up: FloatArray, arm: Arm | None) -> "Room":
         """Make a scene ready for an arm's hand and cup."""
         movable = Cells.of([scene.clouds[name] for name in scene.movable], FINE)
-        return cls(scene, up, arm, Cells.of(list(scene.clouds.values())), movable)
+        return cls(scene, up, arm, Cells.of([*scene.clouds.values(), scene.matter]), movable)
 
     @cached_property
     def hand(self) -> HandShape:
@@ -88,7 +88,7 @@ class Room:
             openings: (P,) distance of the pads [m]; as far as they open where 0.
 
         Returns:
-            (P, K) whether each of the scene's clouds is met.
+            (P, K + 1) whether each of the scene's clouds is met, and its matter.
         """
         widest = self.hand.max_opening
         opening = np.where(openings > 0.0, np.minimum(widest, openings), widest)
@@ -102,7 +102,7 @@ class Room:
             own: (P,) what each takes, which may bulge into the bellows.
 
         Returns:
-            (P, K) whether each of the scene's clouds is met.
+            (P, K + 1) whether each of the scene's clouds is met, and its matter.
         """
         body = [_swept(len(poses), *prism.x, *prism.y, prism.front) for prism in self.cup.body]
         margin, names = GRASP_TOLERANCES.under_clearance, list(self.scene.clouds)

@@ -8,6 +8,7 @@ import numpy as np
 
 from topple.planner.grasp.tolerances import GRASP_TOLERANCES, GraspTolerances
 from topple.topology.arrays import BoolArray, FloatArray, IntArray, bounds, frozen
+from topple.topology.bodies.matter import MATTER
 from topple.topology.bodies.tops import tops_of
 from topple.topology.geometry.thin import voxel_means
 from topple.topology.scene import Scene
@@ -85,7 +86,7 @@ def surroundings(
     """
     near: dict[str, FloatArray] = {}
     floor = -np.inf
-    for other, within in _within_reach(name, scene, scene.clouds, tolerances):
+    for other, within in _within_reach(name, scene, (*scene.clouds, MATTER), tolerances):
         near[other] = voxel_means(within, tolerances.spacing, ahead=0.0)
         if other in scene.fixed:
             floor = max(floor, _level(name, other, within, scene, up))
@@ -115,7 +116,7 @@ def _within_reach(
     lower, upper = bounds(scene.clouds[name])
     lower, upper = lower - tolerances.reach, upper + tolerances.reach
     for other in others:
-        cloud = scene.clouds[other]
+        cloud = scene.matter if other == MATTER else scene.clouds[other]
         within = np.all((cloud > lower) & (cloud < upper), axis=1)
         if other != name and within.any():
             yield other, cloud[within]

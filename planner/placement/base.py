@@ -102,7 +102,7 @@ def _standing(
             higher = [top.points for top in found.tops if top.height > level + STEP]
             cloud = np.vstack([*higher, found.rest[found.rest @ up > level + STEP]])
         things.append(voxel_means(cloud, 0.01, ahead=0.0) @ axes.T)
-    tree = KDTree(np.vstack(things))
+    tree = KDTree(np.vstack([*things, scene.matter @ axes.T]))
     return [pose for pose in poses if tree.query(axes @ pose[:3, 3])[0] > FOOT]
 
 

@@ -9,6 +9,7 @@ from scipy.ndimage import distance_transform_edt
 from topple.planner.placement.resting import PLACEMENT_TOLERANCES, PlacementTolerances
 from topple.planner.placement.tolerances import SKIN
 from topple.topology.arrays import BoolArray, FloatArray, IntArray
+from topple.topology.bodies.matter import MATTER
 from topple.topology.bodies.tops import Top, tops_of
 from topple.topology.geometry.axes import level_axes
 from topple.topology.geometry.sides import beyond, sides_of
@@ -131,6 +132,10 @@ def _free_space(
         free &= ~taken
         if name in remaining:
             clear &= ~taken
+    for part in solids.get(MATTER, ()):
+        heights = top.above(part)
+        if heights.max() > SKIN and heights.min() < tall + tolerances.headroom:
+            free &= ~_within(middles, part @ axes.T)
     for points in avoid:
         free &= ~_within(middles, points @ axes.T)
     away: FloatArray = np.asarray(distance_transform_edt(clear)) * tolerances.cell

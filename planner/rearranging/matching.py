@@ -94,4 +94,5 @@ def _renamed(scene: Scene, names: Mapping[str, str]) -> Scene:
         masses={name_of(name): mass for name, mass in scene.masses.items()},
         friction={name_of(name): value for name, value in scene.friction.items()},
         models={name_of(name): fit for name, fit in scene.models.items()},
+        matter=scene.matter,
     )

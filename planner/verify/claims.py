@@ -8,6 +8,7 @@ from topple.planner.grasp.grasp import KINDS, GraspKind
 from topple.planner.grasp.score import score_of
 from topple.planner.verify.bodies import completed_of, parts_of
 from topple.planner.verify.tolerances import ROUNDED_SCORE, SAME, UPWARD
+from topple.topology.bodies.matter import MATTER
 from topple.topology.geometry.sides import beyond, joggled_sides
 from topple.topology.situation import Situation
 
@@ -57,11 +58,11 @@ def check_scene(plan: PlanData, situation: Situation) -> tuple[Residual, ...]:
     cosine = float(np.clip(np.array(plan.up) @ situation.up, -1.0, 1.0))
     tilt.note(float(np.arccos(cosine)), f"the plan has {list(plan.up)}, the scene {situation.up.tolist()}")
     shown = parts_of(plan) if len(scene.viewpoints) else completed_of(plan)  # nothing is hidden then
-    for name, parts in shown.items():
+    for name in scene.names:
         faces = [joggled_sides(part) for part in situation.solids[name]]
-        corners = np.vstack(parts)
+        corners = np.vstack(shown[name])
         bodies.note(float(np.min([beyond(each, corners) for each in faces], axis=0).max()), name)
     fixed = Worst("objects fixed in the plan or the scene alone", "1")
-    odd = {thing.name for thing in plan.objects if thing.fixed} ^ set(scene.fixed)
+    odd = {thing.name for thing in plan.objects if thing.fixed} - {MATTER} ^ set(scene.fixed)
     fixed.note(float(len(odd)), ", ".join(sorted(odd)))
     return tilt.residual(), bodies.residual(), fixed.residual()

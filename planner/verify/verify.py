@@ -2,11 +2,12 @@
 
 from dataclasses import replace
 
+import msgspec
 import numpy as np
 
 from topple.planner.decide.hold import fixture_assumptions
 from topple.planner.formats.plan_robot import arm_from
-from topple.planner.formats.plan_structs import PlanData
+from topple.planner.formats.plan_structs import ObjectData, PlanData
 from topple.planner.formats.verification import BROKEN, Residual, Verification, not_evaluated
 from topple.planner.verify.between import BetweenCheck
 from topple.planner.verify.by_fcl import FclCheck
@@ -23,6 +24,7 @@ from topple.planner.verify.rest import RestCheck
 from topple.planner.verify.tolerances import COARSE, STEP
 from topple.robots.arm.arm import Arm
 from topple.robots.catalog import robot as robot_named
+from topple.topology.bodies.matter import MATTER
 from topple.topology.errors import InvalidInput
 from topple.topology.scene import Scene
 from topple.topology.situation import Situation
@@ -67,8 +69,9 @@ def verify(
     arm = _arm(plan, robot)
     situation = None if scene is None else Situation.of(scene)
     scene = None if situation is None else situation.scene
-    if scene is not None:
-        _check_names(plan, scene)
+    if situation is not None:
+        _check_names(plan, situation.scene)
+        plan = _among_matter(plan, situation)
     played, fcl_check, hands = Replay(plan, arm, step), FclCheck(plan, arm), HandCheck(plan, arm)
     clouds = None if scene is None else CloudCheck(plan, arm, scene)
     masses = {} if scene is None else scene.masses
@@ -156,10 +159,19 @@ def _arm(plan: PlanData, robot: Arm | str | None) -> Arm:
     return arm
 
 
+def _among_matter(plan: PlanData, situation: Situation) -> PlanData:
+    """The plan among what was seen that is no object, whatever it was made among."""
+    if MATTER not in situation.solids:
+        return plan
+    parts = [part.tolist() for part in situation.solids[MATTER]]
+    objects = [thing for thing in plan.objects if thing.name != MATTER]
+    return msgspec.structs.replace(plan, objects=[*objects, ObjectData(MATTER, True, parts)])
+
+
 def _check_names(plan: PlanData, scene: Scene) -> None:
     if unknown := sorted({*plan.clamped} - {thing.name for thing in plan.objects}):
         raise InvalidInput(f"the plan's clamped object {unknown[0]!r} is not among its objects")
-    ours, theirs = {thing.name for thing in plan.objects}, set(scene.names)
+    ours, theirs = {thing.name for thing in plan.objects} - {MATTER}, set(scene.names)
     if ours != theirs:
         odd = ", ".join(sorted(ours ^ theirs))
         raise InvalidInput(f"the scene is not the one the plan was made for: {odd} is only in one of them")

@@ -7,15 +7,18 @@ from itertools import pairwise
 from pathlib import Path
 
 import numpy as np
+from numpy.typing import ArrayLike
 
-from topple.robots.arm.gripper import ParallelJaw, SuctionCup, Tool, ToolName, ToolState
+from topple.robots.arm.gripper import ParallelJaw, SuctionCup, Tool, ToolName, ToolState, tools_of
 from topple.robots.arm.gripper_file import Gripper
 from topple.robots.arm.inverse import distinct, solve
 from topple.robots.arm.kinematics import Chain, joint_value, pose_of_joint
 from topple.robots.arm.tolerances import STARTS
 from topple.robots.arm.urdf import Joint, Model, read_urdf
 from topple.topology.arrays import BoolArray, FloatArray, frozen
+from topple.topology.checks import numeric
 from topple.topology.errors import InvalidInput
+from topple.topology.geometry.rigid import transformed
 
 CHUNK = 512  # targets asked about at once: their states and frames are some 100 MB
 
@@ -108,7 +111,7 @@ class Arm:
                 f"{named}: the arm's joints {', '.join(follows)} mimic others: such linkages are "
                 "not supported"
             )
-        tools = _as_tools(gripper, tool_frame)
+        tools = tools_of(gripper, tool_frame)
         _refuse_undriven(model, joints, tools, named)
         n = len(joints)
         lower = np.array([j.lower for j in joints] if limits is None else limits[0], dtype=float)
@@ -239,6 +242,27 @@ class Arm:
         frames = self.chain.frames(np.atleast_2d(q))
         return np.matmul(frames[:, list(self.frame_of_link)], self.offsets(state or self.open_hand))
 
+    def bodies(
+        self, q: ArrayLike, pose_base_to_world: FloatArray, state: ToolState | None = None
+    ) -> tuple[FloatArray, ...]:
+        """Convex parts (V, 3) of all links in the world [m], at joint values (n,) in [rad] or [m].
+
+        Where `state` is not given the hand is both open and shut.
+
+        Raises:
+            InvalidInput: If there are not as many finite values as joints.
+        """
+        values = numeric(q, "q")
+        if values.shape != (len(self.joints),) or not np.isfinite(values).all():
+            raise InvalidInput(
+                f"{self.name} stands at {values.tolist()}: expected {len(self.joints)} finite joint values, "
+                f"of {', '.join(self.joints)}"
+            )
+        hands = (self.open_hand, self.on_the_way(0.0)) if state is None else (state,)
+        poses = [pose_base_to_world @ pose for hand in hands for pose in self.forward(values, hand)[0]]
+        links = zip(poses, self.parts * len(hands), strict=True)
+        return tuple(transformed(part, pose) for pose, parts in links for part in parts)
+
     def tool(self, name: str) -> Tool:
         """The tool called `name`.
 
@@ -351,22 +375,6 @@ def _driven(model: Model, tool_frame: str, named: str) -> tuple[tuple[Joint, ...
     if not joints:
         raise InvalidInput(f"{named}: no joint moves {tool_frame!r}: expected an arm, with joints that move")
     return tuple(joints), tuple(before)
-
-
-def _as_tools(
-    gripper: ParallelJaw | SuctionCup | Mapping[str, Tool] | None, tool_frame: str
-) -> dict[str, Tool]:
-    if gripper is None:
-        return {}
-    if isinstance(gripper, Mapping):
-        return dict(gripper)
-    if isinstance(gripper, ParallelJaw):
-        ready = ToolState(gripper.max_opening)
-        return {
-            ToolName.FINGERS: Tool(ToolName.FINGERS, tool_frame, np.eye(4), gripper, gripper.links, ready)
-        }
-    ready = ToolState(cup_extension=gripper.stroke)
-    return {ToolName.SUCTION: Tool(ToolName.SUCTION, tool_frame, np.eye(4), gripper, (gripper.link,), ready)}
 
 
 def _refuse_undriven(model: Model, joints: tuple[Joint, ...], tools: Mapping[str, Tool], named: str) -> None:

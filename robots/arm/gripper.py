@@ -180,3 +180,20 @@ class Tool:
     gripper: ParallelJaw | SuctionCup
     links: tuple[str, ...]
     ready: ToolState
+
+
+def tools_of(
+    gripper: ParallelJaw | SuctionCup | Mapping[str, Tool] | None, tool_frame: str
+) -> dict[str, Tool]:
+    """Tools by name: those given, or the one of a jaw or cup whose frame is that of its link."""
+    if gripper is None:
+        return {}
+    if isinstance(gripper, Mapping):
+        return dict(gripper)
+    if isinstance(gripper, ParallelJaw):
+        ready = ToolState(gripper.max_opening)
+        return {
+            ToolName.FINGERS: Tool(ToolName.FINGERS, tool_frame, np.eye(4), gripper, gripper.links, ready)
+        }
+    ready = ToolState(cup_extension=gripper.stroke)
+    return {ToolName.SUCTION: Tool(ToolName.SUCTION, tool_frame, np.eye(4), gripper, (gripper.link,), ready)}

@@ -11,6 +11,7 @@ from topple.robots.poses import looking_at
 from topple.robots.tolerances import TOLERANCES
 from topple.robots.world.tolerances import MASKS_MISSING
 from topple.topology.arrays import BoolArray, FloatArray, IntArray
+from topple.topology.bodies.matter import MATTER
 from topple.topology.checks import as_intrinsics, as_pose
 from topple.topology.errors import InvalidInput
 from topple.topology.image import DepthImage
@@ -166,11 +167,12 @@ class Camera:
             rng: Where the faults come from; None: a generator seeded with 0.
 
         Returns:
-            Depth, masks and colours; the label of an object is the engine's number + 1, that of robots 0.
+            Depth, masks and colours; the label of an object is the engine's number + 1, that of robots and of
+            `topple.topology.bodies.matter.MATTER` 0.
         """
         rng = rng or np.random.default_rng(0)
         depth, body, rgb = world.rendered(self)
-        names = {number + 1: name for name, number in world.ids.items()}
+        names = {number + 1: name for name, number in world.ids.items() if name != MATTER}
         label = np.where(np.isin(body + 1, list(names)), body + 1, 0)
         depth = self._with_faults(depth, label, rng)
         if self.noise.shift > 0:

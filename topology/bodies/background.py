@@ -7,22 +7,27 @@ from scipy import ndimage
 from scipy.spatial import KDTree
 
 from topple.topology.arrays import BoolArray, FloatArray, bounds, within_corners
+from topple.topology.bodies.matter import surface_of
 from topple.topology.bodies.plates import pieces_of
 from topple.topology.bodies.tolerances import (
     BACKGROUND_FEWEST,
     BESIDE,
     LINKED,
+    MATTER_SPACING,
     NEAR,
     OVER,
     PLANES,
+    REACH,
     RISES,
+    ROBOT_NEAR,
     SAME,
     STANDS,
     VOXEL,
 )
 from topple.topology.geometry.axes import level_axes, perpendiculars
 from topple.topology.geometry.plane import TABLE, fit_plane, table_by_name
-from topple.topology.geometry.thin import voxel_means
+from topple.topology.geometry.sides import beyond, joggled_sides
+from topple.topology.geometry.thin import cell_keys, voxel_means
 from topple.topology.geometry.tolerances import ON_PLANE
 from topple.topology.values import free_name
 
@@ -92,49 +97,93 @@ def table_among(
     return [TABLE]
 
 
-def unnamed_among(
-    background: FloatArray, clouds: Mapping[str, FloatArray], fixed: Iterable[str], up: FloatArray
-) -> tuple[dict[str, FloatArray], list[str]]:
-    """Find things without a name over, under or at objects, above what carries these.
+def without_bodies(points: FloatArray, bodies: Iterable[FloatArray]) -> FloatArray:
+    """Leave out the points of convex bodies, `ROBOT_NEAR` around each.
 
-    A wall, a screen or another table reaches beyond the objects: it is no thing that one could take away.
+    Args:
+        points: (N, 3) points [m].
+        bodies: (V, 3) corners of each body [m]: a robot's in its own picture.
+
+    Returns:
+        (M, 3) the others [m].
+    """
+    if len(points) == 0:
+        return points
+    keys = cell_keys(points, *bounds(points), ROBOT_NEAR / 4)  # a point stands for those of its cube
+    _, first, cube = np.unique(keys, return_index=True, return_inverse=True)
+    some, own = points[first], np.zeros(len(first), dtype=np.bool_)
+    for body in bodies:
+        lower, upper = bounds(body)
+        near = np.flatnonzero(~own & within_corners(some, lower - ROBOT_NEAR, upper + ROBOT_NEAR))
+        own[near] = beyond(joggled_sides(body), some[near]) < ROBOT_NEAR
+    return points[~own[cube]]
+
+
+def unnamed_among(
+    background: FloatArray,
+    clouds: Mapping[str, FloatArray],
+    fixed: Iterable[str],
+    up: FloatArray,
+    things: bool = True,
+) -> tuple[dict[str, FloatArray], FloatArray, list[str]]:
+    """Find what has no name above what carries the objects: things over, under or at these, and matter.
+
+    A wall, a screen or another table reaches beyond the objects: it is no thing that one could take away, but
+    in the way.
 
     Args:
         background: (N, 3) points [m] that belong to no object.
         clouds: Points (N, 3) [m] per object.
         fixed: Names of those that never move.
         up: (3,) unit vector.
+        things: Whether there are things; else they are matter as well.
 
     Returns:
-        (M, 3) points of each, the largest first, by the names that they get, and a sentence on each.
+        (M, 3) points of each thing, the largest first, by the names that they get; (K, 3) points of matter,
+        `MATTER_SPACING` apart; a sentence on each thing, and one on the matter.
     """
     fixed = list(fixed)
     movable = {name: cloud for name, cloud in clouds.items() if name not in fixed}
     if not fixed or not movable or len(background) == 0:
-        return {}, []
+        return {}, np.empty((0, 3)), []
     lower, upper = bounds(np.concatenate(list(movable.values())))
-    lower, upper = lower - BESIDE, upper + BESIDE
-    points = background[within_corners(background, lower, upper)]
+    around = background[within_corners(background, lower - REACH, upper + REACH)]
     for name in fixed:
         plane, _ = fit_plane(clouds[name], up=up)
         plane = plane * np.sign(plane[:3] @ up)
-        points = points[points @ plane[:3] + plane[3] > RISES]
-    if len(points):
+        around = around[around @ plane[:3] + plane[3] > RISES]
+    lower, upper = lower - BESIDE, upper + BESIDE
+    points, matter = around[within_corners(around, lower, upper)], surface_of(around)
+    if len(around):
         known = KDTree(np.concatenate([voxel_means(cloud, SAME / 2) for cloud in clouds.values()]))
-        points = points[known.query(points, distance_upper_bound=SAME)[0] > SAME]
+        points, matter = (
+            some[known.query(some, distance_upper_bound=SAME)[0] > SAME] for some in (points, matter)
+        )
     level = np.stack(level_axes(up), axis=1)  # (3, 2)
     below = {name: KDTree(voxel_means(cloud, LINKED / 3) @ level) for name, cloud in movable.items()}
     found, notes = dict[str, FloatArray](), list[str]()
     for piece in sorted(pieces_of(voxel_means(points, LINKED / 3)), key=len, reverse=True):
-        if within_corners(piece, lower + LINKED, upper - LINKED).all():
+        if things and within_corners(piece, lower + LINKED, upper - LINKED).all():
             at = piece @ level
             near = [name for name, tree in below.items() if (tree.query(at)[0] < LINKED).any()]
             if near:
                 name = free_name(f"unnamed_{len(found) + 1}", {*clouds, *found})
-                found[name] = points[KDTree(piece).query(points)[0] < LINKED / 2]
+                tree = KDTree(piece)
+                found[name] = points[tree.query(points)[0] < LINKED / 2]
+                matter = matter[tree.query(matter, distance_upper_bound=LINKED)[0] > LINKED]
                 at = ", ".join(near)
                 notes.append(f"something without a name is at {at}: {name!r}; take it away, or name it")
-    return found, notes
+    return found, matter, notes + _note_of_matter(matter)
+
+
+def _note_of_matter(points: FloatArray) -> list[str]:
+    if len(points) == 0:
+        return []
+    low, high = (", ".join(f"{value:.2f}" for value in corner) for corner in bounds(points))
+    return [
+        f"what no mask names reaches beyond the objects: {len(points)} points {1e2 * MATTER_SPACING:g} cm "
+        f"apart, between ({low}) and ({high}) m, are obstacles"
+    ]
 
 
 def _on(points: FloatArray, plane: FloatArray) -> BoolArray:

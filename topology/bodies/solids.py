@@ -7,6 +7,7 @@ import numpy as np
 from scipy.spatial import ConvexHull, QhullError
 
 from topple.topology.arrays import BoolArray, FloatArray, rounded
+from topple.topology.bodies.matter import MATTER, plates_along
 from topple.topology.bodies.parts import convex_parts
 from topple.topology.bodies.plates import plates_of
 from topple.topology.bodies.tolerances import (
@@ -15,6 +16,7 @@ from topple.topology.bodies.tolerances import (
     HOLLOW,
     PLATES_FEWEST,
     SKIN,
+    SKY,
     SLAB,
     SOLIDS_CELL,
 )
@@ -65,7 +67,7 @@ def solids_of(scene: Scene) -> dict[str, tuple[FloatArray, ...]]:
         scene: The scene, with `up`.
 
     Returns:
-        The convex parts of every object, in the world.
+        The convex parts of every object, in the world; those of `scene.matter` as `MATTER`.
     """
     up = up_of(scene)
     found: dict[str, tuple[FloatArray, ...]] = {}
@@ -74,6 +76,9 @@ def solids_of(scene: Scene) -> dict[str, tuple[FloatArray, ...]]:
             found[name] = fixed_parts(cloud, up)
         else:
             found[name] = standing_parts(name, scene)
+    if len(scene.matter):
+        eyes = scene.viewpoints if len(scene.viewpoints) else scene.matter.mean(axis=0)[None] + SKY * up
+        found[MATTER] = _remembered(scene.matter, eyes.tobytes(), lambda: plates_along(scene.matter, eyes))
     return found
 
 

@@ -326,3 +326,36 @@ RISES = 0.012
 
 SAME = 0.008
 """Distance [m] to an object within which points are its own: pixels of a mask that another view has."""
+
+REACH = 1.0
+"""Distance [m] beyond the objects within which an arm at work on them may meet what stands there."""
+
+
+# -- matter
+
+MATTER_SPACING = 0.01
+"""Edge [m] of cubes whose points are averaged: a dozen pixels of a wall at 1.5 m, one of what flies."""
+
+MATTER_FEWEST = 4
+"""Cubes with points in one of `LEAST_PLATE`: a wall fills 16 of them, a line of sight that flies none."""
+
+LEAST_PLATE = 0.04
+"""Size [m] to which what is not flat is cut: hollows narrower than that no hand gets into."""
+
+BRIDGED = 0.02
+"""Width [m] of a gap that no plate reaches over: two cubes, as one may be without points."""
+
+PLATE_FLAT = 0.015
+"""Largest thickness [m] of a plate that is larger than that: noise of a wall at 2 m."""
+
+PLATE_STRAYS = (0.02, 0.98)
+"""Shares of a plate's points before and behind it that are noise."""
+
+PLATE_SUNK = 0.003
+"""Depth [m] of plates below what was seen, half the noise: what stands against a wall does not meet it."""
+
+PLATE_BACK = 0.004
+"""Least thickness [m] of a plate: how thick a wall is cannot be seen, and thin screens end there."""
+
+ROBOT_NEAR = 0.03
+"""Distance [m] from a robot's bodies within which points are its own: covers, cables, calibration."""

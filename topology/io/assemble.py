@@ -1,5 +1,6 @@
 """From what a file says to a Scene: fixed objects, the table, and which way is up."""
 
+from collections.abc import Iterable
 from dataclasses import dataclass, field
 from typing import Any
 
@@ -40,6 +41,7 @@ class Parts:
         robot_base: Pose (4, 4) base to world, or None.
         images: Depth images the clouds came from.
         background: Points (N, 3) in [m] that belong to no object, the table's perhaps among them.
+        matter: Points (N, 3) in [m] of walls and the like, or None (`Scene.matter`).
         meshes: Meshes in world coordinates.
         notes: Sentences on what was assumed.
         masses: Mass in [kg] by name, or None; checked as a whole with the scene.
@@ -54,19 +56,21 @@ class Parts:
     robot_base: ArrayLike | None = None
     images: tuple[DepthImage, ...] = ()
     background: FloatArray = field(default_factory=lambda: np.empty((0, 3)))
+    matter: ArrayLike | None = None
     meshes: dict[str, Mesh] = field(default_factory=dict[str, Mesh])
     notes: list[str] = field(default_factory=list[str])
     masses: Any = None
     friction: Any = None
 
 
-def assemble(parts: Parts, fixed: list[str], up: ArrayLike | None) -> Scene:
+def assemble(parts: Parts, fixed: list[str], up: ArrayLike | None, robot: Iterable[FloatArray] = ()) -> Scene:
     """Make the scene, filling in what the file leaves open.
 
     Args:
         parts: What the file says.
         fixed: Names that never move, beside those in the file.
         up: Direction (3,) that goes before the file's, or None.
+        robot: Corners (V, 3) [m] of bodies whose points are nobody's.
 
     Returns:
         The scene; what was filled in stands in its assumptions.
@@ -91,9 +95,10 @@ def assemble(parts: Parts, fixed: list[str], up: ArrayLike | None) -> Scene:
         viewpoints = as_viewpoints([] if parts.viewpoints is None else parts.viewpoints)
         all_fixed = table_among(clouds, parts.background, viewpoints, notes)
     scene = Scene(
-        clouds, all_fixed, up, parts.viewpoints, parts.images, parts.meshes, parts.robot_base, notes
-    )
-    return scene.weighed(parts.masses, parts.friction).upright().with_unnamed()
+        clouds, all_fixed, up, parts.viewpoints, parts.images, parts.meshes, parts.robot_base, notes,
+        matter=parts.matter,
+    )  # fmt: skip
+    return scene.weighed(parts.masses, parts.friction).upright().with_unnamed(parts.background, robot)
 
 
 def _as_cloud(name: str, points: ArrayLike) -> FloatArray:

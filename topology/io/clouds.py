@@ -10,6 +10,7 @@ from topple.topology.io.assemble import Parts
 from topple.topology.io.strict_json import read_json
 
 SPECIAL = ("up", "fixed", "viewpoints", "table_plane", "robot_base")
+_OWN = (*SPECIAL, "matter")
 _BY_NAME = {"masses": '{"mug": 0.35}', "friction": '{"mug": 0.6}'}
 
 
@@ -18,8 +19,9 @@ def parts_from_clouds(arrays: Mapping[str, Array]) -> Parts:
 
     Args:
         arrays: The file's arrays: points (N, 3) in [m] per object; optional `up` (3,), `fixed`
-            (names), `viewpoints` (k, 3), `table_plane` (4,), `robot_base` (4, 4), and as JSON text, which
-            no cloud is, `masses` {name: kg} and `friction` {name: coefficient}.
+            (names), `viewpoints` (k, 3), `table_plane` (4,), `robot_base` (4, 4), `matter` (N, 3), what is
+            in the way and no object, and as JSON text, which no cloud is, `masses` {name: kg} and
+            `friction` {name: coefficient}.
 
     Returns:
         What the file says. Other text is a note, not an object, and is left out.
@@ -28,7 +30,7 @@ def parts_from_clouds(arrays: Mapping[str, Array]) -> Parts:
         InvalidInput: If `fixed` does not hold names, or `masses` or `friction` are neither text nor a cloud.
     """
     clouds = {
-        name: array for name, array in arrays.items() if name not in SPECIAL and array.dtype.kind not in "US"
+        name: array for name, array in arrays.items() if name not in _OWN and array.dtype.kind not in "US"
     }
     masses, friction = (amounts_in(arrays, key) for key in ("masses", "friction"))
     if not clouds:
@@ -43,9 +45,10 @@ def parts_from_clouds(arrays: Mapping[str, Array]) -> Parts:
         viewpoints=arrays.get("viewpoints"),
         table_plane=arrays.get("table_plane"),
         robot_base=arrays.get("robot_base"),
+        matter=arrays.get("matter"),
         masses=masses,
         friction=friction,
-        notes=ignored(arrays, {*clouds, *SPECIAL, *_BY_NAME}),
+        notes=ignored(arrays, {*clouds, *_OWN, *_BY_NAME}),
     )
 
 

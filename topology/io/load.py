@@ -8,6 +8,7 @@ from typing import Any, Protocol
 
 from numpy.typing import ArrayLike
 
+from topple.topology.arrays import FloatArray
 from topple.topology.checks import as_direction
 from topple.topology.errors import InvalidInput
 from topple.topology.io.assemble import Parts, assemble
@@ -55,6 +56,7 @@ def load_scene(
     most_bytes: int | None = None,
     allow_outside: bool = False,
     models: bool | str | os.PathLike[str] | None = None,
+    robot: Iterable[FloatArray] = (),
     **options: Any,
 ) -> Scene:
     """Read a scene from a file or a folder, told apart by content.
@@ -81,6 +83,8 @@ def load_scene(
         models: A folder of known models, which take the place of what was seen of objects of their names
             where they fit (`topple.topology.with_models`); or whether the models of a BOP dataset are taken
             at their true poses although there is depth.
+        robot: Corners (V, 3) [m] of bodies whose points are nobody's: a robot in its own picture,
+            `arm.bodies(q, pose_base_to_world)`.
         **options: What its format alone has: `image=3` for a BOP dataset and a recording.
 
     Returns:
@@ -100,8 +104,9 @@ def load_scene(
         with allowing(most_bytes, allow_outside):
             parts = _read(place, options)
             scene = assemble(
-                parts, [fixed] if isinstance(fixed, str) else list(fixed), given_up if up is None else up
-            )
+                parts, [fixed] if isinstance(fixed, str) else list(fixed), given_up if up is None else up,
+                robot,
+            )  # fmt: skip
             if models is None or isinstance(models, bool):
                 return scene
             from topple.topology.models import with_models  # which few ask for

@@ -280,6 +280,8 @@ def _scene(
         label[rows, columns] = np.where(objects[part] < 0, 0, objects[part] + 2)
         relabelled.append(replace(image, label=label, names=names))
     found = Scene.from_images(relabelled, fixed=[TABLE], up=ground.up if up is None else up, unnamed=False)
+    if masked:  # outliers, which a mask named, are no matter
+        found = found.with_unnamed(np.concatenate([image.background() for image in images]))
     notes = ["the table is the plane that holds most of each view"]
     notes += ["up is the normal of that plane"] if up is None else []
     if not masked:
@@ -291,4 +293,5 @@ def _scene(
         found.viewpoints,
         found.images,
         assumptions=[*found.assumptions, *notes],
+        matter=found.matter,
     )

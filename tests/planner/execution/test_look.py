@@ -1,16 +1,22 @@
 """A look joins what is seen with what is remembered, and says what was not expected."""
 
 from collections.abc import Iterator
+from dataclasses import replace
 
 import numpy as np
 import pytest
 
 from topple.planner.execution.look import Observer
+from topple.planner.motion.trajectory import retime
 from topple.robots import shapes
-from topple.robots.scenarios.scenario import pose_at
+from topple.robots.catalog import robot
+from topple.robots.scenarios.scenario import around, pose_at
 from topple.robots.world.camera import Camera
+from topple.robots.world.simulated_arm import SimulatedArm
 from topple.robots.world.world import World
+from topple.topology.bodies.matter import MATTER
 from topple.topology.errors import InvalidInput
+from topple.topology.situation import Situation
 
 AWAY = Camera.looking_at((1.0, 0.0, 0.5), (5.0, 0.0, 3.0))
 
@@ -89,3 +95,41 @@ def test_what_was_weighed_stays_so_when_it_is_seen_anew(world: World) -> None:
     assert after.friction == friction
     others = observer(world).look(before).scene
     assert others.masses == {"can": 0.4}, "what the expected scene says is kept as well"
+
+
+@pytest.fixture
+def walled(world: World) -> World:
+    """With a wall that is no object."""
+    wall = shapes.box(MATTER, (0.02, 0.6, 0.4))
+    world.add(wall, pose_at(-0.2, 0.1, 0.0), fixed=True)
+    return world
+
+
+def test_a_wall_without_a_mask_is_matter_in_every_look(walled: World) -> None:
+    eyes = observer(walled)
+    first = eyes.look().scene
+    second = eyes.look(first)
+    assert second.surprises == {} and set(second.scene.names) == {"table", "can", "block"}
+    for scene in (first, second.scene):
+        assert len(scene.matter) > 500
+        assert np.abs(scene.matter[:, 0] + 0.19).max() < 0.02
+        assert MATTER in Situation(scene).solids
+
+
+@pytest.mark.parametrize("name", ["panda", "panda-suction", "iiwa", "xarm6"])
+def test_an_arm_in_the_picture_is_no_matter_wherever_it_stands(world: World, name: str) -> None:
+    arm = SimulatedArm(world, robot(name), pose_at(-0.45, 0.0, 0.0))
+    cameras = around((0.0, 0.1, 0.03))
+    assert len(observer(world, *cameras).look().scene.matter) > 500
+    eyes = replace(observer(world, *cameras), robots=[arm])
+    for way in (0.2, -0.4):
+        assert len(eyes.look().scene.matter) == 0
+        there = arm.q_target + way * np.where(np.arange(len(arm.q_target)) < 2, 1.0, 0.3)
+        arm.follow(retime(arm.arm, np.stack([arm.q_target, there]), 0.5))
+    assert len(eyes.look().scene.matter) == 0
+
+
+def test_masks_that_are_off_make_no_matter_of_objects(world: World) -> None:
+    cameras = [camera.with_mask_noise(2.0) for camera in around((0.0, 0.1, 0.03))]
+    eyes = observer(world, *cameras)
+    assert len(eyes.look(eyes.look().scene).scene.matter) == 0

@@ -68,3 +68,16 @@ def test_a_name_that_is_taken_is_not_given_again(images: list[DepthImage]) -> No
     renamed = DepthImage(blind.depth, blind.K, blind.label, blind.pose_camera_to_world, names)
     scene = Scene.from_images([renamed], fixed=["table"], up=(0, 0, 1))
     assert scene.movable == ("crate", "unnamed_1", "unnamed_1_2")
+
+
+def test_what_is_to_be_ignored_is_neither_thing_nor_matter(images: list[DepthImage]) -> None:
+    seen = without_masks(images[0], *AROUND)
+    hidden = images[0].label * np.isin(
+        images[0].label, [n for n, v in images[0].names.items() if v in AROUND]
+    )
+    label, number = np.where(hidden > 0, 99, seen.label), {99: "ignore"}
+    image = DepthImage(seen.depth, seen.K, label, seen.pose_camera_to_world, {**seen.names, **number})
+    scene = Scene.from_images([image], fixed=["table"], up=(0, 0, 1))
+    assert scene.movable == ("crate", "carton", "can")
+    assert len(Scene.from_images([seen], fixed=["table"], up=(0, 0, 1)).matter) > 1000
+    assert len(scene.matter) < 50

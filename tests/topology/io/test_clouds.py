@@ -234,3 +234,12 @@ def test_a_missing_path_is_refused(tmp_path: Path) -> None:
         load_scene(tmp_path / ("a" * 300))
     with pytest.raises(InvalidInput, match="no such file or folder"):
         load_scene(tmp_path / "nothing.npz")
+
+
+def test_matter_is_no_object(tmp_path: Path) -> None:
+    np.savez(tmp_path / "scene.npz", mug=BOX, matter=0.5 + BOX)
+    scene = load_scene(tmp_path / "scene.npz")
+    assert scene.names == ("mug",) and np.array_equal(scene.matter, 0.5 + BOX)
+    np.savez(tmp_path / "scene.npz", mug=BOX, matter=np.zeros((3, 2)))
+    with pytest.raises(InvalidInput, match=r"scene\.npz: matter .*\(3, 2\)"):
+        load_scene(tmp_path / "scene.npz")

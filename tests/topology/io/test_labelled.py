@@ -147,3 +147,13 @@ def test_large_things_that_never_move_are_no_centimetres(tmp_path: Path) -> None
     assert load_scene(_saved(tmp_path, pallet=BOX * 12, crate=BOX * 11), fixed=["pallet"]).movable == (
         "crate",
     )
+
+
+def test_what_the_background_has_beside_the_table_is_in_the_way(tmp_path: Path) -> None:
+    wall = np.column_stack([np.full(40_000, -0.3), RNG.uniform((-0.4, 0.0), (0.4, 0.5), (40_000, 2))])
+    points, labels = np.concatenate([POINTS, wall]), np.append(LABELS, np.zeros(40_000, dtype=int))
+    scene = load_scene(_saved(tmp_path, points=points, labels=labels, viewpoints=[[0.5, -0.5, 0.8]]))
+    assert scene.names == ("3", "5", "table")
+    assert np.abs(scene.matter[:, 0] + 0.3).max() < 1e-3
+    assert len(scene.matter) > 0.9 * 80 * 49
+    assert len(load_scene(_saved(tmp_path, points=POINTS, labels=LABELS, up=[0, 0, 1])).matter) == 0

@@ -9,6 +9,8 @@ import pytest
 from scipy.spatial.transform import Rotation
 
 from topple.robots.scenarios import scenario_called
+from topple.robots.scenarios.scenario import pose_at
+from topple.robots.shapes import box
 from topple.topology.errors import InvalidInput
 from topple.topology.image import DepthImage
 from topple.topology.merging.merge import merge_views
@@ -174,3 +176,22 @@ def test_without_small_gicp_its_extra_is_named() -> None:
     )
     done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=False)
     assert "needs small_gicp: pip install 'topple-planner[views]'" in done.stderr.splitlines()[-1]
+
+
+def test_what_no_mask_names_is_matter_of_the_merged_scene() -> None:
+    rng = np.random.default_rng(0)
+    with scenario_called("pile", 1) as stage:
+        stage.world.add(box("wall", (0.02, 0.8, 0.5)), pose_at(-0.4, 0.0, 0.0), fixed=True)
+        images = [camera.look(stage.world, rng) for camera in stage.cameras[:2]]
+    views = [
+        replace(image, label=np.where(image.label == _number(image, "wall"), 0, image.label))
+        for image in images
+    ]
+    scene = merge_views(views, same_labels=True).scene
+    assert "wall" not in scene.names and not any("unnamed" in name for name in scene.names)
+    assert len(scene.matter) > 500
+    assert np.abs(scene.matter[:, 0] + 0.39).max() < 0.05
+
+
+def _number(image: DepthImage, name: str) -> int:
+    return next(number for number, called in image.names.items() if called == name)
