@@ -1,6 +1,6 @@
 """What points of no object show: the table on which the objects stand, and things without a name."""
 
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable, Iterator, Mapping
 
 import numpy as np
 from scipy import ndimage
@@ -12,6 +12,7 @@ from topple.topology.bodies.plates import pieces_of
 from topple.topology.bodies.tolerances import (
     BACKGROUND_FEWEST,
     BESIDE,
+    IN_COMMON,
     LINKED,
     MATTER_SPACING,
     NEAR,
@@ -139,8 +140,8 @@ def unnamed_among(
         things: Whether there are things; else they are matter as well.
 
     Returns:
-        (M, 3) points of each thing, the largest first, by the names that they get; (K, 3) points of matter,
-        `MATTER_SPACING` apart; a sentence on each thing, and one on the matter.
+        (M, 3) points of each thing, the largest first, by the names that they get, and of each object that a
+        picture shows without a mask; (K, 3) points of matter, `MATTER_SPACING` apart; sentences on all these.
     """
     fixed = list(fixed)
     movable = {name: cloud for name, cloud in clouds.items() if name not in fixed}
@@ -148,12 +149,22 @@ def unnamed_among(
         return {}, np.empty((0, 3)), []
     lower, upper = bounds(np.concatenate(list(movable.values())))
     around = background[within_corners(background, lower - REACH, upper + REACH)]
-    for name in fixed:
-        plane, _ = fit_plane(clouds[name], up=up)
-        plane = plane * np.sign(plane[:3] @ up)
-        around = around[around @ plane[:3] + plane[3] > RISES]
+    levels = [fit_plane(clouds[name], up=up)[0] for name in fixed]
+    levels = [plane * np.sign(plane[:3] @ up) for plane in levels]
+    lowest = max(levels, key=lambda plane: float(plane[:3] @ (lower + upper) / 2.0 + plane[3]))
+    around = around[around @ lowest[:3] + lowest[3] > RISES]  # others may carry some alone, as a box does
     lower, upper = lower - BESIDE, upper + BESIDE
     points, matter = around[within_corners(around, lower, upper)], surface_of(around)
+    mended, found, notes = dict[str, FloatArray](), dict[str, FloatArray](), list[str]()
+    for name, piece in _elsewhere_masked(points, movable):
+        tree = KDTree(piece)
+        own = tree.query(points, distance_upper_bound=LINKED)[0] < LINKED / 2
+        mended[name] = np.concatenate([mended.get(name, movable[name]), points[own]])
+        points = points[~own]
+        matter = matter[tree.query(matter, distance_upper_bound=LINKED)[0] > LINKED]
+    notes += [
+        f"a picture that shows {name!r} has no mask of it: its points are taken for it" for name in mended
+    ]
     if len(around):
         known = KDTree(np.concatenate([voxel_means(cloud, SAME / 2) for cloud in clouds.values()]))
         points, matter = (
@@ -161,7 +172,6 @@ def unnamed_among(
         )
     level = np.stack(level_axes(up), axis=1)  # (3, 2)
     below = {name: KDTree(voxel_means(cloud, LINKED / 3) @ level) for name, cloud in movable.items()}
-    found, notes = dict[str, FloatArray](), list[str]()
     for piece in sorted(pieces_of(voxel_means(points, LINKED / 3)), key=len, reverse=True):
         if things and within_corners(piece, lower + LINKED, upper - LINKED).all():
             at = piece @ level
@@ -173,7 +183,24 @@ def unnamed_among(
                 matter = matter[tree.query(matter, distance_upper_bound=LINKED)[0] > LINKED]
                 at = ", ".join(near)
                 notes.append(f"something without a name is at {at}: {name!r}; take it away, or name it")
-    return found, matter, notes + _note_of_matter(matter)
+    return {**mended, **found}, matter, notes + _note_of_matter(matter)
+
+
+def _elsewhere_masked(
+    points: FloatArray, movable: Mapping[str, FloatArray]
+) -> Iterator[tuple[str, FloatArray]]:
+    """Pieces (K, 3) [m] of what no mask names that are of an object which has one in another picture.
+
+    They have surface in common with what is known of it; another thing has next to none with what it touches.
+    """
+    known = {name: voxel_means(cloud, SAME / 2) for name, cloud in movable.items()}
+    tree = KDTree(np.concatenate(list(known.values())))
+    whose = np.repeat(np.arange(len(known)), [len(cloud) for cloud in known.values()])
+    for piece in pieces_of(voxel_means(points, LINKED / 3)):
+        distance, nearest = tree.query(piece, distance_upper_bound=SAME / 2)
+        common = np.bincount(whose[nearest[distance < SAME / 2]], minlength=len(known))
+        if common.max() > IN_COMMON * len(piece):
+            yield list(known)[int(common.argmax())], piece
 
 
 def _note_of_matter(points: FloatArray) -> list[str]:

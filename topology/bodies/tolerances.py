@@ -327,6 +327,10 @@ RISES = 0.012
 SAME = 0.008
 """Distance [m] to an object within which points are its own: pixels of a mask that another view has."""
 
+IN_COMMON = 0.15
+"""Share of its surface that a piece without a mask has in common with an object, from which it is of that one
+and has a mask in another picture: of 93 such pieces 95 % have 0.24 and more, of 90 things none above 0.09."""
+
 REACH = 1.0
 """Distance [m] beyond the objects within which an arm at work on them may meet what stands there."""
 

@@ -62,6 +62,28 @@ def test_what_stands_around_is_no_thing_and_a_thing_without_a_mask_is_one(
     assert alone.movable == ("crate", "can")
 
 
+def test_a_thing_without_a_mask_is_seen_below_the_top_of_what_never_moves(images: list[DepthImage]) -> None:
+    seen = [
+        without_masks(image, "wall", "cable", "shelf", "carton") for image in images
+    ]  # the post is 70 cm high
+    scene = Scene.from_images(seen, fixed=["table", "post"], up=(0, 0, 1))
+    assert scene.movable == ("crate", "can", "unnamed_1")
+    assert order(scene, ["crate"]).order == ("unnamed_1", "crate")
+
+
+def test_what_one_picture_has_no_mask_of_is_what_the_others_say(images: list[DepthImage]) -> None:
+    seen = [without_masks(image, *AROUND) for image in images]
+    whole = Scene.from_images(seen, fixed=["table"], up=(0, 0, 1))
+    for name in ("carton", "can"):
+        mended = Scene.from_images([without_masks(seen[0], name), *seen[1:]], fixed=["table"], up=(0, 0, 1))
+        assert set(mended.movable) == set(whole.movable) and len(mended.matter) == len(whole.matter)
+        assert len(mended.clouds[name]) > 0.9 * len(whole.clouds[name])
+        assert (
+            f"a picture that shows {name!r} has no mask of it: its points are taken for it"
+            in mended.assumptions
+        )
+
+
 def test_a_name_that_is_taken_is_not_given_again(images: list[DepthImage]) -> None:
     blind = without_masks(images[0], "carton", *AROUND)
     names = {n: {"can": "unnamed_1"}.get(name, name) for n, name in blind.names.items()}
