@@ -88,7 +88,7 @@ class DepthImage(ByValue):
             Points (H, W, 3) in world coordinates in [m], NaN where there is no depth.
         """
         rows, columns = np.indices(self.depth.shape)
-        points = self._lifted(rows.ravel(), columns.ravel()).reshape(*self.depth.shape, 3)
+        points = self.lifted(rows.ravel(), columns.ravel()).reshape(*self.depth.shape, 3)
         points[self.depth <= 0] = np.nan
         return points
 
@@ -103,7 +103,7 @@ class DepthImage(ByValue):
         rows, columns = np.nonzero((owner > 0) & (self.depth > 0))
         labels = owner[rows, columns]
         by_label = np.argsort(labels, kind="stable")
-        points = self._lifted(rows[by_label], columns[by_label])
+        points = self.lifted(rows[by_label], columns[by_label])
         present, starts = np.unique(labels[by_label], return_index=True)
         pieces = np.split(points, starts[1:]) if len(present) else []
         named = zip(map(self.name_of, present.tolist()), pieces, strict=True)
@@ -115,7 +115,7 @@ class DepthImage(ByValue):
         Returns:
             Points (N, 3) in world coordinates in [m].
         """
-        return self._lifted(*np.nonzero((self.borders.owner == 0) & (self.depth > 0)))
+        return self.lifted(*np.nonzero((self.borders.owner == 0) & (self.depth > 0)))
 
     def in_view(self, places: FloatArray) -> BoolArray:
         """Which places (N, 3) in world coordinates [m] lie within the picture's edges, hidden or not."""
@@ -145,6 +145,20 @@ class DepthImage(ByValue):
         nearest = ndimage.minimum_filter(far, 3, mode="nearest")
         return np.where(self.depth > 0, nearest, 0.0)
 
+    def labels_at(self, places: FloatArray, off: float) -> IntArray:
+        """Whose surface this camera sees at places.
+
+        Args:
+            places: (N, 3) in world coordinates [m].
+            off: Depth [m] by which a surface may be off a place.
+
+        Returns:
+            (N,) labels; 0 where another surface is seen, or none.
+        """
+        rows, columns, depth, seen = self._pixels_of(places)
+        there = seen & (np.abs(self.depth[rows, columns] - depth) <= off)
+        return np.where(there, self.borders.owner[rows, columns], 0)
+
     def _pixels_of(self, places: FloatArray) -> tuple[IntArray, IntArray, FloatArray, BoolArray]:
         """Row, column and depth [m] of places (N, 3), and which of them are in the picture."""
         local = (places - self.viewpoint) @ self.pose_camera_to_world[:3, :3]
@@ -170,7 +184,8 @@ class DepthImage(ByValue):
         """Name of a label: the one given, or the number itself."""
         return self.names.get(number, str(number))
 
-    def _lifted(self, rows: NDArray[np.intp], columns: NDArray[np.intp]) -> FloatArray:
+    def lifted(self, rows: NDArray[np.intp], columns: NDArray[np.intp]) -> FloatArray:
+        """Lift pixels that have depth: (k,) rows and columns to points (k, 3) in world coordinates [m]."""
         depth = self.depth[rows, columns]
         y = (rows - self.K[1, 2]) * depth / self.K[1, 1]
         x = ((columns - self.K[0, 2]) * depth - self.K[0, 1] * y) / self.K[0, 0]

@@ -82,6 +82,7 @@ def with_models(scene: Scene, folder: str | os.PathLike[str]) -> Scene:
         scene.friction,
         fits,
         scene.matter,
+        scene.wrong_masks,
     )
 
 

@@ -1,7 +1,7 @@
 """Scene: named clouds, what never moves, which way is up, and from where it was seen."""
 
 from collections.abc import Iterable, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Literal, TypeVar
 
 import numpy as np
@@ -26,6 +26,7 @@ from topple.topology.model_fit import ModelFit
 from topple.topology.notebook import in_cell
 from topple.topology.tolerances import FEWEST_SEEN
 from topple.topology.values import ByValue, FrozenDict
+from topple.topology.views.kinds import WrongMask, wrong_masks
 
 _Value = TypeVar("_Value")
 
@@ -79,6 +80,7 @@ class Scene(ByValue):
             the product (`topple.topology.statics.matter`).
         models: How known models were laid onto what was seen of objects (`topple.topology.with_models`).
         matter: Points (N, 3) in [m], about 1 cm apart, of what is no object and in the way: walls, screens.
+        wrong_masks: Masks of the images that are wrong in kind, where these were asked (`examined`).
     """
 
     clouds: Mapping[str, FloatArray]
@@ -93,6 +95,7 @@ class Scene(ByValue):
     friction: Mapping[str, float]
     models: Mapping[str, ModelFit]
     matter: FloatArray
+    wrong_masks: tuple[WrongMask, ...]
 
     def __init__(
         self,
@@ -108,6 +111,7 @@ class Scene(ByValue):
         friction: Mapping[str, float] | None = None,
         models: Mapping[str, ModelFit] | None = None,
         matter: ArrayLike | None = None,
+        wrong_masks: Iterable[WrongMask] = (),
     ) -> None:
         """Check everything and keep read-only copies.
 
@@ -124,6 +128,7 @@ class Scene(ByValue):
             friction: Coulomb coefficients, 0 to 10, of the surfaces of objects that have a cloud.
             models: Fits of known models to objects that have a cloud.
             matter: Points (N, 3) in [m] of what is no object and in the way, about 1 cm apart.
+            wrong_masks: Masks of the images that are wrong in kind.
 
         Raises:
             InvalidInput: If anything is not what it should be; names the object.
@@ -162,13 +167,15 @@ class Scene(ByValue):
         put(self, "models", FrozenDict(dict(models or {})))
         some = np.empty((0, 3)) if matter is None else np.asarray(matter)
         put(self, "matter", as_points(some, "matter") if len(some) else frozen(np.empty((0, 3))))
+        put(self, "wrong_masks", tuple(wrong_masks))
 
     def __reduce__(self) -> tuple[object, ...]:
         """Pickle by parts, so that a scene can go to another process."""
         clouds, fixed = dict(self.clouds), self._fixed_in_order()
         parts = (clouds, fixed, self.up, self.viewpoints, self.images, dict(self.meshes), self.robot_base)
         amounts = (dict(self.masses), dict(self.friction))
-        return (Scene, (*parts, self.assumptions, *amounts, dict(self.models), self.matter))
+        parts = (*parts, self.assumptions, *amounts, dict(self.models), self.matter, self.wrong_masks)
+        return (Scene, parts)
 
     def _repr_html_(self) -> str | None:
         """What a notebook shows."""
@@ -197,7 +204,8 @@ class Scene(ByValue):
             up: Direction (3,) against gravity; None takes it from the plane of a fixed object.
             table: "auto" finds the table where nothing is fixed: an object named so, else the plane under
                 the objects among the pixels without a label, which becomes the fixed object "table".
-            unnamed: Whether what no mask names becomes objects and matter (`with_unnamed`).
+            unnamed: Whether masks that are wrong in kind are said, and what no mask names becomes objects and
+                matter (`examined`).
             robot: Corners (V, 3) [m] of bodies whose points are left out of that: a robot in its own picture,
                 `arm.bodies(q, pose_base_to_world)`.
 
@@ -228,7 +236,7 @@ class Scene(ByValue):
             fixed = table_among(clouds, background, viewpoints, notes)
         scene = cls(clouds, fixed, up, viewpoints, images, assumptions=notes)
         scene = scene if up is not None else scene.upright()
-        return scene.with_unnamed(robot=robot) if unnamed else scene
+        return scene.examined(robot=robot) if unnamed else scene
 
     @property
     def names(self) -> tuple[str, ...]:
@@ -264,6 +272,16 @@ class Scene(ByValue):
         up, note = found
         return self._changed(up=as_direction(up, "up"), assumptions=(*self.assumptions, note))
 
+    def examined(self, background: FloatArray | None = None, robot: Iterable[FloatArray] = ()) -> "Scene":
+        """Say which masks are wrong in kind, and add what no mask names (`with_unnamed`)."""
+        wrong = wrong_masks(self.images, self.fixed)
+        said = (*self.assumptions, *map(str, wrong))
+        return self._changed(wrong_masks=wrong, assumptions=said).with_unnamed(background, robot)
+
+    def with_masks_as_they_are(self) -> "Scene":
+        """The scene with trusted masks: what is wrong with them stays said, and nothing is refused for it."""
+        return self._changed(wrong_masks=tuple(replace(wrong, trusted=True) for wrong in self.wrong_masks))
+
     def with_unnamed(
         self, background: FloatArray | None = None, robot: Iterable[FloatArray] = (), things: bool = True
     ) -> "Scene":
@@ -285,11 +303,8 @@ class Scene(ByValue):
         seen = without_bodies(background, robot)
         found, matter, notes = unnamed_among(seen, self.clouds, self._fixed_in_order(), self.up, things)
         clouds = {name: as_points(cloud, f"cloud {name!r}") for name, cloud in found.items()}
-        return self._changed(
-            clouds=FrozenDict({**self.clouds, **clouds}),
-            matter=frozen(matter),
-            assumptions=(*self.assumptions, *notes),
-        )
+        joined, said = FrozenDict({**self.clouds, **clouds}), (*self.assumptions, *notes)
+        return self._changed(clouds=joined, matter=frozen(matter), assumptions=said)
 
     def with_up(self, up: ArrayLike) -> "Scene":
         """Give the scene another upward direction.

@@ -42,7 +42,7 @@ class Counts:
         wrong: Of these false.
         cycled: Objects in a group that are in no true cycle.
         safe: Scenes cleared in a safe order.
-        asked: Targets whose first removal was asked for.
+        asked: Targets whose first removal was asked for, less refused ones whose mask is wrong in kind.
         targets: Of these that got an answer.
         harmed: Of these with a first removal that disturbs what is not taken with it.
         free: Targets that disturb nothing if taken at once.
@@ -144,7 +144,7 @@ def count(
             {name for group in guess.groups for name in group if name in names and name not in cycles}
         ),
         safe=int(set(names) <= set(guess.order) and not unsafe),
-        asked=len(found["first"].keys() & set(names)),
+        asked=len((found["first"].keys() - (set(faults.wrong) - firsts.keys())) & set(names)),
         targets=len(firsts),
         harmed=sum(_harms(first, group, labels, cycles, names) for first, group, _ in firsts.values()),
         free=len(free),

@@ -85,6 +85,10 @@ OPTIONS: dict[str, dict[str, Any]] = {
         "metavar": "N",
         "help": "how many objects a scene may have (500): the work grows with the square of it",
     },
+    "--masks-as-they-are": {
+        **_SWITCH,
+        "help": "answer although the target hangs on a mask that is split, merged, level or twice",
+    },
     # goals
     "--target": {**_LIST, "help": "what to free, with the fewest removals (everything is cleared)"},
     "--goal": {

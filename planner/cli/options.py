@@ -101,6 +101,7 @@ class Reading:
         allow_outside: Whether scene.json may name files that are not below its folder.
         options: What was given of the options that one format alone has, and the folder of known models.
         robot: What says where in a scene the bodies of a robot in its picture are, or None.
+        as_they_are: Whether masks are trusted that are wrong in kind.
     """
 
     fixed: tuple[str, ...]
@@ -109,6 +110,7 @@ class Reading:
     allow_outside: bool
     options: Mapping[str, Any]
     robot: "Callable[[Scene], Sequence[FloatArray]] | None" = None
+    as_they_are: bool = False
 
     @staticmethod
     def of(args: argparse.Namespace) -> "Reading":
@@ -118,7 +120,9 @@ class Reading:
         up = None if args.up is None else tuple(args.up)
         most = None if args.max_mb is None else int(1e6 * args.max_mb)
         options = {key: value for key in _OF_FORMATS if (value := getattr(args, key, None)) is not None}
-        return Reading(tuple(args.fixed or ()), up, most, args.allow_outside, options, seen_robot(args))
+        trusted = getattr(args, "masks_as_they_are", False)
+        given = (tuple(args.fixed or ()), up, most, args.allow_outside, options)
+        return Reading(*given, seen_robot(args), trusted)
 
     def scene(self, path: str) -> "Scene":
         """Read the scene at a path.
@@ -137,7 +141,8 @@ class Reading:
             allow_outside=self.allow_outside,
             **self.options,
         )
-        return read() if self.robot is None else read(robot=self.robot(read()))
+        found = read() if self.robot is None else read(robot=self.robot(read()))
+        return found.with_masks_as_they_are() if self.as_they_are else found
 
 
 def read_scene(args: argparse.Namespace, path: str) -> "Scene":

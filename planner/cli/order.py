@@ -43,7 +43,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     add_jobs(parser)
     add_kept(parser)
     add_scenes(parser, "SCENE...")
-    add(parser, "--target", "--max-objects", "--rule", "--orderer", *COMMON)
+    add(parser, "--target", "--max-objects", "--rule", "--orderer", "--masks-as-they-are", *COMMON)
     parser.add_argument(
         "--verify", action="store_true", help="check the dependencies in simulation: take every object away"
     )

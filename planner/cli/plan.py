@@ -24,7 +24,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Add the options; see `topple.planner.cli.main`."""
     add_scenes(parser)
     add_task(parser)
-    add(parser, "--rule", "--orderer", *COMMON)
+    add(parser, "--rule", "--orderer", "--masks-as-they-are", *COMMON)
     parser.add_argument(
         "--upright",
         nargs="+",

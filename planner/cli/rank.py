@@ -38,7 +38,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     add_scenes(parser, "SCENE GRASPS", purpose)
     parser.add_argument("--object", metavar="NAME", help="only the grasps that hold this object (all)")
     add_robot(parser)
-    add(parser, "--rule", "--orderer", *COMMON)
+    add(parser, "--rule", "--orderer", "--masks-as-they-are", *COMMON)
 
 
 def execute(args: argparse.Namespace) -> int:
@@ -67,11 +67,13 @@ def execute(args: argparse.Namespace) -> int:
 def _rank(args: argparse.Namespace, path: str, file: str, arm: "Arm", progress: Progress) -> None:
     """Rank the grasps of one scene and print them."""
     from topple.planner.grasp.rank import rank_grasps
+    from topple.planner.planning.order import check_masks
 
     progress(f"reading {path}")
     scene = read_scene(args, path)
     if args.object is not None and args.object not in scene.movable:
         raise UnknownObject(args.object, scene.movable, role="object to grasp")
+    scene = check_masks(scene, [args.object] if args.object else [])
     grasps = _read(file)
     progress(f"{path}: ranking {len(grasps)} grasps")
     base = base_of(args, scene)

@@ -17,7 +17,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     add_scenes(parser)
     add_task(parser)
     add(parser, "--orderer", help="what orders: fewest, cautious, support-tree or a plugin's (cautious)")
-    add(parser, "--second-base", "--clamped", "--rule", *SIMULATION, *COMMON)
+    add(parser, "--second-base", "--clamped", "--rule", "--masks-as-they-are", *SIMULATION, *COMMON)
     parser.add_argument(
         "--shuffle-labels",
         action="store_true",

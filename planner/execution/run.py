@@ -13,7 +13,7 @@ from topple.planner.formats.files import write_whole
 from topple.planner.formats.run_record import RunRecord
 from topple.planner.grasp.given import OwnGrasps, own_grasps
 from topple.planner.planning.goal_task import GoalTask
-from topple.planner.planning.order import cautious, check_clamped
+from topple.planner.planning.order import cautious, check_clamped, check_masks
 from topple.planner.planning.step import Orderer, Task
 from topple.planner.report.rerun_file import RATE as RERUN_RATE
 from topple.planner.report.rerun_file import rerun_file
@@ -92,8 +92,8 @@ def run(
     arm = robot_named(robot) if isinstance(robot, str) else robot
     check_tool(arm)
     task = GoalTask.of(goal)
-    task.goal(scene)
     check_up(scene)
+    scene = check_masks(scene, task.goal(scene).names)
     own = {} if grasps is None else own_grasps(grasps, scene, arm)
     check_recording(rerun, second_base is not None)
     fixture = check_clamped(scene, clamped)

@@ -77,7 +77,7 @@ def order(
 
     Raises:
         InvalidInput: The scene has no `up`, or hangs in the air with it and would stand with another; nothing
-            in it can move, a target is fixed, there is no hand, or the risk is no chance.
+            in it can move, a target is fixed or hangs on a wrong mask, no hand, or the risk is no chance.
         UnknownObject: A target is not in the scene.
     """
     if hands is not None and hands < 1:
@@ -95,6 +95,7 @@ def order(
     if check_gravity:
         check_up(scene, statics)
     full = dependencies(situation, direct=False)
+    check_masks(situation, wanted, full)
     chance = reasoned(full, statics, len(scene.viewpoints) or None)
     notes: dict[str, Any] = {}
     said = (*scene.assumptions, *assumed(scene, statics))
@@ -224,6 +225,37 @@ def _with_access(found: Order, situation: Situation, robot: "Arm | str") -> Orde
     ways = access(situation, found.order, found.graph, arm)
     said = [f"{arm.name} finds no grasp of {name}, whatever is taken away" for name in ways.graspless]
     return replace(found, access=ways.bars, assumptions=(*found.assumptions, *said))
+
+
+def check_masks(
+    scene: "Scene | Situation", targets: Collection[str], graph: DependencyGraph | None = None
+) -> "Scene":
+    """Refuse what hangs on a mask that is wrong in kind: that of a target, or of what has to go before one.
+
+    Args:
+        scene: The scene, or the situation it was read as.
+        targets: What is asked for; none asks for no one mask.
+        graph: What has to go before what, direct or not; worked out where None.
+
+    Returns:
+        The scene with its masks as they are: what is planned on it is not asked again.
+
+    Raises:
+        InvalidInput: It does; says which mask and what to do.
+    """
+    situation = Situation.of(scene)
+    doubted = [wrong for wrong in situation.scene.wrong_masks if wrong.decides]
+    if doubted and targets:
+        graph = dependencies(situation, direct=False) if graph is None else graph
+        asked = [name for name in targets if name in graph.names]
+        needed = {*asked}.union(*(graph.before(name) for name in asked))
+        for wrong in doubted:
+            if needed.intersection(wrong.names):
+                raise InvalidInput(
+                    f"{wrong}; what is asked of {', '.join(asked)} hangs on it: mend it, or go on with "
+                    "--masks-as-they-are (Scene.with_masks_as_they_are)"
+                )
+    return situation.scene.with_masks_as_they_are()
 
 
 def check_clamped(scene: "Scene", clamped: Collection[str] | str) -> frozenset[str]:

@@ -24,7 +24,7 @@ from topple.planner.grasp.given import GraspsByObject, OwnGrasps, own_grasps
 from topple.planner.grasp.grasp import Grasp
 from topple.planner.placement.base import choose_base
 from topple.planner.planning.goal_task import GoalTask
-from topple.planner.planning.order import check_clamped, ordered
+from topple.planner.planning.order import check_clamped, check_masks, ordered
 from topple.planner.planning.start import check_start, check_upright
 from topple.planner.planning.step import Context, NextStep, Orderer, Station, Task
 from topple.planner.planning.tolerances import MOST_STEPS
@@ -102,14 +102,16 @@ def plan(
     Raises:
         NoSafePlan: There is none; the certificate has the cycle, or for each object why it cannot be moved,
             or what the check refutes.
-        InvalidInput: The goal is none, the scene does not know up or hangs in the air with it, the arm has no
-            tool, or the grasps, the relations or what the orderer says do not fit the scene or the arm.
+        InvalidInput: The goal is none or hangs on a wrong mask, the scene does not know up or hangs in the
+            air with it, the arm has no tool, or the grasps, the relations or what the orderer says do not
+            fit the scene or the arm.
     """
     arm = robot_named(robot) if isinstance(robot, str) else robot
     check_tool(arm)
     task = GoalTask.of(goal)
     wanted = task.goal(scene)
     check_up(scene)
+    scene = check_masks(scene, wanted.names)
     situation = Situation(scene)
     given = base if base is not None else scene.robot_base
     pose = choose_base(situation, arm) if given is None else as_pose(given, "base")

@@ -12,7 +12,7 @@ from topple.planner.decide.goal import Goal
 from topple.planner.fallbacks import Fallback
 from topple.planner.grasp.given import GraspsByObject
 from topple.planner.grasp.grasp import Grasp
-from topple.planner.planning.order import check_targets, ordered
+from topple.planner.planning.order import check_masks, check_targets, ordered
 from topple.planner.transfer.transfer import Transfer
 from topple.robots.arm.arm import Arm
 from topple.topology.arrays import FloatArray
@@ -299,8 +299,9 @@ def order_by(
         seed: Of every search.
 
     Raises:
-        InvalidInput: A target is fixed, or the answer is no order.
+        InvalidInput: A target is fixed or hangs on a wrong mask, or the answer is no order.
         UnknownObject: A target, or what the answer takes, is not in the scene.
     """
-    wanted = check_targets(scene, targets) or scene.movable
-    return ask(orderer, Situation(scene, relations), wanted, seed=seed)
+    wanted = check_targets(scene, targets)
+    scene = check_masks(Situation(scene, relations), wanted)
+    return ask(orderer, Situation(scene, relations), wanted or scene.movable, seed=seed)

@@ -18,6 +18,8 @@ _TINT = 0.22
 """Share of an object's colour within its mask: enough to tell masks apart, and the photo stays a photo."""
 _LINE = 0.003
 """Width of an outline, as a share of the photo's."""
+_DOUBTED = 4
+"""Times as wide is the outline of a mask that is wrong in kind: it shows beside the others."""
 _PLACES = 300
 """Places of a mask that are tried for its name."""
 _LEAST = 0.5
@@ -52,24 +54,27 @@ def photo(
     label, pixels = shown.label[rows, columns], shown.rgb[rows, columns].astype(np.float64)
     height, width = label.shape
     line = max(1, round(_LINE * width))
+    doubted = {name for wrong in scene.wrong_masks for name in wrong.names}
     marks, placed = "", list[tuple[float, float]]()
     for number, name in names.items():
         mask, colour = label == number, np.array(colours[name], dtype=np.float64)
         if not mask.any():
             continue
         pixels[mask] += (colour - pixels[mask]) * _TINT
-        inside = np.asarray(binary_erosion(mask, iterations=line, border_value=1), dtype=np.bool_)
+        wide = line * (_DOUBTED if name in doubted else 1)
+        inside = np.asarray(binary_erosion(mask, iterations=wide, border_value=1), dtype=np.bool_)
         pixels[mask & ~inside] = colour
         at = _clear(mask, placed)
         placed.append(at)
         marks += _chip(name, colours[name], index[name], places.get(name), at)
     source = base64.b64encode(jpeg(pixels.clip(0, 255).astype(np.uint8))).decode("ascii")
     told = ", and before it the place in the order" if places else ""
+    said = "".join(f" Wide outline: {escape(str(wrong))}." for wrong in scene.wrong_masks)
     return (
         f'<figure class="photo"><div class="stage"><img src="data:image/jpeg;base64,{source}" '
         f'alt="what the camera saw, masks outlined" width="{width}" height="{height}">{marks}</div>'
         f'<figcaption class="note">What the camera saw: a colour for each mask, its name{told}.'
-        "</figcaption></figure>"
+        f"{said}</figcaption></figure>"
     )
 
 

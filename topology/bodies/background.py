@@ -151,7 +151,8 @@ def unnamed_among(
     around = background[within_corners(background, lower - REACH, upper + REACH)]
     levels = [fit_plane(clouds[name], up=up)[0] for name in fixed]
     levels = [plane * np.sign(plane[:3] @ up) for plane in levels]
-    lowest = max(levels, key=lambda plane: float(plane[:3] @ (lower + upper) / 2.0 + plane[3]))
+    middle = np.mean([lower, upper], axis=0)
+    lowest = max(levels, key=lambda plane: float(plane[:3] @ middle + plane[3]))
     around = around[around @ lowest[:3] + lowest[3] > RISES]  # others may carry some alone, as a box does
     lower, upper = lower - BESIDE, upper + BESIDE
     points, matter = around[within_corners(around, lower, upper)], surface_of(around)
@@ -197,7 +198,7 @@ def _elsewhere_masked(
     tree = KDTree(np.concatenate(list(known.values())))
     whose = np.repeat(np.arange(len(known)), [len(cloud) for cloud in known.values()])
     for piece in pieces_of(voxel_means(points, LINKED / 3)):
-        distance, nearest = tree.query(piece, distance_upper_bound=SAME / 2)
+        distance, nearest = map(np.asarray, tree.query(piece))
         common = np.bincount(whose[nearest[distance < SAME / 2]], minlength=len(known))
         if common.max() > IN_COMMON * len(piece):
             yield list(known)[int(common.argmax())], piece

@@ -98,7 +98,7 @@ def assemble(parts: Parts, fixed: list[str], up: ArrayLike | None, robot: Iterab
         clouds, all_fixed, up, parts.viewpoints, parts.images, parts.meshes, parts.robot_base, notes,
         matter=parts.matter,
     )  # fmt: skip
-    return scene.weighed(parts.masses, parts.friction).upright().with_unnamed(parts.background, robot)
+    return scene.weighed(parts.masses, parts.friction).upright().examined(parts.background, robot)
 
 
 def _as_cloud(name: str, points: ArrayLike) -> FloatArray:

@@ -60,6 +60,7 @@ def scene_from_coco(
     ]
     label = np.zeros(image.shape, dtype=np.int64)
     names: dict[int, str] = {}
+    claims = np.sum(masks, axis=0) if masks else label
     for place in sorted(range(len(masks)), key=lambda k: -int(masks[k].sum())):
         label[masks[place]] = place + 1
     for place, each in enumerate(annotations):
@@ -70,6 +71,11 @@ def scene_from_coco(
     seen = DepthImage(image, np.asarray(K), label, np.asarray(pose, dtype=np.float64), names)
     clouds = {name: cloud for name, cloud in seen.clouds().items() if len(cloud) > 1}
     notes = [f"{name!r} is left out: its mask has no depth" for name in names.values() if name not in clouds]
+    shared = [names[k] for k, mask in enumerate(masks, 1) if (mask & (claims > 1)).any()]
+    if shared:
+        notes.append(
+            f"masks of {', '.join(map(repr, shared))} overlap: of two the smaller one has the pixels"
+        )
     fixed = [fixed] if isinstance(fixed, str) else list(fixed)
     parts = Parts(dict(clouds), fixed, up, seen.viewpoint, images=(seen,), background=seen.background())
     parts.notes = notes

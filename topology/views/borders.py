@@ -86,7 +86,7 @@ def borders(depth: FloatArray, label: IntArray) -> Borders:
 
 
 def _owners(depth: FloatArray, label: IntArray) -> tuple[IntArray, float]:
-    picture = _Picture.of(depth, label)
+    picture = Picture.of(depth, label)
     rim = np.flatnonzero((picture.inverse > 0) & ~picture.inside)
     steps, owner, ahead = picture.continued(rim, own=True)
     thin = np.flatnonzero(steps > FAR)
@@ -141,7 +141,7 @@ def _offset(depth: FloatArray, label: IntArray) -> tuple[int, int]:
 
 
 @dataclass(frozen=True, eq=False)
-class _Picture:
+class Picture:
     """A picture in rows one after the other, with an empty margin that no ray leaves.
 
     Attributes:
@@ -159,14 +159,15 @@ class _Picture:
     width: int
 
     @staticmethod
-    def of(depth: FloatArray, label: IntArray) -> "_Picture":
-        from_border = _from_border(label)
+    def of(depth: FloatArray, label: IntArray, border: int = BORDER) -> "Picture":
+        """A picture whose inside is further than some pixels from any border of a mask."""
+        from_border = _from_border(label, border)
         inverse = np.where(depth > 0, 1.0 / np.maximum(depth, NEAREST), 0.0)
-        return _Picture(
+        return Picture(
             np.pad(inverse, FAR).ravel(),
             np.pad(label, FAR, constant_values=NOBODY).ravel(),
             np.pad(from_border, FAR).ravel(),
-            np.pad((from_border > BORDER) & (depth > 0), FAR).ravel(),
+            np.pad((from_border > border) & (depth > 0), FAR).ravel(),
             label.shape[1] + 2 * FAR,
         )
 
@@ -225,7 +226,7 @@ class _Picture:
             found, place, steps = self._ray(at[left], step, own)
             nearest[left[found]] = np.minimum(nearest[left[found]], steps)
             ends, which = np.unique(place, return_inverse=True)
-            level, slope_down, slope_right = self._planes(ends)[:, which]
+            level, slope_down, slope_right = self.planes(ends)[:, which]
             depth = 1.0 / self.inverse[at[left[found]]]
             plane = level - steps * (down * slope_down + right * slope_right)
             behind, most = 1.0 / np.maximum(plane, NEAREST) - depth, OFF * np.maximum(1.0, depth) ** 2
@@ -247,7 +248,7 @@ class _Picture:
         found = ends >= 0
         return found, ends[found], steps[found]
 
-    def _planes(self, at: IntArray) -> FloatArray:
+    def planes(self, at: IntArray) -> FloatArray:
         """Inverse depth and its slope down and right (3, k) of planes fitted around pixels (k,)."""
         side = np.arange(PATCH) - PATCH // 2
         down, right = (each.ravel().astype(np.float64) for each in np.meshgrid(side, side, indexing="ij"))

@@ -63,3 +63,40 @@ ragged ones of 1.5 pixels 1.0 to 1.6."""
 
 ENOUGH = 3000
 """Places along borders, of either direction, that tell by how much all masks are off."""
+
+# -- kinds
+
+COLUMNS = 480
+"""Columns of a picture that is asked pixel by pixel; of larger ones every so manieth tells as much."""
+
+FLUSH = 0.0025
+"""[m] at a metre and nearer, beyond with its square, by which two surfaces may differ and be one: twice a
+depth camera's noise, and less than what one could grasp by."""
+
+SEAM = 8
+"""Places, every second pixel, that the border of two masks has at least, to be asked about."""
+
+INWARDS = 1
+"""Pixels from a border to the middles of the patches on either side of it, of which most lies within."""
+
+MOSTLY = 0.8
+"""Share of a border over which a surface goes on: where it ends, and along an edge, patches tell less."""
+
+CHORD = 2
+"""Pixels to either side to the ends of the chord that tells a crease: fewer of a mask's rim go unasked."""
+
+CREASE = 0.004
+"""[m] at a metre and nearer, beyond with its square, that a pixel lies behind such a chord where a mask is
+cut: more than noise and a bowl's inside come to, and less than a step or a right angle."""
+
+FEWEST = 60
+"""Pixels of a piece that is asked about."""
+
+PIECE = 0.1
+"""Share of its mask's pieces that one has at least: a handle, a rim or a spout is less."""
+
+MEETS = 0.3
+"""Length along which two pieces meet, in square roots of the smaller one's pixels."""
+
+HELD = 0.2
+"""Share of a piece's seam within the outline of the one in front, from which that one is hollow."""
