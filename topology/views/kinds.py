@@ -24,6 +24,7 @@ from topple.topology.views.tolerances import (
     CHORD,
     COLUMNS,
     CREASE,
+    EVEN,
     FAR,
     FEWEST,
     FLUSH,
@@ -132,7 +133,7 @@ def _smooth(picture: Picture) -> Iterator[list[int]]:
 
     On either side of it planes are fitted to patches of the mask there, and each is continued to the other.
     """
-    apart, pairs, goes_on = 2 * INWARDS + 1, list[IntArray](), list[BoolArray]()
+    apart, pairs, goes_on, steps = 2 * INWARDS + 1, list[IntArray](), list[BoolArray](), list[FloatArray]()
     for step, axis in ((picture.width, 1), (1, 2)):
         own, beside = picture.label[:-step], picture.label[step:]
         at = np.flatnonzero((own != beside) & (np.minimum(own, beside) >= 0))[::2]  # one tells for the next
@@ -142,15 +143,19 @@ def _smooth(picture: Picture) -> Iterator[list[int]]:
         here, there = (picture.planes(end) for end in ends[:, whole])
         metres = np.square(1.0 / np.maximum(np.maximum(here[0], there[0]), NEAREST))
         between = there[0] - here[0]
-        off = np.maximum(np.abs(apart * here[axis] - between), np.abs(apart * there[axis] - between))
-        whole[whole] = off * metres <= FLUSH * np.maximum(1.0, metres)
+        off = (apart * np.stack([here[axis], there[axis]]) - between) * metres
+        step_of = np.zeros(len(whole))
+        step_of[whole] = np.where(both[0] < both[1], 1.0, -1.0)[whole] * off.mean(axis=0)
+        whole[whole] = np.abs(off).max(axis=0) <= FLUSH * np.maximum(1.0, metres)
         pairs.append(np.sort(both, axis=0))
         goes_on.append(whole)
+        steps.append(np.where(whole, step_of, 0.0))
     numbers, codes = np.unique(np.concatenate(pairs, axis=1), return_inverse=True)
     first, second = codes.reshape(2, -1)
     code = first * len(numbers) + second
     length, smooth = np.bincount(code), np.bincount(code, weights=np.concatenate(goes_on))
-    for found in np.flatnonzero((length >= SEAM) & (smooth >= MOSTLY * length)).tolist():
+    level = np.abs(np.bincount(code, weights=np.concatenate(steps))) <= EVEN * smooth
+    for found in np.flatnonzero((length >= SEAM) & (smooth >= MOSTLY * length) & level).tolist():
         yield numbers[list(divmod(found, len(numbers)))].tolist()
 
 

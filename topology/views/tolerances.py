@@ -73,6 +73,9 @@ FLUSH = 0.0025
 """[m] at a metre and nearer, beyond with its square, by which two surfaces may differ and be one: twice a
 depth camera's noise, and less than what one could grasp by."""
 
+EVEN = 0.001
+"""[m] by which two surfaces may differ along all of their border and be one: noise averages out there."""
+
 SEAM = 8
 """Places, every second pixel, that the border of two masks has at least, to be asked about."""
 
