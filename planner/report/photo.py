@@ -18,8 +18,6 @@ _TINT = 0.22
 """Share of an object's colour within its mask: enough to tell masks apart, and the photo stays a photo."""
 _LINE = 0.003
 """Width of an outline, as a share of the photo's."""
-_DOUBTED = 4
-"""Times as wide is the outline of a mask that is wrong in kind: it shows beside the others."""
 _PLACES = 300
 """Places of a mask that are tried for its name."""
 _LEAST = 0.5
@@ -61,7 +59,7 @@ def photo(
         if not mask.any():
             continue
         pixels[mask] += (colour - pixels[mask]) * _TINT
-        wide = line * (_DOUBTED if name in doubted else 1)
+        wide = 4 * line if name in doubted else line  # it shows beside the others
         inside = np.asarray(binary_erosion(mask, iterations=wide, border_value=1), dtype=np.bool_)
         pixels[mask & ~inside] = colour
         at = _clear(mask, placed)

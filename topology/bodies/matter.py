@@ -19,8 +19,6 @@ from topple.topology.geometry.thin import cell_keys
 MATTER = "something without a name"
 """What messages and plans call it: it is in the way, and no object."""
 
-_SQUARE = MATTER_SPACING / 2.0 * np.array([(-1.0, -1.0), (-1.0, 1.0), (1.0, -1.0), (1.0, 1.0)])
-
 
 def surface_of(points: FloatArray) -> FloatArray:
     """Thin points to one for each cube that holds a surface: what flies between surfaces is left out.
@@ -92,15 +90,21 @@ def _is_plate(local: FloatArray) -> bool:
 
 def _within(places: FloatArray, points: FloatArray) -> BoolArray:
     """Which of (P, 2) places lie half a spacing and more within the outline of (N, 2) points."""
-    sides = ConvexHull((points[:, None] + _SQUARE).reshape(-1, 2)).equations
+    sides = ConvexHull(_spread(points)).equations
     return np.asarray((places @ sides[:, :2].T + sides[:, 2] < -MATTER_SPACING).all(axis=1))
 
 
 def _plate(local: FloatArray, eye: float) -> FloatArray:
     """The plate (V, 3) around points (N, 3) along their axes; `eye`: on which side it was seen from [m]."""
-    spread = (local[:, None, 1:] + _SQUARE).reshape(-1, 2)
+    spread = _spread(local[:, 1:])
     outline = spread[ConvexHull(spread).vertices]
     low, high = np.quantile(local[:, 0], PLATE_STRAYS) - PLATE_SUNK * np.array([-1.0, 1.0])
     low, high = (min(low, high - PLATE_BACK), high) if eye > 0.0 else (low, max(high, low + PLATE_BACK))
     faces = [np.insert(outline, 0, level, axis=1) for level in (low, high)]
     return np.concatenate(faces)
+
+
+def _spread(points: FloatArray) -> FloatArray:
+    """Corners (4 N, 2) of the squares that points (N, 2) stand for."""
+    corners = MATTER_SPACING * (np.indices((2, 2)).reshape(2, -1).T - 0.5)
+    return (points[:, None] + corners).reshape(-1, 2)
