@@ -19,6 +19,7 @@ if TYPE_CHECKING:
     from topple.topology.pair import PairRelation
     from topple.topology.relations import Relations, relate, relate_all
     from topple.topology.scene import Mesh, Scene
+    from topple.topology.situation import Situation
     from topple.topology.sixim.table import Relation, classify
     from topple.topology.workers import WorkerLost, WorkerPool
 
@@ -35,6 +36,7 @@ __all__ = [
     "Relation",
     "Relations",
     "Scene",
+    "Situation",
     "ToppleError",
     "UnknownObject",
     "WorkerLost",
@@ -69,6 +71,7 @@ __getattr__ = lazy_names(
         "pair": "PairRelation",
         "relations": "Relations relate relate_all",
         "scene": "Mesh Scene",
+        "situation": "Situation",
         "sixim.table": "Relation classify",
         "workers": "WorkerLost WorkerPool",
     },
