@@ -197,7 +197,7 @@ class Camera:
     def _with_faults(self, depth: FloatArray, label: IntArray, rng: np.random.Generator) -> FloatArray:
         """Noise, quantisation, grazing views, edges and lost pixels."""
         noise = self.noise
-        if noise == Noise.none():
+        if replace(noise, shift=0.0, missing=0.0) == Noise.none():
             return depth
         seen = depth > 0
         edge, jump = _edges(depth, label)
