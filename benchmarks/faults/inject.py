@@ -127,7 +127,9 @@ def play(fault: Fault, seed: int) -> Run:
 def _played(fault: Fault, seed: int, stage: Scenario, rng: np.random.Generator) -> Run:
     acting = SimulatedArm(in_bullet(stage.world), robot_named(fault.robot), stage.pose_base_to_world)
     eyes = list(stage.cameras) if fault.eyes is None else fault.eyes(stage, rng)
-    perception = Observer(stage.world, eyes, np.random.default_rng(seed), stage.fixed, stage.up)
+    perception = Observer(
+        stage.world, eyes, np.random.default_rng(seed), stage.fixed, stage.up, robots=[acting]
+    )
     loop = ClosedLoop(
         acting if fault.driver is None else fault.driver(acting, rng),
         perception,

@@ -87,7 +87,8 @@ class Observer:
             is expected, by place and shape.
         relate: What relates what is seen; topple's own rule where None.
         photographer: What takes photos for people of the world, for a report; None takes none.
-        robots: Those that may be in the pictures: what is seen at them is nobody's.
+        robots: Those in the pictures: what is seen at them is nobody's, and what else has no mask is matter;
+            None where that is not known, and nothing is.
     """
 
     world: PhysicalWorld
@@ -100,7 +101,7 @@ class Observer:
     shuffle_labels: bool = False
     relate: Relate | None = None
     photographer: Callable[[], Photo] | None = None
-    robots: Sequence[Driver] = ()
+    robots: Sequence[Driver] | None = None
 
     def __post_init__(self) -> None:
         self._frames = Frames(self.cameras)
@@ -145,9 +146,12 @@ class Observer:
                 images = (*images, *kept)
                 scene, _ = _joined(self._scene(images), expected)
         self._kept = (*kept, *more)
-        places = [(each.q_target, each.pose_base_to_world, each.tool_state) for each in self.robots]
-        bodies = [each.arm.bodies(*place) for each, place in zip(self.robots, places, strict=True)]
-        scene = scene.with_unnamed(background, chain.from_iterable(bodies), things=False)
+        if self.robots is not None:
+            bodies = [
+                each.arm.bodies(each.q_target, each.pose_base_to_world, each.tool_state)
+                for each in self.robots
+            ]
+            scene = scene.with_unnamed(background, chain.from_iterable(bodies), things=False)
         scene = scene.weighed(_among(self.masses, scene), _among(self.friction, scene))
         self._last = scene
         relations = None if self.relate is None else self.relate(scene)
