@@ -1,8 +1,9 @@
 """DepthImage: one look of a depth camera, with a mask that says which pixel is which object."""
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
 from functools import cached_property
+from typing import TypeVar
 
 import numpy as np
 from numpy.typing import NDArray
@@ -14,6 +15,8 @@ from topple.topology.errors import InvalidInput
 from topple.topology.tolerances import FARTHEST_DEPTH
 from topple.topology.values import ByValue, FrozenDict
 from topple.topology.views.borders import Borders, borders
+
+_Value = TypeVar("_Value")
 
 IGNORED = "ignore"
 """Name of pixels that are of nothing in the scene."""
@@ -106,8 +109,7 @@ class DepthImage(ByValue):
         points = self.lifted(rows[by_label], columns[by_label])
         present, starts = np.unique(labels[by_label], return_index=True)
         pieces = np.split(points, starts[1:]) if len(present) else []
-        named = zip(map(self.name_of, present.tolist()), pieces, strict=True)
-        return {name: piece for name, piece in named if name != IGNORED}
+        return self._named(present, pieces)
 
     def background(self) -> FloatArray:
         """Lift the pixels that have depth and are of no object.
@@ -177,8 +179,12 @@ class DepthImage(ByValue):
             Number of mask pixels per object, by ascending label.
         """
         present, counts = np.unique(self.label[self.label > 0], return_counts=True)
-        named = zip(map(self.name_of, present.tolist()), counts.tolist(), strict=True)
-        return {name: count for name, count in named if name != IGNORED}
+        return self._named(present, counts.tolist())
+
+    def _named(self, numbers: IntArray, values: Iterable[_Value]) -> dict[str, _Value]:
+        """Values of labels by name, without what is to be ignored."""
+        named = zip(map(self.name_of, numbers.tolist()), values, strict=True)
+        return {name: value for name, value in named if name != IGNORED}
 
     def name_of(self, number: int) -> str:
         """Name of a label: the one given, or the number itself."""

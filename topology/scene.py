@@ -26,7 +26,7 @@ from topple.topology.model_fit import ModelFit
 from topple.topology.notebook import in_cell
 from topple.topology.tolerances import FEWEST_SEEN
 from topple.topology.values import ByValue, FrozenDict
-from topple.topology.views.kinds import WrongMask, wrong_masks
+from topple.topology.views.wrong_masks import WrongMask, wrong_masks
 
 _Value = TypeVar("_Value")
 

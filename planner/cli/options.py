@@ -9,9 +9,11 @@ from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, cast
 
+from topple.planner.cli.robot_options import seen_robot
+
 if TYPE_CHECKING:
     from topple.planner.formats.plan_format import Plan
-    from topple.planner.planning.step import Orderer
+    from topple.planner.planning.step import Orderer, Task
     from topple.topology.arrays import FloatArray
     from topple.topology.relations import Relations
     from topple.topology.scene import Scene
@@ -100,7 +102,7 @@ class Reading:
         most_bytes: What a file may unpack to, or None for as much as is usual.
         allow_outside: Whether scene.json may name files that are not below its folder.
         options: What was given of the options that one format alone has, and the folder of known models.
-        robot: What says where in a scene the bodies of a robot in its picture are, or None.
+        robot: What says where in a scene the bodies of a robot in its picture are; none without --joints.
         as_they_are: Whether masks are trusted that are wrong in kind.
     """
 
@@ -109,14 +111,12 @@ class Reading:
     most_bytes: int | None
     allow_outside: bool
     options: Mapping[str, Any]
-    robot: "Callable[[Scene], Sequence[FloatArray]] | None" = None
+    robot: "Callable[[Scene], Sequence[FloatArray]] | tuple[()]" = ()
     as_they_are: bool = False
 
     @staticmethod
     def of(args: argparse.Namespace) -> "Reading":
         """What the parsed arguments say."""
-        from topple.planner.cli.robot_options import seen_robot
-
         up = None if args.up is None else tuple(args.up)
         most = None if args.max_mb is None else int(1e6 * args.max_mb)
         options = {key: value for key in _OF_FORMATS if (value := getattr(args, key, None)) is not None}
@@ -132,16 +132,15 @@ class Reading:
         """
         from topple.topology.io import load_scene
 
-        read = partial(
-            load_scene,
+        found = load_scene(
             path,
             fixed=self.fixed,
             up=self.up,
             most_bytes=self.most_bytes,
             allow_outside=self.allow_outside,
+            robot=self.robot,
             **self.options,
         )
-        found = read() if self.robot is None else read(robot=self.robot(read()))
         return found.with_masks_as_they_are() if self.as_they_are else found
 
 
@@ -180,6 +179,38 @@ def finished(reading: Reading, goal: str) -> "Scene | str | dict[str, Any]":
     if not isinstance(document, dict) or "relations" not in document:
         raise InvalidInput(f"{goal}: expected what `topple relate --json` prints, an object with 'relations'")
     return document
+
+
+def goal_of(args: argparse.Namespace) -> "str | list[str] | Task":
+    """Say what is wanted.
+
+    Args:
+        args: The parsed arguments, scenes told apart from targets already.
+
+    Returns:
+        The goal's words, the names to free, or the task to make things lie as --to says.
+
+    Raises:
+        InvalidInput: That scene cannot be read.
+    """
+    if sum((bool(args.target), args.goal is not None, args.to is not None)) != 1:
+        args.parser.error("give one of --target NAME, --goal TEXT and --to GOAL")
+    if args.to is not None:
+        from topple.planner.rearranging.arrangement import Arrangement
+        from topple.planner.rearranging.task import (
+            ArrangementTask,
+            DescribedTask,
+            RelatedTask,
+            SameShapesTask,
+        )
+
+        scene = finished(Reading.of(args), args.to)
+        if isinstance(scene, str):
+            return DescribedTask(scene)
+        if isinstance(scene, dict):
+            return RelatedTask(scene)
+        return SameShapesTask(scene) if args.match == "shape" else ArrangementTask(Arrangement(scene))
+    return args.goal if args.goal is not None else args.target
 
 
 def read_plan(path: str) -> "Plan":

@@ -8,9 +8,9 @@ from typing import TYPE_CHECKING
 from topple.planner.cli.arguments import COMMON, add, add_scenes, add_task
 from topple.planner.cli.console import print_json, print_table, print_text
 from topple.planner.cli.main import DONE, NO_SAFE_PLAN
-from topple.planner.cli.options import orderer_of, read_scene, rule_of, scene_paths
+from topple.planner.cli.options import goal_of, orderer_of, read_scene, rule_of, scene_paths
 from topple.planner.cli.progress import Progress
-from topple.planner.cli.robot_options import arm_of, base_of, goal_of, output_of
+from topple.planner.cli.robot_options import arm_of, base_of, output_of
 from topple.planner.cli.tables import print_assumptions
 from topple.planner.formats.files import write_whole
 

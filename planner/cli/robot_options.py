@@ -6,49 +6,15 @@ from collections.abc import Callable, Sequence
 from functools import partial
 from typing import TYPE_CHECKING
 
-from topple.planner.cli.options import Reading, finished
 from topple.planner.formats.files import check_writable
 from topple.topology.errors import InvalidInput
 
 if TYPE_CHECKING:
     from pathlib import Path
 
-    from topple.planner.planning.step import Task
     from topple.robots.arm.arm import Arm
     from topple.topology.arrays import FloatArray
     from topple.topology.scene import Scene
-
-
-def goal_of(args: argparse.Namespace) -> "str | list[str] | Task":
-    """Say what is wanted.
-
-    Args:
-        args: The parsed arguments, scenes told apart from targets already.
-
-    Returns:
-        The goal's words, the names to free, or the task to make things lie as --to says.
-
-    Raises:
-        InvalidInput: That scene cannot be read.
-    """
-    if sum((bool(args.target), args.goal is not None, args.to is not None)) != 1:
-        args.parser.error("give one of --target NAME, --goal TEXT and --to GOAL")
-    if args.to is not None:
-        from topple.planner.rearranging.arrangement import Arrangement
-        from topple.planner.rearranging.task import (
-            ArrangementTask,
-            DescribedTask,
-            RelatedTask,
-            SameShapesTask,
-        )
-
-        scene = finished(Reading.of(args), args.to)
-        if isinstance(scene, str):
-            return DescribedTask(scene)
-        if isinstance(scene, dict):
-            return RelatedTask(scene)
-        return SameShapesTask(scene) if args.match == "shape" else ArrangementTask(Arrangement(scene))
-    return args.goal if args.goal is not None else args.target
 
 
 def arm_of(args: argparse.Namespace) -> "Arm":
@@ -102,14 +68,14 @@ def output_of(args: argparse.Namespace, name: str) -> "Path | None":
     return None if given is None else check_writable(given)
 
 
-def seen_robot(args: argparse.Namespace) -> "Callable[[Scene], Sequence[FloatArray]] | None":
-    """What says where the bodies (V, 3) of the robot of --joints are in a scene [m]; None without joints.
+def seen_robot(args: argparse.Namespace) -> "Callable[[Scene], Sequence[FloatArray]] | tuple[()]":
+    """What says where the bodies (V, 3) of the robot of --joints are in a scene [m]; none without joints.
 
     Raises:
         InvalidInput: There is no such robot; asked, that the joints are not its, or its place is not known.
     """
     if getattr(args, "joints", None) is None:
-        return None
+        return ()
     if args.robot is None:
         args.parser.error("--joints are those of --robot: give both or neither")
     return partial(_bodies, robot_of(args), args.joints, argparse.Namespace(base=args.base))

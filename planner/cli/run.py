@@ -5,9 +5,9 @@ import argparse
 from topple.planner.cli.arguments import COMMON, SIMULATION, add, add_scenes, add_task
 from topple.planner.cli.console import complain, print_json, print_text
 from topple.planner.cli.main import DONE, INTERRUPTED, NO_SAFE_PLAN
-from topple.planner.cli.options import orderer_of, read_scene, rule_of, scene_paths
+from topple.planner.cli.options import goal_of, orderer_of, read_scene, rule_of, scene_paths
 from topple.planner.cli.progress import Progress
-from topple.planner.cli.robot_options import arm_of, base_of, goal_of, output_of, recordings_of
+from topple.planner.cli.robot_options import arm_of, base_of, output_of, recordings_of
 from topple.planner.cli.tables import print_run
 from topple.planner.formats.files import write_whole
 

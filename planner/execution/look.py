@@ -147,11 +147,8 @@ class Observer:
                 scene, _ = _joined(self._scene(images), expected)
         self._kept = (*kept, *more)
         if self.robots is not None:
-            bodies = [
-                each.arm.bodies(each.q_target, each.pose_base_to_world, each.tool_state)
-                for each in self.robots
-            ]
-            scene = scene.with_unnamed(background, chain.from_iterable(bodies), things=False)
+            own = (r.arm.bodies(r.q_target, r.pose_base_to_world, r.tool_state) for r in self.robots)
+            scene = scene.with_unnamed(background, chain.from_iterable(own), things=False)
         scene = scene.weighed(_among(self.masses, scene), _among(self.friction, scene))
         self._last = scene
         relations = None if self.relate is None else self.relate(scene)

@@ -244,8 +244,10 @@ def check_masks(
         InvalidInput: It does; says which mask and what to do.
     """
     situation = Situation.of(scene)
-    doubted = [wrong for wrong in situation.scene.wrong_masks if wrong.decides]
-    if doubted and targets:
+    doubted = [wrong for wrong in situation.scene.wrong_masks if wrong.refuses]
+    if not doubted:
+        return situation.scene
+    if targets:
         graph = dependencies(situation, direct=False) if graph is None else graph
         asked = [name for name in targets if name in graph.names]
         needed = {*asked}.union(*(graph.before(name) for name in asked))

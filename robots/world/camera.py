@@ -52,8 +52,6 @@ class Noise:
         edge_loss: Share of the pixels along an object's edge that have no depth.
         edge_mix: Share of them that fly between the object and what is behind it.
         loss: Share of all pixels that have no depth.
-        shift: Standard deviation in pixels by which mask edges are wrong; 0 for exact masks.
-        missing: Chance of an object that no mask shows it in a picture.
     """
 
     floor: float = 0.0012
@@ -62,13 +60,11 @@ class Noise:
     edge_loss: float = 0.1
     edge_mix: float = 0.1
     loss: float = 0.002
-    shift: float = 0.0
-    missing: float = 0.0
 
     @classmethod
     def none(cls) -> "Noise":
         """A camera without faults."""
-        return cls(floor=0.0, growth=0.0, quantum=0.0, edge_loss=0.0, edge_mix=0.0, loss=0.0)
+        return cls(0.0, 0.0, 0.0, 0.0, 0.0, 0.0)
 
     def deviation(self, depth: FloatArray) -> FloatArray:
         """Standard deviation in [m] of the axial error at depths in [m]."""
@@ -84,9 +80,11 @@ class Camera:
         height: In pixels.
         K: Intrinsic matrix (3, 3) in pixels; the centre of the first pixel is (0, 0).
         pose_camera_to_world: (4, 4); x right, y down, z forward.
-        noise: Its faults.
+        noise: Faults of its depth.
         nearest: Least distance in [m] it sees.
         farthest: Largest distance in [m] it sees.
+        mask_noise: Standard deviation in pixels by which edges of masks are wrong; 0 for exact masks.
+        masks_missing: Chance of an object that no mask shows it in a picture.
     """
 
     width: int
@@ -96,6 +94,8 @@ class Camera:
     noise: Noise = field(default_factory=Noise)
     nearest: float = 0.15
     farthest: float = 4.0
+    mask_noise: float = 0.0
+    masks_missing: float = 0.0
 
     def __post_init__(self) -> None:
         """Check the matrices and make them read-only."""
@@ -157,7 +157,7 @@ class Camera:
             missing = MASKS_MISSING * (pixels > 0)
         if not 0.0 <= missing <= 1.0:
             raise InvalidInput(f"{missing} of the masks are missing: expected a chance, 0 to 1")
-        return replace(self, noise=replace(self.noise, shift=float(pixels), missing=float(missing)))
+        return replace(self, mask_noise=float(pixels), masks_missing=float(missing))
 
     def look(self, world: Visible, rng: np.random.Generator | None = None) -> DepthImage:
         """Take a picture.
@@ -175,11 +175,11 @@ class Camera:
         names = {number + 1: name for name, number in world.ids.items() if name != MATTER}
         label = np.where(np.isin(body + 1, list(names)), body + 1, 0)
         depth = self._with_faults(depth, label, rng)
-        if self.noise.shift > 0:
-            label = ragged(label, self.noise.shift, rng)
-        if self.noise.missing > 0:
+        if self.mask_noise > 0:
+            label = ragged(label, self.mask_noise, rng)
+        if self.masks_missing > 0:
             movable = [number for number, name in names.items() if name in world.movable]
-            missed = rng.random(len(movable)) < self.noise.missing
+            missed = rng.random(len(movable)) < self.masks_missing
             label = np.where(np.isin(label, np.array(movable)[missed]), 0, label)
         return DepthImage(
             depth=depth,
@@ -197,7 +197,7 @@ class Camera:
     def _with_faults(self, depth: FloatArray, label: IntArray, rng: np.random.Generator) -> FloatArray:
         """Noise, quantisation, grazing views, edges and lost pixels."""
         noise = self.noise
-        if replace(noise, shift=0.0, missing=0.0) == Noise.none():
+        if noise == Noise.none():
             return depth
         seen = depth > 0
         edge, jump = _edges(depth, label)

@@ -1,6 +1,6 @@
 """What points of no object show: the table on which the objects stand, and things without a name."""
 
-from collections.abc import Iterable, Iterator, Mapping
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 
 import numpy as np
 from scipy import ndimage
@@ -149,42 +149,48 @@ def unnamed_among(
         return {}, np.empty((0, 3)), []
     lower, upper = bounds(np.concatenate(list(movable.values())))
     around = background[within_corners(background, lower - REACH, upper + REACH)]
-    levels = [fit_plane(clouds[name], up=up)[0] for name in fixed]
-    levels = [plane * np.sign(plane[:3] @ up) for plane in levels]
-    middle = np.mean([lower, upper], axis=0)
-    lowest = max(levels, key=lambda plane: float(plane[:3] @ middle + plane[3]))
-    around = around[around @ lowest[:3] + lowest[3] > RISES]  # others may carry some alone, as a box does
+    around = around[
+        _above_lowest([clouds[name] for name in fixed], np.mean([lower, upper], axis=0), up, around)
+    ]
     lower, upper = lower - BESIDE, upper + BESIDE
     points, matter = around[within_corners(around, lower, upper)], surface_of(around)
     mended, found, notes = dict[str, FloatArray](), dict[str, FloatArray](), list[str]()
     for name, piece in _elsewhere_masked(points, movable):
-        tree = KDTree(piece)
-        own = tree.query(points, distance_upper_bound=LINKED)[0] < LINKED / 2
+        own = _near(piece, points, LINKED / 2)
         mended[name] = np.concatenate([mended.get(name, movable[name]), points[own]])
-        points = points[~own]
-        matter = matter[tree.query(matter, distance_upper_bound=LINKED)[0] > LINKED]
+        points, matter = points[~own], matter[~_near(piece, matter, LINKED)]
     notes += [
         f"a picture that shows {name!r} has no mask of it: its points are taken for it" for name in mended
     ]
-    if len(around):
-        known = KDTree(np.concatenate([voxel_means(cloud, SAME / 2) for cloud in clouds.values()]))
-        points, matter = (
-            some[known.query(some, distance_upper_bound=SAME)[0] > SAME] for some in (points, matter)
-        )
+    known = np.concatenate([voxel_means(cloud, SAME / 2) for cloud in clouds.values()])
+    points, matter = (some[~_near(known, some, SAME)] for some in (points, matter))
     level = np.stack(level_axes(up), axis=1)  # (3, 2)
-    below = {name: KDTree(voxel_means(cloud, LINKED / 3) @ level) for name, cloud in movable.items()}
+    below = {name: voxel_means(cloud, LINKED / 3) @ level for name, cloud in movable.items()}
     for piece in sorted(pieces_of(voxel_means(points, LINKED / 3)), key=len, reverse=True):
-        if things and within_corners(piece, lower + LINKED, upper - LINKED).all():
-            at = piece @ level
-            near = [name for name, tree in below.items() if (tree.query(at)[0] < LINKED).any()]
-            if near:
-                name = free_name(f"unnamed_{len(found) + 1}", {*clouds, *found})
-                tree = KDTree(piece)
-                found[name] = points[tree.query(points)[0] < LINKED / 2]
-                matter = matter[tree.query(matter, distance_upper_bound=LINKED)[0] > LINKED]
-                at = ", ".join(near)
-                notes.append(f"something without a name is at {at}: {name!r}; take it away, or name it")
+        if not things or not within_corners(piece, lower + LINKED, upper - LINKED).all():
+            continue
+        near = [name for name, under in below.items() if _near(under, piece @ level, LINKED).any()]
+        if near:
+            name = free_name(f"unnamed_{len(found) + 1}", {*clouds, *found})
+            found[name] = points[_near(piece, points, LINKED / 2)]
+            matter = matter[~_near(piece, matter, LINKED)]
+            at = ", ".join(near)
+            notes.append(f"something without a name is at {at}: {name!r}; take it away, or name it")
     return {**mended, **found}, matter, notes + _note_of_matter(matter)
+
+
+def _above_lowest(
+    supports: Sequence[FloatArray], middle: FloatArray, up: FloatArray, points: FloatArray
+) -> BoolArray:
+    """Which points rise above the lowest under a place of what never moves: others may carry some alone."""
+    planes = [plane * np.sign(plane[:3] @ up) for plane, _ in (fit_plane(each, up=up) for each in supports)]
+    lowest = max(planes, key=lambda plane: float(plane[:3] @ middle + plane[3]))
+    return np.asarray(points @ lowest[:3] + lowest[3] > RISES)
+
+
+def _near(some: FloatArray, points: FloatArray, reach: float) -> BoolArray:
+    """Which points (N, d) lie within a reach [m] of some (M, d)."""
+    return np.isfinite(np.asarray(KDTree(some).query(points, distance_upper_bound=reach)[0]))
 
 
 def _elsewhere_masked(

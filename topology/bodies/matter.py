@@ -14,7 +14,7 @@ from topple.topology.bodies.tolerances import (
     PLATE_STRAYS,
     PLATE_SUNK,
 )
-from topple.topology.geometry.thin import cell_keys
+from topple.topology.geometry.thin import cell_keys, voxel_means
 
 MATTER = "something without a name"
 """What messages and plans call it: it is in the way, and no object."""
@@ -29,18 +29,11 @@ def surface_of(points: FloatArray) -> FloatArray:
     Returns:
         (M, 3) means of the points in cubes with an edge of `MATTER_SPACING`.
     """
-    if len(points) == 0:
-        return points
-    _, cell, count = np.unique(
-        cell_keys(points, *bounds(points), MATTER_SPACING), return_inverse=True, return_counts=True
-    )
-    sums = np.stack([np.bincount(cell, weights=points[:, k]) for k in range(3)], axis=1)
-    means = (sums / count[:, None])[count > 1]
+    means = voxel_means(points, MATTER_SPACING, fewest=2)
     if len(means) == 0:
         return means
-    _, cell, count = np.unique(
-        cell_keys(means, *bounds(means), LEAST_PLATE), return_inverse=True, return_counts=True
-    )
+    keys = cell_keys(means, *bounds(means), LEAST_PLATE)
+    _, cell, count = np.unique(keys, return_inverse=True, return_counts=True)
     return means[count[cell] >= MATTER_FEWEST]
 
 

@@ -66,13 +66,14 @@ def thinned(points: FloatArray, spacing: float) -> FloatArray:
     return points[np.sort(places[first])]
 
 
-def voxel_means(points: FloatArray, spacing: float, ahead: float = BEFORE) -> FloatArray:
+def voxel_means(points: FloatArray, spacing: float, ahead: float = BEFORE, fewest: int = 1) -> FloatArray:
     """Keep the mean of the points in each cubic cell, which also averages their noise.
 
     Args:
         points: (N, 3) points [m].
         spacing: Edge of the cells [m], > 0.
         ahead: How far before the least coordinates the cells begin [m].
+        fewest: Points of a cell at least; others are left out.
 
     Returns:
         (M, 3) points, M <= N, ordered by cell.
@@ -82,4 +83,4 @@ def voxel_means(points: FloatArray, spacing: float, ahead: float = BEFORE) -> Fl
     keys = cell_keys(points, *bounds(points), spacing, ahead)
     _, inverse, counts = np.unique(keys, return_inverse=True, return_counts=True)
     sums = np.stack([np.bincount(inverse, weights=points[:, k]) for k in range(3)], axis=1)
-    return sums / counts[:, None]
+    return (sums / counts[:, None])[counts >= fewest]

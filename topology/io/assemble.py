@@ -1,6 +1,6 @@
 """From what a file says to a Scene: fixed objects, the table, and which way is up."""
 
-from collections.abc import Iterable
+from collections.abc import Callable, Iterable
 from dataclasses import dataclass, field
 from typing import Any
 
@@ -63,14 +63,19 @@ class Parts:
     friction: Any = None
 
 
-def assemble(parts: Parts, fixed: list[str], up: ArrayLike | None, robot: Iterable[FloatArray] = ()) -> Scene:
+def assemble(
+    parts: Parts,
+    fixed: list[str],
+    up: ArrayLike | None,
+    robot: Iterable[FloatArray] | Callable[[Scene], Iterable[FloatArray]] = (),
+) -> Scene:
     """Make the scene, filling in what the file leaves open.
 
     Args:
         parts: What the file says.
         fixed: Names that never move, beside those in the file.
         up: Direction (3,) that goes before the file's, or None.
-        robot: Corners (V, 3) [m] of bodies whose points are nobody's.
+        robot: Corners (V, 3) [m] of bodies whose points are nobody's, or what gives them for the scene.
 
     Returns:
         The scene; what was filled in stands in its assumptions.
@@ -98,7 +103,8 @@ def assemble(parts: Parts, fixed: list[str], up: ArrayLike | None, robot: Iterab
         clouds, all_fixed, up, parts.viewpoints, parts.images, parts.meshes, parts.robot_base, notes,
         matter=parts.matter,
     )  # fmt: skip
-    return scene.weighed(parts.masses, parts.friction).upright().examined(parts.background, robot)
+    scene = scene.weighed(parts.masses, parts.friction).upright()
+    return scene.examined(parts.background, robot(scene) if callable(robot) else robot)
 
 
 def _as_cloud(name: str, points: ArrayLike) -> FloatArray:

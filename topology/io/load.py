@@ -2,7 +2,7 @@
 
 import inspect
 import os
-from collections.abc import Iterable
+from collections.abc import Callable, Iterable
 from pathlib import Path
 from typing import Any, Protocol
 
@@ -56,7 +56,7 @@ def load_scene(
     most_bytes: int | None = None,
     allow_outside: bool = False,
     models: bool | str | os.PathLike[str] | None = None,
-    robot: Iterable[FloatArray] = (),
+    robot: Iterable[FloatArray] | Callable[[Scene], Iterable[FloatArray]] = (),
     **options: Any,
 ) -> Scene:
     """Read a scene from a file or a folder, told apart by content.
@@ -83,8 +83,8 @@ def load_scene(
         models: A folder of known models, which take the place of what was seen of objects of their names
             where they fit (`topple.topology.with_models`); or whether the models of a BOP dataset are taken
             at their true poses although there is depth.
-        robot: Corners (V, 3) [m] of bodies whose points are nobody's: a robot in its own picture,
-            `arm.bodies(q, pose_base_to_world)`.
+        robot: Corners (V, 3) [m] of bodies whose points are nobody's, or what gives them for the scene: a
+            robot in its own picture, `arm.bodies(q, pose_base_to_world)`.
         **options: What its format alone has: `image=3` for a BOP dataset and a recording.
 
     Returns:

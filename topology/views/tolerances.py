@@ -64,7 +64,7 @@ ragged ones of 1.5 pixels 1.0 to 1.6."""
 ENOUGH = 3000
 """Places along borders, of either direction, that tell by how much all masks are off."""
 
-# -- kinds
+# -- wrong_masks
 
 COLUMNS = 480
 """Columns of a picture that is asked pixel by pixel; of larger ones every so manieth tells as much."""

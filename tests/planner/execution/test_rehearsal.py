@@ -42,7 +42,7 @@ def test_matter_is_rebuilt_and_the_cameras_see_no_object_in_it() -> None:
         scene.clouds, scene.fixed, scene.up, scene.viewpoints, matter=wall.reshape(-1, 3), assumptions=()
     )
     with Rehearsal.of(behind, robot("panda"), BASE) as stage:
-        eyes = Observer(stage.world, stage.cameras, np.random.default_rng(0), ("table",))
+        eyes = Observer(stage.world, stage.cameras, np.random.default_rng(0), ("table",), robots=())
         seen = eyes.look().scene
     assert set(seen.names) == {"table", "a"}
     there = wall.reshape(-1, 3) @ stage.pose_scene_to_world[:3, :3].T + stage.pose_scene_to_world[:3, 3]

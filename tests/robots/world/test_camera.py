@@ -88,7 +88,7 @@ def test_the_same_seed_gives_the_same_picture(world: World) -> None:
 
 def test_mask_noise_moves_edges_only(world: World) -> None:
     exact = Camera.looking_at(EYE, TARGET).look(world).label
-    wrong = Camera.looking_at(EYE, TARGET, noise=Noise(shift=1.0)).look(world).label
+    wrong = Camera.looking_at(EYE, TARGET).with_mask_noise(1.0, missing=0.0).look(world).label
     changed = (exact != wrong).mean()
     assert 0.0005 < changed < 0.05
     assert set(np.unique(wrong)) == set(np.unique(exact))

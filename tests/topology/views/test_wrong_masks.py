@@ -19,7 +19,7 @@ from topple.topology import InvalidInput, relate
 from topple.topology.arrays import FloatArray
 from topple.topology.image import DepthImage
 from topple.topology.scene import Scene
-from topple.topology.views.kinds import Kind
+from topple.topology.views.wrong_masks import MaskFault
 
 BODIES = {
     shapes.box("crate", (0.16, 0.12, 0.08)): (0, 0, 0),
@@ -136,8 +136,8 @@ def test_true_masks_of_what_is_hollow_are_silent(bodies: dict[Body, FloatArray])
 def test_boxes_flush_side_by_side_are_said_at_most_and_never_refused() -> None:
     bodies = {shapes.box(name, (0.08, 0.08, 0.08)): pose_at(0, y, 0) for name, y in (("a", 0), ("b", 0.08))}
     found = scene(seen(bodies))
-    assert {wrong.kind for wrong in found.wrong_masks} <= {Kind.SPLIT}
-    assert not any(wrong.decides for wrong in found.wrong_masks)
+    assert {wrong.fault for wrong in found.wrong_masks} <= {MaskFault.SPLIT}
+    assert not any(wrong.refuses for wrong in found.wrong_masks)
     assert order(found, "a").order == ("a",)
 
 

@@ -43,13 +43,13 @@ if TYPE_CHECKING:
     from topple.topology.image import DepthImage
 
 
-class Kind(Word):
+class MaskFault(Word):
     """How a mask can be wrong."""
 
     LEVEL = "is level with what carries it: there may be no object; take the mask away"
     SPLIT = "lie on one smooth surface: one object in two masks? join them"
     MERGED = "goes over two pieces, with a step or an inward crease between: two objects in one mask? part it"
-    TWICE = "are one surface by what the cameras see: one object under two names? give it one"
+    DUPLICATE = "are one surface by what the cameras see: one object under two names? give it one"
 
 
 @dataclass(frozen=True)
@@ -57,24 +57,24 @@ class WrongMask:
     """A mask, or two, of which depth says that it is none of an object.
 
     Attributes:
-        kind: How.
+        fault: How.
         names: Names of the objects, sorted.
         trusted: Whether it is taken as it is all the same.
     """
 
-    kind: Kind
+    fault: MaskFault
     names: tuple[str, ...]
     trusted: bool = False
 
     @property
-    def decides(self) -> bool:
+    def refuses(self) -> bool:
         """Whether what hangs on it is refused; the other kinds are said of true masks, too."""
-        return not self.trusted and self.kind in (Kind.LEVEL, Kind.TWICE)
+        return not self.trusted and self.fault in (MaskFault.LEVEL, MaskFault.DUPLICATE)
 
     def __str__(self) -> str:
         """The sentence: which masks, what is wrong, and what to do."""
         which = " and ".join(repr(name) for name in self.names)
-        return f"the mask{'s' * (len(self.names) > 1)} of {which} {self.kind}"
+        return f"the mask{'s' * (len(self.names) > 1)} of {which} {self.fault}"
 
 
 def wrong_masks(images: "Sequence[DepthImage]", fixed: Collection[str]) -> tuple[WrongMask, ...]:
@@ -95,7 +95,7 @@ def wrong_masks(images: "Sequence[DepthImage]", fixed: Collection[str]) -> tuple
         if 2 * count > sum(each.issuperset(wrong.names) for each in shown)
     ]
     for one, other in permutations(images, 2):
-        found += _twice(one, other, fixed)
+        found += _duplicates(one, other, fixed)
     return tuple(dict.fromkeys(found))
 
 
@@ -110,9 +110,9 @@ def _in_image(image: "DepthImage", fixed: Collection[str]) -> Iterator[WrongMask
     picture = Picture.of(depth[window], label[window], 0)
     for pair in _smooth(picture):
         names = tuple(sorted(image.name_of(number) for number in pair if number > 0))
-        yield WrongMask(Kind.SPLIT if len(names) > 1 else Kind.LEVEL, names)
+        yield WrongMask(MaskFault.SPLIT if len(names) > 1 else MaskFault.LEVEL, names)
     for number in _merged(picture):
-        yield WrongMask(Kind.MERGED, (image.name_of(number),))
+        yield WrongMask(MaskFault.MERGED, (image.name_of(number),))
 
 
 def _thinned(image: "DepthImage", fixed: Collection[str]) -> tuple[FloatArray, IntArray, list[int]]:
@@ -222,7 +222,7 @@ def _are_two(inverse: FloatArray, mask: BoolArray, one: BoolArray, other: BoolAr
     return sides is None or float((beyond(sides, held.astype(np.float64)) < -0.5).mean()) < HELD
 
 
-def _twice(one: "DepthImage", other: "DepthImage", fixed: Collection[str]) -> Iterator[WrongMask]:
+def _duplicates(one: "DepthImage", other: "DepthImage", fixed: Collection[str]) -> Iterator[WrongMask]:
     """Objects whose surface another camera sees, and calls otherwise."""
     depth, label, asked = _thinned(one, fixed)
     rows, columns = np.nonzero(np.isin(label, asked) & (depth > 0))
@@ -234,4 +234,4 @@ def _twice(one: "DepthImage", other: "DepthImage", fixed: Collection[str]) -> It
         for their, count in zip(numbers.tolist(), counts.tolist(), strict=True):
             names = one.name_of(number), other.name_of(their)
             if names[0] != names[1] and names[1] not in fixed and count >= max(20, 0.5 * counts.sum()):
-                yield WrongMask(Kind.TWICE, (min(names), max(names)))
+                yield WrongMask(MaskFault.DUPLICATE, (min(names), max(names)))
