@@ -27,6 +27,7 @@ from topple.topology.views.tolerances import (
     OFF,
     OFF_BORDERS,
     OFF_REGISTERED,
+    OUTSIDE,
     PATCH,
     STEP,
     THIN,
@@ -87,15 +88,15 @@ def borders(depth: FloatArray, label: IntArray) -> Borders:
 
 def _owners(depth: FloatArray, label: IntArray) -> tuple[IntArray, float]:
     picture = Picture.of(depth, label)
-    rim = np.flatnonzero((picture.inverse > 0) & ~picture.inside)
+    rim = np.flatnonzero((picture.inverse > 0) & (picture.seen == OUTSIDE))
     steps, owner, ahead = picture.continued(rim, own=True)
     thin = np.flatnonzero(steps > FAR)
     middle = picture.is_middle(rim[thin])
-    picture.inside[rim[thin[middle]]] = True
+    picture.open(rim[thin[middle]])
     left = thin[~middle]
     steps[left], owner[left], ahead[left] = picture.continued(rim[left], own=True)
     for _ in range(BORDER):  # what bends away is followed from pixel to pixel
-        picture.inside[rim[owner != NOBODY]] = True
+        picture.open(rim[owner != NOBODY])
         left = np.flatnonzero((steps <= FAR) & (owner == NOBODY))
         _, owner[left], _ = picture.continued(rim[left], own=True)
         if (owner[left] == NOBODY).all():
@@ -148,28 +149,31 @@ class Picture:
         inverse: (N,) 1 / depth [1/m], in which planes are linear; 0 where there is none.
         label: (N,) labels; those of the margin are nobody's.
         from_border: (N,) pixels to the nearest other mask, at most one more than `BORDER`.
-        inside: (N,) pixels of which a surface is continued.
+        seen: (N,) labels of pixels of which a surface is continued, `OUTSIDE` of others.
         width: Of a row.
     """
 
     inverse: FloatArray
     label: IntArray
     from_border: NDArray[np.int8]
-    inside: BoolArray
+    seen: IntArray
     width: int
 
     @staticmethod
     def of(depth: FloatArray, label: IntArray, border: int = BORDER) -> "Picture":
         """A picture whose inside is further than some pixels from any border of a mask."""
-        from_border = _from_border(label, border)
-        inverse = np.where(depth > 0, 1.0 / np.maximum(depth, NEAREST), 0.0)
-        return Picture(
-            np.pad(inverse, FAR).ravel(),
-            np.pad(label, FAR, constant_values=NOBODY).ravel(),
-            np.pad(from_border, FAR).ravel(),
-            np.pad((from_border > border) & (depth > 0), FAR).ravel(),
-            label.shape[1] + 2 * FAR,
-        )
+        shape = tuple(size + 2 * FAR for size in depth.shape)
+        near, inverse = np.zeros(shape, dtype=np.int8), np.zeros(shape)
+        named, seen = np.full(shape, NOBODY), np.full(shape, OUTSIDE)
+        core = (slice(FAR, -FAR), slice(FAR, -FAR))
+        near[core], named[core] = _from_border(label, border), label
+        np.divide(1.0, np.maximum(depth, NEAREST), out=inverse[core], where=depth > 0)
+        np.copyto(seen, named, where=(near > border) & (inverse > 0))
+        return Picture(inverse.ravel(), named.ravel(), near.ravel(), seen.ravel(), shape[1])
+
+    def open(self, at: IntArray) -> None:
+        """Let surfaces be continued of pixels (k,) as well."""
+        self.seen[at] = self.label[at]
 
     def is_middle(self, at: IntArray) -> BoolArray:
         """Which of pixels (k,) are as far from a border as all of their mask beside them."""
@@ -219,8 +223,7 @@ class Picture:
             that is continued, or `NOBODY`; whether the pixel lies before all: a rim does, nothing that flies.
         """
         nearest, owner = np.full(len(at), FAR + 1), np.full(len(at), NOBODY)
-        ahead = np.ones(len(at), dtype=bool)
-        left = np.arange(len(at))
+        ahead, left = np.ones(len(at), dtype=bool), np.arange(len(at))
         for down, right in AROUND:
             step = down * self.width + right
             found, place, steps = self._ray(at[left], step, own)
@@ -239,21 +242,21 @@ class Picture:
     def _ray(self, at: IntArray, step: int, own: bool) -> tuple[BoolArray, IntArray, IntArray]:
         """Where rays first meet an inside: which rays do (k,), at what pixel and after how many steps."""
         ends, steps = np.full(len(at), -1), np.zeros(len(at), dtype=np.int64)
-        left, place = np.arange(len(at)), at
+        left, place, label = np.arange(len(at)), at, self.label[at]
         for number in range(1, FAR + 1):
             place = place + step
-            hit = self.inside[place] & ((self.label[place] == self.label[at[left]]) == own)
+            seen = self.seen[place]
+            hit = seen == label if own else (seen != OUTSIDE) & (seen != label)
             ends[left[hit]], steps[left[hit]] = place[hit], number
-            left, place = left[~hit], place[~hit]
+            left, place, label = left[~hit], place[~hit], label[~hit]
         found = ends >= 0
         return found, ends[found], steps[found]
 
     def planes(self, at: IntArray) -> FloatArray:
         """Inverse depth and its slope down and right (3, k) of planes fitted around pixels (k,)."""
-        side = np.arange(PATCH) - PATCH // 2
-        down, right = (each.ravel().astype(np.float64) for each in np.meshgrid(side, side, indexing="ij"))
+        down, right = np.indices((PATCH, PATCH)).reshape(2, -1).astype(np.float64) - PATCH // 2
         places = at[:, None] + (down * self.width + right).astype(np.int64)
-        weight = (self.inside[places] & (self.label[places] == self.label[at][:, None])).astype(np.float64)
+        weight = (self.seen[places] == self.label[at][:, None]).astype(np.float64)
         count = weight.sum(axis=1)
         inverse = weight * self.inverse[places]
         moments = np.stack([down, right, down**2, right**2, down * right], axis=1)
@@ -277,8 +280,8 @@ def _from_border(label: IntArray, most: int = BORDER) -> NDArray[np.int8]:
     near[:, 1:] |= right
     near[:, :-1] |= right
     found = np.full(label.shape, most + 1, dtype=np.int8)
-    for distance in range(1, most + 1):
-        found[near & (found > most)] = distance
+    for _ in range(most):
+        found -= near
         tall = near.copy()
         tall[1:] |= near[:-1]
         tall[:-1] |= near[1:]

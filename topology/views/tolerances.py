@@ -24,6 +24,9 @@ FAR = 2 * BORDER + 1
 NOBODY = -1
 """Owner of a pixel that flies between two surfaces."""
 
+OUTSIDE = -2
+"""Label of a pixel of which no surface is continued."""
+
 AROUND = ((0, 1), (0, -1), (1, 0), (-1, 0), (1, 1), (-1, -1), (1, -1), (-1, 1))
 """Rows and columns to the pixels beside one."""
 
