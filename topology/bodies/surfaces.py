@@ -8,7 +8,9 @@ import numpy as np
 
 from topple.topology.arrays import FloatArray
 from topple.topology.bodies.complete import complete
+from topple.topology.geometry.outline import in_openings
 from topple.topology.scene import Scene
+from topple.topology.tolerances import VOXEL
 from topple.topology.upright import Upright
 from topple.topology.views.free_space import FreeSpace
 
@@ -63,7 +65,21 @@ class Surfaces:
         self._done.update(self._known([name for name in missing if name in self._poses]))
         missing = [name for name in missing if name not in self._done]
         self._done.update(complete(self.upright.among(missing), self.sight))
+        if self.sight is None:  # else what was seen through openings tells
+            self._done.update((name, self._open(name)) for name in missing if name in self.upright.movable)
         return {name: self._done[name] for name in names}
+
+    def _open(self, name: str) -> FloatArray:
+        """A completed body (N, 3) with nothing guessed over openings in which others stand on its floor."""
+        clouds, body = self.upright.clouds, self._done[name]
+        others = [clouds[other] for other in self.upright.movable if other != name]
+        if len(body) == len(clouds[name]) or not others:
+            return body
+        feet = np.concatenate(others)
+        feet = feet[np.abs(feet[:, 2] - self.upright.floor_under(clouds[name])) < VOXEL]
+        over = in_openings(clouds[name][:, :2], feet[:, :2], body[:, :2], 2 * VOXEL)
+        over[: len(clouds[name])] = False
+        return body[~over]
 
     def _known(self, names: Collection[str]) -> dict[str, FloatArray]:
         """The bodies that were completed in the scene this one came of, where they are now."""

@@ -5,9 +5,10 @@ crescent, but over the circle the crescent is part of.
 """
 
 import numpy as np
+from scipy import ndimage
 from scipy.spatial import ConvexHull, QhullError
 
-from topple.topology.arrays import FloatArray, bounds, lengths
+from topple.topology.arrays import BoolArray, FloatArray, bounds, lengths
 from topple.topology.geometry.axes import level_axes
 from topple.topology.geometry.hull import Hull
 from topple.topology.geometry.round import sphere_through
@@ -57,6 +58,31 @@ def least_rectangle(flat: FloatArray) -> FloatArray:
     across = np.stack([-sides[:, 1], sides[:, 0]], axis=1)
     areas = np.ptp(corners @ sides.T, axis=0) * np.ptp(corners @ across.T, axis=0)
     return sides[int(np.argmin(areas))]
+
+
+def in_openings(flat: FloatArray, feet: FloatArray, places: FloatArray, cell: float) -> BoolArray:
+    """Which places lie in openings: gaps that points enclose and in which something stands.
+
+    Args:
+        flat: (N, 2) points [m], at most `cell` apart.
+        feet: (K, 2) where other things stand [m].
+        places: (M, 2) places [m].
+        cell: [m].
+
+    Returns:
+        (M,) True for those in a gap with feet in it.
+    """
+    lower, upper = bounds(flat)
+    shape = np.floor((upper - lower) / cell).astype(np.int64) + 3  # a cell around all is outside
+    walls, under, over = (
+        tuple(np.clip(np.floor((each - lower) / cell).astype(np.int64) + 1, 0, shape - 1).T)
+        for each in (flat, feet, places)
+    )
+    free = np.ones(shape, dtype=np.bool_)
+    free[walls] = False
+    gaps = np.zeros(shape, dtype=np.int32)
+    ndimage.label(free, output=gaps)
+    return np.isin(gaps[over], np.setdiff1d(gaps[under], [0, gaps[0, 0]]))
 
 
 def amid(flat: FloatArray, place: FloatArray) -> bool:

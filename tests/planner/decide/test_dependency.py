@@ -5,6 +5,8 @@ from topple.planner.decide.dependency import Dependency, DependencyGraph, depend
 from topple.planner.decide.rates import rates_for, way_found
 from topple.robots import shapes
 from topple.topology import Scene, UnknownObject
+from topple.topology.arrays import FloatArray
+from topple.topology.geometry.samples import sampled
 from topple.topology.situation import Situation
 from topple.topology.statics.sweep import overlap
 
@@ -66,3 +68,24 @@ def test_an_edge_is_believed_as_often_as_what_was_found_in_its_way_was_right() -
     (edge,) = dependencies(scene).dependencies
     assert (edge.first, edge.then, edge.reason) == ("top", "low", "supported")
     assert edge.confidence == rates_for(None).found[0]
+
+
+def _block(x: float, y: float, z: float, at: tuple[float, float, float]) -> FloatArray:
+    """Corners of a box (8, 3) of three extents that stands at a place [m]."""
+    return (np.indices((2, 2, 2)).reshape(3, -1).T - (0.5, 0.5, 0.0)) * (x, y, z) + at
+
+
+@pytest.mark.parametrize("height", [0.02, 0.12])
+@pytest.mark.parametrize("floor", [False, True])
+def test_what_is_around_holds_what_stands_on_its_floor_alone(height: float, floor: bool) -> None:
+    sides = [_block(0.14, 0.01, height, (0.0, y, 0.0)) for y in (-0.065, 0.065)]
+    sides += [_block(0.01, 0.14, height, (x, 0.0, 0.0)) for x in (-0.065, 0.065)]
+    table = np.stack(np.meshgrid(np.arange(-0.3, 0.3, 0.01), np.arange(-0.3, 0.3, 0.01), 0.0), -1)
+    under = [_block(0.14, 0.14, 0.005, (0.0, 0.0, 0.0))] * floor
+    clouds = {
+        "table": table.reshape(-1, 3),
+        "frame": sampled([*sides, *under], 0.003),
+        "can": sampled([_block(0.06, 0.06, 0.08, (0.0, 0.0, 0.0055 if floor else 0.0005))], 0.003),
+    }
+    found = dependencies(Scene(clouds, fixed=["table"], up=(0, 0, 1))).dependencies
+    assert [(edge.first, edge.then) for edge in found] == [("can", "frame")] * floor
