@@ -23,7 +23,7 @@ if TYPE_CHECKING:
         run,
     )
     from topple.robots import robot, scene_from_world
-    from topple.topology import InvalidInput, Scene, ToppleError, load_scene, relate
+    from topple.topology import InvalidInput, Scene, ToppleError, load_scene, relate, scene_from_rgbd
 
     __version__: str
 
@@ -44,13 +44,14 @@ __all__ = [
     "relate",
     "robot",
     "run",
+    "scene_from_rgbd",
     "scene_from_world",
 ]
 
 _PACKAGE_OF = {
     name: package
     for package, names in {
-        "topology": "InvalidInput Scene ToppleError load_scene relate",
+        "topology": "InvalidInput Scene ToppleError load_scene relate scene_from_rgbd",
         "robots": "robot scene_from_world",
         "planner": "NoSafePlan Order build_order next_view order plan rank_grasps rearrange run",
     }.items()

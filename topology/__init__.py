@@ -13,6 +13,7 @@ if TYPE_CHECKING:
     from topple.topology.io.assemble import Parts
     from topple.topology.io.coco import scene_from_coco
     from topple.topology.io.objects import scene_from_objects, scene_from_points
+    from topple.topology.io.rgbd import scene_from_rgbd
     from topple.topology.merging.merge import MergedViews, merge_views
     from topple.topology.model_fit import ModelFit
     from topple.topology.models import with_models
@@ -50,6 +51,7 @@ __all__ = [
     "scene_from_coco",
     "scene_from_objects",
     "scene_from_points",
+    "scene_from_rgbd",
     "thinned",
     "with_models",
 ]
@@ -66,6 +68,7 @@ __getattr__ = lazy_names(
         "io.assemble": "Parts",
         "io.coco": "scene_from_coco",
         "io.objects": "scene_from_objects scene_from_points",
+        "io.rgbd": "scene_from_rgbd",
         "merging.merge": "MergedViews merge_views",
         "models": "with_models",
         "pair": "PairRelation",

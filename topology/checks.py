@@ -1,17 +1,23 @@
 """Validation of what comes in: numbers are refused where they enter, in the user's words."""
 
-from collections.abc import Mapping
+from collections.abc import Collection, Mapping
+from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike
+from scipy.spatial import KDTree
 
 from topple.topology.arrays import FloatArray, bounds, frozen
 from topple.topology.errors import InvalidInput
 from topple.topology.tolerances import (
+    ASKED,
+    COPY,
+    EVENLY,
     FARTHEST,
     FEWEST_SEEN,
     LARGEST_EXTENT,
     LARGEST_HELD,
+    OF_A_COPY,
     RIGID,
     SMALLEST_SEEN,
 )
@@ -264,6 +270,50 @@ def _listed(values: FloatArray) -> str:
     return "[" + " ".join(f"{value:g}" for value in values) + "]"
 
 
+def as_names(names: object, what: str = "fixed") -> list[str]:
+    """Check names that are given as one text, none, or a collection of any kind.
+
+    Args:
+        names: The names.
+        what: What they are, for the message.
+
+    Returns:
+        Each of them.
+
+    Raises:
+        InvalidInput: If they are none of these.
+    """
+    given: Any = names.tolist() if isinstance(names, (np.ndarray, np.generic)) else names
+    if given is None or isinstance(given, str):
+        return [] if given is None else [given]
+    try:
+        return list(given)
+    except TypeError as error:
+        raise InvalidInput(f"{what} is {names!r}: expected names of objects, such as ['table']") from error
+
+
+def as_clouds(clouds: object) -> dict[str, FloatArray]:
+    """Check the clouds of a scene.
+
+    Args:
+        clouds: Points (N, 3) in [m] by name.
+
+    Returns:
+        Read-only copies.
+
+    Raises:
+        InvalidInput: If it is no mapping, there is none, or a name or cloud is not what it should be.
+    """
+    given: Any = clouds
+    if not isinstance(given, Mapping):
+        raise InvalidInput(
+            f"the clouds of a scene are a {type(clouds).__name__}: expected {{name: points (N, 3)}} in metres"
+        )
+    if not given:
+        raise InvalidInput("the scene has no objects: expected at least one named cloud (N, 3) in metres")
+    return {as_name(name): as_points(points, f"cloud {name!r}") for name, points in given.items()}
+
+
 def check_unit(movable: Mapping[str, FloatArray]) -> None:
     """Refuse a scene whose objects are too large for metres: three quarters of them, as a floor may be one.
 
@@ -289,3 +339,25 @@ def check_unit(movable: Mapping[str, FloatArray]) -> None:
             "topple takes metres, so scale the scene (centimetres: points / 100); what never moves may be "
             "larger: name it with --fixed"
         )
+
+
+def named_twice(clouds: Mapping[str, FloatArray], fixed: Collection[str]) -> list[str]:
+    """Sentences on things that are there under two names: copies, with noise or of a part."""
+    names, said = list(clouds), list[str]()
+    low, high = np.array([bounds(cloud) for cloud in clouds.values()]).swapaxes(0, 1)
+    for a, name in enumerate(names):
+        within = ((low[a] >= low - COPY) & (high[a] <= high + COPY)).all(axis=1)
+        around = ((low[a] <= low + COPY) & (high[a] >= high - COPY)).all(axis=1)  # and is told from there
+        within[: a + 1] &= ~around[: a + 1]
+        for b in np.flatnonzero(within):
+            if b == a or {name, names[b]} <= set(fixed):
+                continue
+            points = clouds[name][:: 1 + len(clouds[name]) // ASKED]
+            distance, nearest = map(np.asarray, KDTree(clouds[names[b]]).query(points))
+            near = distance <= COPY
+            if near.mean() < OF_A_COPY:
+                continue
+            aside = (points - clouds[names[b]][nearest])[near].mean(axis=0)
+            if np.linalg.norm(aside) < EVENLY:
+                said.append(f"{name!r} lies where {names[b]!r} is: one thing under two names? leave one out")
+    return said

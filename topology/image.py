@@ -1,5 +1,6 @@
 """DepthImage: one look of a depth camera, with a mask that says which pixel is which object."""
 
+from collections import Counter
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
 from functools import cached_property
@@ -12,12 +13,21 @@ from scipy import ndimage
 from topple.topology.arrays import BoolArray, FloatArray, IntArray, frozen, frozen_int, rounded, whole_numbers
 from topple.topology.checks import as_intrinsics, as_name, as_pose, numeric
 from topple.topology.errors import InvalidInput
-from topple.topology.tolerances import FARTHEST_DEPTH
+from topple.topology.tolerances import (
+    BENT,
+    FARTHEST_DEPTH,
+    FEWEST_SEEN,
+    LIKELY_AWAY,
+    OFF_CENTRE,
+    STRAIGHTER,
+)
 from topple.topology.values import ByValue, FrozenDict
 from topple.topology.views.borders import Borders, borders
+from topple.topology.views.tolerances import FEWEST
 
 _Value = TypeVar("_Value")
 
+_UNITS = {1000: "millimetres", 10_000: "tenths of a millimetre", 100: "centimetres"}
 IGNORED = "ignore"
 """Name of pixels that are of nothing in the scene."""
 
@@ -209,9 +219,16 @@ def _as_depth(depth: FloatArray) -> FloatArray:
             f"depth is negative in {int((array < 0).sum())} pixels: expected metres, 0 where there is none"
         )
     if array.max() > FARTHEST_DEPTH:
+        middle = float(np.median(array[array > 0]))
+        likely = {
+            factor: unit
+            for factor, unit in _UNITS.items()
+            if LIKELY_AWAY[0] <= middle / factor <= LIKELY_AWAY[1]
+        } or {1000: _UNITS[1000]}
         raise InvalidInput(
-            f"depth reaches {array.max():.4g}, more than {FARTHEST_DEPTH:g} m: it looks like millimetres; "
-            "topple takes metres, so divide by 1000"
+            f"depth reaches {array.max():.4g}, more than {FARTHEST_DEPTH:g} m: it looks like "
+            f"{' or '.join(likely.values())}; topple takes metres, so divide by "
+            f"{' or '.join(map(str, likely))}"
         )
     return frozen(array)
 
@@ -247,11 +264,68 @@ def _as_rgb(rgb: NDArray[np.uint8] | None, shape: tuple[int, ...]) -> NDArray[np
     return colours
 
 
-def said_of_masks(images: Sequence[DepthImage]) -> list[str]:
-    """Sentences on masks that are off, by picture where there are several."""
-    said = {number: image.borders.said() for number, image in enumerate(images, 1)}
-    return [
-        note if len(images) == 1 else f"camera {number}: {note}"
-        for number, note in said.items()
-        if note is not None
-    ]
+def said_of_images(images: Sequence[DepthImage]) -> list[str]:
+    """Sentences on masks that are off and centres far from the middle, by picture where there are several."""
+    said = [(number, note) for number, image in enumerate(images, 1) for note in _said_of(image)]
+    return [note if len(images) == 1 else f"camera {number}: {note}" for number, note in said]
+
+
+def _said_of(image: DepthImage) -> list[str]:
+    size = np.array(image.depth.shape[::-1])
+    centre, middle = image.K[:2, 2], (size - 1) / 2
+    said = [note for note in [image.borders.said()] if note is not None]
+    if (np.abs(centre - middle) > OFF_CENTRE * size).any():
+        swapped = (np.abs(centre[::-1] - middle) < OFF_CENTRE / 2 * size).all()
+        of = " x ".join(f"{2 * value + 1:.0f}" for value in centre)
+        guess = (
+            "are cx and cy swapped?"
+            if swapped
+            else f"is K of a picture of {of}? scale it; or is this a crop?"
+        )
+        said.append(
+            f"K's centre ({centre[0]:g}, {centre[1]:g}) is far from the middle of the picture "
+            f"({middle[0]:g}, {middle[1]:g}): {guess}"
+        )
+    return said
+
+
+def _check_z_buffer(image: DepthImage) -> None:
+    """Refuse depth as graphics cards keep it, in which planes are straight over the picture as they are."""
+    seen = image.depth > 0
+    if not seen.any() or image.depth.max() > 1.0:
+        return
+    rows, columns = np.nonzero(seen & (image.label == np.bincount(image.label[seen]).argmax()))
+    over = np.column_stack([rows, columns, np.ones(len(rows))])
+    depth = image.depth[rows, columns]
+    off = [np.abs(over @ np.linalg.lstsq(over, each, rcond=None)[0] - each) for each in (depth, 1.0 / depth)]
+    straight, bent = float(np.median(off[0])), float(np.median(off[1] * depth**2))
+    if bent > BENT and straight < STRAIGHTER * bent:
+        raise InvalidInput(
+            f"depth looks like a raw z-buffer, 0..1, not metres: it reaches {image.depth.max():.3g}, and "
+            "planes would be bent; give near * far / (far - depth * (far - near)), 0 where there is none"
+        )
+
+
+def check_depth(images: Sequence[DepthImage], clouds: Mapping[str, FloatArray], fewest: int = FEWEST) -> None:
+    """Refuse raw z-buffers, and objects that masks show and depth does not: what carries them would go first.
+
+    Args:
+        images: The pictures.
+        clouds: What they show of each object, (N, 3).
+        fewest: Pixels of a mask from which an object is no sliver that hardly shows.
+
+    Raises:
+        InvalidInput: An object has so many pixels and next to no depth of its own, or depth is a z-buffer.
+    """
+    pixels = Counter[str]()
+    for image in images:
+        _check_z_buffer(image)
+        pixels.update(image.pixels())
+    for name, count in pixels.items():
+        seen = len(clouds.get(name, ()))
+        if seen < FEWEST_SEEN and count >= fewest:
+            raise InvalidInput(
+                f"object {name!r} has {count} pixel{'s' * (count > 1)} in its mask and depth of its own in "
+                f"{seen or 'none'} of them, too few for a body (glass?): give their depth; or, only if "
+                "nothing is there, set them to 0 (background)"
+            )

@@ -69,7 +69,7 @@ class Relations(RelationTable):
 
 
 def relate(
-    scene: Scene,
+    scene: Scene | str | os.PathLike[str],
     deviation: float | None = None,
     plain: bool = False,
     most_objects: int | None = None,
@@ -78,7 +78,7 @@ def relate(
     """Decide the spatial relation of every pair of objects of a scene.
 
     Args:
-        scene: The objects' clouds.
+        scene: The objects' clouds, or the path of a scene.
         deviation: The deviation factor δ [m]: points this close to a boundary lie on it. Estimated from
             the clouds' noise and spacing where not given; 0.002 for the plain rule, of which the paper says
             that it is "usually equal to the deviation of point clouds".
@@ -95,7 +95,7 @@ def relate(
         InvalidInput: The deviation is no positive length below the size of the objects, there are more
             objects or near pairs than is allowed, or there is no such rule.
     """
-    most = MOST_OBJECTS if most_objects is None else most_objects
+    scene, most = as_scene(scene), MOST_OBJECTS if most_objects is None else most_objects
     _check_count(len(scene.clouds), "objects", most)
     if deviation is not None:
         _check_deviation(scene, deviation)

@@ -11,21 +11,25 @@ from topple.topology.amounts import as_friction, as_masses
 from topple.topology.arrays import FloatArray, IntArray, frozen, frozen_int
 from topple.topology.bodies.background import table_among, unnamed_among, without_bodies
 from topple.topology.checks import (
+    as_clouds,
     as_direction,
     as_name,
+    as_names,
     as_points,
     as_pose,
     as_viewpoints,
     check_unit,
+    named_twice,
     numeric,
 )
 from topple.topology.errors import InvalidInput, UnknownObject
 from topple.topology.geometry.plane import up_from_fixed
-from topple.topology.image import DepthImage, said_of_masks
+from topple.topology.image import DepthImage, check_depth, said_of_images
 from topple.topology.model_fit import ModelFit
 from topple.topology.notebook import in_cell
 from topple.topology.tolerances import FEWEST_SEEN
 from topple.topology.values import ByValue, FrozenDict
+from topple.topology.views.agreement import check_views
 from topple.topology.views.wrong_masks import WrongMask, wrong_masks
 
 _Value = TypeVar("_Value")
@@ -134,10 +138,7 @@ class Scene(ByValue):
             InvalidInput: If anything is not what it should be; names the object.
             UnknownObject: If any of these names an object without a cloud.
         """
-        if not clouds:
-            raise InvalidInput("the scene has no objects: expected at least one named cloud (N, 3) in metres")
-        checked = {as_name(name): as_points(points, f"cloud {name!r}") for name, points in clouds.items()}
-        fixed = [fixed] if isinstance(fixed, str) else list(fixed)
+        checked, fixed = as_clouds(clouds), as_names(fixed)
         for name in fixed:
             if name not in checked:
                 raise UnknownObject(name, checked, role="fixed object")
@@ -148,6 +149,7 @@ class Scene(ByValue):
         if not images:  # whose depths are held against what a camera reaches
             check_unit({name: points for name, points in checked.items() if name not in fixed})
         notes = [assumptions] if isinstance(assumptions, str) else list(assumptions)
+        notes += [] if images else named_twice(checked, fixed)
         if up is not None:
             given = numeric(up, "up")
             up = as_direction(given, "up")
@@ -174,8 +176,7 @@ class Scene(ByValue):
         clouds, fixed = dict(self.clouds), self._fixed_in_order()
         parts = (clouds, fixed, self.up, self.viewpoints, self.images, dict(self.meshes), self.robot_base)
         amounts = (dict(self.masses), dict(self.friction))
-        parts = (*parts, self.assumptions, *amounts, dict(self.models), self.matter, self.wrong_masks)
-        return (Scene, parts)
+        return (Scene, (*parts, self.assumptions, *amounts, dict(self.models), self.matter, self.wrong_masks))
 
     def _repr_html_(self) -> str | None:
         """What a notebook shows."""
@@ -189,7 +190,7 @@ class Scene(ByValue):
     @classmethod
     def from_images(
         cls,
-        images: Sequence[DepthImage],
+        images: Sequence[DepthImage] | DepthImage,
         fixed: Iterable[str] = (),
         up: ArrayLike | None = None,
         table: Literal["auto"] | None = None,
@@ -214,28 +215,26 @@ class Scene(ByValue):
             which its assumptions say, and so is where the table is from.
 
         Raises:
-            InvalidInput: If no image shows an object, or an image is not what it should be.
+            InvalidInput: If no image shows an object, an image is not what it should be, or two disagree.
             UnknownObject: If `fixed` names an object no image shows.
         """
+        images = [images] if isinstance(images, DepthImage) else images
         views: dict[str, list[FloatArray]] = {}
         for image in images:
             for name, points in image.clouds().items():
                 views.setdefault(name, []).append(points)
         clouds = {name: np.concatenate(pieces) for name, pieces in views.items()}
-        notes = [
-            f"{name!r} is left out: only {len(points)} of its points were seen"
-            for name, points in clouds.items()
-            if len(points) < FEWEST_SEEN
-        ]
-        notes += said_of_masks(images)
-        clouds = {name: points for name, points in clouds.items() if len(points) >= FEWEST_SEEN}
+        check_depth(images, clouds)
+        few = {name: len(points) for name, points in clouds.items() if len(points) < FEWEST_SEEN}
+        notes = [f"{name!r} is left out: only {count} of its points were seen" for name, count in few.items()]
+        notes += said_of_images(images)
+        clouds = {name: points for name, points in clouds.items() if name not in few}
         viewpoints = np.array([image.viewpoint for image in images]).reshape(-1, 3)
-        fixed = [fixed] if isinstance(fixed, str) else list(fixed)
+        fixed = as_names(fixed)
         if table == "auto" and not fixed and clouds:
             background = np.concatenate([image.background() for image in images])
             fixed = table_among(clouds, background, viewpoints, notes)
-        scene = cls(clouds, fixed, up, viewpoints, images, assumptions=notes)
-        scene = scene if up is not None else scene.upright()
+        scene = cls(clouds, fixed, up, viewpoints, images, assumptions=notes).upright()
         return scene.examined(robot=robot) if unnamed else scene
 
     @property
@@ -273,7 +272,8 @@ class Scene(ByValue):
         return self._changed(up=as_direction(up, "up"), assumptions=(*self.assumptions, note))
 
     def examined(self, background: FloatArray | None = None, robot: Iterable[FloatArray] = ()) -> "Scene":
-        """Say which masks are wrong in kind, and add what no mask names (`with_unnamed`)."""
+        """Refuse views that disagree, say which masks are wrong in kind, and add what no mask names."""
+        check_views(self.images, self.fixed)
         wrong = wrong_masks(self.images, self.fixed)
         said = (*self.assumptions, *map(str, wrong))
         return self._changed(wrong_masks=wrong, assumptions=said).with_unnamed(background, robot)

@@ -66,6 +66,19 @@ RIGID = 1e-3
 digits are off by less."""
 
 
+COPY = 0.003
+"""[m] within which points of a copy lie at those of what it is one of, noise of a depth camera included."""
+
+OF_A_COPY = 0.7
+"""Share of them at least that do: noise of 1 mm leaves 97 %, of 2 mm on dense clouds 70 %."""
+
+EVENLY = 0.0004
+"""[m] by which a copy lies to one side at most: a card on a book lies by half its thickness above it."""
+
+ASKED = 200
+"""Points of a cloud that are asked: their mean tells a fifth of a millimetre."""
+
+
 # -- cloud
 
 NEIGHBOURS = 12
@@ -88,6 +101,19 @@ MOST_STRAYS = 0.1
 
 FARTHEST_DEPTH = 20.0
 """Greatest depth [m]: beyond the reach of any depth camera; a depth in millimetres is far above."""
+
+LIKELY_AWAY = (0.2, 4.0)
+"""[m] that the middle of a picture is away: nearer than a depth camera sees, and further than arms reach."""
+
+OFF_CENTRE = 0.12
+"""Share of a picture's side that K's centre lies off its middle at most: cameras come to 3 %."""
+
+BENT = 1e-5
+"""[m] by which planes are bent from which a raw z-buffer is told: above rounding; z-buffers have no noise."""
+
+STRAIGHTER = 0.25
+"""Share of that which remains if depth itself, not its inverse, is straight over the picture: metric depth of
+slanted planes comes to several, of level ones to 1."""
 
 
 # -- scene

@@ -66,7 +66,7 @@ def execute(args: argparse.Namespace) -> int:
 
 def _rank(args: argparse.Namespace, path: str, file: str, arm: "Arm", progress: Progress) -> None:
     """Rank the grasps of one scene and print them."""
-    from topple.planner.grasp.rank import rank_grasps
+    from topple.planner.grasp.rank import camera_frame, rank_grasps
     from topple.planner.planning.order import check_masks
 
     progress(f"reading {path}")
@@ -77,17 +77,21 @@ def _rank(args: argparse.Namespace, path: str, file: str, arm: "Arm", progress: 
     grasps = _read(file)
     progress(f"{path}: ranking {len(grasps)} grasps")
     base = base_of(args, scene)
-    ranked = rank_grasps(scene, grasps, arm, pose_base_to_world=base, graph=_graph(args, scene))
+    graph, frame = _graph(args, scene), camera_frame(scene, grasps)
+    ranked = rank_grasps(scene, grasps, arm, pose_source_to_world=frame, pose_base_to_world=base, graph=graph)
     progress.clear()
     if args.object is not None:
         ranked = [entry for entry in ranked if entry.grasp.object == args.object]
     reach = base is not None or scene.robot_base is not None
     if args.json:
-        print_json(_document((path, file), arm.name, reach, ranked))
+        document = _document((path, file), arm.name, reach, ranked)
+        print_json({**document, "grasps_in": "scene" if frame is None else "camera"})
         return
     _print((path, file), grasps.source, ranked)
     if not reach:
         print_text("Reach was not asked: give --base, or a scene with robot_base.")
+    if frame is not None:
+        print_assumptions(["the grasps are in the camera's frame: they are taken by its pose in the scene"])
     print_assumptions(list(scene.assumptions))
 
 

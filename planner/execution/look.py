@@ -20,7 +20,7 @@ from topple.topology.bodies.solids import up_of
 from topple.topology.bodies.tops import tops_of
 from topple.topology.cloud import clean
 from topple.topology.geometry.thin import thinned
-from topple.topology.image import DepthImage, said_of_masks
+from topple.topology.image import DepthImage, said_of_images
 from topple.topology.photo import Photo
 from topple.topology.relations import Relations
 from topple.topology.scene import Scene
@@ -129,7 +129,7 @@ class Observer:
         taken = time.perf_counter()
         images = (*images, *more)
         if expected is None:  # the first look stands for all
-            faults = (*faults, *said_of_masks(images))
+            faults = (*faults, *said_of_images(images))
         kept = self._kept
         if self.shuffle_labels and expected is not None:
             images = associated(images, expected, self.rng)

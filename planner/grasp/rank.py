@@ -59,7 +59,7 @@ class RankedGrasp(ByValue):
 
 
 def rank_grasps(
-    scene: Scene,
+    scene: Scene | str | os.PathLike[str],
     grasps: GivenGrasps,
     robot: Arm | str | None = None,
     *,
@@ -84,7 +84,8 @@ def rank_grasps(
         names: What the scene calls the segments or objects of a file of grasps: {0: "cup"}. Without it
             their numbers are names, "3", where the scene has any of those, and mean nothing otherwise.
             GraspNet counts objects from 0, and from 1 in its label images.
-        pose_source_to_world: (4, 4) for grasps given in a camera's or object's frame.
+        pose_source_to_world: (4, 4) for grasps given in a camera's or object's frame; where None, that of
+            the scene's own camera if more of a file's grasps are at things by it (`camera_frame`).
         pose_base_to_world: (4, 4) where the arm stands; the scene's `robot_base`; without both, reach is not
             asked.
         reach: Asked instead of the arm's kinematics: takes the grasps that nothing else speaks against, gives
@@ -99,9 +100,11 @@ def rank_grasps(
             in the scene, the arm has no tool for them, or `reach` gives something else.
         UnknownObject: A grasp names an object that is not in the scene.
     """
-    source = grasps_from_array(grasps) if isinstance(grasps, np.ndarray) else grasps
+    scene, source = as_scene(scene), grasps_from_array(grasps) if isinstance(grasps, np.ndarray) else grasps
     told = _told(source, scene, names) if isinstance(source, ForeignGrasps) else {}
     arm = robot_named(robot) if isinstance(robot, str) else robot
+    if pose_source_to_world is None and isinstance(source, ForeignGrasps):
+        pose_source_to_world = camera_frame(scene, source)
     given = _as_grasps(source, pose_source_to_world, arm)
     if not given:
         return []
@@ -125,6 +128,26 @@ def rank_grasps(
     if reach is not None:
         found = _reachable(found, reach)
     return sorted(found, key=_key)
+
+
+def camera_frame(scene: Scene, grasps: ForeignGrasps) -> FloatArray | None:
+    """Tell whether grasps are in the frame of a camera that saw the scene.
+
+    Args:
+        scene: The scene, with its pictures.
+        grasps: The grasps of a file.
+
+    Returns:
+        The pose (4, 4) of that camera, by which more of the grasps are near what can be taken than as they
+        are; None where there is none.
+    """
+    if not len(grasps) or not scene.movable:
+        return None
+    tree = KDTree(np.concatenate([scene.clouds[name] for name in scene.movable]))
+    frames = [np.eye(4), *(image.pose_camera_to_world for image in scene.images)]
+    places = [(frame @ grasps.poses_tool_to_source[:SOME])[:, :3, 3] for frame in frames]
+    near = [int((np.asarray(tree.query(some)[0]) <= HAND_REACH).sum()) for some in places]
+    return frames[int(np.argmax(near))] if max(near) > near[0] else None
 
 
 def rank_all(

@@ -18,6 +18,7 @@ from topple.planner.decide.chances import reasoned
 from topple.planner.decide.dependency import DependencyGraph, dependencies, with_fixture
 from topple.planner.planning.tolerances import REMOVAL_RISK, TOP
 from topple.topology.arrays import FloatArray
+from topple.topology.checks import as_names
 from topple.topology.errors import InvalidInput, UnknownObject
 from topple.topology.io.load import as_scene
 from topple.topology.situation import Situation
@@ -33,7 +34,7 @@ if TYPE_CHECKING:
 
 
 def order(
-    scene: "Scene | Situation",
+    scene: "Scene | Situation | str | os.PathLike[str]",
     targets: Sequence[str] | str | None = None,
     *,
     seed: int = 0,
@@ -85,7 +86,7 @@ def order(
     if removal_risk is not None and not 0.0 <= removal_risk <= 1.0:
         raise InvalidInput(f"removal_risk is {removal_risk}: expected a chance from 0 to 1")
     started = time.monotonic()
-    situation = Situation.of(scene, relations)
+    situation = Situation.of(scene if isinstance(scene, Situation) else as_scene(scene), relations)
     scene = situation.scene
     wanted = check_targets(scene, targets)
     fixture = check_clamped(scene, clamped)
@@ -289,7 +290,7 @@ def check_targets(scene: "Scene", targets: Sequence[str] | str | None) -> tuple[
     """
     if not scene.movable:
         raise InvalidInput("nothing in the scene can move: every object is fixed")
-    given = (targets,) if isinstance(targets, str) else tuple(targets or ())
+    given = tuple(as_names(targets, "targets"))
     for name in given:
         if name not in scene.clouds:
             raise UnknownObject(name, scene.movable, role="target")

@@ -49,7 +49,7 @@ UNCHECKED = "the plan was not checked by other means: PyBullet is not installed"
 
 
 def plan(
-    scene: Scene,
+    scene: Scene | str | os.PathLike[str],
     goal: str | Sequence[str] | Task,
     robot: Arm | str,
     *,
@@ -108,7 +108,7 @@ def plan(
     """
     arm = robot_named(robot) if isinstance(robot, str) else robot
     check_tool(arm)
-    task = GoalTask.of(goal)
+    task, scene = GoalTask.of(goal), as_scene(scene)
     wanted = task.goal(scene)
     check_up(scene)
     scene = check_masks(scene, wanted.names)

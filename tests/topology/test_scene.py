@@ -167,3 +167,22 @@ def test_views_of_one_object_are_one_cloud_and_a_speck_is_left_out() -> None:
     assert len(scene.clouds["mug"]) == 50
     assert scene.viewpoints.shape == (2, 3)
     assert any("speck" in line for line in scene.assumptions)
+
+
+def test_one_thing_under_two_names_is_said_and_two_that_touch_are_not() -> None:
+    rng = np.random.default_rng(0)
+    sides = [
+        np.insert(rng.uniform(0, 0.1, (300, 2)), axis, end, axis=1) for axis in range(3) for end in (0, 0.1)
+    ]
+    box = np.concatenate(sides)
+    flat = rng.uniform(0, 0.6, (4000, 3)) * [1, 1, 0] - [0.25, 0.25, 0]
+    lid = np.concatenate([box[box[:, 2] == 0.1] + np.array([0, 0, height]) for height in (0.0005, 0.002)])
+    for twin in (box.copy(), box + rng.normal(0, 0.001, box.shape), box[box[:, 0] < 0.05]):
+        (said,) = [
+            note
+            for note in Scene({"table": flat, "box": box, "twin": twin}, ["table"]).assumptions
+            if "twin" in note
+        ]
+        assert said.endswith("one thing under two names? leave one out") and "'box'" in said
+    for other in (lid, box + np.array([0.1, 0, 0]), 0.5 * box + np.array([0.02, 0.02, 0.002])):
+        assert not Scene({"table": flat, "box": box, "other": other}, ["table"]).assumptions

@@ -14,7 +14,7 @@ from topple.topology.errors import InvalidInput
 from topple.topology.geometry.axes import perpendiculars
 from topple.topology.geometry.plane import TABLE as _TABLE
 from topple.topology.geometry.tolerances import ON_PLANE
-from topple.topology.image import DepthImage, said_of_masks
+from topple.topology.image import DepthImage, said_of_images
 from topple.topology.io.tolerances import (
     FAR_SPACING,
     MOST_TABLE_POINTS,
@@ -87,7 +87,7 @@ def assemble(
     if not parts.clouds:
         raise InvalidInput("no objects found: expected at least one named cloud (N, 3) in metres")
     clouds = {name: _as_cloud(name, points) for name, points in parts.clouds.items()}
-    notes = [*parts.notes, *said_of_masks(parts.images)]
+    notes = [*parts.notes, *said_of_images(parts.images)]
     all_fixed = list(dict.fromkeys([*parts.fixed, *fixed]))
     up = parts.up if up is None else up
     if parts.table_plane is not None:
@@ -111,7 +111,8 @@ def _as_cloud(name: str, points: ArrayLike) -> FloatArray:
     cloud = as_points(points, f"cloud {name!r}")
     if len(cloud) == 1:
         raise InvalidInput(
-            f"cloud {name!r} has a single point: expected points (N, 3) all over its surface; or leave it out"
+            f"cloud {name!r} has a single point: expected points (N, 3) all over its surface; leave it out "
+            "only if nothing is there"
         )
     return cloud
 

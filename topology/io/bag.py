@@ -7,12 +7,12 @@ import struct
 from collections.abc import Generator, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass
+from itertools import chain
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.spatial.transform import Rotation
 
 from topple.topology.arrays import FloatArray
 from topple.topology.errors import InvalidInput, NotInstalled
@@ -23,7 +23,8 @@ from topple.topology.io.limits import check_size
 from topple.topology.io.pcd import LABELS
 from topple.topology.io.picture import read_picture
 from topple.topology.io.rgbd import parts_from_rgbd
-from topple.topology.io.tolerances import APART
+from topple.topology.io.tolerances import APART, SAME_PLACE
+from topple.topology.io.transforms import intrinsics_of, pose_in, seen_from, to_root
 
 _MAGIC = (b"\x89MCAP0\r\n", b"SQLite format 3\x00", b"#ROSBAG V2.0")
 _IMAGES = ("sensor_msgs/msg/Image", "sensor_msgs/msg/CompressedImage")
@@ -153,6 +154,7 @@ class _Bag:
         self._reader = reader
         self._moments: dict[str, list[_Moment]] = {}
         self._tf: list[tuple[int, str, str, FloatArray]] | None = None
+        self._left_out: list[str] = []
         by_topic: dict[str, list[Any]] = {}
         for connection in reader.connections:
             by_topic.setdefault(connection.topic, []).append(connection)
@@ -236,47 +238,85 @@ class _Bag:
                     f"{stream.info.topic} is of pictures {told.width} x {told.height}, the depth has "
                     f"{depth.shape[1]} x {depth.shape[0]}: expected the intrinsics of the depth camera"
                 )
-            K = np.asarray(told.k if hasattr(told, "k") else told.K, dtype=np.float64).reshape(3, 3)
+            K = intrinsics_of(told)
             distortion = np.asarray(told.d if hasattr(told, "d") else told.D)
             if distortion.any():
                 notes.append(f"{stream.info.topic} tells of distortion: the depth is taken to be rectified")
             label = _pixels(masks, stream.labels.topic)
+            about = {"depth": message, "camera_info": told, "labels": masks}
+            frames = {what: each.header.frame_id.lstrip("/") for what, each in about.items()}
+            if self._between(frames, "depth", "camera_info", moment[0]) is not None:
+                raise InvalidInput(
+                    _apart(frames, "camera_info") + "name that of the depth camera with --info"
+                )
+            if (pose := self._between(frames, "depth", "labels", moment[0])) is not None:
+                K_labels = self._intrinsics(frames["labels"], label.shape, moment[0])
+                depth, label = seen_from(depth, K, label, K if K_labels is None else K_labels, pose)
+                notes.append(
+                    f"labels in the frame {frames['labels']!r} are laid by tf on depth in {frames['depth']!r}"
+                    + (", with the same intrinsics, since no topic gives theirs" if K_labels is None else "")
+                )
             parts = parts_from_rgbd({**arrays, "depth": depth, "K": K, "label": label})
-        parts.notes += notes
+        parts.notes += [*notes, *self._left_out]
         return parts
+
+    def _between(self, frames: Mapping[str, str], one: str, other: str, stamp: int) -> FloatArray | None:
+        """(4, 4) pose of one message's frame in that of another; None where they are the same place.
+
+        Raises:
+            InvalidInput: They differ, and tf does not say by how much.
+        """
+        a, b = frames[one], frames[other]
+        if a == b or not a or not b:
+            return None
+        parents = self._parents(stamp)
+        (pose, root), (pose_other, root_other) = to_root(a, parents), to_root(b, parents)
+        if root != root_other:
+            raise InvalidInput(_apart(frames, other) + "expected one frame, or both in tf")
+        between = np.linalg.inv(pose_other) @ pose
+        return None if np.allclose(between, np.eye(4), atol=SAME_PLACE) else between
+
+    def _intrinsics(self, frame: str, shape: tuple[int, ...], stamp: int) -> FloatArray | None:
+        """(3, 3) of the camera whose pictures are in a frame and of a shape, where a topic tells them."""
+        for topic in map(self._topics.__getitem__, self._of((_INFO,))):
+            told = self._nearest(topic, stamp)[0]
+            if told.header.frame_id.lstrip("/") == frame and (told.height, told.width) == shape:
+                return intrinsics_of(told)
+        return None
 
     def _placed(self, frame: str, stamp: int) -> tuple[dict[str, NDArray[Any]], list[str]]:
         """Where tf says that the camera and the robot's base are, and which way is up."""
         parents = self._parents(stamp)
-        pose, root = _to_root(frame.lstrip("/"), parents)
+        pose, root = to_root(frame.lstrip("/"), parents)
         arrays: dict[str, NDArray[Any]] = {"pose_camera_to_world": pose}
         notes: list[str] = []
         robots = [name for name in (*parents, root) if name in _BASES or name.endswith("_link0")]
         bases = sorted(robots, key=lambda name: _BASES.index(name) if name in _BASES else len(_BASES))
-        bases = [name for name in bases if _to_root(name, parents)[1] == root]
+        bases = [name for name in bases if to_root(name, parents)[1] == root]
         if root != frame.lstrip("/") and (root in _FIXED or root in bases):
             arrays["up"] = np.array([0.0, 0.0, 1.0])
             notes.append(f"up is z of the frame {root!r}, the root of tf")
         if bases:
-            arrays["robot_base"] = _to_root(bases[0], parents)[0]
+            arrays["robot_base"] = to_root(bases[0], parents)[0]
             notes.append(f"the robot's base is the frame {bases[0]!r} of tf")
         return arrays, notes
 
     def _parents(self, stamp: int) -> dict[str, tuple[str, FloatArray]]:
         """Each frame's parent and (4, 4) pose in it, as last told by a moment, or told first after it."""
         if self._tf is None:
-            self._tf = [
-                (
-                    _stamp(each),
-                    each.header.frame_id.lstrip("/"),
-                    each.child_frame_id.lstrip("/"),
-                    _matrix(each.transform),
-                )
-                for topic in self._topics.values()
-                if topic.kind in (_TF, "tf/msg/tfMessage")
-                for message, _ in self._messages(topic)
-                for each in message.transforms
-            ]
+            self._tf = []
+            topics = [topic for topic in self._topics.values() if topic.kind in (_TF, "tf/msg/tfMessage")]
+            told = (message.transforms for topic in topics for message, _ in self._messages(topic))
+            for each in chain.from_iterable(told):
+                parent, child = each.header.frame_id.lstrip("/"), each.child_frame_id.lstrip("/")
+                pose = pose_in(each.transform)
+                if pose is None or parent == child:
+                    self._left_out.append(
+                        f"what tf says of {child!r} in {parent!r} is no pose: it is left out"
+                    )
+                else:
+                    self._tf.append((_stamp(each), parent, child, pose))
+            self._left_out = list(dict.fromkeys(self._left_out))
         known: dict[str, tuple[int, str, FloatArray]] = {}
         for told, parent, child, pose in sorted(self._tf, key=lambda each: each[0]):
             if child not in known or told <= stamp:
@@ -290,24 +330,8 @@ def _stamp(message: Any) -> int:
     return 0 if stamp is None else int(stamp.sec) * _SECOND + int(stamp.nanosec)
 
 
-def _matrix(transform: Any) -> FloatArray:
-    turn, shift = transform.rotation, transform.translation
-    pose = np.eye(4)
-    pose[:3, :3] = Rotation.from_quat([turn.x, turn.y, turn.z, turn.w]).as_matrix()
-    pose[:3, 3] = [shift.x, shift.y, shift.z]
-    return pose
-
-
-def _to_root(frame: str, parents: Mapping[str, tuple[str, FloatArray]]) -> tuple[FloatArray, str]:
-    """(4, 4) pose of a frame in the root that it hangs from, and that root."""
-    pose, passed = np.eye(4), {frame}
-    while frame in parents:
-        frame, step = parents[frame]
-        pose = step @ pose
-        if frame in passed:
-            raise InvalidInput(f"tf goes round in a circle through {frame!r}: expected a tree")
-        passed.add(frame)
-    return pose, frame
+def _apart(frames: Mapping[str, str], other: str) -> str:
+    return f"the depth is in the frame {frames['depth']!r} and the {other} in {frames[other]!r}: "
 
 
 def _depth(message: Any, where: str) -> FloatArray:

@@ -13,7 +13,7 @@ from topple.topology.arrays import FloatArray
 from topple.topology.checks import as_pose, numeric
 from topple.topology.errors import InvalidInput
 from topple.topology.geometry.rigid import transformed
-from topple.topology.image import DepthImage
+from topple.topology.image import DepthImage, check_depth
 from topple.topology.io.archive import Array
 from topple.topology.io.assemble import Parts
 from topple.topology.io.geometry import read_geometry
@@ -73,6 +73,7 @@ def read(path: Path, image: int | None = None, models: bool = False) -> Parts:
         parts.background = np.empty((0, 3)) if seen is None else seen.background()
     else:
         clouds = {name: cloud for name, cloud in seen.clouds().items() if len(cloud) >= FEWEST_SEEN}
+        check_depth([seen], clouds)
         notes += [
             f"{name!r} is left out: hardly a pixel of it was seen" for name in names if name not in clouds
         ]

@@ -12,8 +12,7 @@ from numpy.typing import ArrayLike
 from topple.topology.arrays import BoolArray
 from topple.topology.checks import numeric
 from topple.topology.errors import InvalidInput
-from topple.topology.image import DepthImage
-from topple.topology.io.assemble import Parts, assemble
+from topple.topology.io.rgbd import scene_from_rgbd
 from topple.topology.scene import Scene
 from topple.topology.values import free_name
 
@@ -58,28 +57,13 @@ def scene_from_coco(
         mask_of(each.get("segmentation"), image.shape, f"annotation {k}")
         for k, each in enumerate(annotations)
     ]
-    label = np.zeros(image.shape, dtype=np.int64)
-    names: dict[int, str] = {}
-    claims = np.sum(masks, axis=0) if masks else label
-    for place in sorted(range(len(masks)), key=lambda k: -int(masks[k].sum())):
-        label[masks[place]] = place + 1
+    names: list[str] = []
     for place, each in enumerate(annotations):
         (category,) = _whole([each.get("category_id", -1)], f"annotation {place}: category_id")
-        kind = str(each.get("name") or kinds.get(category, place + 1))
-        names[place + 1] = free_name(kind, names.values())
-    pose = np.eye(4) if pose_camera_to_world is None else pose_camera_to_world
-    seen = DepthImage(image, np.asarray(K), label, np.asarray(pose, dtype=np.float64), names)
-    clouds = {name: cloud for name, cloud in seen.clouds().items() if len(cloud) > 1}
-    notes = [f"{name!r} is left out: its mask has no depth" for name in names.values() if name not in clouds]
-    shared = [names[k] for k, mask in enumerate(masks, 1) if (mask & (claims > 1)).any()]
-    if shared:
-        notes.append(
-            f"masks of {', '.join(map(repr, shared))} overlap: of two the smaller one has the pixels"
-        )
-    fixed = [fixed] if isinstance(fixed, str) else list(fixed)
-    parts = Parts(dict(clouds), fixed, up, seen.viewpoint, images=(seen,), background=seen.background())
-    parts.notes = notes
-    return assemble(parts, [], None)
+        names.append(free_name(str(each.get("name") or kinds.get(category, place + 1)), names))
+    given = {} if up is None else {"up": up}
+    stack = np.array(masks) if masks else np.zeros(image.shape)
+    return scene_from_rgbd(image, K, stack, names, pose_camera_to_world, fixed=fixed, **given)
 
 
 def _check_annotations(annotations: object) -> None:

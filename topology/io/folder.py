@@ -11,9 +11,10 @@ from topple.topology.checks import as_name, as_points, as_pose
 from topple.topology.errors import InvalidInput
 from topple.topology.geometry.rigid import transformed
 from topple.topology.io.assemble import Parts
-from topple.topology.io.geometry import SUFFIXES, is_cloud_text, read_geometry
+from topple.topology.io.geometry import SUFFIXES, read_geometry
 from topple.topology.io.limits import outside_allowed
 from topple.topology.io.strict_json import read_json
+from topple.topology.io.text import NOTES, TEXTS, no_cloud
 from topple.topology.io.tolerances import MOST_LISTED
 from topple.topology.scene import Mesh
 
@@ -30,11 +31,11 @@ def reads(path: Path) -> bool:
 def read(path: Path) -> Parts:
     """Read every object of a folder.
 
-    Each cloud (`.ply`, `.pcd`, `.xyz`, `.txt`) or mesh (`.obj`, `.stl`, `.ply`, `.glb`) is an object named as
-    the file. `scene.json` may give `files` {name: file} to name files otherwise or use one twice, `poses`
-    {name: 4x4 object to world}, `masses` {name: kg}, `friction` {name: coefficient}, and `up`, `fixed`,
-    `viewpoints`, `table_plane`, `robot_base`. What is in the folder and no cloud or mesh is
-    named in a note.
+    Each cloud (`.ply`, `.pcd`, or a text: `.xyz`, `.txt`, `.csv`, `.pts`, `.asc`) or mesh (`.obj`, `.stl`,
+    `.ply`, `.glb`) is an object named as the file. `scene.json` may give `files` {name: file} to name files
+    otherwise or use one twice, `poses` {name: 4x4 object to world}, `masses` {name: kg}, `friction`
+    {name: coefficient}, and `up`, `fixed`, `viewpoints`, `table_plane`, `robot_base`. What is in the folder
+    and no cloud or mesh, a text with a matrix or a trajectory too, is named in a note.
 
     Args:
         path: The folder.
@@ -124,22 +125,30 @@ def _files_by_object(folder: Path, described: dict[str, Any]) -> dict[str, Path]
 
 
 def _is_object(place: Path) -> bool:
-    """Whether something in the folder is an object's file by its name, and a `.txt` by what is in it."""
+    """Whether something in the folder is an object's file by its name, and a text by what is in it."""
     suffix = place.suffix.lower()
     if suffix not in SUFFIXES or place.name.startswith(".") or not place.is_file():
         return False
-    return suffix != ".txt" or is_cloud_text(place)
+    other = no_cloud(place) if suffix in TEXTS else None
+    return other is None or (other == NOTES and suffix == ".xyz")
 
 
 def _unused(folder: Path, used: Iterable[Path]) -> list[str]:
     """The note on what is in the folder and was not read; hidden files are nobody's objects."""
     known = {place.resolve() for place in (*used, folder / _DESCRIPTION)}
     left = [place for place in sorted(folder.iterdir()) if place.resolve() not in known]
-    names = [place.name + "/" * place.is_dir() for place in left if not place.name.startswith(".")]
+    names = [place.name + _kind_of(place) for place in left if not place.name.startswith(".")]
     if not names:
         return []
     more = f" and {len(names) - MOST_LISTED} more" if len(names) > MOST_LISTED else ""
     return [f"not used, being no cloud or mesh: {', '.join(names[:MOST_LISTED])}{more}"]
+
+
+def _kind_of(place: Path) -> str:
+    """What follows the name of what is not used: that it is a folder, or numbers that are no cloud."""
+    if place.suffix.lower() in TEXTS and place.is_file() and (other := no_cloud(place)) not in (None, NOTES):
+        return f" ({other})"
+    return "/" * place.is_dir()
 
 
 def _read_description(path: Path) -> dict[str, Any]:

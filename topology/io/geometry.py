@@ -3,7 +3,7 @@
 import logging
 import re
 from collections.abc import Callable
-from io import StringIO
+from io import BytesIO
 from pathlib import Path
 from typing import Any, cast
 
@@ -14,14 +14,24 @@ from topple.topology.checks import as_points
 from topple.topology.errors import InvalidInput
 from topple.topology.io.limits import check_size
 from topple.topology.io.pcd import read_pcd
+from topple.topology.io.text import TEXTS, read_text
 from topple.topology.io.tolerances import MOST_PIECES, SAMPLE_SPACING
 
-SUFFIXES = (".ply", ".pcd", ".xyz", ".txt", ".obj", ".stl", ".glb")
+SUFFIXES = (".ply", ".pcd", *TEXTS, ".obj", ".stl", ".glb")
 
 _CORNERS = re.compile(r"[fv]([^A-Za-z].*)?")
 _WHOLE = re.compile(r"[-+]?[0-9]{1,18}")
 _SOUND = re.compile(r"(?:v(?: [-+.0-9eE]{1,30}){3,7}|f(?: [1-9][0-9]{0,17}(?:/[0-9]*){0,2}){3,9}) ?\r?\n?")
 """Lines of an OBJ as programs write them: most of a large file, told at a glance."""
+_ELEMENTS = re.compile(rb"^element\s+(\S+)\s+([-+]?\d+)\s*?\n((?:(?!element).*\n)*)", re.MULTILINE)
+_SOLID = re.compile(rb"^[ \t]*(end)?[ \t]*solid\b[^\r\n]*", re.IGNORECASE | re.MULTILINE)
+_KINDS = {
+    1: b"char int8 uchar uint8",
+    2: b"short int16 ushort uint16",
+    4: b"int int32 uint uint32 float float32",
+}
+_BYTES = {kind: size for size, some in {**_KINDS, 8: b"double float64"}.items() for kind in some.split()}
+"""Sizes of the numbers of a PLY."""
 _FEWEST_SAMPLES, _MOST_SAMPLES = 2_000, 20_000
 
 Geometry = tuple[FloatArray, IntArray | None, FloatArray]
@@ -34,7 +44,8 @@ def read_geometry(path: Path, what: str, unit: float = 1.0) -> Geometry:
     so that its extent is exact.
 
     Args:
-        path: A `.ply`, `.pcd`, `.xyz`, `.txt` (read as `.xyz`), `.obj`, `.stl` or `.glb` file.
+        path: A `.ply`, `.pcd`, `.obj`, `.stl` or `.glb` file, or a text: `.xyz`, `.txt`, `.csv`, `.pts`,
+            `.asc`.
         what: What it is, for the message.
         unit: Length of the file's unit in [m].
 
@@ -49,8 +60,8 @@ def read_geometry(path: Path, what: str, unit: float = 1.0) -> Geometry:
     if path.stat().st_size == 0:
         raise InvalidInput(f"{what} is an empty file: expected points or a mesh")
     suffix = path.suffix.lower()
-    if suffix in (".pcd", ".xyz", ".txt"):
-        points = read_pcd(path, what) if suffix == ".pcd" else _read_xyz(path, what)
+    if suffix in (".pcd", *TEXTS):
+        points = read_pcd(path, what) if suffix == ".pcd" else read_text(path, what)
         points = as_points(unit * points, what)
         return points, None, points
     vertices, faces = _read_with_trimesh(path, what)
@@ -60,61 +71,18 @@ def read_geometry(path: Path, what: str, unit: float = 1.0) -> Geometry:
     return sampled_mesh(vertices, faces), faces, vertices
 
 
-def is_cloud_text(path: Path) -> bool:
-    """Tell a `.txt` that holds a cloud from notes: its first line with anything in it begins with x y z."""
-    with path.open(encoding="utf-8-sig", errors="replace") as file:
-        for line in file:
-            if values := _columns(line):
-                try:
-                    return len([float(value) for value in values[:3]]) == 3
-                except ValueError:
-                    return False
-    return False
-
-
-def _columns(line: str) -> list[str]:
-    """The words of a line, apart by blanks, commas or semicolons, without its comment."""
-    return line.split("#", 1)[0].replace(",", " ").replace(";", " ").split()
-
-
-def _read_xyz(path: Path, what: str) -> FloatArray:
-    """Read x y z from the first three columns, apart by blanks, commas or semicolons; # starts a comment."""
-    try:
-        text = path.read_text(encoding="utf-8-sig")
-    except UnicodeDecodeError as error:
-        raise InvalidInput(f"{what} is no text: expected one point x y z per line") from error
-    lines = text.splitlines()
-    try:
-        if any(map(_columns, lines)):  # without any row the reader warns
-            plain = "\n".join(lines).replace(",", " ").replace(";", " ")
-            return np.loadtxt(StringIO(plain), dtype=np.float64, usecols=(0, 1, 2), ndmin=2)
-    except ValueError:
-        pass  # the line is looked for below, and what Python alone reads is read there
-    rows: list[list[float]] = []
-    for number, line in enumerate(lines, start=1):
-        values = _columns(line)
-        if not values:
-            continue
-        try:
-            x, y, z = (float(value) for value in values[:3])
-        except ValueError as error:
-            raise InvalidInput(
-                f"{what} reads {line.strip()[:40]!r} in line {number}: expected x y z"
-            ) from error
-        rows.append([x, y, z])
-    return np.array(rows, dtype=np.float64)
-
-
 def _read_with_trimesh(path: Path, what: str) -> tuple[FloatArray, IntArray]:
     import trimesh
 
     check_size(path.stat().st_size, what)
-    if path.suffix.lower() in _DECLARED:
-        _DECLARED[path.suffix.lower()](path, what)
+    suffix = path.suffix.lower()
+    source: Any = BytesIO(_PLAIN[suffix](path.read_bytes(), what)) if suffix in _PLAIN else path
+    if suffix == ".obj":
+        _check_obj(path, what)
     log: logging.Logger = trimesh.util.log
     silent, log.disabled = log.disabled, True  # what it says of a broken file, a trace even, is said below
     try:
-        loaded: Any = trimesh.load(path, process=False)
+        loaded: Any = trimesh.load(source, suffix[1:], process=False)
         if isinstance(loaded, trimesh.Scene):
             loaded = cast(Any, loaded).to_geometry()
         vertices = np.asarray(loaded.vertices, dtype=np.float64)
@@ -137,22 +105,33 @@ def _read_with_trimesh(path: Path, what: str) -> tuple[FloatArray, IntArray]:
     return vertices, faces
 
 
-def _check_ply(path: Path, what: str) -> None:
-    """Refuse a PLY text that has other lines than it declares; in the binary kind trimesh notices."""
-    counts: dict[str, int] = {}
-    with path.open("rb") as file:
-        for line in file:
-            words = line.split()
-            if words[:1] == [b"format"] and words[1:2] != [b"ascii"]:
-                return
-            if words[:1] == [b"element"] and len(words) == 3 and words[2].isdigit():
-                counts[words[1].decode("ascii", "replace")] = int(words[2])
-            if words == [b"end_header"]:
-                break
-        lines = sum(bool(line.strip()) for line in file)
-    if lines != sum(counts.values()):
-        said = " and ".join(f"{count} of {name}" for name, count in counts.items())
-        raise InvalidInput(f"{what} declares {said}, and has {lines} lines of them: write it again")
+def _plain_ply(content: bytes, what: str) -> bytes:
+    """A PLY without elements that hold nothing, of which the reader stumbles; of a cloud its points alone.
+
+    Raises:
+        InvalidInput: If a text has other lines than it declares; in the binary kind trimesh notices.
+    """
+    end = re.search(rb"^end_header[ \t]*\r?\n", content, re.MULTILINE)
+    if end is None:
+        return content
+    found = _ELEMENTS.findall(content[: end.start()])
+    told = [(name, int(count), re.findall(rb"property.*\n", rest)) for name, count, rest in found]
+    elements = [each for each in told if each[1] and each[2]]
+    form = re.search(rb"^format.*", content, re.MULTILINE)
+    text = form is not None and b"ascii" in form[0]
+    rows, body = [], content[end.end() :]
+    if text:
+        rows = [row for row in body.splitlines() if row.strip()]
+        if len(rows) != sum(count for _, count, _ in elements):
+            said = " and ".join(f"{count} of {name.decode('ascii', 'replace')}" for name, count, _ in told)
+            raise InvalidInput(f"{what} declares {said}, and has {len(rows)} lines of them: write it again")
+    (name, count, properties), *others = elements or [(b"", 0, [])]
+    sizes = [_BYTES.get(line.split()[1], 0) for line in properties]
+    if name == b"vertex" and all(sizes) and b"face" not in (each[0] for each in others):
+        elements, rows, body = elements[:1], rows[:count], body[: count * sum(sizes)]
+    head = b"".join(b"element %s %d\n%s" % (name, n, b"".join(kept)) for name, n, kept in elements)
+    form = b"" if form is None else form[0]
+    return b"ply\n%s\n%send_header\n%s" % (form, head, b"\n".join(rows) if text else body)
 
 
 def _check_obj(path: Path, what: str) -> None:
@@ -181,9 +160,22 @@ def _check_obj(path: Path, what: str) -> None:
                 raise InvalidInput(f"{what} names vertex 0 in line {number}: expected counts from 1")
 
 
-def _check_stl(path: Path, what: str) -> None:
-    """Refuse an STL text of more solids than an object has."""
-    _check_pieces(path.read_bytes().lower().count(b"endsolid"), what, "solids")
+def _plain_stl(content: bytes, what: str) -> bytes:
+    """An STL text whose first and last lines say no more than that, in words that the reader knows.
+
+    Raises:
+        InvalidInput: If it has no last line, or more solids than an object has.
+    """
+    if not content.lstrip()[:5].lower() == b"solid" or b"\0" in content:
+        return content
+    content = _SOLID.sub(lambda line: (line[1] or b"") + b"solid", content)
+    count = content.lower().count(b"endsolid")
+    _check_pieces(count, what, "solids")
+    if not count and b"vertex" in content.lower():
+        raise InvalidInput(
+            f"{what} is an STL text without the line 'endsolid': it is cut short, write it again"
+        )
+    return content
 
 
 def _check_pieces(count: int, what: str, of: str) -> None:
@@ -191,11 +183,7 @@ def _check_pieces(count: int, what: str, of: str) -> None:
         raise InvalidInput(f"{what} has more than {MOST_PIECES} {of}: expected those of one object")
 
 
-_DECLARED: dict[str, Callable[[Path, str], None]] = {
-    ".ply": _check_ply,
-    ".obj": _check_obj,
-    ".stl": _check_stl,
-}
+_PLAIN: dict[str, Callable[[bytes, str], bytes]] = {".ply": _plain_ply, ".stl": _plain_stl}
 
 
 def sampled_mesh(vertices: FloatArray, faces: IntArray) -> FloatArray:

@@ -1,9 +1,10 @@
 """What the numbers of a mask, or of labelled points, are called."""
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 
 import numpy as np
 
+from topple.topology.arrays import IntArray
 from topple.topology.errors import InvalidInput
 from topple.topology.io.archive import Array
 from topple.topology.io.clouds import names_in
@@ -63,3 +64,31 @@ def label_names(arrays: Mapping[str, Array], label: Array) -> dict[int, str]:
             )
     named = zip(numbers, names_in(names), strict=True)
     return {number: name for number, name in named if number in present and name.strip()}
+
+
+def label_of_stack(masks: Array, names: Sequence[object]) -> tuple[IntArray, list[str]]:
+    """Make one mask of many.
+
+    Args:
+        masks: (N, H, W) of true and false, a mask per object, N >= 1.
+        names: What they are called, for the note.
+
+    Returns:
+        (H, W) labels from 1 on, in their order; and the sentence on masks that overlap, if any do: of two the
+        smaller one has the pixels, being in front.
+
+    Raises:
+        InvalidInput: A mask is empty, or smaller ones have all of its pixels.
+    """
+    label, claims = np.zeros(masks[0].shape, dtype=np.int64), np.sum(masks, axis=0)
+    for place in sorted(range(len(masks)), key=lambda k: -int(masks[k].sum())):
+        label[masks[place]] = place + 1
+    empty = [str(names[k]) for k in range(len(masks)) if not (label == k + 1).any()]
+    if empty:
+        raise InvalidInput(
+            f"masks of {', '.join(empty)} are empty, or all within smaller ones: expected pixels of an "
+            "object in each; leave them out"
+        )
+    shared = [repr(names[k]) for k, mask in enumerate(masks) if (mask & (claims > 1)).any()]
+    said = f"masks of {', '.join(shared)} overlap: of two the smaller one has the pixels"
+    return label, [said] if shared else []

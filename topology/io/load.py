@@ -9,7 +9,7 @@ from typing import Any, Protocol
 from numpy.typing import ArrayLike
 
 from topple.topology.arrays import FloatArray
-from topple.topology.checks import as_direction
+from topple.topology.checks import as_direction, as_names
 from topple.topology.errors import InvalidInput
 from topple.topology.io.assemble import Parts, assemble
 from topple.topology.io.limits import allowing
@@ -95,16 +95,14 @@ def load_scene(
         UnknownObject: If `fixed` names an object that is not there.
     """
     given_up = None if up is None else as_direction(up, "up")
-    if not os.fspath(path):
-        raise InvalidInput("the path of the scene is empty: expected that of a file or a folder")
-    place = Path(path)
+    place = _as_path(path)
     if isinstance(models, bool):
         options["models"] = models
     try:
         with allowing(most_bytes, allow_outside):
             parts = _read(place, options)
             scene = assemble(
-                parts, [fixed] if isinstance(fixed, str) else list(fixed), given_up if up is None else up,
+                parts, as_names(fixed), given_up if up is None else up,
                 robot,
             )  # fmt: skip
             if models is None or isinstance(models, bool):
@@ -117,13 +115,31 @@ def load_scene(
         raise
 
 
-def as_scene(source: Scene | str | os.PathLike[str]) -> Scene:
+def as_scene(source: object) -> Scene:
     """A scene as it is, or read from a path; see `load_scene`.
 
     Args:
         source: Either.
+
+    Raises:
+        InvalidInput: If it is neither, or what the path holds is none.
     """
-    return source if isinstance(source, Scene) else load_scene(source)
+    if isinstance(source, Scene):
+        return source
+    if isinstance(source, (str, os.PathLike)):
+        return load_scene(source)
+    raise InvalidInput(
+        f"the scene is of {type(source)}: expected a Scene or the path of one; clouds and meshes make one by "
+        "name, scene_from_objects({'mug': mesh})"
+    )
+
+
+def _as_path(path: object) -> Path:
+    if not isinstance(path, (str, os.PathLike)):
+        raise InvalidInput(f"the path of the scene is of {type(path)}: expected that of a file or a folder")
+    if not os.fspath(path):
+        raise InvalidInput("the path of the scene is empty: expected that of a file or a folder")
+    return Path(path)
 
 
 def _read(path: Path, options: dict[str, Any]) -> Parts:

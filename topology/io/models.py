@@ -12,6 +12,7 @@ from topple.topology.bodies.model_registration import Model
 from topple.topology.errors import InvalidInput
 from topple.topology.geometry.normals import patch_planes
 from topple.topology.io.geometry import SUFFIXES, Geometry, read_geometry, spread_over
+from topple.topology.io.text import TEXTS
 from topple.topology.tolerances import LARGEST_HELD, NEIGHBOURS
 
 _MESHES = ("mesh", "textured", "nontextured", "textured_simple", "model")
@@ -96,7 +97,7 @@ def read_model(name: str, file: Path) -> tuple[Model, Geometry]:
 
 
 def _is_mesh(place: Path) -> bool:
-    return place.suffix.lower() in SUFFIXES and place.suffix.lower() != ".txt" and place.is_file()
+    return place.suffix.lower() in SUFFIXES and place.suffix.lower() not in TEXTS[1:] and place.is_file()
 
 
 def _mesh_below(place: Path) -> Path | None:

@@ -8,7 +8,7 @@ from numpy.typing import ArrayLike
 from scipy.spatial.transform import Rotation
 
 from topple.topology.arrays import FloatArray
-from topple.topology.checks import as_points, as_pose
+from topple.topology.checks import as_names, as_points, as_pose
 from topple.topology.errors import InvalidInput, UnknownObject
 from topple.topology.geometry.rigid import transformed
 from topple.topology.io.assemble import Parts, assemble
@@ -54,6 +54,9 @@ def scene_from_objects(
         InvalidInput: An object is none of these or empty, a pose is none, or poses are in different frames.
         UnknownObject: A pose, or a name in `fixed`, is of no object.
     """
+    given: Any = objects
+    if not isinstance(given, Mapping):
+        raise InvalidInput(f"objects is a {type(given).__name__}: expected {{name: object}}, each {EXPECTED}")
     placed = dict(zip(objects, poses, strict=False)) if not isinstance(poses, Mapping) else dict(poses)
     if not isinstance(poses, Mapping) and len(poses) not in (0, len(objects)):
         raise InvalidInput(
@@ -67,7 +70,7 @@ def scene_from_objects(
     if len(set(frames.values())) > 1:
         told = ", ".join(f"{what} in {frame}" for what, frame in frames.items())
         raise InvalidInput(f"poses are in different frames: {told}; expected one frame for all")
-    fixed = [fixed] if isinstance(fixed, str) else list(fixed)
+    fixed = as_names(fixed)
     parts = Parts({}, fixed, up, viewpoints, masses=masses, friction=friction)
     if robot_base is not None:
         parts.robot_base = pose_of(robot_base, "robot_base")
@@ -129,8 +132,7 @@ def scene_from_points(
     known = {str(number): name for number, name in called.items()}
     parts = parts_from_labelled(arrays)
     parts.up, parts.viewpoints = up, viewpoints
-    fixed = [fixed] if isinstance(fixed, str) else fixed
-    return assemble(parts, [known.get(str(name), str(name)) for name in fixed], None)
+    return assemble(parts, [known.get(str(name), str(name)) for name in as_names(fixed)], None)
 
 
 def geometry_of(thing: Any, what: str) -> Geometry:

@@ -9,6 +9,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from topple.topology.arrays import FloatArray
+from topple.topology.checks import as_names
 from topple.topology.errors import InvalidInput
 from topple.topology.io.archive import Array, read_arrays
 from topple.topology.io.assemble import Parts, assemble
@@ -49,7 +50,7 @@ def load_sequence(
     Raises:
         InvalidInput: If the path holds no sequence; one line that names the file.
     """
-    place, fixed = Path(path), [fixed] if isinstance(fixed, str) else list(fixed)
+    place, fixed = Path(path), as_names(fixed)
     if place.exists() and reads(place):
         try:
             yield from (assemble(parts, fixed, up) for parts in frames(place, **options))

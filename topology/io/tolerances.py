@@ -32,6 +32,12 @@ UNDER_SHARE = 0.8
 APART = 0.1
 """Time [s] between a depth image and its labels: three frames at 30 Hz."""
 
+SAME_PLACE = 1e-3
+"""[m] and [rad] within which two frames of one camera are the same place: no pixel of it sees so little."""
+
+SHORTEST = 1e-6
+"""Length of a quaternion below which it turns nowhere."""
+
 
 # -- folder
 
@@ -68,3 +74,15 @@ FAR_OUT = 0.02
 
 TABLE_STEP = 50
 """Every so manieth point says where the table must reach: all frames at once."""
+
+
+# -- text
+
+LOOKED_AT = 200
+"""Lines of a text that tell whether it is a cloud: headings have a few."""
+
+EARLIEST = 1e8
+"""[s] since 1970, of a trajectory that begins with a time: no coordinate is as large."""
+
+UNIT_ROW = 1e-3
+"""How far a quaternion may be from unit length, a rotation from a rigid one: written with four decimals."""

@@ -13,7 +13,7 @@ from topple.topology.scene import Scene
 from topple.topology.statics.contact import Contact, find_contacts
 from topple.topology.statics.holding import deficits
 from topple.topology.statics.rest import Statics, within_reach
-from topple.topology.statics.tolerances import ALONG, APART, BETTER, HANGING
+from topple.topology.statics.tolerances import ALONG, APART, BETTER, FAR_OFF, HANGING
 from topple.topology.tolerances import VOXEL
 from topple.topology.values import FrozenDict
 
@@ -34,18 +34,39 @@ def check_up(scene: Scene, statics: Statics | None = None) -> None:
 
     Raises:
         InvalidInput: Another direction fits and this one does not; the line says which, or how to have it
-            found. Also where the scene has no `up`.
+            found. None fits and all objects are metres apart, as with poses in millimetres. Also where the
+            scene has no `up`.
     """
     statics = Statics.of(scene) if statics is None else statics
     if not statics.weights:
         return
+    assert scene.up is not None  # statics needs it
+    _check_distances(scene, statics)
     hanging = uncarried(statics)
     if hanging < HANGING:
         return
-    assert scene.up is not None  # statics needs it
     for other in _other_directions(scene, scene.up):
         if uncarried(Statics.of(scene.with_up(other))) <= hanging - BETTER:
             raise InvalidInput(_contradiction(scene, scene.up, other, hanging))
+
+
+def _check_distances(scene: Scene, statics: Statics) -> None:
+    """Refuse objects that hang in the air whichever way is up, each of them far from all others."""
+    low, high = np.array([bounds(cloud) for cloud in scene.clouds.values()]).swapaxes(0, 1)
+    apart = np.linalg.norm(np.maximum(low[:, None] - high, low - high[:, None]).clip(min=0.0), axis=2)
+    np.fill_diagonal(apart, np.inf)
+    moves = np.array([name in scene.movable for name in scene.clouds])
+    nearest = float(apart.min(axis=1)[moves].min())
+    bottoms = np.array([surface[:, 2].min() for surface in statics.surfaces.values()])
+    if nearest <= FAR_OFF or (np.ptp(bottoms) < FAR_OFF if not scene.fixed else uncarried(statics) < HANGING):
+        return
+    spread, width = np.ptp((low + high) / 2.0, axis=0).max(), np.median((high - low)[moves].max(axis=1))
+    unit, factor = ("millimetres", 1000) if spread > 1000 * width / 2.0 else ("centimetres", 100)
+    raise InvalidInput(
+        f"the objects are some {width:.2g} m wide, and each is {nearest:.3g} m and more from all others and "
+        f"carried by nothing, whichever way is up: are the poses in {unit}? topple takes metres, so divide "
+        f"their translations by {factor}"
+    )
 
 
 def uncarried(statics: Statics) -> float:

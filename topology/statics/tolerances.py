@@ -56,6 +56,10 @@ HANGING = 0.4
 BETTER = 0.3
 """By how much that share must fall with another direction for it to be the likely one."""
 
+FAR_OFF = 2.0
+"""[m] from each object to all others from which it is asked whether lengths are in metres: further than
+anything that is held by what no camera saw in a scene within an arm's reach."""
+
 APART = float(np.cos(np.radians(30.0)))
 """Cosine of the angle from which a direction is another one: a table tilted by less is still a table."""
 

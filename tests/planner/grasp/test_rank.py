@@ -8,15 +8,16 @@ from on_table import on_table
 
 from topple.benchmarks.grasps import random_grasps
 from topple.benchmarks.plain_hands import against, held
-from topple.planner.grasp.foreign import ForeignGrasps
+from topple.planner.grasp.foreign import ForeignGrasps, grasps_from_array
 from topple.planner.grasp.grasp import Grasp
 from topple.planner.grasp.hand import hand_shape
-from topple.planner.grasp.rank import rank_all, rank_grasps
+from topple.planner.grasp.rank import camera_frame, rank_all, rank_grasps
 from topple.planner.grasp.suction import cup_shape
 from topple.planner.planning.order import order
 from topple.robots.catalog import robot
 from topple.robots.shapes.boxes import box
 from topple.topology.errors import InvalidInput, UnknownObject
+from topple.topology.image import DepthImage
 from topple.topology.io import load_scene
 from topple.topology.scene import Scene
 
@@ -53,6 +54,21 @@ def test_what_the_arm_cannot_reach_is_dropped() -> None:
     far[0, 3] = -3.0
     ranked = rank_grasps(scene(), GRASPS, robot("panda"), pose_base_to_world=far)
     assert ranked[0].dropped == "out of reach"
+
+
+def test_grasps_in_the_frame_of_the_scene_s_camera_are_taken_by_its_pose() -> None:
+    eye = down(0.1, 0.0, 0.9)
+    depth, label = np.full((120, 160), 0.9), np.zeros((120, 160), np.int64)
+    camera = DepthImage(depth, np.array([[150.0, 0, 80], [0, 150, 60], [0, 0, 1]]), label, eye)
+    seen = Scene(scene().clouds, ["table"], (0, 0, 1), images=[camera])
+    poses = np.linalg.inv(eye) @ GRASPS
+    known = grasps_from_array(GRASPS)
+    assert camera_frame(seen, known) is None
+    assert camera_frame(seen, replace(known, poses_tool_to_source=poses)) == pytest.approx(eye)
+    ranked = [[(entry.index, entry.dropped) for entry in rank_grasps(seen, some)] for some in (GRASPS, poses)]
+    assert ranked[0] == ranked[1]
+    with pytest.raises(InvalidInput, match="no grasp is near anything"):
+        rank_grasps(scene(), poses)
 
 
 def test_no_grasps_give_no_ranking() -> None:

@@ -234,6 +234,75 @@ def test_tf_is_taken_as_it_was_when_the_picture_was_taken(own: _Own) -> None:
     assert seen == pytest.approx([1.1, 3.1])
 
 
+ASIDE = np.array([[1.0, 0, 0, 0.05], [0, 1, 0, 0.0], [0, 0, 1, 0], [0, 0, 0, 1]])
+"""Of a camera 5 cm to the right of the depth camera, in that one's frame."""
+
+
+def _aside(own: _Own, tree: list[Any], frame: str = "colour_optical", info: bool = True) -> Path:
+    """A recording whose labels another camera took; in its own picture things lie to the left."""
+    look, make, example = _looks()[0], own.msg, own._example
+    own.send(0, "/tf", make["tf2_msgs/TFMessage"](tree))
+    head, taken = example._header(1, "camera_optical"), example._header(1, frame)
+    (height, width), roi = look.depth.shape, example.ROI
+    for topic, at in [("/camera/camera_info", head), *([("/colour/camera_info", taken)] if info else [])]:
+        about = (np.zeros(5), look.K.ravel(), np.eye(3).ravel(), np.eye(3, 4).ravel(), 0, 0)
+        own.send(1, topic, make["sensor_msgs/CameraInfo"](at, height, width, "", *about, roi))
+    own.send(1, "/camera/depth", example._image(head, 1e3 * look.depth, "16UC1", "<u2"))
+    label = np.ones(look.label.shape, np.int64)
+    for number, top in ((2, 0.7), (3, 0.6)):
+        rows, columns = np.nonzero(look.label == number)
+        label[rows, columns - round(0.05 * FOCAL / top)] = number
+    own.send(1, "/mask", example._image(taken, label, "32SC1", "<i4"))
+    return own.close()
+
+
+@pytest.mark.parametrize("info", [True, False])
+def test_labels_of_another_camera_are_laid_onto_the_depth_by_tf(own: _Own, info: bool) -> None:
+    tree = [
+        own._example._transform(*each) for each in (("camera_optical", EYE), ("colour_optical", EYE @ ASIDE))
+    ]
+    scene = load_scene(_aside(own, tree, info=info), info="/camera/camera_info", fixed=["1"])
+    for name, cloud in _looks()[0].clouds().items():
+        if name != "1":
+            assert scene.clouds[name].mean(axis=0) == pytest.approx(cloud.mean(axis=0), abs=4e-3)
+    said = "labels in the frame 'colour_optical' are laid by tf on depth in 'camera_optical'"
+    (note,) = [note for note in scene.assumptions if note.startswith(said)]
+    assert ("same intrinsics" in note) != info
+
+
+def test_labels_of_a_frame_that_tf_does_not_know_are_refused_and_those_of_the_same_place_taken(
+    own: _Own, example: Any, tmp_path: Path
+) -> None:
+    here = own._example._transform("camera_optical", EYE)
+    words = "depth is in the frame 'camera_optical' and the labels in 'colour_optical': expected one frame"
+    with pytest.raises(InvalidInput, match=words):
+        load_scene(_aside(own, [here]), info="/camera/camera_info")
+    other = _Own(example, tmp_path / "other")
+    scene = load_scene(
+        _aside(other, [here, own._example._transform("same", EYE)], "same", False), fixed=["1"]
+    )
+    assert not any("by tf on depth" in note for note in scene.assumptions)
+
+
+def test_intrinsics_of_a_camera_elsewhere_are_refused(own: _Own) -> None:
+    tree = [
+        own._example._transform(*each) for each in (("camera_optical", EYE), ("colour_optical", EYE @ ASIDE))
+    ]
+    with pytest.raises(InvalidInput, match="and the camera_info in 'colour_optical': name that of the depth"):
+        load_scene(_aside(own, tree), info="/colour/camera_info")
+
+
+def test_what_is_no_pose_in_tf_is_left_out_and_said(own: _Own) -> None:
+    bad = [own._example._transform(name, EYE) for name in ("marker", "far", "world")]
+    bad[0].transform.rotation = own.msg["geometry_msgs/Quaternion"](0.0, 0.0, 0.0, 0.0)
+    bad[1].transform.translation.x = np.nan
+    tree = [*bad, own._example._transform("camera_optical", EYE)]
+    scene = load_scene(_aside(own, tree, "camera_optical", False), fixed=["1"])
+    assert scene.viewpoints == pytest.approx(EYE[None, :3, 3])
+    for name in ("marker", "far", "world"):
+        assert f"what tf says of {name!r} in 'world' is no pose: it is left out" in scene.assumptions
+
+
 def test_a_circle_of_frames_is_refused(own: _Own) -> None:
     look = _looks()[0]
     tree = [own._example._transform("camera_optical", EYE), own._example._transform("world", EYE)]

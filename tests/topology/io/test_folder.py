@@ -86,6 +86,45 @@ def test_ply_clouds_and_xyz_text_are_read(tmp_path: Path, encoding: str) -> None
     assert not scene.meshes
 
 
+CAMERA = ["element camera 1", "property float view_px", "property int viewportx"]
+OTHERS = {
+    "an empty face and a camera": (["element face 0", *CAMERA], struct.pack("<fi", 1.0, 640), "1 640\n"),
+    "an empty face with its list": (["element face 0", "property list uchar int vertex_indices"], b"", ""),
+    "a camera that says nothing": (["element camera 1"], b"", "\n"),
+    "lists of other lengths": (
+        ["element range_grid 2", "property list uchar int vertex_indices"],
+        struct.pack("<BBi", 0, 1, 4),
+        "0\n1 4\n",
+    ),
+}
+
+
+@pytest.mark.parametrize("others", OTHERS)
+@pytest.mark.parametrize("encoding", ["ascii", "binary_little_endian"])
+def test_elements_of_a_ply_that_hold_nothing_are_passed_over(
+    tmp_path: Path, encoding: str, others: str
+) -> None:
+    lines, binary, text = OTHERS[others]
+    vertex = ["element vertex 60", *(f"property float {axis}" for axis in "xyz")]
+    header = ["ply", "comment made", f"format {encoding} 1.0", *vertex, *lines, "end_header", ""]
+    rows = "".join(f"{x:.6f} {y:.6f} {z:.6f}\n" for x, y, z in POINTS)
+    body = (rows + text).encode() if encoding == "ascii" else POINTS.astype("<f4").tobytes() + binary
+    (tmp_path / "mug.ply").write_bytes("\n".join(header).encode() + body)
+    assert np.allclose(load_scene(tmp_path).clouds["mug"], POINTS, atol=1e-6)
+
+
+@pytest.mark.parametrize("last", ["end solid", "END SOLID part", "endsolid"])
+def test_an_stl_text_may_end_in_two_words_and_be_called_anything(tmp_path: Path, last: str) -> None:
+    _box(tmp_path / "box.stl")
+    text = trimesh.load(tmp_path / "box.stl").export(file_type="stl_ascii")
+    lines = str(text).strip().splitlines()
+    (tmp_path / "box.stl").write_text("\n".join(["solid vertex of a solid", *lines[1:-1], last]))
+    assert len(load_scene(tmp_path).meshes["box"].faces) == 12
+    (tmp_path / "box.stl").write_text("\n".join(lines[:-1]))
+    with pytest.raises(InvalidInput, match="is an STL text without the line 'endsolid': it is cut short"):
+        load_scene(tmp_path)
+
+
 @pytest.mark.parametrize("suffix", ["obj", "stl", "ply", "glb"])
 def test_meshes_are_sampled_all_over_their_surface(tmp_path: Path, suffix: str) -> None:
     _box(tmp_path / f"box.{suffix}")

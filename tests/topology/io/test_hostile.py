@@ -140,7 +140,7 @@ HOSTILE: dict[str, tuple[Callable[[Path], Path], str]] = {
     ),
     "a stl that is neither kind": (
         lambda at: folder(at / "f", {"a.stl": b"solid x\nfacet normal 0 0 z\nouter loop\nvertex 0 0\n" * 9}),
-        "is empty",
+        "without the line 'endsolid'",
     ),
     "names that are no text": (
         lambda at: saved(at / "a.npz", a=CLOUD, fixed=np.array([0x7FFFFFFF, 0], dtype="<u4").view("<U2")),

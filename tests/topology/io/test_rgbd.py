@@ -1,10 +1,12 @@
 """RGB-D frames as scenes: made ones, and the real ones where they are at hand."""
 
+import re
 from pathlib import Path
 
 import numpy as np
 import pytest
 
+from topple.topology import DepthImage, Scene, scene_from_coco, scene_from_rgbd
 from topple.topology.errors import InvalidInput
 from topple.topology.io import load_scene
 
@@ -123,8 +125,135 @@ def test_bad_frames_are_refused(tmp_path: Path, changes: dict[str, object], word
 def test_an_object_of_one_pixel_is_named(tmp_path: Path) -> None:
     label = np.ones((60, 80), dtype=int)
     label[5, 5] = 7
-    with pytest.raises(InvalidInput, match="'7' has a single point"):
+    with pytest.raises(InvalidInput, match="'7' has 1 pixel in its mask and depth of its own in 1 of them"):
         load_scene(_save(tmp_path, label=label))
+
+
+@pytest.mark.parametrize("seen", [0, 1, 3])
+def test_an_object_that_depth_hardly_shows_is_refused_by_every_reader_alike(
+    tmp_path: Path, seen: int
+) -> None:
+    frame = _frame()
+    depth, label = np.array(frame["depth"]), np.array(frame["label"])
+    label[35:47, 40:52] = 7
+    depth[label == 7] = 0.0
+    depth[40, 42 : 42 + seen] = 0.8
+    words = f"'7' has 144 pixels in its mask and depth of its own in {seen or 'none'} of them, too few for a"
+    stack = np.stack([label == number for number in (1, 2, 7)])
+    runs = [
+        {"segmentation": {"size": [60, 80], "counts": _runs(mask)}, "name": n}
+        for mask, n in zip(stack, "127", strict=True)
+    ]
+    for read in (
+        lambda: load_scene(_save(tmp_path, depth=depth, label=label)),
+        lambda: scene_from_rgbd(depth, K, stack, ["1", "2", "7"]),
+        lambda: scene_from_coco(depth, K, runs),
+        lambda: Scene.from_images([DepthImage(depth, K, label)]),
+    ):
+        with pytest.raises(InvalidInput, match=words):
+            read()
+
+
+def _runs(mask: np.ndarray) -> list[int]:
+    flat = np.concatenate([[False], mask.T.ravel(), [False]])
+    ends = np.flatnonzero(np.diff(flat))
+    return np.diff([0, *ends, mask.size]).tolist()
+
+
+def test_masks_are_taken_in_memory_as_in_a_file(tmp_path: Path) -> None:
+    frame = _frame()
+    depth, label = np.array(frame["depth"]), np.array(frame["label"])
+    board, box = label > 0, label == 2
+    board[:, 70:] = box[:, 70:] = False
+    label[:, 70:] = 0
+    stack = np.stack([board, box])  # the box lies on the board: its pixels are in both
+    said = "masks of 'board', 'box' overlap: of two the smaller one has the pixels"
+    made = [
+        load_scene(_save(tmp_path, label=None, masks=stack, names=["board", "box"]), fixed=["board"]),
+        load_scene(
+            _save(tmp_path, label=None, masks=255 * stack[:, None].astype(np.uint8), names=["board", "box"]),
+            fixed=["board"],
+        ),
+        scene_from_rgbd(depth, K, stack, ["board", "box"], fixed="board"),
+        scene_from_rgbd(depth, K, {"board": board, "box": box}, fixed=["board"]),
+    ]
+    labels = scene_from_rgbd(depth, K, np.where(box, 2, label), {1: "board", 2: "box"}, fixed=["board"])
+    for scene in made:
+        assert scene.names == ("board", "box") and said in scene.assumptions
+        assert scene.clouds["box"] == pytest.approx(labels.clouds["box"])
+    table = scene_from_rgbd(depth, K, box[None], ["box"], pose_camera_to_world=np.diag([1.0, -1, -1, 1]))
+    assert table.names == ("box", "table") and table.fixed == {"table"}
+    assert table.up == pytest.approx([0, 0, 1], abs=1e-6)
+
+
+@pytest.mark.parametrize(
+    ("masks", "words"),
+    [
+        (np.zeros((2, 60, 80), bool), "masks of 1, 2 are empty, or all within smaller ones"),
+        (np.full((2, 60, 80), 7.5), "expected true or false per object and pixel"),
+        ([np.ones((60, 80)), np.ones((5, 80))], "masks is ragged"),
+        ({"a": np.ones((50, 80))}, "one label per depth pixel"),
+        (np.zeros((0, 60, 80)), "expected true or false per object and pixel"),
+    ],
+)
+def test_masks_that_are_none_are_refused(masks: object, words: str) -> None:
+    with pytest.raises(InvalidInput, match=words):
+        scene_from_rgbd(np.array(_frame()["depth"]), K, masks)  # type: ignore[arg-type]
+
+
+@pytest.mark.parametrize(
+    ("centre", "words"),
+    [
+        ((80.0, 60.0), "is K of a picture of 161 x 121[?] scale it; or is this a crop"),
+        ((20.0, 15.0), "is K of a picture of 41 x 31[?]"),
+        ((30.0, 40.0), "are cx and cy swapped[?]"),
+    ],
+)
+def test_a_centre_far_from_the_middle_is_said(
+    tmp_path: Path, centre: tuple[float, float], words: str
+) -> None:
+    other = K.copy()
+    other[:2, 2] = centre
+    notes = load_scene(_save(tmp_path, K=other)).assumptions
+    assert any(
+        re.search(rf"K's centre .{centre[0]:g}, {centre[1]:g}. is far .*: {words}", note) for note in notes
+    )
+    assert not any("K's centre" in note for note in load_scene(_save(tmp_path)).assumptions)
+
+
+def _slanted(noise: float = 0.0) -> np.ndarray:
+    """Depth (60, 80) of a table on which a camera looks down from the side [m], and the box of the frame."""
+    rows = np.indices((60, 80))[0]
+    depth = 0.45 / (0.6 + 0.4 * (rows - 30) / 60) + np.random.default_rng(0).normal(0, noise, (60, 80))
+    depth[20:30, 20:30] -= 0.08
+    return depth
+
+
+@pytest.mark.parametrize(("near", "far"), [(0.1, 5.0), (0.02, 10.0)])
+def test_a_raw_z_buffer_is_refused_and_close_depth_is_not(tmp_path: Path, near: float, far: float) -> None:
+    depth = _slanted()
+    assert depth.max() < 1.2
+    raw = (1 / near - 1 / depth) / (1 / near - 1 / far)
+    for wrong in (raw, 1.0 - raw):
+        with pytest.raises(InvalidInput, match="depth looks like a raw z-buffer"):
+            load_scene(_save(tmp_path, depth=wrong))
+    for right in (0.7 * depth, 0.7 * _slanted(0.001), _frame()["depth"]):
+        assert len(load_scene(_save(tmp_path, depth=right)).names) == 2
+
+
+@pytest.mark.parametrize(
+    ("factor", "words"),
+    [
+        (1e3, "it looks like millimetres; topple takes metres, so divide by 1000$"),
+        (1e4, "it looks like tenths of a millimetre; topple takes metres, so divide by 10000$"),
+        (1e2, "it looks like centimetres; topple takes metres, so divide by 100$"),
+    ],
+)
+def test_depth_in_another_unit_is_told_by_how_far_the_scene_would_be(
+    tmp_path: Path, factor: float, words: str
+) -> None:
+    with pytest.raises(InvalidInput, match=words):
+        load_scene(_save(tmp_path, depth=factor * _slanted()))
 
 
 @pytest.mark.skipif(not FRAMES, reason=f"the real frames are not at {DATA.parent.name}/{DATA.name}")

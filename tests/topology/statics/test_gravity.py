@@ -157,6 +157,29 @@ def test_real_frames_without_a_table_label_keep_what_is_annotated(tmp_path: Path
             assert found.index(str(first)) < found.index(str(then)), (path.name, first, then)
 
 
+@pytest.mark.parametrize(("factor", "unit"), [(1000.0, "millimetres"), (100.0, "centimetres")])
+@pytest.mark.parametrize("fixed", [True, False])
+def test_poses_in_another_unit_than_the_clouds_are_refused(factor: float, unit: str, fixed: bool) -> None:
+    places = {name: cloud.mean(axis=0) for name, cloud in BOXES.items()}
+    thrown = {name: BOXES[name] - at + factor * at for name, at in places.items()}
+    scene = Scene({"table": _flat(), **thrown} if fixed else thrown, ["table"] if fixed else [], (0, 0, 1))
+    with pytest.raises(InvalidInput, match=f"from all others and carried by nothing, .* poses in {unit}"):
+        check_up(scene)
+
+
+def test_some_that_float_or_all_that_float_near_each_other_are_answered() -> None:
+    up = (0, 0, 1)
+    lamp = {"lamp": BOXES["high"] + np.array([0, 0, 3.0])}
+    check_up(Scene({**ON_TABLE, **lamp}, ["table"], up))
+    check_up(
+        Scene(
+            {"table": _flat(), **{name: cloud + np.array([0, 0, 0.5]) for name, cloud in BOXES.items()}},
+            ["table"],
+            up,
+        )
+    )
+
+
 PILES = sorted((SHARED / "piles").glob("*.npz"))
 
 
