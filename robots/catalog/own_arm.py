@@ -6,6 +6,7 @@ from xml.etree import ElementTree
 
 import msgspec
 import numpy as np
+from scipy.spatial import QhullError
 
 from topple.robots.arm.arm import Arm
 from topple.robots.arm.arm_chain import arm_chain, hold_still
@@ -23,17 +24,19 @@ from topple.robots.arm.gripper_file import (
 )
 from topple.robots.arm.home import home_of
 from topple.robots.arm.prepared import prepared
+from topple.robots.arm.shapes import geometry_parts
 from topple.robots.arm.srdf import Semantics, read_srdf, srdf_beside
 from topple.robots.arm.tolerances import ACCELERATION, ANGULAR_ACCELERATION, MOST_NAMED, SHORTEST_ROD
 from topple.robots.arm.tree import Tree
 from topple.robots.arm.urdf import Model, model_of, urdf_root
 from topple.robots.catalog.data import data_path
+from topple.robots.collision.convex import hull_of
 from topple.robots.hands.fingers import Fingers, find_fingers, palm_of, rigid_groups
 from topple.robots.hands.jaws import measured_jaw
 from topple.robots.hands.mounted import WSG50, flange_of, mount
 from topple.robots.hands.suction_hand import CUP_JOINT, CUP_LINK, CupDesign, cup_xml
 from topple.robots.hands.tolerances import FORCE
-from topple.topology.errors import InvalidInput
+from topple.topology.errors import InvalidInput, ToppleError
 
 
 def arm_from_file(
@@ -70,9 +73,14 @@ def arm_from_file(
     beside = None if settled else srdf_beside(path)
     semantics = read_srdf(srdf) if srdf is not None else None if beside is None else read_srdf(beside)
     wanted, assumed = _whole(robot, path, wanted, semantics, group)
+    assumed += _drawn(robot, path)
     model = model_of(robot, path)
+    if not any(link.parts for link in model.links.values()):
+        raise InvalidInput(
+            f"{path.name}: none of its links has collision geometry, so nothing would keep the arm "
+            "clear of anything: expected <collision> in its links, or a <visual> at least that can be read"
+        )
     check_names(wanted, model, where)
-    assumed += _bare(robot, model)
     fingers = _fingers(model, wanted.jaw)
     jaw = None if fingers is None else measured_jaw(model, fingers, wanted.jaw)
     moved = () if fingers is None else tuple(rigid_groups(model, fingers))
@@ -103,29 +111,41 @@ def arm_from_file(
     return replace(arm, gripper=given, assumptions=assumed)
 
 
-def _bare(robot: ElementTree.Element, model: Model) -> tuple[str, ...]:
-    """What is assumed of links that are drawn and have no collision geometry.
+def _drawn(robot: ElementTree.Element, path: Path) -> tuple[str, ...]:
+    """Give links that are drawn and have no collision geometry the shapes that they are drawn with.
 
-    Raises:
-        InvalidInput: No link has any, so that motions would go through everything.
+    Returns:
+        What is assumed: that these shapes are theirs, or that they meet nothing where none can be read.
     """
-    if not any(link.parts for link in model.links.values()):
-        raise InvalidInput(
-            f"{model.path.name}: none of its links has collision geometry, so nothing would keep the arm "
-            "clear of anything: expected <collision> in its links, of the meshes of their <visual> at least"
-        )
-    bare = [
-        link.get("name", "")
-        for link in robot.findall("link")
-        if link.find("visual") is not None and link.find("collision") is None
-    ]
-    if not bare:
-        return ()
-    more = f" and {len(bare) - MOST_NAMED} more" if len(bare) > MOST_NAMED else ""
+    taken, left = list[str](), list[str]()
+    for link in robot.findall("link"):
+        visuals = [] if link.find("collision") is not None else link.findall("visual")
+        shapes = [visual for visual in visuals if _is_solid(visual, path)]
+        for visual in shapes:
+            shape = ElementTree.SubElement(link, "collision")
+            shape.extend(part for part in visual if part.tag in ("origin", "geometry"))
+        if visuals:
+            (taken if shapes else left).append(link.get("name", ""))
+    links = f"links of {path.name} that are drawn and have no collision geometry"
     return (
-        f"links of {model.path.name} that are drawn and have no collision geometry meet nothing: "
-        f"{', '.join(bare[:MOST_NAMED])}{more}",
+        *_said(f"{links} have the shapes that they are drawn with", taken),
+        *_said(f"{links} that can be read meet nothing", left),
     )
+
+
+def _is_solid(visual: ElementTree.Element, path: Path) -> bool:
+    """Whether a visual is there and has a volume."""
+    missing = list[str]()
+    try:
+        parts = geometry_parts(visual.find("geometry"), path, path.name, missing, cut=True)
+        return bool(parts) and all(len(hull_of(part)[0]) for part in parts)
+    except (ToppleError, QhullError):
+        return False
+
+
+def _said(what: str, links: list[str]) -> tuple[str, ...]:
+    more = f" and {len(links) - MOST_NAMED} more" if len(links) > MOST_NAMED else ""
+    return (f"{what}: {', '.join(links[:MOST_NAMED])}{more}",) if links else ()
 
 
 def _whole(
