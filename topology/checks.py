@@ -343,7 +343,7 @@ def check_unit(movable: Mapping[str, FloatArray]) -> None:
 
 def named_twice(clouds: Mapping[str, FloatArray], fixed: Collection[str]) -> list[str]:
     """Sentences on things that are there under two names: copies, with noise or of a part."""
-    names, said = list(clouds), list[str]()
+    names, said, trees = list(clouds), list[str](), dict[int, KDTree]()
     low, high = np.array([bounds(cloud) for cloud in clouds.values()]).swapaxes(0, 1)
     for a, name in enumerate(names):
         within = ((low[a] >= low - COPY) & (high[a] <= high + COPY)).all(axis=1)
@@ -353,11 +353,13 @@ def named_twice(clouds: Mapping[str, FloatArray], fixed: Collection[str]) -> lis
             if b == a or {name, names[b]} <= set(fixed):
                 continue
             points = clouds[name][:: 1 + len(clouds[name]) // ASKED]
-            distance, nearest = map(np.asarray, KDTree(clouds[names[b]]).query(points))
+            tree = trees[b] if b in trees else trees.setdefault(b, KDTree(clouds[names[b]]))
+            distance, nearest = map(np.asarray, tree.query(points))
             near = distance <= COPY
             if near.mean() < OF_A_COPY:
                 continue
             aside = (points - clouds[names[b]][nearest])[near].mean(axis=0)
             if np.linalg.norm(aside) < EVENLY:
                 said.append(f"{name!r} lies where {names[b]!r} is: one thing under two names? leave one out")
+                break  # of many copies each is told once
     return said
