@@ -23,7 +23,7 @@ from topple.topology.tolerances import (
 )
 from topple.topology.values import ByValue, FrozenDict
 from topple.topology.views.borders import Borders, borders
-from topple.topology.views.tolerances import FEWEST
+from topple.topology.views.tolerances import FEWEST, NEAREST
 
 _Value = TypeVar("_Value")
 
@@ -296,7 +296,7 @@ def _check_z_buffer(image: DepthImage) -> None:
         return
     rows, columns = np.nonzero(seen & (image.label == np.bincount(image.label[seen]).argmax()))
     over = np.column_stack([rows, columns, np.ones(len(rows))])
-    depth = image.depth[rows, columns]
+    depth = np.maximum(image.depth[rows, columns], NEAREST)
     off = [np.abs(over @ np.linalg.lstsq(over, each, rcond=None)[0] - each) for each in (depth, 1.0 / depth)]
     straight, bent = float(np.median(off[0])), float(np.median(off[1] * depth**2))
     if bent > BENT and straight < STRAIGHTER * bent:

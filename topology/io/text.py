@@ -106,7 +106,9 @@ def _head(lines: list[str]) -> tuple[int, tuple[int, ...], int | None]:
         words = _plain(line).split()
         if len(words) == 1 and words[0].isdecimal():
             declared = int(words[0])
-        elif not _is_row(words) or line.lstrip()[0] in ",;" or words == [*map(str, range(len(words)))]:
+        elif (
+            not _is_meant_as_row(words) or line.lstrip()[0] in ",;" or words == [*map(str, range(len(words)))]
+        ):
             heading.append(line)  # the last two are numbers of columns
         else:
             named = (found for above in reversed(heading) if (found := _columns(above, len(words))))
@@ -138,6 +140,12 @@ def _is_row(words: list[str]) -> bool:
         return len([float(word) for word in words[:3]]) == 3
     except ValueError:
         return False
+
+
+def _is_meant_as_row(words: list[str]) -> bool:
+    """Whether words are a row, a broken one too: a number, and digits in all others."""
+    is_number = any(_is_row([word] * 3) for word in words)
+    return is_number and all(any(map(str.isdigit, word)) or _is_row([word] * 3) for word in words)
 
 
 def _point(number: int, row: str, columns: tuple[int, ...], what: str) -> list[float]:
