@@ -349,7 +349,7 @@ def named_twice(clouds: Mapping[str, FloatArray], fixed: Collection[str]) -> lis
         within = ((low[a] >= low - COPY) & (high[a] <= high + COPY)).all(axis=1)
         around = ((low[a] <= low + COPY) & (high[a] >= high - COPY)).all(axis=1)  # and is told from there
         within[: a + 1] &= ~around[: a + 1]
-        for b in np.flatnonzero(within):
+        for b in np.flatnonzero(within).tolist():
             if b == a or {name, names[b]} <= set(fixed):
                 continue
             points = clouds[name][:: 1 + len(clouds[name]) // ASKED]
