@@ -10,14 +10,14 @@ from scipy.spatial import KDTree
 from topple.topology.arrays import FloatArray, bounds, frozen
 from topple.topology.errors import InvalidInput
 from topple.topology.tolerances import (
-    ASKED,
-    COPY,
-    EVENLY,
+    DUPLICATE_NEAR,
+    DUPLICATE_OFFSET,
+    DUPLICATE_POINTS,
+    DUPLICATE_SHARE,
     FARTHEST,
     FEWEST_SEEN,
     LARGEST_EXTENT,
     LARGEST_HELD,
-    OF_A_COPY,
     RIGID,
     SMALLEST_SEEN,
 )
@@ -341,25 +341,26 @@ def check_unit(movable: Mapping[str, FloatArray]) -> None:
         )
 
 
-def named_twice(clouds: Mapping[str, FloatArray], fixed: Collection[str]) -> list[str]:
+def duplicates(clouds: Mapping[str, FloatArray], fixed: Collection[str]) -> list[str]:
     """Sentences on things that are there under two names: copies, with noise or of a part."""
     names, said, trees = list(clouds), list[str](), dict[int, KDTree]()
     low, high = np.array([bounds(cloud) for cloud in clouds.values()]).swapaxes(0, 1)
+    least, most = low - DUPLICATE_NEAR, high + DUPLICATE_NEAR
     for a, name in enumerate(names):
-        within = ((low[a] >= low - COPY) & (high[a] <= high + COPY)).all(axis=1)
-        around = ((low[a] <= low + COPY) & (high[a] >= high - COPY)).all(axis=1)  # and is told from there
+        within = ((low[a] >= least) & (high[a] <= most)).all(axis=1)
+        around = ((least[a] <= low) & (most[a] >= high)).all(axis=1)  # and is told from there
         within[: a + 1] &= ~around[: a + 1]
         for b in np.flatnonzero(within).tolist():
             if b == a or {name, names[b]} <= set(fixed):
                 continue
-            points = clouds[name][:: 1 + len(clouds[name]) // ASKED]
+            points = clouds[name][:: 1 + len(clouds[name]) // DUPLICATE_POINTS]
             tree = trees[b] if b in trees else trees.setdefault(b, KDTree(clouds[names[b]]))
             distance, nearest = map(np.asarray, tree.query(points))
-            near = distance <= COPY
-            if near.mean() < OF_A_COPY:
+            near = distance <= DUPLICATE_NEAR
+            if near.mean() < DUPLICATE_SHARE:
                 continue
             aside = (points - clouds[names[b]][nearest])[near].mean(axis=0)
-            if np.linalg.norm(aside) < EVENLY:
+            if np.linalg.norm(aside) < DUPLICATE_OFFSET:
                 said.append(f"{name!r} lies where {names[b]!r} is: one thing under two names? leave one out")
                 break  # of many copies each is told once
     return said

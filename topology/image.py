@@ -131,7 +131,7 @@ class DepthImage(ByValue):
 
     def in_view(self, places: FloatArray) -> BoolArray:
         """Which places (N, 3) in world coordinates [m] lie within the picture's edges, hidden or not."""
-        return self._pixels_of(places)[3]
+        return self.pixels_of(places)[3]
 
     def depth_past(self, places: FloatArray, around: bool = False) -> FloatArray:
         """How much further than places the camera saw in their directions.
@@ -144,7 +144,7 @@ class DepthImage(ByValue):
         Returns:
             (N,) measured depth less that of the place [m]; -inf out of view and where nothing was measured.
         """
-        rows, columns, depth, seen = self._pixels_of(places)
+        rows, columns, depth, seen = self.pixels_of(places)
         past = np.full(len(places), -np.inf)
         measured = (self._nearest_around if around else self.depth)[rows[seen], columns[seen]]
         past[seen] = np.where(measured > 0, measured - depth[seen], -np.inf)
@@ -167,11 +167,11 @@ class DepthImage(ByValue):
         Returns:
             (N,) labels; 0 where another surface is seen, or none.
         """
-        rows, columns, depth, seen = self._pixels_of(places)
+        rows, columns, depth, seen = self.pixels_of(places)
         there = seen & (np.abs(self.depth[rows, columns] - depth) <= off)
         return np.where(there, self.borders.owner[rows, columns], 0)
 
-    def _pixels_of(self, places: FloatArray) -> tuple[IntArray, IntArray, FloatArray, BoolArray]:
+    def pixels_of(self, places: FloatArray) -> tuple[IntArray, IntArray, FloatArray, BoolArray]:
         """Row, column and depth [m] of places (N, 3), and which of them are in the picture."""
         local = (places - self.viewpoint) @ self.pose_camera_to_world[:3, :3]
         ahead = local[:, 2] > 1e-6

@@ -19,7 +19,7 @@ from topple.topology.checks import (
     as_pose,
     as_viewpoints,
     check_unit,
-    named_twice,
+    duplicates,
     numeric,
 )
 from topple.topology.errors import InvalidInput, UnknownObject
@@ -149,7 +149,7 @@ class Scene(ByValue):
         if not images:  # whose depths are held against what a camera reaches
             check_unit({name: points for name, points in checked.items() if name not in fixed})
         notes = [assumptions] if isinstance(assumptions, str) else list(assumptions)
-        notes += [] if images else named_twice(checked, fixed)
+        notes += [] if images else duplicates(checked, fixed)
         if up is not None:
             given = numeric(up, "up")
             up = as_direction(given, "up")

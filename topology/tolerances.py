@@ -66,16 +66,16 @@ RIGID = 1e-3
 digits are off by less."""
 
 
-COPY = 0.003
+DUPLICATE_NEAR = 0.003
 """[m] within which points of a copy lie at those of what it is one of, noise of a depth camera included."""
 
-OF_A_COPY = 0.7
+DUPLICATE_SHARE = 0.7
 """Share of them at least that do: noise of 1 mm leaves 97 %, of 2 mm on dense clouds 70 %."""
 
-EVENLY = 0.0004
+DUPLICATE_OFFSET = 0.0004
 """[m] by which a copy lies to one side at most: a card on a book lies by half its thickness above it."""
 
-ASKED = 200
+DUPLICATE_POINTS = 200
 """Points of a cloud that are asked: their mean tells a fifth of a millimetre."""
 
 

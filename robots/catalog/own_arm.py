@@ -73,7 +73,7 @@ def arm_from_file(
     beside = None if settled else srdf_beside(path)
     semantics = read_srdf(srdf) if srdf is not None else None if beside is None else read_srdf(beside)
     wanted, assumed = _whole(robot, path, wanted, semantics, group)
-    assumed += _drawn(robot, path)
+    assumed += _visual_as_collision(robot, path)
     model = model_of(robot, path)
     if not any(link.parts for link in model.links.values()):
         raise InvalidInput(
@@ -111,7 +111,7 @@ def arm_from_file(
     return replace(arm, gripper=given, assumptions=assumed)
 
 
-def _drawn(robot: ElementTree.Element, path: Path) -> tuple[str, ...]:
+def _visual_as_collision(robot: ElementTree.Element, path: Path) -> tuple[str, ...]:
     """Give links that are drawn and have no collision geometry the shapes that they are drawn with.
 
     Returns:

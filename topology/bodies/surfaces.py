@@ -66,10 +66,11 @@ class Surfaces:
         missing = [name for name in missing if name not in self._done]
         self._done.update(complete(self.upright.among(missing), self.sight))
         if self.sight is None:  # else what was seen through openings tells
-            self._done.update((name, self._open(name)) for name in missing if name in self.upright.movable)
+            movable = [name for name in missing if name in self.upright.movable]
+            self._done.update((name, self._without_lids(name)) for name in movable)
         return {name: self._done[name] for name in names}
 
-    def _open(self, name: str) -> FloatArray:
+    def _without_lids(self, name: str) -> FloatArray:
         """A completed body (N, 3) with nothing guessed over openings in which others stand on its floor."""
         clouds, body = self.upright.clouds, self._done[name]
         others = [clouds[other] for other in self.upright.movable if other != name]

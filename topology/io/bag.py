@@ -24,7 +24,7 @@ from topple.topology.io.pcd import LABELS
 from topple.topology.io.picture import read_picture
 from topple.topology.io.rgbd import parts_from_rgbd
 from topple.topology.io.tolerances import APART, SAME_PLACE
-from topple.topology.io.transforms import intrinsics_of, pose_in, seen_from, to_root
+from topple.topology.io.transforms import intrinsics_of, labels_from, pose_in, to_root
 
 _MAGIC = (b"\x89MCAP0\r\n", b"SQLite format 3\x00", b"#ROSBAG V2.0")
 _IMAGES = ("sensor_msgs/msg/Image", "sensor_msgs/msg/CompressedImage")
@@ -251,7 +251,7 @@ class _Bag:
                 )
             if (pose := self._between(frames, "depth", "labels", moment[0])) is not None:
                 K_labels = self._intrinsics(frames["labels"], label.shape, moment[0])
-                depth, label = seen_from(depth, K, label, K if K_labels is None else K_labels, pose)
+                depth, label = labels_from(depth, K, label, K if K_labels is None else K_labels, pose)
                 notes.append(
                     f"labels in the frame {frames['labels']!r} are laid by tf on depth in {frames['depth']!r}"
                     + (", with the same intrinsics, since no topic gives theirs" if K_labels is None else "")

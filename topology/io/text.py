@@ -135,17 +135,21 @@ def _plain(line: str) -> str:
     return line.translate(_PLAIN).strip()
 
 
-def _is_row(words: list[str]) -> bool:
+def _is_number(word: str) -> bool:
     try:
-        return len([float(word) for word in words[:3]]) == 3
+        float(word)
     except ValueError:
         return False
+    return True
+
+
+def _is_row(words: list[str]) -> bool:
+    return len(words) > 2 and all(map(_is_number, words[:3]))
 
 
 def _is_meant_as_row(words: list[str]) -> bool:
     """Whether words are a row, a broken one too: a number, and digits in all others."""
-    is_number = any(_is_row([word] * 3) for word in words)
-    return is_number and all(any(map(str.isdigit, word)) or _is_row([word] * 3) for word in words)
+    return any(map(_is_number, words)) and all(_is_number(word) or re.search(r"\d", word) for word in words)
 
 
 def _point(number: int, row: str, columns: tuple[int, ...], what: str) -> list[float]:

@@ -9,7 +9,7 @@ from scipy.spatial.transform import Rotation
 
 from topple.topology.arrays import FloatArray, IntArray
 from topple.topology.errors import InvalidInput
-from topple.topology.geometry.rigid import transformed
+from topple.topology.image import DepthImage
 from topple.topology.io.tolerances import SHORTEST
 from topple.topology.views.tolerances import STEP
 
@@ -58,7 +58,7 @@ def to_root(frame: str, parents: Mapping[str, tuple[str, FloatArray]]) -> tuple[
     return pose, frame
 
 
-def seen_from(
+def labels_from(
     depth: FloatArray, K: FloatArray, label: IntArray, K_label: FloatArray, pose: FloatArray
 ) -> tuple[FloatArray, IntArray]:
     """Give the pixels of a depth camera the labels that another camera saw there.
@@ -74,19 +74,15 @@ def seen_from(
         The depth without what the other camera could not see for what is in front, and its labels (H, W);
         0 beyond that one's picture.
     """
-    rows, columns = np.nonzero(depth > 0)
-    rays = np.column_stack([columns, rows, np.ones(len(rows))]) @ np.linalg.inv(K).T
-    points = transformed(rays * depth[rows, columns, None], pose)
-    height, width = label.shape
-    ahead = points[:, 2] > 0
-    rows, columns, points = rows[ahead], columns[ahead], points[ahead]
-    u, v = np.round((points @ K_label.T)[:, :2] / points[:, 2:]).astype(np.int64).T
-    inside = (u >= 0) & (u < width) & (v >= 0) & (v < height)
-    rows, columns, u, v, far = rows[inside], columns[inside], u[inside], v[inside], points[inside, 2]
+    image = DepthImage(depth, K, np.zeros(depth.shape, dtype=np.int64), pose)
+    other = DepthImage(np.zeros(label.shape), K_label, label, np.eye(4))
+    rows, columns = np.nonzero(image.depth)
+    v, u, far, inside = other.pixels_of(image.lifted(rows, columns))
+    pixels, there, far = (rows[inside], columns[inside]), (v[inside], u[inside]), far[inside]
     front = np.full(label.shape, np.inf)
-    np.minimum.at(front, (v, u), far)
-    hidden = far > ndimage.minimum_filter(front, 3)[v, u] + STEP
+    np.minimum.at(front, there, far)
+    hidden = far > ndimage.minimum_filter(front, 3)[there] + STEP
     found, kept = np.zeros(depth.shape, dtype=np.int64), depth.copy()
-    found[rows, columns] = label[v, u]
-    kept[rows[hidden], columns[hidden]] = found[rows[hidden], columns[hidden]] = 0
+    found[pixels] = np.where(hidden, 0, label[there])
+    kept[pixels] = np.where(hidden, 0.0, depth[pixels])
     return kept, found

@@ -12,18 +12,18 @@ from topple.topology.errors import InvalidInput
 from topple.topology.image import DepthImage
 from topple.topology.tolerances import FARTHEST_DEPTH
 from topple.topology.views.tolerances import (
-    ALIKE,
-    ASIDE,
-    ASUNDER,
-    CLOSE,
-    DIFFERENCE,
-    IN_SIGHT,
-    LOOKED_THROUGH,
+    AGREEING,
+    FAR_APART,
+    FEWEST_COMMON,
+    ITERATIONS,
+    LEAST_SINGULAR,
+    MOST_CONFLICT,
+    MOST_SHIFT,
+    MOST_TURN,
+    POSE_STEP,
     PROBES,
-    ROUNDS,
-    SEARCHED,
-    TOLD,
-    TURNED,
+    SAME_SURFACE,
+    SEARCH_STEPS,
 )
 
 _OPENGL = np.diag([1.0, -1.0, -1.0, 1.0])
@@ -37,25 +37,25 @@ class _Fit:
         shift: By how far its camera is then from where it is said to be, less what the turn explains [m].
         turn: By how much it is turned [rad].
         common: Points in sight of two cameras that both measured.
-        through: Share of them that one camera looked through.
+        conflict: Share of them that one camera looked through.
         apart: Whether hardly any are, and all objects that they share are elsewhere in the other one.
     """
 
     shift: float
     turn: float
     common: int
-    through: float
+    conflict: float
     apart: bool
 
     def why_not(self) -> str | None:
         """What is wrong with it; None where nothing is, or nothing can be told."""
-        if self.common < IN_SIGHT:
-            return f"what they share is more than {ASUNDER:g} m apart" if self.apart else None
-        if self.through > LOOKED_THROUGH:
-            return f"{self.through:.0%} of what they share lies where another camera looked through"
-        if self.turn > TURNED:
+        if self.common < FEWEST_COMMON:
+            return f"what they share is more than {FAR_APART:g} m apart" if self.apart else None
+        if self.conflict > MOST_CONFLICT:
+            return f"{self.conflict:.0%} of what they share lies where another camera looked through"
+        if self.turn > MOST_TURN:
             return f"one would fit turned by {np.degrees(self.turn):.0f} degrees"
-        return f"one would fit {100 * self.shift:.0f} cm aside" if self.shift > ASIDE else None
+        return f"one would fit {100 * self.shift:.0f} cm aside" if self.shift > MOST_SHIFT else None
 
 
 def check_views(images: Sequence[DepthImage], fixed: Collection[str] = ()) -> None:
@@ -77,7 +77,7 @@ def check_views(images: Sequence[DepthImage], fixed: Collection[str] = ()) -> No
                 (said, _fit(a, b, _probes(a, fixed), _probes(b, fixed), fixed))
                 for said, (a, b) in _cures(one, other)
             )
-            fits = (said for said, fit in known if fit.common >= IN_SIGHT and fit.why_not() is None)
+            fits = (said for said, fit in known if fit.common >= FEWEST_COMMON and fit.why_not() is None)
             cure = next(fits, "give each its own pose_camera_to_world, or topple scene (merge_views)")
             raise InvalidInput(f"views {first} and {second} disagree: {why}; {cure.format(first, second)}")
 
@@ -114,27 +114,27 @@ def _fit(
         return np.clip(np.concatenate([there, back]), -FARTHEST_DEPTH, FARTHEST_DEPTH)
 
     def agreement(move: FloatArray) -> float:
-        each = past(move)
-        return float(np.maximum(1.0 - np.square(each / ALIKE), 0.0).sum()) - 2.0 * int((each > ALIKE).sum())
+        off = past(move) / SAME_SURFACE
+        return float(np.maximum(1.0 - np.square(off), 0.0).sum()) - 2.0 * int((off > 1.0).sum())
 
     best = np.zeros(6)
     each = past(best)
-    found = each[each >= -ALIKE]  # what is hidden tells nothing
-    if len(found) < IN_SIGHT or (found <= ALIKE).mean() < CLOSE:
-        ways = np.array(sorted(product(range(-SEARCHED, SEARCHED + 1), repeat=3), key=np.linalg.norm))
-        best = max(np.pad(ALIKE * ways, ((0, 0), (0, 3))), key=agreement)
-        for _ in range(ROUNDS):  # of Gauss and Newton, by differences
+    found = each[each >= -SAME_SURFACE]  # what is hidden tells nothing
+    if len(found) < FEWEST_COMMON or (found <= SAME_SURFACE).mean() < AGREEING:
+        ways = np.array(sorted(product(range(-SEARCH_STEPS, SEARCH_STEPS + 1), repeat=3), key=np.linalg.norm))
+        best = max(np.pad(SAME_SURFACE * ways, ((0, 0), (0, 3))), key=agreement)
+        for _ in range(ITERATIONS):  # of Gauss and Newton, by differences
             each = past(best)
-            steps = DIFFERENCE * np.eye(6)
+            steps = POSE_STEP * np.eye(6)
             slopes = np.stack([past(best + step) - past(best - step) for step in steps], axis=1) / 2.0
-            near = (np.abs(each) < ALIKE) & (np.abs(slopes) < ALIKE).all(axis=1)
-            if near.sum() >= IN_SIGHT:
-                best = best - DIFFERENCE * np.linalg.lstsq(slopes[near], each[near], rcond=TOLD)[0]
+            near = (np.abs(each) < SAME_SURFACE) & (np.abs(slopes) < SAME_SURFACE).all(axis=1)
+            if near.sum() >= FEWEST_COMMON:
+                best = best - POSE_STEP * np.linalg.lstsq(slopes[near], each[near], rcond=LEAST_SINGULAR)[0]
     each, loose = past(best), past(best, around=True)
-    fit, through = int((np.abs(each) <= ALIKE).sum()), int((loose > ALIKE).sum())
+    fit, through = int((np.abs(each) <= SAME_SURFACE).sum()), int((loose > SAME_SURFACE).sum())
     turn, common = float(np.linalg.norm(best[3:])), fit + through
     explained = turn * float(np.linalg.norm(mine.mean(axis=0) - eye))
-    apart = common < IN_SIGHT and _apart(other, view, fixed)
+    apart = common < FEWEST_COMMON and _apart(other, view, fixed)
     return _Fit(float(np.linalg.norm(best[:3])) - explained, turn, common, through / max(common, 1), apart)
 
 
@@ -156,4 +156,4 @@ def _apart(one: DepthImage, other: DepthImage, fixed: Collection[str]) -> bool:
     both = [
         (bounds(clouds[name]), bounds(known[name])) for name in clouds if name in known and name not in fixed
     ]
-    return bool(both) and all((np.maximum(a[0] - b[1], b[0] - a[1]) > ASUNDER).any() for a, b in both)
+    return bool(both) and all((np.maximum(a[0] - b[1], b[0] - a[1]) > FAR_APART).any() for a, b in both)

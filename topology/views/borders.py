@@ -23,11 +23,11 @@ from topple.topology.views.tolerances import (
     IN_A_PART,
     NARROW,
     NEAREST,
+    NO_SURFACE,
     NOBODY,
     OFF,
     OFF_BORDERS,
     OFF_REGISTERED,
-    OUTSIDE,
     PATCH,
     STEP,
     THIN,
@@ -88,15 +88,15 @@ def borders(depth: FloatArray, label: IntArray) -> Borders:
 
 def _owners(depth: FloatArray, label: IntArray) -> tuple[IntArray, float]:
     picture = Picture.of(depth, label)
-    rim = np.flatnonzero((picture.inverse > 0) & (picture.seen == OUTSIDE))
+    rim = np.flatnonzero((picture.inverse > 0) & (picture.surface == NO_SURFACE))
     steps, owner, ahead = picture.continued(rim, own=True)
     thin = np.flatnonzero(steps > FAR)
     middle = picture.is_middle(rim[thin])
-    picture.open(rim[thin[middle]])
+    picture.continue_from(rim[thin[middle]])
     left = thin[~middle]
     steps[left], owner[left], ahead[left] = picture.continued(rim[left], own=True)
     for _ in range(BORDER):  # what bends away is followed from pixel to pixel
-        picture.open(rim[owner != NOBODY])
+        picture.continue_from(rim[owner != NOBODY])
         left = np.flatnonzero((steps <= FAR) & (owner == NOBODY))
         _, owner[left], _ = picture.continued(rim[left], own=True)
         if (owner[left] == NOBODY).all():
@@ -149,14 +149,14 @@ class Picture:
         inverse: (N,) 1 / depth [1/m], in which planes are linear; 0 where there is none.
         label: (N,) labels; those of the margin are nobody's.
         from_border: (N,) pixels to the nearest other mask, at most one more than `BORDER`.
-        seen: (N,) labels of pixels of which a surface is continued, `OUTSIDE` of others.
+        surface: (N,) labels of pixels of which a surface is continued, `NO_SURFACE` of others.
         width: Of a row.
     """
 
     inverse: FloatArray
     label: IntArray
     from_border: NDArray[np.int8]
-    seen: IntArray
+    surface: IntArray
     width: int
 
     @staticmethod
@@ -164,16 +164,16 @@ class Picture:
         """A picture whose inside is further than some pixels from any border of a mask."""
         shape = tuple(size + 2 * FAR for size in depth.shape)
         near, inverse = np.zeros(shape, dtype=np.int8), np.zeros(shape)
-        named, seen = np.full(shape, NOBODY), np.full(shape, OUTSIDE)
+        named, seen = np.full(shape, NOBODY), np.full(shape, NO_SURFACE)
         core = (slice(FAR, -FAR), slice(FAR, -FAR))
         near[core], named[core] = _from_border(label, border), label
         np.divide(1.0, np.maximum(depth, NEAREST), out=inverse[core], where=depth > 0)
         np.copyto(seen, named, where=(near > border) & (inverse > 0))
         return Picture(inverse.ravel(), named.ravel(), near.ravel(), seen.ravel(), shape[1])
 
-    def open(self, at: IntArray) -> None:
+    def continue_from(self, at: IntArray) -> None:
         """Let surfaces be continued of pixels (k,) as well."""
-        self.seen[at] = self.label[at]
+        self.surface[at] = self.label[at]
 
     def is_middle(self, at: IntArray) -> BoolArray:
         """Which of pixels (k,) are as far from a border as all of their mask beside them."""
@@ -245,8 +245,8 @@ class Picture:
         left, place, label = np.arange(len(at)), at, self.label[at]
         for number in range(1, FAR + 1):
             place = place + step
-            seen = self.seen[place]
-            hit = seen == label if own else (seen != OUTSIDE) & (seen != label)
+            seen = self.surface[place]
+            hit = seen == label if own else (seen != NO_SURFACE) & (seen != label)
             ends[left[hit]], steps[left[hit]] = place[hit], number
             left, place, label = left[~hit], place[~hit], label[~hit]
         found = ends >= 0
@@ -256,7 +256,7 @@ class Picture:
         """Inverse depth and its slope down and right (3, k) of planes fitted around pixels (k,)."""
         down, right = np.indices((PATCH, PATCH)).reshape(2, -1).astype(np.float64) - PATCH // 2
         places = at[:, None] + (down * self.width + right).astype(np.int64)
-        weight = (self.seen[places] == self.label[at][:, None]).astype(np.float64)
+        weight = (self.surface[places] == self.label[at][:, None]).astype(np.float64)
         count = weight.sum(axis=1)
         inverse = weight * self.inverse[places]
         moments = np.stack([down, right, down**2, right**2, down * right], axis=1)

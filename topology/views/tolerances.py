@@ -24,7 +24,7 @@ FAR = 2 * BORDER + 1
 NOBODY = -1
 """Owner of a pixel that flies between two surfaces."""
 
-OUTSIDE = -2
+NO_SURFACE = -2
 """Label of a pixel of which no surface is continued."""
 
 AROUND = ((0, 1), (0, -1), (1, 0), (-1, 0), (1, 1), (-1, -1), (1, -1), (-1, 1))
@@ -112,37 +112,37 @@ HELD = 0.2
 PROBES = 300
 """Points of a picture, of what moves, that are looked up in others, and half as many of the rest."""
 
-ALIKE = 0.015
+SAME_SURFACE = 0.015
 """[m] along a line of sight within which two cameras saw the same surface; the step of the search as well."""
 
-SEARCHED = 4
+SEARCH_STEPS = 4
 """Steps either way in which it is looked where a view fits: 6 cm, twice what it may be off by."""
 
-ROUNDS = 6
+ITERATIONS = 6
 """Rounds of Gauss and Newton after that."""
 
-DIFFERENCE = 0.004
+POSE_STEP = 0.004
 """[m] and [rad] by which a pose is moved to see what that changes: pixels lie some 4 mm apart."""
 
-TOLD = 0.01
+LEAST_SINGULAR = 0.01
 """Motions that change less than this share of what the most telling one does are not made."""
 
-ASIDE = 0.028
+MOST_SHIFT = 0.028
 """[m] from where a camera is said to be to where its picture fits, beyond what its turn explains, at most:
 two cameras that are off by a centimetre and a degree each come to 24 mm."""
 
-TURNED = float(np.radians(4.0))
+MOST_TURN = float(np.radians(4.0))
 """[rad] by which it is turned then, at most: two such cameras come to half."""
 
-CLOSE = 0.85
+AGREEING = 0.85
 """Share of what two cameras measured that is the same where they are said to be, from which a view
 is not moved: 4 cm aside it is two thirds at most."""
 
-LOOKED_THROUGH = 0.4
+MOST_CONFLICT = 0.4
 """Share of what two cameras measured that one looked through, at most: edges and a degree come to half."""
 
-IN_SIGHT = 60
+FEWEST_COMMON = 60
 """Points that two cameras measured from which they can be compared."""
 
-ASUNDER = 0.1
+FAR_APART = 0.1
 """[m] between what two pictures show of an object from which these are two places."""

@@ -139,7 +139,7 @@ def _smooth(picture: Picture) -> Iterator[list[int]]:
         at = np.flatnonzero((own != beside) & (np.minimum(own, beside) >= 0))[::2]  # one tells for the next
         ends = np.stack([at - INWARDS * step, at + (INWARDS + 1) * step])
         both = np.stack([own[at], beside[at]])
-        whole = (picture.seen[ends] == both).all(axis=0)
+        whole = (picture.surface[ends] == both).all(axis=0)
         here, there = (picture.planes(end) for end in ends[:, whole])
         metres = np.square(1.0 / np.maximum(np.maximum(here[0], there[0]), NEAREST))
         between = there[0] - here[0]
@@ -190,12 +190,12 @@ def _unbent(picture: Picture) -> BoolArray:
     Where one does, the pixel lies behind the chord between two of its mask, one to either side.
     """
     inverse, label = picture.inverse, picture.label
-    at = np.flatnonzero(picture.seen > 0)
+    at = np.flatnonzero(picture.surface > 0)
     limit = 2.0 * (inverse[at] + CREASE * np.maximum(inverse[at] ** 2, 1.0))  # [1/m]
     free = np.ones(len(at), dtype=bool)
     for down, right in AROUND[::2]:
         ends = at + CHORD * (down * picture.width + right) * np.array([[-1], [1]])
-        same = (picture.seen[ends] == label[at]).all(axis=0)
+        same = (picture.surface[ends] == label[at]).all(axis=0)
         free &= ~same | (inverse[ends].sum(axis=0) <= limit)
     for down, right in AROUND[:4]:
         free &= label[at + down * picture.width + right] == label[at]
