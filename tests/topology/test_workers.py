@@ -68,7 +68,7 @@ if __name__ == "__main__":
         with WorkerPool(1) as pool:
             pool.submit(os.getpid)
             print("begun", flush=True)
-            time.sleep(60)
+            any(time.sleep(0.1) for _ in range(600))  # one long sleep does not hear a signal just before it
     except KeyboardInterrupt:
         print("ended", flush=True)
 """
