@@ -1,12 +1,13 @@
 """Whether the upward direction fits the scene: how much stands in equilibrium with it, and with another."""
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import replace
 from operator import is_
 
 import numpy as np
+from scipy.spatial import KDTree
 
-from topple.topology.arrays import FloatArray, bounds
+from topple.topology.arrays import FloatArray, bounds, sum_of_rows
 from topple.topology.errors import InvalidInput
 from topple.topology.geometry.plane import up_from_fixed
 from topple.topology.scene import Scene
@@ -81,7 +82,8 @@ def uncarried(statics: Statics) -> float:
     Returns:
         The share, 0..1.
     """
-    contacts = [part for contact in _standing(statics) if (part := _pushing(contact, statics)) is not None]
+    standing, surfaces = _standing(statics)
+    contacts = [part for contact in standing if (part := _pushing(contact, surfaces, statics)) is not None]
     seen = [contact for contact in contacts if not contact.inferred]
     shares = [_missing(statics, seen)]
     shares.append(shares[0] if len(seen) == len(contacts) else _missing(statics, contacts))
@@ -98,31 +100,37 @@ def _missing(statics: Statics, contacts: Sequence[Contact]) -> float:
     return sum(masses[name] * min(deficit[name], 1.0) for name in masses) / sum(masses.values())
 
 
-def _standing(statics: Statics) -> tuple[Contact, ...]:
-    """The contacts of the scene; with a floor's where nothing is fixed."""
+def _standing(statics: Statics) -> tuple[tuple[Contact, ...], Mapping[str, FloatArray]]:
+    """The contacts and surfaces of the scene; with a floor's where nothing is fixed."""
     if statics.upright.fixed:
-        return statics.contacts
-    lower, upper = np.array([bounds(points) for points in statics.surfaces.values()]).swapaxes(0, 1)
-    low, high = lower.min(axis=0), upper.max(axis=0)
+        return statics.contacts, statics.surfaces
+    low, high = bounds(np.concatenate(list(statics.surfaces.values())))
     along, across = (np.arange(low[k], high[k] + VOXEL, 2 * VOXEL) for k in (0, 1))
     plan = np.stack(np.meshgrid(along, across), axis=-1).reshape(-1, 2)
     floor = np.column_stack([plan, np.full(len(plan), low[2])])
     clouds = FrozenDict({**statics.upright.clouds, _FLOOR: floor})
     tops, rest = FrozenDict({_FLOOR: (floor,)}), FrozenDict({_FLOOR: np.empty((0, 3))})
     upright = replace(statics.upright, clouds=clouds, fixed=frozenset({_FLOOR}), tops=tops, rest=rest)
-    return find_contacts(upright, {**statics.surfaces, _FLOOR: floor})
+    surfaces = {**statics.surfaces, _FLOOR: floor}
+    return find_contacts(upright, surfaces), surfaces
 
 
-def _pushing(contact: Contact, statics: Statics) -> Contact | None:
-    """The part of a contact in which a fixed surface has the object on the side to which it pushes."""
+def _pushing(contact: Contact, surfaces: Mapping[str, FloatArray], statics: Statics) -> Contact | None:
+    """The part of a contact in which a fixed surface has the object on the side to which it pushes.
+
+    What hangs has its middle below what carries it: the surfaces around the contact tell the side.
+    """
     fixed = statics.upright.fixed | {_FLOOR}
     if (contact.a in fixed) == (contact.b in fixed):
         return contact
-    ground_first = contact.a in fixed
-    middle = statics.surfaces[contact.b if ground_first else contact.a].mean(axis=0)
-    beyond = ((middle - contact.points) * contact.normals).sum(axis=1)
-    # Points are those of the object: the surface lies deeper by the gap.
-    return contact.only(beyond + contact.gaps > 0 if ground_first else beyond < 0)
+    a, b = (_around(contact.points, surfaces[name]) for name in (contact.a, contact.b))
+    return contact.only(sum_of_rows((b - a) * contact.normals) > 0)
+
+
+def _around(points: FloatArray, surface: FloatArray) -> FloatArray:
+    """Middles of the ten points of a surface that are nearest to each of some points."""
+    nearest = np.asarray(KDTree(surface).query(points, k=min(10, len(surface)))[1])
+    return surface[nearest.reshape(len(points), -1)].mean(axis=1)
 
 
 def _other_directions(scene: Scene, up: FloatArray) -> Iterator[FloatArray]:

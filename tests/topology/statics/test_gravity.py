@@ -80,6 +80,56 @@ def test_what_stands_is_not_doubted(name: str) -> None:
     check_up(_standing()[name])
 
 
+def _ring(radius: float, thick: float, top: float, along_x: bool = True) -> FloatArray:
+    """An upright ring around the origin of the plan, whose hole ends `top` high."""
+    round_, turn = np.random.default_rng(3).uniform(0, 2 * np.pi, (2, 4000))
+    wide, thin = radius + thick * np.cos(turn), thick * np.sin(turn)
+    flat, tall = wide * np.cos(round_), wide * np.sin(round_) + top - radius + thick
+    return np.column_stack([flat, thin, tall] if along_x else [thin, flat, tall])
+
+
+def _bar(thick: float) -> FloatArray:
+    """A round bar along y whose top is 0.3 m high, on a post."""
+    along, turn = np.random.default_rng(5).uniform((-0.06, 0.0), (0.06, 2 * np.pi), (4000, 2)).T
+    bar = np.column_stack([thick * np.cos(turn), along, 0.3 - thick + thick * np.sin(turn)])
+    return np.concatenate([bar, _box((0.02, 0.02, 0.34), (0, 0.07, 0.17))])
+
+
+def _towel(thick: float) -> FloatArray:
+    """A cloth of 2 mm that hangs down 12 cm on either side of such a bar."""
+    along, across, side = (
+        np.random.default_rng(7).uniform((-0.05, -0.14, 0.0), (0.05, 0.14, 2.0), (9000, 3)).T
+    )
+    wide = thick + 0.002 * (side > 1.0)
+    turn = np.clip(across / thick, -np.pi / 2, np.pi / 2)
+    fall = np.maximum(np.abs(across) - thick * np.pi / 2, 0.0)
+    return np.column_stack([wide * np.sin(turn), along, 0.3 - thick + wide * np.cos(turn) - fall])
+
+
+HUNG = {
+    "ring": (0.01, {"ring": _ring(0.04, 0.005, 0.3)}),
+    "thin ring": (0.004, {"ring": _ring(0.04, 0.003, 0.3)}),
+    "mug": (
+        0.014,
+        {"mug": np.concatenate([_ring(0.022, 0.004, 0.3), _box((0.09, 0.07, 0.07), (0, 0, 0.225))])},
+    ),
+    "bag": (
+        0.006,
+        {"bag": np.concatenate([_ring(0.05, 0.004, 0.3), _box((0.14, 0.08, 0.15), (0, 0, 0.125))])},
+    ),
+    "towel": (0.01, {"towel": _towel(0.01)}),
+    "rings": (0.01, {"ring": _ring(0.04, 0.005, 0.3), "linked": _ring(0.04, 0.005, 0.23, False)}),
+}
+
+
+@pytest.mark.parametrize("what", list(HUNG))
+def test_what_hangs_on_a_bar_is_carried_by_it(what: str) -> None:
+    thick, hung = HUNG[what]
+    found = order(Scene({"table": _flat(), "bar": _bar(thick), **hung}, ["table", "bar"], (0, 0, 1)))
+    assert set(found.order) == set(hung)
+    assert "bar" in {support.supporter for support in found.supports}
+
+
 @pytest.mark.parametrize("name", ["table", "camera", "desk with legs", "nothing fixed"])
 def test_gravity_upside_down_is_refused_with_the_direction_that_fits(name: str) -> None:
     scene = _standing()[name].with_up((0, 0, -1))
