@@ -280,7 +280,8 @@ def fallen_without(statics: Statics, away: Collection[str], held: Collection[str
     """What falls once objects are gone.
 
     Whole surfaces tell how far something falls; where half of a body is a guess, only that it may. That a
-    body falls once a weight is taken off it is believed where no forces hold it, either: sparse feet tilt.
+    body falls once a weight is taken off it, or off what it carries, is believed where no forces hold it,
+    either: sparse feet tilt.
 
     Args:
         statics: The scene at rest.
@@ -295,7 +296,9 @@ def fallen_without(statics: Statics, away: Collection[str], held: Collection[str
     lost = {name: far - 1.0 for name, far in statics.fallen_without(away, held).items()}
     touching = statics.touching
     normals = {name: [touching[gone, name] for gone in away if (gone, name) in touching] for name in lost}
-    freed = [name for name in lost if max(normals[name], default=0.0) < PRESSED]
+    lowest = min((statics.weights[name].centre[2] for name in away), default=-np.inf)
+    below = {name for name in lost if not normals[name] and statics.weights[name].centre[2] < lowest}
+    freed = [name for name in lost if name in below or max(normals[name], default=0.0) < PRESSED]
     unheld = statics.unsteady_without(away, held) if freed else {}
     return {name: far for name, far in lost.items() if name not in freed or name in unheld}
 

@@ -116,15 +116,20 @@ def _standing(statics: Statics) -> tuple[tuple[Contact, ...], Mapping[str, Float
 
 
 def _pushing(contact: Contact, surfaces: Mapping[str, FloatArray], statics: Statics) -> Contact | None:
-    """The part of a contact in which a fixed surface has the object on the side to which it pushes.
-
-    What hangs has its middle below what carries it: the surfaces around the contact tell the side.
-    """
+    """The part of a contact in which a fixed surface has the object on the side to which it pushes."""
     fixed = statics.upright.fixed | {_FLOOR}
     if (contact.a in fixed) == (contact.b in fixed):
         return contact
-    a, b = (_around(contact.points, surfaces[name]) for name in (contact.a, contact.b))
-    return contact.only(sum_of_rows((b - a) * contact.normals) > 0)
+    ground_first = contact.a in fixed
+    middle = surfaces[contact.b if ground_first else contact.a].mean(axis=0)
+    beyond = sum_of_rows((middle - contact.points) * contact.normals)
+    # Points are those of the object: the surface lies deeper by the gap.
+    pushing = beyond + contact.gaps > 0 if ground_first else beyond < 0
+    if len(contact.normals) == 1 or np.ptp(contact.normals, axis=0).max() > 0:
+        # What hangs on a peg, not on a plane, has its middle below it: the surfaces nearest tell the side.
+        a, b = (_around(contact.points, surfaces[name]) for name in (contact.a, contact.b))
+        pushing |= sum_of_rows((b - a) * contact.normals) > 0
+    return contact.only(pushing)
 
 
 def _around(points: FloatArray, surface: FloatArray) -> FloatArray:

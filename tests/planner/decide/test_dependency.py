@@ -89,3 +89,16 @@ def test_what_is_around_holds_what_stands_on_its_floor_alone(height: float, floo
     }
     found = dependencies(Scene(clouds, fixed=["table"], up=(0, 0, 1))).dependencies
     assert [(edge.first, edge.then) for edge in found] == [("can", "frame")] * floor
+
+
+def test_what_a_counterweight_presses_on_through_a_plank_stays() -> None:
+    parts = {
+        "table": _block(0.6, 0.6, 0.02, (0.0, 0.0, -0.02)),
+        "base": _block(0.06, 0.06, 0.06, (0.0, 0.0, 0.0005)),
+        "plank": _block(0.24, 0.05, 0.01, (0.06, 0.0, 0.061)),
+        "weight": _block(0.05, 0.05, 0.08, (-0.03, 0.0, 0.0715)),
+    }
+    mixed = np.random.default_rng(3).permutation  # such that the base's feet seem to tilt
+    clouds = {name: mixed(sampled([part], 0.001))[:2000] for name, part in parts.items()}
+    scene = Scene({**clouds, "table": sampled([parts["table"]], 0.012)}, ["table"], (0, 0, 1))
+    assert dependencies(scene).cycles() == (("plank", "weight"),)
