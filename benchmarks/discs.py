@@ -16,9 +16,11 @@ import numpy as np
 
 from topple.planner.rearranging.moves import Buffers, sequence
 from topple.planner.rearranging.problem import Act, Move, Pair, Problem, To
-from topple.planner.rearranging.tolerances import SECONDS
 from topple.topology.arrays import FloatArray, frozen
 from topple.topology.errors import InvalidInput
+
+SECONDS = 30.0
+"""[s] after which the shortest sequence so far is taken."""
 
 GRID = 90
 """Places looked at along each edge of a workspace: a tenth of the radius of the discs that fill it."""
@@ -112,7 +114,7 @@ def rearrange_discs(discs: Discs, seconds: float = SECONDS, seed: int = 0) -> Pu
     deadline = time.monotonic() + seconds
     problem, rng, grid = discs.problem(), np.random.default_rng(seed), discs.grid()
     programme = Buffers(problem)
-    chosen = programme.solve(seconds / 2)
+    chosen = programme.solve()
     best: list[Put] | None = None
     number = 0
     while best is None or len(best) > programme.bound:
@@ -122,7 +124,7 @@ def rearrange_discs(discs: Discs, seconds: float = SECONDS, seed: int = 0) -> Pu
             draw = dict(zip(problem.moving, rng.random(len(problem.moving)).tolist(), strict=True))
             if number % 4 == 0:
                 aside = programme.costs * (1 + 0.9 / len(problem.moving) * rng.random(len(programme.costs)))
-                chosen = programme.solve(deadline - time.monotonic(), aside)
+                chosen = programme.solve(aside)
             moves = sequence(problem, chosen, draw.__getitem__)
         else:
             moves = sequence(problem, chosen)

@@ -5,7 +5,6 @@ clouds. What comes out is what `topple.planner.decide.rates` holds; no score is 
 """
 
 import argparse
-import time
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
@@ -24,9 +23,6 @@ from topple.topology.situation import Situation
 
 FIRST_PILE = 7_300_000
 """Seed of the first pile; every other one follows, those between are for trying things out."""
-
-PATIENCE = 3600.0
-"""Seconds that the lifts of a pile may take: here nothing may be cut short."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -106,7 +102,7 @@ def count_pile(seed: int, view: int) -> Counts:
     pile = make_pile(seed)
     situation = Situation(observe(pile, view, seed))
     statics, graph = situation.statics, dependencies(situation, direct=False)
-    votes = ask(statics, graph, deadline=time.monotonic() + PATIENCE)
+    votes = ask(statics, graph)
     return Counts.of(truth(pile), ways_found(situation), votes, standing(statics))
 
 

@@ -25,7 +25,7 @@ class Check(Word):
     COLLISION = "collision"
     """Something touches."""
     SEARCH = "search"
-    """No way was found in time."""
+    """No way was found."""
     STAND = "stand"
     """The object would not stay there."""
     PROOF = "proof"

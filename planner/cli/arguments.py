@@ -140,6 +140,11 @@ OPTIONS: dict[str, dict[str, Any]] = {
         "default": [],
         "help": "what a fixture, such as a vice, keeps where it stands until the hand holds it",
     },
+    "--budget": {
+        "type": positive,
+        "metavar": "S",
+        "help": "wall-clock seconds that the answer may take; what takes longer fails",
+    },
     # simulation
     "--cameras": {
         "type": int,

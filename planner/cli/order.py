@@ -14,7 +14,6 @@ from topple.planner.cli.arguments import (
     add_kept,
     add_scenes,
     count,
-    positive,
 )
 from topple.planner.cli.console import complain, print_json
 from topple.planner.cli.main import DONE, NO_SAFE_PLAN
@@ -47,12 +46,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         "--verify", action="store_true", help="check the dependencies in simulation: take every object away"
     )
-    parser.add_argument(
-        "--budget",
-        type=positive,
-        metavar="S",
-        help="seconds --verify may take; the best answer so far counts",
-    )
+    add(parser, "--budget", help="wall-clock seconds that an order with --verify may take, or it fails")
     add(
         parser,
         "--robot",

@@ -32,7 +32,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         metavar="NAME",
         help="what is kept upright while it is carried, with what is in it",
     )
-    add(parser, "--clamped")
+    add(parser, "--clamped", "--budget")
     parser.add_argument(
         "--allow-drop",
         action="store_true",
@@ -70,7 +70,7 @@ def execute(args: argparse.Namespace) -> int:
         found = plan(
             scene, goal, arm, base=base, upright=args.upright, clamped=args.clamped,
             allow_drop=args.allow_drop, orderer=orderer or ordered, relations=relating,
-            check=not args.verify, seed=args.seed, progress=progress,
+            check=not args.verify, budget=args.budget, seed=args.seed, progress=progress,
         )  # fmt: skip
         checked = None
         if args.verify:

@@ -28,7 +28,7 @@ class PlaceRelation(Word):
     """How something shall lie to what it is put to."""
 
     ON = "on"
-    """On top of it, or on what lies there."""
+    """On top of it, or on what lies there; not at its side, standing on what it stands on."""
     WITHIN = "within"
     """In its cavity, carried by it."""
 
@@ -127,17 +127,27 @@ def holds(place: Place, relations: "Relations", carried: Iterable["Support"] | N
     """
     if place.object not in relations.objects or place.where not in relations.objects:
         return False
+    pairs = None if carried is None else tuple(carried)
+    carriers = [pair for pair in pairs or () if pair.supported == place.object]
+    below = _below(place.where, pairs or ())
+    if any(pair.supporter in below and pair.kind != "leans" for pair in carriers):
+        return False  # what stands beside a plate, on what that stands on, leans on its rim
     if _is_in(relations, place.object, place.where):
         return True  # on a plate or a tray an object lies within the hull of its rim: that is on it, too
     if place.how == PlaceRelation.WITHIN:
         return False
-    if carried is None:
+    if pairs is None:
         return relations.between(place.object, place.where).relation is Relation.TOUCH
-    carriers = [pair for pair in carried if pair.supported == place.object]
     # what is at the side of a block leans on it, and on the table; what is on it has no one else
     return any(
         pair.supporter == place.where and (pair.kind != "leans" or len(carriers) == 1) for pair in carriers
     )
+
+
+def _below(name: str, carried: Iterable["Support"]) -> set[str]:
+    """What carries an object, and what carries that."""
+    graph: nx.DiGraph[str] = nx.DiGraph([(pair.supporter, pair.supported) for pair in carried])
+    return nx.ancestors(graph, name) if name in graph else set()
 
 
 def _is_in(relations: "Relations", name: str, container: str) -> bool:

@@ -1,7 +1,7 @@
 """What a hand can meet around an object, and whose points those are."""
 
 from collections import Counter
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass, field
 
 import numpy as np
@@ -84,12 +84,10 @@ def surroundings(
     Returns:
         The points of the others within reach, and the ground.
     """
-    near: dict[str, FloatArray] = {}
-    floor = -np.inf
-    for other, within in _within_reach(name, scene, (*scene.clouds, MATTER), tolerances):
-        near[other] = voxel_means(within, tolerances.spacing, ahead=0.0)
-        if other in scene.fixed:
-            floor = max(floor, _level(name, other, within, scene, up))
+    reached = dict(_within_reach(name, scene, (*scene.clouds, MATTER), tolerances))
+    near = {other: voxel_means(within, tolerances.spacing, ahead=0.0) for other, within in reached.items()}
+    fixed = {other: within for other, within in reached.items() if other in scene.fixed}
+    floor = _ground(name, fixed, scene, up)
     owners = np.repeat(np.arange(len(near)), [len(points) for points in near.values()])
     return Surroundings(np.vstack([np.empty((0, 3)), *near.values()]), owners, tuple(near), floor)
 
@@ -105,8 +103,7 @@ def floor_near(
         up: (3,) unit vector against gravity.
         tolerances: Reach.
     """
-    near = _within_reach(name, scene, scene.fixed, tolerances)
-    return max((_level(name, other, within, scene, up) for other, within in near), default=-np.inf)
+    return _ground(name, dict(_within_reach(name, scene, scene.fixed, tolerances)), scene, up)
 
 
 def _within_reach(
@@ -122,11 +119,16 @@ def _within_reach(
             yield other, cloud[within]
 
 
-def _level(name: str, other: str, within: FloatArray, scene: Scene, up: FloatArray) -> float:
-    """Height of a fixed object around another: of its top below that, where it has one [m]."""
-    top = tops_of(scene.clouds[other], up).under(scene.clouds[name])
-    if top is None:
-        return float(np.quantile(within @ up, 0.1))
-    lower, upper = bounds(within)
-    beside = top.points[np.all((top.points >= lower) & (top.points <= upper), axis=1)]
-    return float(np.quantile((beside if len(beside) else top.points) @ up, 0.1))
+def _ground(name: str, fixed: Mapping[str, FloatArray], scene: Scene, up: FloatArray) -> float:
+    """Height of the highest top under an object among what never moves, by its points around [m].
+
+    Where nothing has a top under it, the lowest tenth of what is there; a bench beside it is no ground.
+    """
+    levels: list[float] = []
+    for other, within in fixed.items():
+        if (top := tops_of(scene.clouds[other], up).under(scene.clouds[name])) is not None:
+            lower, upper = bounds(within)
+            beside = top.points[np.all((top.points >= lower) & (top.points <= upper), axis=1)]
+            levels.append(float(np.quantile((beside if len(beside) else top.points) @ up, 0.1)))
+    uneven = (float(np.quantile(within @ up, 0.1)) for within in fixed.values())
+    return max(levels, default=max(uneven, default=-np.inf))

@@ -1,11 +1,13 @@
 """OMPL for what our own search does not solve: whole edges go to the batched checker, states never do."""
 
+from itertools import count
 from typing import Any
 
 import numpy as np
 
+from topple.planner.budget import check_budget, seconds_left
 from topple.planner.motion.collision import Checker
-from topple.planner.motion.tolerances import RANGE
+from topple.planner.motion.tolerances import RANGE, ROUNDS
 from topple.robots.arm.arm import Arm
 from topple.topology.arrays import FloatArray
 
@@ -16,7 +18,7 @@ def ompl_path(
     goals: FloatArray,
     *,
     seed: int = 0,
-    seconds: float = 5.0,
+    iterations: int = ROUNDS,
     planner: str = "RRTConnect",
 ) -> FloatArray | None:
     """A path by one of OMPL's planners.
@@ -26,14 +28,15 @@ def ompl_path(
         start: (n,) a free state.
         goals: (g, n) free states.
         seed: For OMPL's random numbers; it counts only before their first use in a process.
-        seconds: Time limit.
+        iterations: Of the planner, before it gives up.
         planner: Name in `ompl.geometric`: RRTConnect, AORRTC, BITstar and others.
 
     Returns:
         (k, n) path, or None.
+
+    Raises:
+        OutOfBudget: The budget of the call ran out.
     """
-    if seconds <= 0:
-        return None
     from ompl import base, geometric, util
 
     util.setLogLevel(util.LogLevel.LOG_NONE)
@@ -56,10 +59,13 @@ def ompl_path(
         search.setRange(RANGE)
     search.setProblemDefinition(problem)
     search.setup()
-    solved = search.solve(seconds) and problem.hasExactSolution()
+    asked = count()  # a planner asks whether to stop once in each iteration
+    enough: Any = base.PlannerTerminationCondition(lambda: next(asked) >= iterations or seconds_left() <= 0.0)
+    solved = search.solve(enough) and problem.hasExactSolution()
     path: Any = problem.getSolutionPath() if solved else None
     # the validator and its SpaceInformation hold each other; this lets both go
     information.setMotionValidator(base.MotionValidator(information))
+    check_budget()
     if path is None:
         return None
     return np.array([values_of(path.getState(i), len(start)) for i in range(path.getStateCount())])

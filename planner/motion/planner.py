@@ -1,11 +1,12 @@
 """Planning a motion: the direct edge, then batched RRT-Connect, then OMPL; the path shortened at the end."""
 
 import time
-from collections.abc import Iterator
-from dataclasses import dataclass, field
+from collections.abc import Iterable, Iterator
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 
+from topple.planner.budget import OutOfBudget, check_budget, within
 from topple.planner.motion.certificate import Certificate, Certifier
 from topple.planner.motion.collision import Checker, Contact
 from topple.planner.motion.rrt import rrt_connect
@@ -15,9 +16,9 @@ from topple.planner.motion.tolerances import (
     CLEARANCE,
     DIRECT,
     EDGE_STEP,
-    OWN_SHARE,
     PATIENCE,
     RELAXED,
+    ROUNDS,
 )
 from topple.topology.arrays import BoolArray, FloatArray, frozen
 from topple.topology.errors import InvalidInput
@@ -56,7 +57,7 @@ class MotionFailure:
     """Why there is no motion.
 
     Attributes:
-        stage: What failed: start, goals (all in collision), or search (none found in time).
+        stage: What failed: start, goals (all in collision), search (none found), or budget (it ran out).
         reason: One line fit to print.
         contacts: What touches in the start, or in the goal with the least overlap; for a search, what bars
             the direct way to the nearest goal.
@@ -82,7 +83,8 @@ def plan_motion(
     goals: FloatArray,
     *,
     seed: int = 0,
-    budget: float = 5.0,
+    rounds: int = ROUNDS,
+    budget: float | None = None,
     certified: bool = True,
     clearance: float = CLEARANCE,
 ) -> Motion | MotionFailure:
@@ -101,8 +103,9 @@ def plan_motion(
         checker: The arm, what it holds and what it must not hit.
         start: (n,) joint values.
         goals: (g, n) or (n,) joint values.
-        seed: Seed of the search. As long as the budget is not used up, the same seed gives the same path.
-        budget: Seconds to search.
+        seed: Seed of the search: the same seed gives the same answer, however busy the machine is.
+        rounds: Batches of branches before the search gives up.
+        budget: Wall-clock seconds for the whole call; where they run out that is the failure.
         certified: Whether to certify; without, a path may touch something between the checked states.
         clearance: Distance wanted from obstacles in [m], where the checker's margin is smaller.
 
@@ -112,15 +115,32 @@ def plan_motion(
     Raises:
         InvalidInput: If shapes are wrong or values are not finite.
     """
-    begun = time.monotonic()
     start, goals = _validated(checker, start, goals)
-    found: Motion | MotionFailure | None = None
-    for trial, share in keeping(checker, start, goals, clearance):
-        found = _planned(trial, start, goals, seed, begun, begun + share * budget, certified)
-        if isinstance(found, Motion) and (found.certificate is None or found.certificate.proven):
-            return found
-    assert found is not None, "the checker itself is the last to be tried"
-    return found
+    trials = keeping(checker, start, goals, clearance)
+    return in_turn(
+        budget,
+        (_planned(trial, start, goals, seed, round(share * rounds), certified) for trial, share in trials),
+    )
+
+
+def in_turn(budget: float | None, searches: Iterable[Motion | MotionFailure]) -> Motion | MotionFailure:
+    """The first motion of some searches that is proven, or else what the last one says.
+
+    Args:
+        budget: Wall-clock seconds for them all; where they run out that is the failure.
+        searches: What they find, each searched for as it is asked for; at least one.
+    """
+    begun = time.monotonic()
+    found: Motion | MotionFailure = MotionFailure("search", "nothing was tried")
+    try:
+        with within(budget):
+            for found in searches:
+                if isinstance(found, Motion) and (found.certificate is None or found.certificate.proven):
+                    break
+    except OutOfBudget as error:
+        check_budget()  # that of a caller is not for us to tell
+        found = MotionFailure("budget", str(error))
+    return replace(found, seconds=time.monotonic() - begun)
 
 
 def keeping(
@@ -135,7 +155,7 @@ def keeping(
         clearance: Distance wanted from obstacles [m].
 
     Yields:
-        Each with the share of the time after which the next one is to be tried.
+        Each with the share of the rounds of a search to be spent on it.
     """
     wanted: FloatArray | None = None
     if clearance > checker.margin:
@@ -153,7 +173,7 @@ def keeping(
             trial = _nearest_kept(checker, start, clear, part * clearance)
         if wanted is None or not np.array_equal(trial.model.margin, wanted):
             yield trial, share
-    yield checker, 1.0
+    yield checker, PATIENCE[-1]
 
 
 def _nearest_kept(checker: Checker, start: FloatArray, goals: FloatArray, clearance: float) -> Checker:
@@ -167,8 +187,7 @@ def _planned(
     start: FloatArray,
     goals: FloatArray,
     seed: int,
-    begun: float,
-    deadline: float,
+    rounds: int,
     certified: bool,
 ) -> Motion | MotionFailure:
     """A motion that keeps the checker's margins, or why there is none."""
@@ -185,16 +204,15 @@ def _planned(
         goals[order],
         open_first,
         seed,
-        deadline,
+        rounds,
         Certifier(checker) if certified else None,
     )
     found = query.direct() or query.searched()
-    seconds = time.monotonic() - begun
     if found is None:
-        return _barred(checker, start, goals[order[0]], seconds)
+        return _barred(checker, start, goals[order[0]])
     path, stage, certificate = found
     goal = int(order[np.argmin(np.abs(goals[order] - path[-1]).max(axis=1))])
-    return Motion(path, goal, stage, certificate, seconds)
+    return Motion(path, goal, stage, certificate)
 
 
 _Found = tuple[FloatArray, str, Certificate | None]
@@ -209,7 +227,7 @@ class _Query:
     goals: FloatArray
     open_first: bool
     seed: int
-    deadline: float
+    rounds: int
     certifier: Certifier | None
 
     def direct(self) -> _Found | None:
@@ -250,15 +268,12 @@ class _Query:
         return fallback
 
     def _search(self, seed: int) -> tuple[FloatArray | None, str]:
-        now = time.monotonic()
-        own = now + OWN_SHARE * max(self.deadline - now, 0.0)
-        path = rrt_connect(self.checker, self.start, self.goals, seed=seed, deadline=own)
+        path = rrt_connect(self.checker, self.start, self.goals, seed=seed, rounds=self.rounds)
         if path is not None:
             return path, "rrt"
         from topple.planner.motion.ompl_search import ompl_path
 
-        left = self.deadline - time.monotonic()
-        return ompl_path(self.checker, self.start, self.goals, seed=seed, seconds=left), "ompl"
+        return ompl_path(self.checker, self.start, self.goals, seed=seed, iterations=self.rounds), "ompl"
 
     def _certificate(self, path: FloatArray) -> Certificate | None:
         return None if self.certifier is None else self.certifier.path(path)
@@ -317,14 +332,14 @@ def _refused(checker: Checker, start: FloatArray, goals: FloatArray) -> MotionFa
     return MotionFailure("goals", reason, least, least[0].distance)
 
 
-def _barred(checker: Checker, start: FloatArray, goal: FloatArray, seconds: float) -> MotionFailure:
+def _barred(checker: Checker, start: FloatArray, goal: FloatArray) -> MotionFailure:
     """What stands in the direct way, as the best guess at what bars every way."""
     states = start + np.linspace(0.0, 1.0, 101)[:, None] * (goal - start)
     hit = np.flatnonzero(~checker.free(states))
     found = checker.contacts(states[hit[len(hit) // 2]]) if len(hit) else ()
     bars = f"; on the direct way {_says(found)}" if found else ""
-    reason = f"no motion found in {seconds:.1f} s{bars}"
-    return MotionFailure("search", reason, found, found[0].distance if found else 0.0, seconds)
+    reason = f"no motion found{bars}"
+    return MotionFailure("search", reason, found, found[0].distance if found else 0.0)
 
 
 def _says(contacts: tuple[Contact, ...]) -> str:

@@ -1,12 +1,13 @@
 """Seeded RRT-Connect (Kuffner and LaValle 2000) that extends a dozen branches with each collision check."""
 
-import time
 from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Protocol
 
 import numpy as np
 
+from topple.planner.budget import check_budget
+from topple.planner.motion.tolerances import ROUNDS
 from topple.robots.arm.arm import Arm
 from topple.topology.arrays import BoolArray, FloatArray, IntArray
 
@@ -35,13 +36,10 @@ class RRTSettings:
     Attributes:
         batch: Branches in one collision check; numpy then costs little more than for one.
         reach: Longest branch in [rad], in the Euclidean norm over the joints.
-        rounds: Checks before giving up: bounds the work without a clock, so that a seed gives the same path
-            anywhere.
     """
 
     batch: int = 12
     reach: float = 1.0
-    rounds: int = 1200
 
 
 SETTINGS = RRTSettings()
@@ -92,7 +90,7 @@ def rrt_connect(
     goals: FloatArray,
     *,
     seed: int,
-    deadline: float,
+    rounds: int = ROUNDS,
     settings: RRTSettings = SETTINGS,
     project: Projection | None = None,
 ) -> FloatArray | None:
@@ -103,19 +101,21 @@ def rrt_connect(
         start: (n,) a free state.
         goals: (g, n) free states.
         seed: Seed of the samples.
-        deadline: `time.monotonic()` value at which to give up.
+        rounds: Batches of branches before giving up.
         settings: How trees grow.
         project: Brings samples and ends of branches to states that keep a constraint.
 
     Returns:
-        (k, n) path, or None where none was found in time.
+        (k, n) path, or None where none was found.
+
+    Raises:
+        OutOfBudget: The budget of the call ran out.
     """
     rng = np.random.default_rng(seed)
     ours, theirs = Tree(start[None]), Tree(goals)
     forward = True
-    for _ in range(settings.rounds):
-        if time.monotonic() > deadline:
-            return None
+    for _ in range(rounds):
+        check_budget()
         samples = rng.uniform(checker.arm.lower, checker.arm.upper, (settings.batch, len(start)))
         samples = samples if project is None else project(samples)
         added = _extend(checker, ours, samples, settings.reach, project)

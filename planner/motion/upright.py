@@ -1,16 +1,15 @@
 """Motions that keep what is carried upright: RRT-Connect on states turned back to within a tilt."""
 
-import time
 from dataclasses import dataclass
 
 import numpy as np
 
 from topple.planner.motion.certificate import Certifier
 from topple.planner.motion.collision import Checker
-from topple.planner.motion.planner import Motion, MotionFailure, keeping
+from topple.planner.motion.planner import Motion, MotionFailure, in_turn, keeping
 from topple.planner.motion.rrt import RRTSettings, rrt_connect
 from topple.planner.motion.shortcut import shortcut
-from topple.planner.motion.tolerances import CLEARANCE, DAMPING, STEP, UPRIGHT_ROUNDS, WITHIN
+from topple.planner.motion.tolerances import CLEARANCE, DAMPING, ROUNDS, STEP, UPRIGHT_ROUNDS, WITHIN
 from topple.robots.arm.arm import Arm
 from topple.topology.arrays import BoolArray, FloatArray
 
@@ -90,7 +89,8 @@ def plan_upright(
     tilt: float,
     *,
     seed: int = 0,
-    budget: float = 5.0,
+    rounds: int = ROUNDS,
+    budget: float | None = None,
     clearance: float = CLEARANCE,
 ) -> Motion | MotionFailure:
     """Find a path that keeps what a tool carries as it stands at the start.
@@ -103,20 +103,21 @@ def plan_upright(
         up: (3,) unit vector against gravity, in the arm's base.
         tilt: Largest tilt all along [rad].
         seed: Of the search.
-        budget: Seconds to search.
+        rounds: Batches of branches before the search gives up.
+        budget: Wall-clock seconds for the whole call, as for `plan_motion`.
         clearance: Distance wanted from obstacles in [m]; as for `plan_motion`.
 
     Returns:
         The motion with its certificate, its tilt proven too; or why there is none.
     """
-    begun = time.monotonic()
-    found: Motion | MotionFailure | None = None
-    for trial, share in keeping(checker, start, goals, clearance):
-        found = _planned(trial, start, goals, tool, up, tilt, seed, begun, begun + share * budget)
-        if isinstance(found, Motion):
-            return found
-    assert found is not None, "the checker itself is the last to be tried"
-    return found
+    trials = keeping(checker, start, goals, clearance)
+    return in_turn(
+        budget,
+        (
+            _planned(trial, start, goals, tool, up, tilt, seed, round(share * rounds))
+            for trial, share in trials
+        ),
+    )
 
 
 def _planned(
@@ -127,8 +128,7 @@ def _planned(
     up: FloatArray,
     tilt: float,
     seed: int,
-    begun: float,
-    deadline: float,
+    rounds: int,
 ) -> Motion | MotionFailure:
     """An upright motion that keeps the checker's margins, or why there is none."""
     axis = checker.arm.tool_pose(start, tool)[0, :3, :3].T @ up
@@ -149,7 +149,7 @@ def _planned(
         else:
             path, stage = (
                 rrt_connect(
-                    level, start, goals[kept], seed=seed + 7919 * attempt, deadline=deadline,
+                    level, start, goals[kept], seed=seed + 7919 * attempt, rounds=rounds,
                     settings=REACH, project=level.turned_back,
                 ),
                 "rrt",
@@ -160,6 +160,5 @@ def _planned(
         certificate = Certifier(checker).path(path)
         if certificate.proven:
             goal = int(np.argmin(np.abs(goals - path[-1]).max(axis=1)))
-            return Motion(path, goal, stage, certificate, time.monotonic() - begun)
-    seconds = time.monotonic() - begun
-    return MotionFailure("search", f"no upright motion found in {seconds:.1f} s", seconds=seconds)
+            return Motion(path, goal, stage, certificate)
+    return MotionFailure("search", "no upright motion found")

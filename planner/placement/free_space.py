@@ -112,7 +112,8 @@ def _free_space(
     origin = ground.min(axis=0)
     shape = np.ceil((ground.max(axis=0) - origin) / tolerances.cell).astype(int) + 1
     middles = origin + (np.argwhere(np.ones(tuple(shape))).reshape(*shape, 2) + 0.5) * tolerances.cell
-    free = _within(middles, ground)
+    boards = [part for part in solids[owner] if abs(float(top.above(part).max())) < SKIN] or [top.points]
+    free = np.any([_within(middles, board @ axes.T) for board in boards], axis=0)
     edge = _to_nearest(free) * tolerances.cell
     free &= edge > tolerances.edge
     clear = np.ones_like(free)

@@ -1,7 +1,6 @@
 """In which order to take things: the fewest removals that free the targets, and why."""
 
 import os
-import time
 from collections.abc import Callable, Collection, Iterable, Mapping, Sequence
 from concurrent.futures import Executor
 from dataclasses import replace
@@ -10,6 +9,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from topple.planner.budget import bounded
 from topple.planner.building.apart import taking_apart
 from topple.planner.decide.arrange import Order, arrange
 from topple.planner.decide.assumptions import assumptions as assumed
@@ -33,6 +33,7 @@ if TYPE_CHECKING:
     from topple.topology.statics.rest import Statics
 
 
+@bounded
 def order(
     scene: "Scene | Situation | str | os.PathLike[str]",
     targets: Sequence[str] | str | None = None,
@@ -55,7 +56,7 @@ def order(
         targets: Names to free; none clears everything.
         seed: Seed of the simulations, where there are any.
         verify: Check the dependencies by simulation.
-        budget: Seconds the simulations may take; what is not checked by then stays as reasoned.
+        budget: Wall-clock seconds for the whole call: what takes longer fails.
         robot: An arm or its name: what bars its gripper's way to the objects of the order is then said.
         relations: The scene's relations where they are known, or where better ones are known: what they call
             disjoint has no contact, and no dependency rests on it.
@@ -80,12 +81,12 @@ def order(
         InvalidInput: The scene has no `up`, or hangs in the air with it and would stand with another; nothing
             in it can move, a target is fixed or hangs on a wrong mask, no hand, or the risk is no chance.
         UnknownObject: A target is not in the scene.
+        OutOfBudget: The budget ran out.
     """
     if hands is not None and hands < 1:
         raise InvalidInput(f"hands is {hands}: expected how many there are, 1 or more")
     if removal_risk is not None and not 0.0 <= removal_risk <= 1.0:
         raise InvalidInput(f"removal_risk is {removal_risk}: expected a chance from 0 to 1")
-    started = time.monotonic()
     situation = Situation.of(scene if isinstance(scene, Situation) else as_scene(scene), relations)
     scene = situation.scene
     wanted = check_targets(scene, targets)
@@ -101,15 +102,12 @@ def order(
     notes: dict[str, Any] = {}
     said = (*scene.assumptions, *assumed(scene, statics))
     if verify:
-        from topple.planner.simulate.tolerances import BUDGET
         from topple.planner.simulate.votes import ask, chances, confirmed
 
-        votes = ask(statics, full, seed, started + (BUDGET if budget is None else max(budget, 0.0)))
+        votes = ask(statics, full, seed)
         chance = chances(chance, votes, len(scene.viewpoints) or None)
         full = _witnessed(confirmed(full, chance, votes), situation)
-        notes = {"trials": votes.trials, "budget_exhausted": not votes.complete}
-        if not votes.complete:
-            said = (*said, f"the budget ran out after {votes.trials} simulated lifts: the best answer so far")
+        notes = {"trials": votes.trials}
     tops = {name: _top(statics.surfaces[name]) for name in full.names}
     apart = taking_apart(situation, full, hands, fixture)
     if fixture:
@@ -117,8 +115,7 @@ def order(
     edges = {(edge.first, edge.then) for edge in full.dependencies}
     risked = (beliefs or Beliefs()).weighed(chance, edges)
     found = arrange(full.reduced(), wanted, tops, situation.supports, said, risked, removal_risk, apart)
-    checked = verify and not notes["budget_exhausted"]
-    found = replace(found, verified=checked, chances=FrozenDict(chance), notes=FrozenDict(notes))
+    found = replace(found, verified=verify, chances=FrozenDict(chance), notes=FrozenDict(notes))
     return found if robot is None else _with_access(found, situation, robot)
 
 

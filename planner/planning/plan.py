@@ -11,6 +11,7 @@ from typing import Any
 
 import numpy as np
 
+from topple.planner.budget import bounded
 from topple.planner.decide.goal import Goal
 from topple.planner.decide.hold import fixture_assumptions
 from topple.planner.decide.tolerances import LIKELY
@@ -48,6 +49,7 @@ UNPROVEN = "placements were not let go in simulation: no engine is installed"
 UNCHECKED = "the plan was not checked by other means: PyBullet is not installed"
 
 
+@bounded
 def plan(
     scene: Scene | str | os.PathLike[str],
     goal: str | Sequence[str] | Task,
@@ -62,6 +64,7 @@ def plan(
     relations: Relations | Callable[[Scene], Relations] | None = None,
     allow_drop: bool = False,
     check: bool = True,
+    budget: float | None = None,
     seed: int = 0,
     progress: Progress | None = None,
 ) -> Plan:
@@ -93,6 +96,7 @@ def plan(
         check: Whether the plan is checked by other means before it is returned, as `Plan.verify` does, which
             takes a third of the time; without PyBullet it cannot be. An order or relations of your own are
             not held against the dependencies that topple finds.
+        budget: Wall-clock seconds for the whole call: what takes longer fails.
         seed: Of every search.
         progress: Called with a line for each step.
 
@@ -105,6 +109,7 @@ def plan(
         InvalidInput: The goal is none or hangs on a wrong mask, the scene does not know up or hangs in the
             air with it, the arm has no tool, or the grasps, the relations or what the orderer says do not
             fit the scene or the arm.
+        OutOfBudget: The budget ran out.
     """
     arm = robot_named(robot) if isinstance(robot, str) else robot
     check_tool(arm)
@@ -136,8 +141,7 @@ def plan(
     planning.orderer = orderer
     planning.run(task, asked)
     missing = [] if INSTALLED else [UNPROVEN]
-    if BULLET not in INSTALLED:
-        missing.append(UNCHECKED)
+    missing += [] if BULLET in INSTALLED else [UNCHECKED]
     found = planning.plan(
         start, given is None, (*scene.assumptions, *arm.assumptions, *wanted.assumptions, *missing)
     )

@@ -8,7 +8,7 @@ import numpy as np
 
 from topple.planner.building.build import BuildOrder, build_order
 from topple.planner.building.standing import falling_in
-from topple.planner.decide.goal import Goal, Place, PlaceRelation
+from topple.planner.decide.goal import Goal, Place, PlaceRelation, holds
 from topple.planner.rearranging.matching import Match, matched, sizes
 from topple.planner.rearranging.possible import check_possible
 from topple.planner.rearranging.registration import Registration, least, registered, remaining
@@ -160,6 +160,11 @@ class Arrangement:
             below = float((clouds[name] @ up).mean()) < float((clouds[each.supporter] @ up).max())
             if below and between(name, each.supporter).relation in INSIDE:
                 return Place(name, PlaceRelation.WITHIN, each.supporter)
-        borne = [each for each in carrying if each.kind != "leans"]
+        borne = [each for each in carrying if each.kind != "leans" and self._is_on(name, each.supporter)]
         sure = max(borne, key=lambda each: each.confidence, default=None)
         return None if sure is None else Place(name, PlaceRelation.ON, sure.supporter)
+
+    def _is_on(self, name: str, other: str) -> bool:
+        """Whether an object is on another one in the goal."""
+        place, finished = Place(name, PlaceRelation.ON, other), self.situation
+        return holds(place, finished.relations, finished.supports)

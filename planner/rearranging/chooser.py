@@ -40,7 +40,6 @@ class MoveChooser:
         goal: What shall hold in the end.
         context: What it is chosen in; an order of its own decides what lies on what.
         arrangement: How things shall lie.
-        seconds: How long to search for proof that no sequence of moves is shorter.
         learned: What was found to have to happen before what, for the arm.
         learn: Told of each further such pair.
     """
@@ -51,13 +50,12 @@ class MoveChooser:
         goal: Goal,
         context: Context,
         arrangement: Arrangement,
-        seconds: float,
         *,
         learned: frozenset[Pair],
         learn: Callable[[Pair], object],
     ) -> None:
         self._situation, self._scene, self._goal, self._context = situation, situation.scene, goal, context
-        self._arrangement, self._seconds = arrangement, seconds
+        self._arrangement = arrangement
         self._learned, self._learn = set(learned), learn
         known = [name for name in situation.movable if name in arrangement.situation.movable]
         self._fits = {name: arrangement.fit(name, situation) for name in known}
@@ -89,7 +87,7 @@ class MoveChooser:
         needed = self._needed(taken)
         while True:
             problem = replace(needed.problem, before=needed.problem.before | self._learned)
-            found = fewest_moves(problem, self._seconds)
+            found = fewest_moves(problem)
             order = replace(taken, order=tuple(m.object for m in found.moves if m.to is To.GOAL))
             for move in sorted(_ready(problem, found), key=lambda move: _risk_now(taken, move.object)):
                 if (step := self._step(move, needed, order)) is not None:
@@ -196,7 +194,7 @@ class MoveChooser:
                 if other not in (*problem.moving, *problem.staying) or other == move.object:
                     continue
                 pairs = self._precedences_of(move, failure, other, problem)
-                if pairs <= problem.before or not _possible(problem, pairs, self._seconds):
+                if pairs <= problem.before or not _possible(problem, pairs):
                     continue
                 self._learned |= pairs
                 for pair in pairs:
@@ -266,10 +264,10 @@ def _ready(problem: Problem, found: Moves) -> list[Move]:
     return [move for move in dict.fromkeys(found.moves) if move in ready]
 
 
-def _possible(problem: Problem, pairs: frozenset[Pair], seconds: float) -> bool:
+def _possible(problem: Problem, pairs: frozenset[Pair]) -> bool:
     """Whether some sequence of moves heeds more pairs."""
     try:
-        fewest_moves(replace(problem, before=problem.before | pairs), seconds)
+        fewest_moves(replace(problem, before=problem.before | pairs))
     except NoSafePlan:
         return False
     return True

@@ -10,7 +10,6 @@ The idea of buffers as a minimum feedback vertex set is that of Han et al., "Com
 Methods for Optimal Tabletop Rearrangement with Overhand Grasps", IJRR 2018.
 """
 
-import time
 from collections.abc import Callable, Collection
 from dataclasses import dataclass
 from itertools import pairwise
@@ -20,9 +19,10 @@ import numpy as np
 from scipy.optimize import Bounds, milp
 from scipy.sparse.csgraph import dijkstra
 
+from topple.planner.budget import check_budget, seconds_left
 from topple.planner.errors import NoSafePlan
 from topple.planner.rearranging.problem import Act, Event, Move, Problem, To
-from topple.planner.rearranging.tolerances import HARD, SECONDS
+from topple.planner.rearranging.tolerances import HARD, NODES
 from topple.topology.arrays import FloatArray
 
 
@@ -49,21 +49,21 @@ class Moves:
         return tuple(move.object for move in self.moves if move.to is To.BUFFER)
 
 
-def fewest_moves(problem: Problem, seconds: float = SECONDS) -> Moves:
+def fewest_moves(problem: Problem) -> Moves:
     """Find the shortest sequence of moves, with buffers beside everything.
 
     Args:
         problem: What is to be moved, and what must happen before what.
-        seconds: How long to search for proof; what was found by then is completed greedily.
 
     Returns:
         The moves; `bound` counts moves.
 
     Raises:
         NoSafePlan: What must happen before what closes a cycle that no buffer opens.
+        OutOfBudget: The budget of the call ran out.
     """
     programme = Buffers(problem)
-    chosen = programme.solve(seconds)
+    chosen = programme.solve()
     return Moves(tuple(sequence(problem, chosen)), programme.bound)
 
 
@@ -84,11 +84,11 @@ class Buffers:
         for first, then in sorted(problem.before):
             self._leave(first, then)
 
-    def solve(self, seconds: float, costs: FloatArray | None = None) -> frozenset[str]:
+    def solve(self, costs: FloatArray | None = None, nodes: int = NODES) -> frozenset[str]:
         """Choose what passes through a buffer.
 
         Args:
-            seconds: How long to search for proof.
+            nodes: Of the search trees, all in all: what was found by then is completed greedily.
             costs: (N,) other costs, to draw another one of equally good choices.
 
         Returns:
@@ -96,10 +96,11 @@ class Buffers:
 
         Raises:
             NoSafePlan: Nothing opens some cycle.
+            OutOfBudget: The budget of the call ran out.
         """
-        deadline = time.monotonic() + seconds
-        while (left := deadline - time.monotonic()) > 0:
-            chosen = self._chosen(left, costs)
+        while nodes > 0:
+            chosen, visited = self._chosen(nodes, costs)
+            nodes -= max(visited, 1)
             if chosen is None:
                 break
             if not (cycles := self._cycles(chosen)):
@@ -118,10 +119,11 @@ class Buffers:
                 else:
                     self._rows[frozenset((entry, (self._at[other], -1.0)))] = 0.0
 
-    def _chosen(self, seconds: float, costs: FloatArray | None) -> frozenset[str] | None:
-        """The cheapest names that satisfy the inequalities known so far; None where time ran out."""
+    def _chosen(self, nodes: int, costs: FloatArray | None) -> tuple[frozenset[str] | None, int]:
+        """The cheapest names that satisfy the known inequalities, None where unknown; and how many nodes."""
         if not self._rows:
-            return frozenset()
+            return frozenset(), 0
+        check_budget()
         matrix = np.zeros((len(self._rows), len(self._names)))
         for row, entries in enumerate(self._rows):
             for k, value in entries:
@@ -131,15 +133,18 @@ class Buffers:
             integrality=np.ones(len(self._names)),
             bounds=Bounds(0, 1),
             constraints=(matrix, np.array(list(self._rows.values())), np.inf),
-            options={"time_limit": seconds},
+            options={"time_limit": seconds_left(), "node_limit": nodes},
         )
+        check_budget()
         if costs is None and found.mip_dual_bound is not None:
             self.bound = max(
                 self.bound, len(self._problem.moving) + int(np.ceil(found.mip_dual_bound - 1e-6))
             )
+        visited = int(found.mip_node_count or 0)
         if found.x is None:
-            return None
-        return frozenset(name for name, value in zip(self._names, found.x, strict=True) if value > 0.5)
+            return None, visited
+        chosen = (name for name, value in zip(self._names, found.x, strict=True) if value > 0.5)
+        return frozenset(chosen), visited
 
     def _cycles(self, chosen: Collection[str]) -> list[frozenset[int]]:
         """For everything that is to happen before another a least cycle it is in, as what has to open it."""

@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, Any, overload
 import numpy as np
 from scipy.spatial import KDTree
 
+from topple.planner.budget import bounded
 from topple.planner.decide.dependency import Dependency
 from topple.planner.decide.hold import Hold
 from topple.planner.planning.order import order
@@ -14,7 +15,6 @@ from topple.planner.rearranging.arrangement import Arrangement
 from topple.planner.rearranging.moves import fewest_moves
 from topple.planner.rearranging.precedences import OccupiedPlace, precedences
 from topple.planner.rearranging.problem import Move, To
-from topple.planner.rearranging.tolerances import SECONDS
 from topple.planner.tolerances import DISTURBED
 from topple.topology.arrays import FloatArray
 from topple.topology.errors import InvalidInput
@@ -92,7 +92,7 @@ def rearrange(
     goal: "Scene | Situation | str | Mapping[str, Any]",
     *,
     match: str = ...,
-    seconds: float = ...,
+    budget: float | None = ...,
 ) -> Rearrangement: ...
 
 
@@ -103,17 +103,19 @@ def rearrange(
     robot: "Arm | str",
     *,
     match: str = ...,
+    budget: float | None = ...,
     **options: Any,
 ) -> "Plan": ...
 
 
+@bounded
 def rearrange(
     start: "Scene | Situation",
     goal: "Scene | Situation | str | Mapping[str, Any]",
     robot: "Arm | str | None" = None,
     *,
     match: str = "name",
-    seconds: float = SECONDS,
+    budget: float | None = None,
     **options: Any,
 ) -> "Rearrangement | Plan":
     """Find the fewest moves from one arrangement to another; for an arm, with their motions.
@@ -130,7 +132,7 @@ def rearrange(
         robot: The arm, or its name; None: the moves alone.
         match: By what things are matched: "name", or "shape", where those of the goal have other names; what
             is taken to be what, and how far their clouds are apart, is among the assumptions.
-        seconds: How long to search for proof that no sequence is shorter.
+        budget: Wall-clock seconds for the whole call: what takes longer fails.
         **options: With an arm, those of `topple.planner.plan`: base, q_start, grasps, check, seed and others.
 
     Returns:
@@ -140,17 +142,18 @@ def rearrange(
         InvalidInput: A scene has no `up` or nothing that moves, the two have other things or another `up`,
             nothing is matched by what `match` says, or nothing can lie as the goal has it.
         NoSafePlan: What must happen before what closes a cycle that no buffer opens; or the arm cannot do it.
+        OutOfBudget: The budget ran out.
     """
     if match not in MATCHES:
         raise InvalidInput(f"match is {match!r}: expected one of {', '.join(MATCHES)}")
     before = Situation.of(start)
     wanted = _wanted(goal, before, match)
     if robot is None:
-        return _fewest(before, wanted, seconds)
+        return _fewest(before, wanted)
     from topple.planner.planning.plan import plan
     from topple.planner.rearranging.task import ArrangementTask
 
-    return plan(before.scene, ArrangementTask(wanted, seconds), robot, **options)
+    return plan(before.scene, ArrangementTask(wanted), robot, **options)
 
 
 def _wanted(
@@ -169,7 +172,7 @@ def _wanted(
     return Arrangement(after) if match == "name" else Arrangement.alike(before.scene, after.scene)
 
 
-def _fewest(before: Situation, arrangement: Arrangement, seconds: float) -> Rearrangement:
+def _fewest(before: Situation, arrangement: Arrangement) -> Rearrangement:
     """The fewest moves, given room beside everything."""
     arrangement.check(before)
     taken, built = order(before), arrangement.built
@@ -178,7 +181,7 @@ def _fewest(before: Situation, arrangement: Arrangement, seconds: float) -> Rear
     needed = precedences(before, arrangement, taken, surfaces, staying)
     told = map(str, arrangement.matches)
     held = [f"{' and '.join(g)} hold each other at the start: hold the others" for g in taken.groups]
-    found = fewest_moves(needed.problem, seconds)
+    found = fewest_moves(needed.problem)
     said = zip(found.moves, needed.told(found.moves), strict=True)
     return Rearrangement(
         moves=found.moves,

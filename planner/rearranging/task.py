@@ -10,7 +10,6 @@ from topple.planner.planning.step import Chooser, Context, Task
 from topple.planner.rearranging.arrangement import Arrangement
 from topple.planner.rearranging.chooser import MoveChooser
 from topple.planner.rearranging.problem import Act, Pair
-from topple.planner.rearranging.tolerances import SECONDS
 from topple.topology.arrays import FloatArray
 from topple.topology.scene import Scene
 from topple.topology.situation import Situation
@@ -43,15 +42,14 @@ class ArrangementTask:
 
     Args:
         arrangement: How things shall lie.
-        seconds: How long to search for proof that no sequence of moves is shorter, before each step.
     """
 
-    def __init__(self, arrangement: Arrangement, seconds: float = SECONDS) -> None:
-        self.arrangement, self.seconds, self.learned = arrangement, seconds, LearnedPrecedences()
+    def __init__(self, arrangement: Arrangement) -> None:
+        self.arrangement, self.learned = arrangement, LearnedPrecedences()
 
     def in_frame(self, pose: FloatArray, up: FloatArray, /) -> Task:
         """The same in another frame: pose (4, 4) leads there, up (3,) is against gravity there."""
-        return ArrangementTask(self.arrangement.in_frame(pose, up), self.seconds)
+        return ArrangementTask(self.arrangement.in_frame(pose, up))
 
     def goal(self, scene: Scene) -> Goal:
         """What shall hold in the end.
@@ -69,20 +67,15 @@ class ArrangementTask:
         """What chooses the next move; see `topple.planner.planning.step.Task`."""
         done = context.done
         return MoveChooser(
-            situation, goal, context, self.arrangement, self.seconds,
+            situation, goal, context, self.arrangement,
             learned=self.learned.now(done), learn=lambda pair: self.learned.pairs.setdefault(pair, len(done)),
         )  # fmt: skip
 
 
 class _LazyTask(ABC):
-    """A task that is worked out for the scene whose goal it is asked for.
+    """A task that is worked out for the scene whose goal it is asked for."""
 
-    Args:
-        seconds: As `ArrangementTask` takes it.
-    """
-
-    def __init__(self, seconds: float) -> None:
-        self._seconds = seconds
+    def __init__(self) -> None:
         self._made: ArrangementTask | None = None
 
     @abstractmethod
@@ -112,7 +105,7 @@ class _LazyTask(ABC):
 
     def _worked_out(self, scene: Scene) -> ArrangementTask:
         if self._made is None:
-            self._made = ArrangementTask(self.arrangement(scene), self._seconds)
+            self._made = ArrangementTask(self.arrangement(scene))
         return self._made
 
 
@@ -121,11 +114,10 @@ class DescribedTask(_LazyTask):
 
     Args:
         words: As "plate on table, bowl on plate, spoon left of plate".
-        seconds: As `ArrangementTask` takes it.
     """
 
-    def __init__(self, words: str, seconds: float = SECONDS) -> None:
-        super().__init__(seconds)
+    def __init__(self, words: str) -> None:
+        super().__init__()
         self.words = words
 
     def arrangement(self, scene: Scene) -> Arrangement:
@@ -140,11 +132,10 @@ class RelatedTask(_LazyTask):
 
     Args:
         document: What `topple relate --json` prints, of this scene or another one of the same things.
-        seconds: As `ArrangementTask` takes it.
     """
 
-    def __init__(self, document: Mapping[str, Any], seconds: float = SECONDS) -> None:
-        super().__init__(seconds)
+    def __init__(self, document: Mapping[str, Any]) -> None:
+        super().__init__()
         self.document = document
 
     def arrangement(self, scene: Scene) -> Arrangement:
@@ -159,11 +150,10 @@ class SameShapesTask(_LazyTask):
 
     Args:
         goal: How things of these shapes shall lie.
-        seconds: As `ArrangementTask` takes it.
     """
 
-    def __init__(self, goal: Scene, seconds: float = SECONDS) -> None:
-        super().__init__(seconds)
+    def __init__(self, goal: Scene) -> None:
+        super().__init__()
         self._goal = goal
 
     def arrangement(self, scene: Scene) -> Arrangement:

@@ -4,8 +4,9 @@ import numpy as np
 
 # -- moves
 
-SECONDS = 30.0
-"""[s] after which the best moves so far are taken, with the bound proven by then."""
+NODES = 20_000
+"""Of the search trees, after which the best moves so far are taken, with the bound proven by then: half a
+minute of what is hard, and a hundred times what 30 things need."""
 
 HARD = 1e-4
 """Weight of what has to happen before what, where passing an object's two events in one moment weighs 1."""

@@ -77,9 +77,6 @@ SURELY = 0.01
 
 # -- votes
 
-RESERVE = 0.3
-"""Seconds of the budget that are kept for ending the simulations and sorting the answer."""
-
 TRUSTED = 0.6
 """A body that sagged by more than this share of a move (1 cm or 10 degrees) while its rebuilt world came
 to rest was rebuilt wrongly: what simulation says about it is believed less."""
@@ -91,9 +88,3 @@ NOISE = (0.0003, 0.001)
 
 STEPS = (0.006, 0.012, 0.025, 0.05)
 """Further gaps [m] that are closed under a hidden underside until the weight lies over what carries it."""
-
-
-# -- votes
-
-BUDGET = 20.0
-"""Seconds that checking a pile of eight may take on two cores."""

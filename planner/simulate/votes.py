@@ -1,19 +1,19 @@
-"""Dependencies checked by simulation: every object is taken away in rebuilt worlds, within a budget."""
+"""Dependencies checked by simulation: every object is taken away in rebuilt worlds."""
 
 import multiprocessing
 import os
-import time
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from multiprocessing.connection import Connection, wait
 
 import numpy as np
 
+from topple.planner.budget import check_budget, seconds_left
 from topple.planner.decide.dependency import Dependency, DependencyGraph, Reason
 from topple.planner.decide.rates import posterior, rates_for
 from topple.planner.simulate.lifts import Move, Stage, Trial
 from topple.planner.simulate.rebuild import rebuild
-from topple.planner.simulate.tolerances import BUDGET, FRICTIONS, NOISE, RESERVE, TRUSTED
+from topple.planner.simulate.tolerances import FRICTIONS, NOISE, TRUSTED
 from topple.topology.statics.rest import Statics
 from topple.topology.workers import serve
 
@@ -26,13 +26,11 @@ class Votes:
         moved: (first, then) -> for each trial, whether taking `then` moved `first`.
         sagged: name -> largest sag, as a share of a move.
         trials: Lifts simulated.
-        complete: False where the budget ran out before all lifts were done.
     """
 
     moved: Mapping[tuple[str, str], tuple[bool, ...]]
     sagged: Mapping[str, float]
     trials: int
-    complete: bool
 
     def steady(self, first: str, then: str) -> bool:
         """Whether both bodies stood still on their own in simulation."""
@@ -52,26 +50,23 @@ def ask(
     statics: Statics,
     graph: DependencyGraph,
     seed: int = 0,
-    deadline: float | None = None,
     workers: int | None = None,
 ) -> Votes:
-    """Take every object away in simulation, at every friction, the doubtful ones first.
+    """Take every object away in simulation, at every friction.
 
     Args:
         statics: The scene at rest.
-        graph: What reasoning found: objects about whose dependencies it is least sure are lifted first.
+        graph: What reasoning found, of these objects.
         seed: Seed of the simulations.
-        deadline: When to stop, on `time.monotonic`'s clock [s]; `BUDGET` from now where not given.
         workers: Processes, one per core where not given.
 
     Returns:
-        The votes; the same for the same seed and number of workers unless time ran out.
+        The votes; the same for the same seed and number of workers.
+
+    Raises:
+        OutOfBudget: The budget of the call ran out.
     """
-    deadline = (time.monotonic() + BUDGET if deadline is None else deadline) - RESERVE
-    doubt = dict.fromkeys(graph.names, 0.0)
-    for edge in graph.dependencies:
-        doubt[edge.then] += edge.confidence * (1 - edge.confidence)
-    names = sorted(graph.names, key=lambda name: -doubt[name])
+    names = graph.names
     jitter = NOISE[0 if statics.sight is None else 1]
     trials = [
         Trial(between, table, jitter if number else 0.0, seed + number)
@@ -79,8 +74,7 @@ def ask(
     ]
     workers = max(1, min(workers or len(os.sched_getaffinity(0)), len(names)))
     shares = [[(trial, names[k::workers]) for trial in trials] for k in range(workers)]
-    lifts = _in_processes([_worker(statics, share) for share in shares], deadline)
-    return _count(lifts, len(lifts) == len(names) * len(trials))
+    return _count(_in_processes([_worker(statics, share) for share in shares]))
 
 
 _Job = Callable[[Connection], None]
@@ -101,13 +95,14 @@ def _worker(statics: Statics, share: Sequence[tuple[Trial, Sequence[str]]]) -> _
     return work
 
 
-def _in_processes(jobs: Sequence[_Job], deadline: float) -> list[_Lift]:
-    """Run jobs side by side and collect what they send until the deadline; then they are ended.
+def _in_processes(jobs: Sequence[_Job]) -> list[_Lift]:
+    """Run jobs side by side and collect what they send.
 
     Processes are forked: they share the scene, start at once, and need no importable main module.
 
     Raises:
         RuntimeError: A process ended with an error.
+        OutOfBudget: The budget of the call ran out; the processes are ended.
     """
     context = multiprocessing.get_context("fork")
     pipes = [context.Pipe(duplex=False) for _ in jobs]
@@ -121,8 +116,10 @@ def _in_processes(jobs: Sequence[_Job], deadline: float) -> list[_Lift]:
         for process, (_, writing) in zip(processes, pipes, strict=True):
             process.start()
             writing.close()
-        while reading and (left := deadline - time.monotonic()) > 0:
-            for ready in wait(list(reading), timeout=left):
+        while reading:
+            check_budget()
+            left = seconds_left()
+            for ready in wait(list(reading), timeout=left if np.isfinite(left) else None):
                 assert isinstance(ready, Connection)
                 try:
                     found[reading[ready]].append(ready.recv())
@@ -148,7 +145,7 @@ def _share(move: Move) -> float:
     return max(move.distance / 0.01, float(np.degrees(move.angle)) / 10.0)
 
 
-def _count(lifts: Sequence[_Lift], complete: bool) -> Votes:
+def _count(lifts: Sequence[_Lift]) -> Votes:
     """Votes of all lifts."""
     moved: dict[tuple[str, str], list[bool]] = {}
     sagged: dict[str, float] = {}
@@ -157,7 +154,7 @@ def _count(lifts: Sequence[_Lift], complete: bool) -> Votes:
             sagged[name] = max(sagged.get(name, 0.0), _share(move))
         for first, move in lift.moves.items():
             moved.setdefault((first, lift.then), []).append(_share(move) > 1.0)
-    return Votes({pair: tuple(each) for pair, each in moved.items()}, sagged, len(lifts), complete)
+    return Votes({pair: tuple(each) for pair, each in moved.items()}, sagged, len(lifts))
 
 
 def chances(

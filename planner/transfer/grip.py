@@ -72,7 +72,7 @@ class Grips:
         if approach.path is None or not approach.prove():
             return None
         move = Stage(SegmentKind.MOVE, handling.empty(grasp.opening), self._log)
-        if move.search(self._q_start, approach.way[:1], handling.seed, limits.budget) is None:
+        if move.search(self._q_start, approach.way[:1], handling.seed, limits.rounds) is None:
             return None
         ways = segments_of((move, approach), handling, grasp, STAYS, limits.speed, limits.straight_speed)
         hand = handling.closed(grasp)

@@ -74,7 +74,7 @@ def _pushed(
     if retreat.path is None or not (approach.prove() and slide.prove() and retreat.prove()):
         return None
     move = Stage(SegmentKind.MOVE, handling.empty(state.grasp.opening), log)
-    if move.search(q_start, approach.way[:1], handling.seed, limits.budget) is None:
+    if move.search(q_start, approach.way[:1], handling.seed, limits.rounds) is None:
         return None
     segments = segments_of(
         (move, approach, slide, retreat), handling, state.grasp, way.placement,

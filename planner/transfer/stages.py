@@ -89,7 +89,7 @@ class Stage:
         return False
 
     def search(
-        self, start: FloatArray, goals: FloatArray, seed: int, budget: float, upright: Upright | None = None
+        self, start: FloatArray, goals: FloatArray, seed: int, rounds: int, upright: Upright | None = None
     ) -> int | None:
         """Look for a proven free way.
 
@@ -97,17 +97,17 @@ class Stage:
             start: (n,) joint values.
             goals: (g, n) joint values.
             seed: Of the search.
-            budget: Seconds.
+            rounds: Batches of branches before the search gives up.
             upright: How a tool is kept on the way, if at all.
 
         Returns:
             The index of the goal that is reached; None, noted, where there is no way.
         """
         if upright is None:
-            found = plan_motion(self.checker, start, goals, seed=seed, budget=budget)
+            found = plan_motion(self.checker, start, goals, seed=seed, rounds=rounds)
         else:
             found = plan_upright(
-                self.checker, start, goals, upright.tool, upright.up, upright.tilt, seed=seed, budget=budget
+                self.checker, start, goals, upright.tool, upright.up, upright.tilt, seed=seed, rounds=rounds
             )
         if isinstance(found, MotionFailure):
             check = Check.COLLISION if found.stage in ("start", "goals") else Check.SEARCH

@@ -45,7 +45,7 @@ class TransferLimits:
         retreat: Straight way out after it [m].
         straight_speed: Of the tool on straight ways [m/s]: lifts at it are known to disturb little.
         speed: Share of the joints' velocity limits for the other motions.
-        budget: Seconds for one free motion.
+        rounds: Batches of branches before the search for one free motion gives up.
         tilt: Largest tilt of what is carried upright [rad]: a glass filled to nine tenths does not spill.
     """
 
@@ -59,7 +59,7 @@ class TransferLimits:
     retreat: float = 0.08
     straight_speed: float = 0.08
     speed: float = 0.5
-    budget: float = 2.0
+    rounds: int = 500
     tilt: float = 0.15
 
 
@@ -141,7 +141,7 @@ def plan_transfer(
         limits: How hard to look and how fast to move.
 
     Returns:
-        The transfer, or why there is none. Deterministic for one seed while no planner runs out of budget.
+        The transfer, or why there is none. Deterministic for one seed.
 
     Raises:
         UnknownObject: The scene has no such object.
@@ -296,7 +296,7 @@ class _Search:
             return None
         carry = Stage(SegmentKind.TRANSFER, handling.carrying(grasp, way.margin), log)
         goals = np.array([end.lower[0] for end in ends])
-        goal = carry.search(top, goals, self.seed, limits.budget, self._upright(grasp))
+        goal = carry.search(top, goals, self.seed, limits.rounds, self._upright(grasp))
         if goal is None:
             self._barred += [(state, way)] if way.margin > 0.0 else []
             return None
@@ -308,7 +308,7 @@ class _Search:
         stages = (lift, carry, lower, retreat)
         if state is not self._held:
             move = Stage(SegmentKind.MOVE, handling.empty(grasp.opening), log)
-            if move.search(self.q_start, approach.way[:1], self.seed, limits.budget) is None:
+            if move.search(self.q_start, approach.way[:1], self.seed, limits.rounds) is None:
                 return None
             stages = (move, approach, *stages)
         segments = segments_of(stages, handling, grasp, end.placement, limits.speed, limits.straight_speed)

@@ -11,8 +11,11 @@ from topple.planner.verify.replay import SegmentReplay
 from topple.planner.verify.tolerances import EVERY, FILLED, NOISE, SHARE, STRAYS
 from topple.robots.arm.arm import Arm
 from topple.topology.arrays import FloatArray
+from topple.topology.bodies.plates import pieces_of, surface_spacing
+from topple.topology.bodies.tolerances import GRAIN
 from topple.topology.geometry.rigid import transformed
 from topple.topology.geometry.sides import beyond, joggled_sides
+from topple.topology.geometry.thin import spacing_of, voxel_means
 from topple.topology.scene import Scene
 
 
@@ -75,12 +78,21 @@ class CloudCheck:
     def _same(self) -> Residual:
         worst = Worst("points outside of the plan's bodies", "m", FILLED)
         for name, cloud in self.scene.clouds.items():
-            out = np.min([beyond(sides, cloud) for sides in self._parts[name]], axis=0)
+            out = _beyond_all(self._parts[name], cloud)
             worst.note(float(np.quantile(out, SHARE)), name)
+            # a post on a large table is less than the share of strays, but its points hang together
+            odd = voxel_means(cloud[out > FILLED], 2 * GRAIN)
+            for piece in pieces_of(odd, surface_spacing(odd, spacing_of(cloud))):
+                worst.note(float(_beyond_all(self._parts[name], piece).max()), name)
         return worst.residual()
+
+
+def _beyond_all(solids: list[FloatArray], points: FloatArray) -> FloatArray:
+    """(N,) how far points (N, 3) are from the nearest of some solids [m], negative inside."""
+    return np.min([beyond(sides, points) for sides in solids], axis=0)
 
 
 def _depth(points: FloatArray, solids: list[FloatArray]) -> float:
     """How deep points are in solids [m], a few strays left out."""
-    deep = np.max([-beyond(sides, points) for sides in solids], axis=0)
+    deep = -_beyond_all(solids, points)
     return max(0.0, float(np.sort(deep)[max(len(deep) - 1 - STRAYS, 0)]))

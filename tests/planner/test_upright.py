@@ -57,7 +57,7 @@ def test_around_a_wall_the_tilt_holds_and_nothing_touches() -> None:
     start = ARM.inverse(down)[0][0]
     down[1, 3] = 0.25
     goals = ARM.inverse(down)[0][:8]
-    found = plan_upright(checker, start, goals, "fingers", UP, 0.15, seed=0, budget=20.0)
+    found = plan_upright(checker, start, goals, "fingers", UP, 0.15, seed=0)
     assert isinstance(found, Motion), found.reason
     assert found.certificate is not None
     assert found.certificate.proven

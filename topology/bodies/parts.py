@@ -21,7 +21,7 @@ from topple.topology.bodies.tolerances import (
     SECTION,
 )
 from topple.topology.geometry.hull import Hull
-from topple.topology.geometry.thin import thinned
+from topple.topology.geometry.thin import spacing_of, thinned
 
 
 @dataclass(frozen=True, eq=False)
@@ -156,7 +156,7 @@ def convex_parts(
         tolerance = max(0.003, 0.04 * float(np.ptp(points, axis=0).mean()))
     few = _about(points, finest)
     outline = few[:: -(-len(few) // OUTLINE)]
-    judge = _Judge(viewpoints, _spacing(few), outline, _spacing(outline))
+    judge = _Judge(viewpoints, spacing_of(few), outline, spacing_of(outline))
     pieces = [judge.piece(few, ())]
     settled: list[_Piece] = []
     while pieces and len(pieces) + len(settled) < most:
@@ -183,13 +183,6 @@ def _about(points: FloatArray, count: int) -> FloatArray:
         kept = thinned(points, spacing)
     corners = Hull.of(points).vertices
     return np.concatenate([corners[:: -(-len(corners) // count)], kept])
-
-
-def _spacing(points: FloatArray) -> float:
-    """Typical distance to the fourth-nearest neighbour [m]."""
-    if len(points) < 5:
-        return 0.0
-    return float(np.median(KDTree(points).query(points, k=5)[0][:, -1]))
 
 
 def _cut(piece: _Piece, judge: _Judge, fewest: int) -> tuple[_Piece, _Piece] | None:

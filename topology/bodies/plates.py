@@ -1,5 +1,7 @@
 """What never moves and is no table, as plates: the floor and the walls of a bin, the boards of a shelf."""
 
+from collections.abc import Sequence
+
 import numpy as np
 from scipy.sparse import coo_matrix
 from scipy.sparse.csgraph import connected_components
@@ -10,16 +12,23 @@ from topple.topology.bodies.parts import convex_parts
 from topple.topology.bodies.tolerances import (
     AROUND,
     LINKED,
+    PATCH_FEWEST,
     PLATES_FEWEST,
     PLATES_LEAST,
     RIM_FEWEST,
+    SKIN,
     SKY,
+    SPARSE,
     THICK,
     TRIES,
 )
+from topple.topology.geometry.sides import beyond, joggled_sides
+from topple.topology.geometry.thin import spacing_of
 
 
-def plates_of(cloud: FloatArray, tolerance: float, up: FloatArray, seed: int = 0) -> tuple[FloatArray, ...]:
+def plates_of(
+    cloud: FloatArray, tolerance: float, up: FloatArray, seed: int = 0, spacing: float = 0.0
+) -> tuple[FloatArray, ...]:
     """Cut the cloud of a bin or a shelf into flat plates, and what is not flat into convex parts.
 
     Hulls of pieces cut anywhere fill the room between wall and floor, where hands and objects have to go.
@@ -29,32 +38,47 @@ def plates_of(cloud: FloatArray, tolerance: float, up: FloatArray, seed: int = 0
         tolerance: How far points of what is not flat may lie below the hull of their part [m].
         up: (3,) unit vector.
         seed: Of the places where plates are looked for.
+        spacing: Typical distance of neighbours on all of what never moves [m]; counts where that is sparse.
 
     Returns:
         (V, 3) corners of each part.
     """
+    spacing = surface_spacing(cloud, spacing)
     rng = np.random.default_rng(seed)
     above = (cloud.mean(axis=0) + SKY * up)[None]  # a hull of a rim is bare from there: it is no lid
     found: list[FloatArray] = []
-    rest = cloud
+    cloud = rest = np.concatenate([np.empty((0, 3)), *pieces_of(cloud, spacing)])
     while len(rest) > max(PLATES_FEWEST, PLATES_LEAST * len(cloud)):
-        flat = _largest_plane(rest, rng)
+        flat = _largest_plane(rest, rng, max(AROUND, 2.0 * spacing))
         if flat.sum() < max(PLATES_FEWEST, PLATES_LEAST * len(cloud)):
             break
-        for piece in pieces_of(rest[flat]):
+        for piece in pieces_of(rest[flat], spacing):
             found += convex_parts(piece, THICK, above, fewest=RIM_FEWEST)
         rest = rest[~flat]
-    for piece in pieces_of(rest):
+    for piece in pieces_of(rest, spacing, RIM_FEWEST):
         found += convex_parts(piece, tolerance, above, fewest=RIM_FEWEST)
-    return tuple(found)
+    return (*found, *_patches(cloud, found, max(LINKED, 2.0 * spacing)))
 
 
-def _largest_plane(points: FloatArray, rng: np.random.Generator) -> BoolArray:
-    """Which points lie in the plane with most points, looked for at some of them."""
+def _patches(cloud: FloatArray, parts: Sequence[FloatArray], reach: float) -> list[FloatArray]:
+    """Parts around points (N, 3) that some parts leave out, as between two where points are sparse."""
+    out = np.min([beyond(joggled_sides(part), cloud) for part in parts], axis=0, initial=np.inf)
+    left, found = cloud[out > SKIN], list[FloatArray]()
+    while len(left):
+        patch = cloud[np.linalg.norm(cloud - left[0], axis=1) <= reach]
+        left = left[1:]
+        if len(patch) >= PATCH_FEWEST:
+            found.append(patch)
+            left = left[beyond(joggled_sides(patch), left) > SKIN]
+    return found
+
+
+def _largest_plane(points: FloatArray, rng: np.random.Generator, around: float) -> BoolArray:
+    """Which points lie in the plane with most points, looked for at some and what is around them [m]."""
     tree = KDTree(points)
     best = np.zeros(len(points), dtype=np.bool_)
     for index in rng.permutation(len(points))[:TRIES]:
-        near = points[tree.query_ball_point(points[index], AROUND)]
+        near = points[tree.query_ball_point(points[index], around)]
         if len(near) < PLATES_FEWEST:
             continue
         flat = _beside(points, near)
@@ -70,16 +94,39 @@ def _beside(points: FloatArray, some: FloatArray) -> BoolArray:
     return np.abs((points - middle) @ normal) < THICK
 
 
-def pieces_of(points: FloatArray) -> list[FloatArray]:
-    """Points that hang together; what is too small to be a thing is left out."""
-    return [piece for piece in _connected(points) if len(piece) >= PLATES_FEWEST]
+def surface_spacing(points: FloatArray, spacing: float) -> float:
+    """Typical distance of neighbours on surfaces that may have fewer points than the whole they are of [m].
+
+    Args:
+        points: (N, 3) points [m].
+        spacing: That of the whole [m].
+
+    Returns:
+        The larger of the two; that of points as sparse as strays counts for nothing.
+    """
+    own = spacing_of(points) if len(points) else 0.0
+    return max(spacing, own) if own <= SPARSE else spacing
 
 
-def _connected(points: FloatArray) -> list[FloatArray]:
-    """(N, 3) points [m] as those that hang together."""
+def pieces_of(points: FloatArray, spacing: float = 0.0, fewest: int = PLATES_FEWEST) -> list[FloatArray]:
+    """Points that hang together; what is too small to be a thing is left out.
+
+    Args:
+        points: (N, 3) points [m].
+        spacing: Typical distance of neighbours on a surface [m]; counts where that is sparse.
+        fewest: Points of a piece at least.
+
+    Returns:
+        (M, 3) points of each piece [m].
+    """
+    return [piece for piece in _connected(points, max(LINKED, 2.0 * spacing)) if len(piece) >= fewest]
+
+
+def _connected(points: FloatArray, reach: float) -> list[FloatArray]:
+    """(N, 3) points [m] as those that hang together, each within reach of another."""
     if len(points) == 0:
         return []
-    pairs = KDTree(points).query_pairs(LINKED, output_type="ndarray")
+    pairs = KDTree(points).query_pairs(reach, output_type="ndarray")
     links = coo_matrix((np.ones(len(pairs)), (pairs[:, 0], pairs[:, 1])), shape=(len(points),) * 2)
     count, which = connected_components(links, directed=False)
     number: IntArray = np.asarray(which)

@@ -4,16 +4,18 @@ import hashlib
 from collections.abc import Callable, Mapping, Sequence
 
 import numpy as np
-from scipy.spatial import ConvexHull, QhullError
+from scipy.spatial import ConvexHull, KDTree, QhullError
 
 from topple.topology.arrays import BoolArray, FloatArray, rounded
 from topple.topology.bodies.matter import MATTER, plates_along
 from topple.topology.bodies.parts import convex_parts
-from topple.topology.bodies.plates import plates_of
+from topple.topology.bodies.plates import pieces_of, plates_of
 from topple.topology.bodies.tolerances import (
     BOARD,
     GRAIN,
     HOLLOW,
+    LINKED,
+    MATTER_SPACING,
     PLATES_FEWEST,
     SKIN,
     SKY,
@@ -25,7 +27,7 @@ from topple.topology.errors import InvalidInput
 from topple.topology.geometry.axes import level_axes
 from topple.topology.geometry.rigid import transformed
 from topple.topology.geometry.sides import beyond, sides_of
-from topple.topology.geometry.thin import voxel_means
+from topple.topology.geometry.thin import spacing_of, voxel_means
 from topple.topology.scene import Scene
 from topple.topology.tolerances import DEPTH_NOISE
 
@@ -35,6 +37,9 @@ Solids = Mapping[str, Sequence[FloatArray]]
 REMEMBERED = (
     128  # clouds whose parts are kept: a scene is filled again after each step, with most clouds unchanged
 )
+
+NOTHING = np.empty((0, 3))
+"""No points."""
 
 _PARTS: dict[bytes, tuple[FloatArray, ...]] = {}
 
@@ -73,7 +78,8 @@ def solids_of(scene: Scene) -> dict[str, tuple[FloatArray, ...]]:
     found: dict[str, tuple[FloatArray, ...]] = {}
     for name, cloud in scene.clouds.items():
         if name in scene.fixed:
-            found[name] = fixed_parts(cloud, up)
+            others = [points for other, points in scene.clouds.items() if other != name]
+            found[name] = fixed_parts(cloud, up, np.vstack([NOTHING, *others]))
         else:
             found[name] = standing_parts(name, scene)
     if len(scene.matter):
@@ -126,35 +132,58 @@ def _remembered(
     return _PARTS[key]
 
 
-def fixed_parts(cloud: FloatArray, up: FloatArray) -> tuple[FloatArray, ...]:
-    """Parts of something that never moves: a slab under each top, plates and convex parts of the rest.
+def fixed_parts(cloud: FloatArray, up: FloatArray, others: FloatArray = NOTHING) -> tuple[FloatArray, ...]:
+    """Parts of something that never moves: slabs under its tops, plates and convex parts of the rest.
+
+    A top goes on where its points leave gaps, as things stand there or hide it, unless something is seen in a
+    gap below its level: in the corner of an L, or through a hole.
 
     Args:
         cloud: (N, 3) points [m].
         up: (3,) unit vector.
+        others: (M, 3) points of everything else that was seen [m].
 
     Returns:
         (V, 3) vertices of each part.
     """
     found = tops_of(cloud, up)
-    if found.flat:
-        return (_slab(found.tops[0], SLAB, up),)
-    slabs = [_slab(top, thickness, up) for top, thickness in zip(found.tops, _thick(found.tops), strict=True)]
+    spacing = spacing_of(cloud)
+    slabs = [
+        _slab(top, piece, thickness, up)
+        for top, thickness in zip(found.tops, _thick(found.tops), strict=True)
+        for piece in _extents(top, np.vstack([cloud, others]), spacing, up)
+    ]
     rest = found.rest
     for slab in slabs:
         rest = rest[~_inside(rest, slab)]
     if len(rest) < PLATES_FEWEST:
         return tuple(slabs)
     more = up.tobytes() + b"fixed"
-    return (
-        *slabs,
-        *_remembered(rest, more, lambda: plates_of(voxel_means(rest, 2 * GRAIN, ahead=0.0), HOLLOW, up)),
-    )
+    return (*slabs, *_remembered(rest, more, lambda: _plates(rest, up, spacing)))
 
 
-def _slab(top: Top, thickness: float, up: FloatArray) -> FloatArray:
-    """(V, 3) corners of the board under a top."""
-    rim = hull_vertices(top.points - np.outer(top.above(top.points), top.normal))
+def _plates(rest: FloatArray, up: FloatArray, spacing: float) -> tuple[FloatArray, ...]:
+    """Plates and convex parts of what of a fixed cloud is no top."""
+    return plates_of(voxel_means(rest, 2 * GRAIN, ahead=0.0), HOLLOW, up, spacing=spacing)
+
+
+def _extents(top: Top, seen: FloatArray, spacing: float, up: FloatArray) -> Sequence[FloatArray]:
+    """Points (K, 3) [m] of pieces of a top, the hull of each of which is a board."""
+    below = seen[top.above(seen) < -SKIN]
+    below = below[_inside(below - np.outer(top.above(below), top.normal), _slab(top, top.points, SKIN, up))]
+    if len(below):
+        level = np.stack(level_axes(up), axis=1)
+        reach = max(LINKED, spacing) + LINKED
+        below = below[np.asarray(KDTree(top.points @ level).query(below @ level)[0]) > reach]
+    if not pieces_of(voxel_means(below, 2 * GRAIN, ahead=0.0), spacing):
+        return (top.points,)
+    sky = top.points.mean(axis=0)[None] + SKY * up
+    return plates_along(voxel_means(top.points, MATTER_SPACING), sky)
+
+
+def _slab(top: Top, points: FloatArray, thickness: float, up: FloatArray) -> FloatArray:
+    """(V, 3) corners of the board under points (K, 3) of a top [m]."""
+    rim = hull_vertices(points - np.outer(top.above(points), top.normal))
     return np.vstack([rim, rim - thickness * up])
 
 

@@ -189,6 +189,13 @@ LINKED = 0.015
 PLATES_FEWEST = 12
 """Points of a piece that counts: fewer are noise."""
 
+PATCH_FEWEST = 4
+"""Points of a part that closes a gap between two: fewer have no volume."""
+
+SPARSE = 0.04
+"""[m] between neighbours above which points are strays: a hundred in the room over a table are 10 cm apart,
+500 points of a wall of a third of a square metre 3 cm."""
+
 RIM_FEWEST = 6
 """Points of a part of it: 3 cm of a rim that is one averaged point wide."""
 
@@ -281,9 +288,6 @@ RAISED = 0.03
 
 SUNK = 0.02
 """An object's lowest point may lie this far below the top that carries it: noise of both [m]."""
-
-MANY = 40_000
-"""Points among which neighbours are looked for."""
 
 MOST_CELLS = 400
 """Cells along each axis of a board's plan: 4 m of a shelf at 1 cm; a larger one has larger cells."""

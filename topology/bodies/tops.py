@@ -10,20 +10,22 @@ from dataclasses import dataclass
 
 import numpy as np
 from scipy.ndimage import binary_closing, binary_dilation, distance_transform_edt
-from scipy.spatial import ConvexHull, KDTree
+from scipy.spatial import ConvexHull
 
 from topple.topology.arrays import BoolArray, FloatArray, IntArray, bounds, frozen, middle_of
+from topple.topology.bodies.plates import pieces_of, surface_spacing
 from topple.topology.bodies.tolerances import (
     FACES,
     FILLED,
     FLAT,
+    GRAIN,
     HALF_WIDTH,
-    MANY,
     MISSES,
     MOST_CELLS,
     MOST_LEVELS,
     OVERLAP,
     RAISED,
+    RISES,
     ROOM,
     ROUNDS,
     SECTORS,
@@ -40,6 +42,7 @@ from topple.topology.bodies.tolerances import (
 )
 from topple.topology.geometry.axes import perpendiculars
 from topple.topology.geometry.plane import fit_plane, plane_through
+from topple.topology.geometry.thin import spacing_of, voxel_means
 from topple.topology.geometry.tolerances import ENOUGH
 from topple.topology.remembered import remembered
 from topple.topology.tolerances import DEPTH_NOISE
@@ -146,9 +149,9 @@ def _beside(top: Top, points: FloatArray, margin: float) -> bool:
     return bool((highest > least - margin).all() and (lowest < most + margin).all())
 
 
-def _surface(cloud: FloatArray, up: FloatArray) -> tuple[FloatArray, float] | None:
-    """Normal and height of a cloud that is one level surface; None for any other."""
-    cloud = cloud[:: max(1, len(cloud) // ENOUGH)]
+def _surface(whole: FloatArray, up: FloatArray) -> tuple[FloatArray, float] | None:
+    """Normal and height of a cloud that is one level surface, strays aside; None for any other."""
+    cloud = whole[:: max(1, len(whole) // ENOUGH)]
     kept = cloud
     normal = up
     for _ in range(3):
@@ -162,6 +165,9 @@ def _surface(cloud: FloatArray, up: FloatArray) -> tuple[FloatArray, float] | No
     if normal @ up < TOPS_LEVEL or float(np.ptp(heights)) > FLAT:
         return None
     height = float(np.median(heights))
+    off = whole[np.abs(whole @ normal - height) > max(RISES, 4.0 * _spread(heights))]
+    if pieces_of(voxel_means(off, 2 * GRAIN, ahead=0.0), surface_spacing(off, spacing_of(whole))):
+        return None
     parting = _parting(cloud @ normal)
     if parting is None:
         return normal, height
@@ -210,10 +216,8 @@ class _Grid:
         plan = cloud @ axes
         corner, upper = bounds(plan)
         extent = upper - corner
-        own = plan if level is None else level @ axes
-        own = own[:: max(1, len(own) // MANY)]
-        near = np.asarray(KDTree(own).query(own[:: max(1, len(own) // ENOUGH)], k=min(5, len(own)))[0])
-        cell = max(TOPS_CELL, 2.0 * float(np.median(near[:, -1])), float(extent.max()) / MOST_CELLS)
+        spacing = spacing_of(plan if level is None else level @ axes)
+        cell = max(TOPS_CELL, 2.0 * spacing, float(extent.max()) / MOST_CELLS)
         sides = np.floor(extent / cell).astype(np.int64) + 5
         return _Grid(axes, corner - 2.0 * cell, cell, (int(sides[0]), int(sides[1])))
 
@@ -270,9 +274,9 @@ def _levels(cloud: FloatArray, up: FloatArray) -> tuple[_Level, ...]:
         inside = left & (np.abs(cloud @ normal - height) <= DEPTH_NOISE)
         if np.count_nonzero(inside) < max(TOPS_FEWEST, TOPS_LEAST * len(cloud)):
             break
-        left &= ~inside
         grid = _Grid.of(cloud, up, cloud[inside]) if grid is None else grid
-        levels = _faces(cloud, inside, normal, grid)
+        levels = _faces(cloud, inside, left, normal, grid)
+        left &= ~np.any([inside, *(level.members for level in levels)], axis=0)
         misses = 0 if levels else misses + 1
         found += levels
     if grid is None:
@@ -295,8 +299,18 @@ def _densest(points: FloatArray, up: FloatArray) -> tuple[FloatArray, float]:
     return (normal, height) if normal @ up > 0 else (-normal, -height)
 
 
-def _faces(cloud: FloatArray, inside: BoolArray, normal: FloatArray, grid: _Grid) -> list[_Level]:
-    """The level surface of points about a plane, or both faces of a board that is as thin as that."""
+def _faces(
+    cloud: FloatArray, inside: BoolArray, left: BoolArray, normal: FloatArray, grid: _Grid
+) -> list[_Level]:
+    """The level surface of points about a plane, or both faces of a board that is as thin as that.
+
+    Args:
+        cloud: (N, 3) points [m].
+        inside: (N,) which lie about the plane.
+        left: (N,) which lie on no level that was found before, those inside among them.
+        normal: (3,) of the plane.
+        grid: Of the cloud's plan view.
+    """
     heights = cloud @ normal
     parting = _parting(heights[inside])
     sides = [inside] if parting is None else [inside & (heights > parting), inside & (heights <= parting)]
@@ -305,7 +319,7 @@ def _faces(cloud: FloatArray, inside: BoolArray, normal: FloatArray, grid: _Grid
         height = float(np.median(heights[side]))
         if parting is None:  # noise beyond the band belongs to the level, too
             band = float(np.clip(4.0 * _spread(heights[side]), DEPTH_NOISE, WIDEST_BAND))
-            side = np.abs(heights - height) <= band
+            side = left & (np.abs(heights - height) <= band)
         members = side.copy()
         members[side] = grid.wide(cloud[side])
         if np.count_nonzero(members) >= max(TOPS_FEWEST, TOPS_LEAST * len(cloud)):

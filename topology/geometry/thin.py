@@ -1,9 +1,10 @@
 """Clouds thinned to one point per voxel: the first that lies in it, or the mean of all that do."""
 
 import numpy as np
+from scipy.spatial import KDTree
 
 from topple.topology.arrays import FloatArray, IntArray, bounds
-from topple.topology.geometry.tolerances import BEFORE
+from topple.topology.geometry.tolerances import BEFORE, ENOUGH, MANY
 
 
 def cell_keys(
@@ -84,3 +85,18 @@ def voxel_means(points: FloatArray, spacing: float, ahead: float = BEFORE, fewes
     _, inverse, counts = np.unique(keys, return_inverse=True, return_counts=True)
     sums = np.stack([np.bincount(inverse, weights=points[:, k]) for k in range(3)], axis=1)
     return (sums / counts[:, None])[counts >= fewest]
+
+
+def spacing_of(points: FloatArray) -> float:
+    """Typical distance of neighbouring points: to the fourth-nearest one.
+
+    Args:
+        points: (N, d) points [m], d = 2 or 3; of more than `MANY`, some.
+
+    Returns:
+        The median [m], 0 for a single point.
+    """
+    some = points[:: max(1, len(points) // MANY)]
+    asked = some[:: max(1, len(some) // ENOUGH)]
+    near = np.asarray(KDTree(some).query(asked, k=min(5, len(some)))[0])
+    return float(np.median(near.reshape(len(asked), -1)[:, -1]))

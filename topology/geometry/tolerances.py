@@ -30,6 +30,9 @@ LEVEL = 0.97
 ENOUGH = 4000
 """Points that tell a plane or how a cloud lies; more change the answer by less than the noise."""
 
+MANY = 40_000
+"""Points among which neighbours are looked for."""
+
 ON_PLANE = 0.02
 """How far [m] a seen table strays from its plane: depth noise and a board that bends."""
 

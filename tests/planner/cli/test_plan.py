@@ -88,6 +88,18 @@ def test_out_of_reach_is_code_1_with_the_reason(scene: Path, capsys: pytest.Capt
     assert not place.exists()
 
 
+def test_a_plan_that_takes_longer_than_its_budget_is_none(
+    scene: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    place = scene.parent / "plan.json"
+    asked = ["plan", str(scene), "--target", "box", "--budget", "0.05", "--json", "-o", str(place)]
+    assert main(asked) == 1
+    out, err = capsys.readouterr()
+    assert (json.loads(out)["kind"], json.loads(out)["safe"]) == ("OutOfBudget", False)
+    assert "the budget of 0.05 s ran out" in err
+    assert not place.exists()
+
+
 @pytest.mark.slow
 @pytest.mark.parametrize("command", ["plan", "run"])
 def test_without_a_safe_plan_the_certificate_is_json(

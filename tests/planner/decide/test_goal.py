@@ -95,5 +95,10 @@ def test_on_is_carried_and_not_leaning_at_the_side(scene: Scene) -> None:
     assert not holds(place, relations, [])
     assert holds(place, relations, [rests]) and holds(place, relations, [leans])
     assert not holds(place, relations, [stands, leans])
+    table, beside = (Support("table", name, "rests", 1.0, False) for name in ("green", "red"))
+    assert holds(place, relations, [table, rests])
+    assert not holds(place, relations, [table, rests, beside])  # as a can on a table and on a plate's rim
+    pier = Support("blue", "red", "rests", 1.0, False)
+    assert holds(place, relations, [table, rests, pier])  # as a plank on two piers
     assert not holds(Place("red", "within", "green"), relations, [rests])
     assert not holds(Place("gone", "on", "green"), relations, [rests])

@@ -57,7 +57,7 @@ def test_pybullet_sees_no_overlap_on_the_paths_and_what_is_stated_is_kept(client
     kept: list[float] = []
     for seed in range(6):
         problem: Problem = make(arm, seed)  # type: ignore[operator]
-        found = plan_motion(problem.checker, problem.start, problem.goals, seed=seed, budget=20.0)
+        found = plan_motion(problem.checker, problem.start, problem.goals, seed=seed)
         assert isinstance(found, Motion)
         assert found.certificate is not None and found.certificate.proven
         corners = [thing.corners for thing in problem.boxes.values()]
@@ -89,17 +89,17 @@ def slit(width: float) -> tuple[Checker, np.ndarray, np.ndarray]:
 
 def test_where_there_is_room_the_clearance_is_kept_and_asking_for_none_gives_none() -> None:
     checker, start, goal = slit(0.03)
-    found = plan_motion(checker, start, goal, budget=20.0)
+    found = plan_motion(checker, start, goal)
     assert isinstance(found, Motion) and found.certificate is not None
     assert found.certificate.clearance >= CLEARANCE
-    wide = plan_motion(checker, start, goal, budget=20.0, clearance=0.02)
+    wide = plan_motion(checker, start, goal, clearance=0.02)
     assert isinstance(wide, Motion) and wide.certificate is not None
     assert wide.certificate.clearance >= 0.02
 
 
 def test_a_goal_nearer_than_the_clearance_is_reached_and_the_certificate_says_how_near() -> None:
     checker, start, goal = slit(0.002)
-    found = plan_motion(checker, start, goal, budget=20.0)
+    found = plan_motion(checker, start, goal)
     assert isinstance(found, Motion) and found.certificate is not None
     assert found.certificate.proven
     assert 0.001 < found.certificate.clearance < CLEARANCE - 1e-3
@@ -141,7 +141,7 @@ def test_a_passage_narrower_than_the_clearance_is_passed_before_there_is_no_plan
     )
     checker = Checker(arm, np.eye(4), {"lid": [lid], "below": [below]})
     assert checker.free(states).all()
-    found = plan_motion(checker, arm.home, turned, budget=8.0)
+    found = plan_motion(checker, arm.home, turned)
     assert isinstance(found, Motion), found.reason if isinstance(found, MotionFailure) else ""
     assert found.certificate is not None and found.certificate.proven
     assert 0.0 < found.certificate.clearance < CLEARANCE

@@ -2,13 +2,18 @@
 
 import numpy as np
 import pytest
-from on_table import on_table
+from on_table import on_table, table
+from scipy.spatial.transform import Rotation
 
 from topple.planner import NoSafePlan, rearrange
+from topple.planner.budget import OutOfBudget
 from topple.planner.rearranging.words import described, is_words
+from topple.robots.scenarios.scenario import pose_at
 from topple.robots.shapes import bowl, box, can, lemon, plate, spoon
+from topple.robots.world.world import World
 from topple.topology import InvalidInput, Scene, UnknownObject
 from topple.topology.arrays import FloatArray
+from topple.topology.geometry.rigid import transformed
 from topple.topology.situation import Situation
 
 SCENE = on_table(
@@ -32,6 +37,11 @@ def test_what_is_told_is_laid_and_nothing_else_moves() -> None:
     assert np.linalg.norm(after.clouds["lemon"].mean(axis=0)[:2]) < 0.06
     for name in ("bowl", "spoon", "can"):
         assert after.clouds[name] is SCENE.clouds[name]
+
+
+def test_a_budget_that_runs_out_leaves_no_moves() -> None:
+    with pytest.raises(OutOfBudget, match=r"the budget of 0\.001 s ran out"):
+        rearrange(SCENE, "lemon within bowl", budget=0.001)
 
 
 @pytest.mark.parametrize(
@@ -104,6 +114,27 @@ def test_a_hand_that_does_not_fit_around_it_puts_it_elsewhere_in_the_bowl() -> N
         ("place", "spoon"),
     ]
     assert plan.verify(scene).ok
+
+
+def test_what_leans_on_the_rim_of_a_plate_is_not_on_it() -> None:
+    dish, tin = plate("plate"), can("can")
+    with World() as world:
+        world.add_table()
+        world.add(dish, pose_at(0.0, 0.0, 0.0))
+        lying = pose_at(0.18, 0.0, 0.04)
+        lying[:3, :3] = Rotation.from_euler("y", -1.2).as_matrix()
+        world.add(tin, lying)
+        world.settle(3.0)
+        poses = world.poses()
+    rng, clouds = np.random.default_rng(0), {"table": table(0.4)}
+    clouds |= {body.name: transformed(body.surface(4000, rng), poses[body.name]) for body in (dish, tin)}
+    leaning = Scene(clouds, fixed=["table"], up=[0, 0, 1])
+    carriers = {each.supporter for each in Situation(leaning).supports if each.supported == "can"}
+    assert carriers == {"table", "plate"} and 0.2 < poses["can"][2, 2] < 0.8
+    (move,) = rearrange(leaning, "can on plate").moves
+    assert (move.object, move.to) == ("can", "goal")
+    laid = goal("can on plate", leaning)
+    assert rearrange(laid, "can on plate").moves == ()
 
 
 def test_a_path_is_no_words() -> None:
