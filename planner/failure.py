@@ -28,6 +28,8 @@ class Check(Word):
     """No way was found."""
     STAND = "stand"
     """The object would not stay there."""
+    STRENGTH = "strength"
+    """Gravity takes more of a joint, or of the arm, than it is rated for."""
     PROOF = "proof"
     """Something may touch between the samples of a way."""
 
@@ -38,6 +40,7 @@ HELP = {
     Check.COLLISION: "more room around it, or another place for the base, would help",
     Check.SEARCH: "another --seed may find a way",
     Check.STAND: "a level place with room for it would help",
+    Check.STRENGTH: "an arm that carries more would help",
     Check.PROOF: "more room along the way would help",
 }
 """What would help where nothing that could be taken away is in the way."""
@@ -90,7 +93,7 @@ class TransferFailure:
         return ", and ".join(list(dict.fromkeys((*first, *self.reasons)))[:TOLD]) or "nothing was tried"
 
     def _help(self) -> str:
-        if self.blocking:
+        if self.blocking and not (self.furthest and self.furthest.check is Check.STRENGTH):
             return f"in the way: {self.blocking}"
         if self.furthest is None:
             return ""
@@ -147,5 +150,10 @@ class FailureLog:
 
 
 def _progress(step: str, stands: bool, check: Check | None = None) -> tuple[int, int]:
-    """How far a try got: by its step, then with joint values, then to where the object would not stay."""
+    """How far a try got: by its step, then with joint values, then to where the object would not stay.
+
+    What is too heavy to be carried is told whatever else fails: no other place is a way out.
+    """
+    if check is Check.STRENGTH:
+        return len(STEPS), 0
     return STEPS.index(step), 2 if check is Check.STAND else int(stands)

@@ -320,6 +320,10 @@ class Scene(ByValue):
         """
         return self._changed(up=as_direction(up, "up"))
 
+    def with_base(self, robot_base: ArrayLike) -> "Scene":
+        """Put the robot's base at a rigid pose (4, 4) in the world, whatever the scene said of it."""
+        return self._changed(robot_base=as_pose(robot_base, "base"))
+
     def with_cloud(self, name: str, points: ArrayLike) -> "Scene":
         """Give an object a new cloud, or add one.
 
@@ -355,14 +359,9 @@ class Scene(ByValue):
         clouds = {other: points for other, points in self.clouds.items() if other != name}
         if not clouds:
             raise InvalidInput(f"without {name!r} the scene has no objects: expected at least one")
-        return self._changed(
-            clouds=FrozenDict(clouds),
-            fixed=self.fixed - {name},
-            meshes=_except(name, self.meshes),
-            masses=_except(name, self.masses),
-            friction=_except(name, self.friction),
-            models=_except(name, self.models),
-        )
+        named = ("meshes", "masses", "friction", "models")
+        left = {key: _except(name, getattr(self, key)) for key in named}
+        return self._changed(clouds=FrozenDict(clouds), fixed=self.fixed - {name}, **left)
 
     def weighed(
         self, masses: Mapping[str, float] | None = None, friction: Mapping[str, float] | None = None

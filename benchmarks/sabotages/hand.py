@@ -60,6 +60,16 @@ def hand_wider_than_it_opens(d: Document) -> bool:
     return has_fingers(d)
 
 
+def pads_that_do_not_touch(d: Document) -> bool:
+    """Closed, all along, to 11 mm more than the object between the pads is wide."""
+    for step in d["steps"]:
+        step["grasp"]["width"] += 0.011
+        for part in step["segments"]:
+            if part["kind"] in ("grasp", "lift", "transfer", "place"):
+                part["hand"]["opening"] = step["grasp"]["width"]
+    return has_fingers(d)
+
+
 def pads_that_stop_short(d: Document) -> bool:
     """A pinch that is called a rim, closed to 18 mm more than the object between the pads is wide."""
     found = False

@@ -82,3 +82,32 @@ def velocities_a_third_larger(d: Document) -> None:
 
 def more_room_than_there_is(d: Document) -> None:
     segments_of(d, "transfer")[0]["clearance"] = 0.5
+
+
+def a_spline_that_swings_out(d: Document) -> None:
+    """Before it sets out, speeds up and back within limits: half a second in which a cubic swings out."""
+    motion, speed, ramp, pause = segments_of(d, "transfer")[0]["motion"], 1.0, 0.1, 0.5
+    begin, times = motion["positions"][0], motion["times"]
+    still = [0.0] * (len(begin) - 1)
+    aside = [begin[0] + speed * ramp / 2.0, *begin[1:]]
+    lasts = 2.0 * ramp + pause
+    motion["times"] = [0.0, ramp, ramp + pause, *(lasts + time for time in times)]
+    motion["positions"] = [begin, aside, aside, *motion["positions"]]
+    motion["velocities"] = [[0.0, *still], [speed, *still], [-speed, *still], *motion["velocities"]]
+    d["seconds"] += lasts
+
+
+def proofs_of_a_hand_that_closes(d: Document) -> None:
+    segments_of(d, "grasp")[0]["certified"] = True
+
+
+def certified_and_met(d: Document) -> None:
+    segments_of(d, "lift")[0]["witness"] = ["table", first_step(d)["object"]]
+
+
+def not_certified_as_a_whole(d: Document) -> None:
+    d["certified"] = False
+
+
+def longer_than_it_takes(d: Document) -> None:
+    d["seconds"] += 1.0

@@ -2,7 +2,7 @@
 
 import copy
 
-from topple.benchmarks.sabotages.document import Document, first_step
+from topple.benchmarks.sabotages.document import Document, first_step, last_step
 
 
 def steps_swapped(d: Document) -> bool:
@@ -67,3 +67,39 @@ def nothing_is_said_to_wait(d: Document) -> bool:
         step["after"] = []
     d["dependencies"] = []
     return waiting
+
+
+def a_dependency_more(d: Document) -> bool:
+    """Between things of which the plan moves one, and the other never."""
+    handled = {step["object"] for step in d["steps"]}
+    other = next(t["name"] for t in d["objects"] if t["name"] not in handled and not t["fixed"])
+    edge = {"first": first_step(d)["object"], "then": other, "reason": "supported", "confidence": 0.9}
+    d["dependencies"].append(edge)
+    return True
+
+
+def a_dependency_less(d: Document) -> bool:
+    waiting = len(d["steps"]) > 1 and bool(d["dependencies"])
+    d["dependencies"] = []
+    return waiting
+
+
+def a_dependency_for_another_reason(d: Document) -> bool:
+    for edge in d["dependencies"]:
+        edge["reason"] = "contained"
+    return bool(d["dependencies"])
+
+
+def a_dependency_that_is_sure(d: Document) -> bool:
+    for edge in d["dependencies"]:
+        edge["confidence"] *= 0.9
+    return bool(d["dependencies"])
+
+
+def another_action(d: Document) -> None:
+    step = last_step(d)
+    step["action"] = "remove"
+
+
+def room_is_made(d: Document) -> None:
+    first_step(d)["buffer"] = True

@@ -56,3 +56,21 @@ def a_place_without_a_turn(d: Document) -> None:
 
 def what_touches_itself(d: Document) -> None:
     segments_of(d, "lift")[0]["may_touch"].append([first_step(d)["object"]] * 2)
+
+
+def step_after_one_twice(d: Document) -> bool:
+    step = last_step(d)
+    step["after"] = step["after"] * 2
+    return bool(step["after"])
+
+
+def an_action_of_no_kind(d: Document) -> None:
+    first_step(d)["action"] = "juggle"
+
+
+def a_fallback_of_no_kind(d: Document) -> None:
+    first_step(d)["fallbacks"] = ["magic"]
+
+
+def put_beside_of_no_kind(d: Document) -> None:
+    first_step(d)["placement"].update(how="beside", into=d["objects"][-1]["name"])

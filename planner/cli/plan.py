@@ -66,9 +66,10 @@ def execute(args: argparse.Namespace) -> int:
 
         arm = arm_of(args)
         progress(f"{path}: planning")
-        base = base_of(args, scene)
+        if (base := base_of(args, scene)) is not None:
+            scene = scene.with_base(base)
         found = plan(
-            scene, goal, arm, base=base, upright=args.upright, clamped=args.clamped,
+            scene, goal, arm, upright=args.upright, clamped=args.clamped,
             allow_drop=args.allow_drop, orderer=orderer or ordered, relations=relating,
             check=not args.verify, budget=args.budget, seed=args.seed, progress=progress,
         )  # fmt: skip

@@ -24,6 +24,17 @@ BIN = "bin_"
 GRAMMAR = 'goals are "A within B", "A on B on C", "empty B", "free A" or "sort", joined by "and" or commas'
 
 
+class Action(Word):
+    """What a step is for."""
+
+    FREE = "free"
+    """Take a target clear and put it down."""
+    REMOVE = "remove"
+    """Take away what is in the way."""
+    PLACE = "place"
+    """Put something where the goal says."""
+
+
 class PlaceRelation(Word):
     """How something shall lie to what it is put to."""
 

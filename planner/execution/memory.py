@@ -5,8 +5,9 @@ from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 
 from topple.planner.decide.beliefs import Beliefs
+from topple.planner.decide.goal import Action
 from topple.planner.grasp.grasp import Grasp
-from topple.planner.planning.step import Action, Context, NextStep, Orderer, Station
+from topple.planner.planning.step import Context, NextStep, Orderer, Station
 
 
 @dataclass(frozen=True, eq=False)

@@ -5,6 +5,8 @@ from typing import Any
 import msgspec
 import numpy as np
 
+from topple.planner.decide.goal import Action, PlaceRelation
+from topple.planner.fallbacks import Fallback
 from topple.planner.formats.plan_structs import FORMAT, FORMAT_VERSION, Matrix, PlanData
 from topple.planner.formats.verification import Verification
 from topple.planner.transfer.segments import KINDS
@@ -95,9 +97,10 @@ def _check(plan: Plan, name: str) -> None:
         raise InvalidInput(f"{name} is no plan: `$.objects` has a name twice, expected each once")
     for thing, pose in plan.poses.items():
         _pose(pose, f"$.poses.{thing}", name)
-        if thing not in names:
+    for key, which in (("poses", plan.poses), ("upright", plan.upright), ("clamped", plan.clamped)):
+        if odd := sorted({*which} - names):
             known = ", ".join(sorted(names)) or "nothing"
-            raise InvalidInput(f"{name} is no plan: `$.poses` has {thing!r}, its objects are {known}")
+            raise InvalidInput(f"{name} is no plan: `$.{key}` has {odd[0]!r}, its objects are {known}")
     for i, tool in enumerate(plan.arm.tools if plan.arm is not None else []):
         _pose(tool.pose_tool_to_link, f"$.arm.tools[{i}].pose_tool_to_link", name)
     for i, step in enumerate(plan.steps):
@@ -116,6 +119,22 @@ def _check(plan: Plan, name: str) -> None:
             )
         for k, held in enumerate(step.attachments):
             _pose(held.pose_start_to_tool, f"{here}.attachments[{k}].pose_start_to_tool", name)
+        for key, values in (
+            ("after", step.after),
+            ("attachments", [held.object for held in step.attachments]),
+        ):
+            if len({*values}) < len(values):
+                raise InvalidInput(f"{name} is no plan: `{here}.{key}` names one twice, expected each once")
+        for key, words, which in (
+            ("placement.how", ("", *PlaceRelation), [step.placement.how]),
+            ("action", tuple(Action), [step.action]),
+            ("fallbacks", tuple(Fallback), step.fallbacks),
+        ):
+            if odd := [word for word in which if word not in words]:
+                known = ", ".join(filter(None, words))
+                raise InvalidInput(
+                    f"{name} is no plan: `{here}.{key}` has {odd[0]!r}, expected one of {known}"
+                )
         for k, before in enumerate(step.after):
             if not 0 <= before < i:
                 raise InvalidInput(f"{name} is no plan: `{here}.after[{k}]` is {before}, no earlier step")

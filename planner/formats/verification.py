@@ -9,6 +9,9 @@ import msgspec
 BROKEN = "dependencies of the scene broken"
 """The check that holds a plan's order against the dependencies found in the scene."""
 
+UNFOUND = "dependencies that the scene does not give"
+"""The check that holds a plan's dependencies, with reason and confidence, against those found again."""
+
 OFF_PLACE = "bodies off the place they shall have"
 """The check that holds where a plan leaves things against where they shall lie."""
 

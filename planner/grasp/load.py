@@ -5,8 +5,9 @@ from scipy.special import ndtr
 
 from topple.planner.grasp.hand import HandShape
 from topple.planner.grasp.suction import CupShape
-from topple.planner.grasp.tolerances import GRAVITY, HOLD_SPREAD, STRONGEST, WEIGHT_SPREAD
+from topple.planner.grasp.tolerances import HOLD_SPREAD, STRONGEST, WEIGHT_SPREAD
 from topple.robots.arm.gripper import vacuum_load
+from topple.robots.arm.tolerances import GRAVITY
 from topple.topology.arrays import FloatArray
 from topple.topology.statics.tolerances import DENSITY
 
@@ -21,16 +22,19 @@ def weight_of(volume: float, mass: float | None = None) -> float:
     return GRAVITY * (DENSITY * volume if mass is None else mass)
 
 
-def too_heavy(mass: float | None, friction: float | None, force: float) -> bool:
-    """Whether a hand is known not to lift a thing, wherever it takes hold; of a guessed weight it never is.
+def most_held(friction: float | None, force: float) -> float:
+    """Weight [N] that a hand lifts at most, wherever it takes hold.
 
     Args:
-        mass: In [kg]; None where it was not weighed.
         friction: Coefficient between pads and object; None where it was not tried, and 1 for a cup.
         force: Of each of two pads, or half of what a cup pulls [N].
     """
-    slide = 2.0 * (STRONGEST if friction is None else friction) * force
-    return mass is not None and GRAVITY * mass > slide
+    return 2.0 * (STRONGEST if friction is None else friction) * force
+
+
+def too_heavy(mass: float | None, friction: float | None, force: float) -> bool:
+    """Whether a hand is known not to lift a mass [kg]; of a guessed weight, None, it never is."""
+    return mass is not None and GRAVITY * mass > most_held(friction, force)
 
 
 def jaw_load(

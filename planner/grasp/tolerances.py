@@ -111,9 +111,6 @@ HOLD_SPREAD = 0.2
 STRONGEST = 0.8
 """Friction of rubber pads on an untried surface, at most."""
 
-GRAVITY = 9.81
-"""Acceleration [m/s2] of what falls freely."""
-
 
 # -- pads
 

@@ -7,10 +7,11 @@ import numpy as np
 from scipy.spatial import KDTree
 
 from topple.planner.decide.arrange import Order
+from topple.planner.decide.goal import Action
 from topple.planner.decide.hold import Hold
 from topple.planner.failure import FailureLog, TransferFailure
 from topple.planner.motion.other_arm import arm_bodies, surface_points
-from topple.planner.planning.step import Action, Context, NextStep, Station
+from topple.planner.planning.step import Context, NextStep, Station
 from topple.planner.planning.tolerances import APART, GRIPS
 from topple.planner.planning.transfers import Transfers
 from topple.planner.transfer.grip import Grip, Grips, letting_go

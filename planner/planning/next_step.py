@@ -12,7 +12,7 @@ import numpy as np
 
 from topple.planner.decide.arrange import Order
 from topple.planner.decide.dependency import dependencies
-from topple.planner.decide.goal import Goal, Place, PlaceRelation, holds
+from topple.planner.decide.goal import Action, Goal, Place, PlaceRelation, holds
 from topple.planner.decide.turn import may_go, out_of_turn, says, why_first
 from topple.planner.errors import NoSafePlan
 from topple.planner.failure import Check, FailedCheck, TransferFailure
@@ -22,7 +22,7 @@ from topple.planner.placement.placement import Placement
 from topple.planner.placement.stacking import over, placements_on
 from topple.planner.placement.tolerances import GENTLE
 from topple.planner.planning.holding import HoldPlanner
-from topple.planner.planning.step import Action, Context, NextStep
+from topple.planner.planning.step import Context, NextStep
 from topple.planner.planning.tolerances import CHOICE, MORE_CHOICE
 from topple.planner.planning.transfers import MORE_HANDS, Transfers
 from topple.planner.transfer.segments import SegmentKind

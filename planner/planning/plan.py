@@ -20,7 +20,7 @@ from topple.planner.formats.plan_data import DIGITS, dependency_data, objects_da
 from topple.planner.formats.plan_format import Plan
 from topple.planner.formats.plan_robot import arm_data
 from topple.planner.formats.plan_structs import DependencyData, Step
-from topple.planner.formats.verification import BROKEN
+from topple.planner.formats.verification import BROKEN, UNFOUND
 from topple.planner.grasp.given import GraspsByObject, OwnGrasps, own_grasps
 from topple.planner.grasp.grasp import Grasp
 from topple.planner.placement.base import choose_base
@@ -35,7 +35,6 @@ from topple.robots.catalog import robot as robot_named
 from topple.robots.catalog.own_arm import check_tool
 from topple.robots.engines import BULLET, INSTALLED
 from topple.topology.arrays import FloatArray
-from topple.topology.checks import as_pose
 from topple.topology.errors import InvalidInput
 from topple.topology.io.load import as_scene
 from topple.topology.relations import Relations
@@ -114,12 +113,13 @@ def plan(
     arm = robot_named(robot) if isinstance(robot, str) else robot
     check_tool(arm)
     task, scene = GoalTask.of(goal), as_scene(scene)
+    scene = scene if base is None else scene.with_base(base)
     wanted = task.goal(scene)
     check_up(scene)
     scene = check_masks(scene, wanted.names)
     situation = Situation(scene)
-    given = base if base is not None else scene.robot_base
-    pose = choose_base(situation, arm) if given is None else as_pose(given, "base")
+    given = scene.robot_base
+    pose = choose_base(situation, arm) if given is None else given
     start = np.asarray(arm.home if q_start is None else q_start, dtype=np.float64)
     check_start(situation, arm, pose, start)
     level, fixture = check_upright(scene, upright), check_clamped(scene, clamped)
@@ -194,7 +194,8 @@ def _plan_of(
 
 def _hold(found: Plan, scene: Scene, arm: Arm, order_too: bool) -> None:
     """Refuse a plan that its own check refutes."""
-    failed = [each for each in found.verify(scene, arm).failed if order_too or each.name != BROKEN]
+    own = () if order_too else (BROKEN, UNFOUND)
+    failed = [each for each in found.verify(scene, arm).failed if each.name not in own]
     if failed:
         lines = tuple(f"{each.name}: {each.value:.3g} {each.unit}, {each.witness}" for each in failed)
         raise NoSafePlan(f"the plan that was found does not hold its own check: {lines[0]}", lines)

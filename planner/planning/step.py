@@ -8,7 +8,7 @@ from typing import Protocol, cast, runtime_checkable
 from topple.planner.decide.arrange import Order
 from topple.planner.decide.beliefs import Beliefs
 from topple.planner.decide.dependency import Dependency
-from topple.planner.decide.goal import Goal
+from topple.planner.decide.goal import Action, Goal
 from topple.planner.fallbacks import Fallback
 from topple.planner.grasp.given import GraspsByObject
 from topple.planner.grasp.grasp import Grasp
@@ -22,18 +22,6 @@ from topple.topology.plugins import Table
 from topple.topology.relations import Relations
 from topple.topology.scene import Scene
 from topple.topology.situation import Situation
-from topple.topology.values import Word
-
-
-class Action(Word):
-    """What a step is for."""
-
-    FREE = "free"
-    """Take a target clear and put it down."""
-    REMOVE = "remove"
-    """Take away what is in the way."""
-    PLACE = "place"
-    """Put something where the goal says."""
 
 
 @dataclass(frozen=True, eq=False)

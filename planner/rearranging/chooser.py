@@ -6,7 +6,7 @@ from dataclasses import replace
 import numpy as np
 
 from topple.planner.decide.arrange import Order
-from topple.planner.decide.goal import Goal, Place, holds
+from topple.planner.decide.goal import Action, Goal, Place, holds
 from topple.planner.errors import NoSafePlan
 from topple.planner.failure import Check, FailedCheck, TransferFailure
 from topple.planner.fallbacks import Fallback
@@ -14,7 +14,7 @@ from topple.planner.placement.lowered import lowered
 from topple.planner.placement.placement import Placement
 from topple.planner.placement.resting import about
 from topple.planner.planning.next_step import StepChooser
-from topple.planner.planning.step import Action, Context, NextStep
+from topple.planner.planning.step import Context, NextStep
 from topple.planner.planning.tolerances import CHOICE
 from topple.planner.planning.transfers import Transfers
 from topple.planner.rearranging.arrangement import Arrangement

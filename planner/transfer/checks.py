@@ -12,9 +12,13 @@ from topple.planner.placement.placement import Placement
 from topple.planner.transfer.tolerances import CONTACT, OPENING_STEP, RELEASE_GAP, UPRIGHT
 from topple.robots.arm.arm import Arm
 from topple.robots.arm.gripper import ToolName, ToolState
+from topple.robots.arm.torques import Strain, strain
 from topple.robots.collision.fcl_bodies import apart
+from topple.robots.poses import inverse
 from topple.topology.arrays import FloatArray
 from topple.topology.bodies.solids import Solids, moved
+from topple.topology.geometry.rigid import transformed
+from topple.topology.geometry.samples import volume_and_centre
 from topple.topology.situation import Situation
 
 
@@ -47,6 +51,29 @@ class Checks:
         self.pose_base_to_world = pose_base_to_world
         self.world_to_base = np.linalg.inv(pose_base_to_world)
         self._checkers: dict[tuple[object, ...], Checker] = {}
+
+    # -- what it weighs
+
+    @cached_property
+    def load(self) -> tuple[float, FloatArray]:
+        """The mass [kg] of what was weighed of what is carried, and its centre (3,) in the world [m].
+
+        A weight that is guessed is off by a factor of two, so nothing is refused for it.
+        """
+        masses = self.scene.masses
+        bodies = {name: self.bodies[name] for name in (self.name, *self.riding) if name in masses}
+        if not bodies:
+            return 0.0, np.zeros(3)
+        centres = [volume_and_centre(np.vstack(parts), parts)[1] for parts in bodies.values()]
+        weights = [masses[name] for name in bodies]
+        return sum(weights), np.average(centres, axis=0, weights=weights)
+
+    def strain(self, grasp: Grasp, q: FloatArray) -> Strain:
+        """What the arm and what it carries ask of the joints in states (m, n)."""
+        mass, centre = self.load
+        to_flange = self.arm.tool_to_flange(grasp.tool) @ inverse(grasp.pose_tool_to_world)
+        up = self.world_to_base[:3, :3] @ self.up
+        return strain(self.arm, q, up, mass, transformed(centre[None], to_flange)[0])
 
     # -- how the hand stands
 

@@ -9,11 +9,12 @@ from topple.planner.failure import Check, FailureLog
 from topple.planner.grasp.grasp import Grasp
 from topple.planner.motion.cartesian import straight_lines
 from topple.planner.motion.collision import Checker
+from topple.planner.motion.shortcut import densely
 from topple.planner.placement.placement import Placement
 from topple.planner.transfer.checks import Checks
 from topple.planner.transfer.segments import SegmentKind
 from topple.planner.transfer.stages import Stage
-from topple.planner.transfer.tolerances import SEEDS
+from topple.planner.transfer.tolerances import SEEDS, STRAIN_STEP
 from topple.robots.arm.gripper import ToolName
 from topple.robots.poses import inverse
 from topple.topology.arrays import FloatArray
@@ -158,7 +159,20 @@ class Handling(Checks):
         target[:3, 3] += length * self.up
         stage = Stage(SegmentKind.LIFT, self.lifting(state.grasp, state.lenient), log)
         self._straight(stage, state, target)
+        self.bears(stage, state.grasp)
         return stage
+
+    def bears(self, stage: Stage, grasp: Grasp) -> bool:
+        """Whether the joints hold what is carried all along a way, if there is one; else it is given up."""
+        if stage.path is None:
+            return False
+        states = densely(stage.path, STRAIN_STEP)
+        asked = self.strain(grasp, states)
+        if asked.share > 1.0:
+            text = f"{stage.kind}: {asked}"
+            stage.log.note(stage.kind, Check.STRENGTH, text, states[asked.state])
+            stage.path = None
+        return stage.path is not None
 
     def slide(self, state: Reached, place: Placement, log: FailureLog) -> Stage:
         """Straight along with the object, to its place."""
@@ -278,7 +292,8 @@ class Handling(Checks):
                 continue
             lower = Stage(SegmentKind.PLACE, carrying, log)
             retreat = Stage(SegmentKind.RETREAT, self.leaving(grasp, place.into), log)
-            if lower.straight(rising, q, backwards=True) and retreat.straight(leaving, q):
+            lowered = lower.straight(rising, q, backwards=True) and self.bears(lower, grasp)
+            if lowered and retreat.straight(leaving, q):
                 found.append(End(place, lower.way, retreat.way))
         return found
 

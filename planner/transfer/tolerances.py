@@ -23,6 +23,9 @@ OPENING_STEP = 0.005
 SEEDS = 24
 """Random starts of inverse kinematics for each pose: finds nearly all that are reachable."""
 
+STRAIN_STEP = 0.05
+"""[rad] between states that joints are asked to hold: what gravity asks changes by a twentieth at most."""
+
 
 # -- stages
 

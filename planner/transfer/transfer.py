@@ -164,6 +164,10 @@ def plan_transfer(
     if places is None:
         workplace = pose_base_to_world @ workplace_of(arm)
         places = placements(name, situation, pose_base_to_world=workplace)
+    handling = Handling(name, situation, arm, np.asarray(pose_base_to_world), tuple(riding), seed, obstacles)
+    if (mass := handling.load[0]) > arm.payload:
+        words = f"{mass:g} kg are more than {arm.name} carries ({arm.payload:g} kg beside its hand)"
+        return TransferFailure(name, {words: 1}, None, FailedCheck(SegmentKind.GRASP, Check.STRENGTH, words))
     level = bool(riding) if upright is None else upright
     if level:
         places = [place for place in places if place.tilt(situation.up) < LEVEL]
@@ -173,7 +177,6 @@ def plan_transfer(
         return TransferFailure(
             name, {NO_PLACE: 1}, None, FailedCheck(SegmentKind.PLACE, Check.ROOM, NO_PLACE)
         )
-    handling = Handling(name, situation, arm, np.asarray(pose_base_to_world), tuple(riding), seed, obstacles)
     search = _Search(handling, tuple(places), np.asarray(q_start), level, seed, limits, holds, held)
     found = search.run(grasps)
     by_cup_alone = (
@@ -300,6 +303,8 @@ class _Search:
         if goal is None:
             self._barred += [(state, way)] if way.margin > 0.0 else []
             return None
+        if not handling.bears(carry, grasp):
+            return None
         end = ends[goal]
         lower = Stage(SegmentKind.PLACE, handling.carrying(grasp, 0.0, end.placement.into), log, end.lower)
         retreat = Stage(SegmentKind.RETREAT, handling.parting(grasp, end.placement), log, end.retreat)
@@ -355,11 +360,24 @@ def after(situation: Situation, transfer: Transfer) -> Situation:
     Returns:
         The situation with the object and what rides in it at its place; all else is where it was.
     """
-    up, name = situation.up, transfer.object
-    pose = transfer.placement.pose_at_rest(up)
+    place = transfer.placement
+    names = (transfer.object, *transfer.riding)
+    return rested(situation, names, place.pose_at_rest(situation.up), place.into is None)
+
+
+def rested(situation: Situation, names: Sequence[str], pose: FloatArray, on_table: bool) -> Situation:
+    """Predict the situation once things were moved, as `after` does.
+
+    Args:
+        situation: Before it.
+        names: The object, and what rides in it.
+        pose: (4, 4) rigid transform in the world to where it lies.
+        on_table: Whether that is on a table.
+    """
+    up, name = situation.up, names[0]
     hidden = None
-    if transfer.placement.into is None:
+    if on_table:
         body = sampled(situation.solids[name], 2.0 * GRAIN)
         seen_above = float((situation.scene.clouds[name] @ pose[:3, :3].T @ up).min())
         hidden = body[body @ pose[:3, :3].T @ up < seen_above]
-    return situation.moved((name, *transfer.riding), pose, hidden)
+    return situation.moved(names, pose, hidden)

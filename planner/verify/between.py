@@ -57,6 +57,8 @@ class BetweenCheck:
         elif told > ROUNDED and not checker.keeping(told - ROUNDED).free(positions).all():
             self.proof.count(f"{piece.where}: something is closer than {1e3 * told:.1f} mm", piece.index)
         found = Certifier(checker).path(positions)
+        if piece.segment.certified and not found.proven:
+            self.proof.count(f"{piece.where}: said to be proven free", piece.index)
         if found.proven:
             before = self.clearance.get(piece.index, np.inf)
             self.clearance[piece.index] = min(before, found.clearance)

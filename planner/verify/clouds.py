@@ -33,6 +33,9 @@ class CloudCheck:
     arm: Arm
     scene: Scene
     entered: Worst = field(default_factory=lambda: Worst("seen points entered", "m", NOISE))
+    pressed: Worst = field(
+        default_factory=lambda: Worst("pressed into what it is put on or into", "m", NOISE)
+    )
 
     def __post_init__(self) -> None:
         self._parts = {
@@ -52,7 +55,8 @@ class CloudCheck:
         links = np.matmul(np.array(self.plan.pose_base_to_world), self.arm.forward(states, piece.hand))
         for pair in piece.may_touch:
             seen = [name for name in pair if name in piece.poses and name != piece.step.object]
-            if len(seen) != 1 or seen[0] in self.scene.fixed:
+            onto = piece.step.placement.into in seen  # its bodies are no bar: its points are all that is
+            if len(seen) != 1 or (seen[0] in self.scene.fixed and not onto):
                 continue
             cloud = transformed(self.scene.clouds[seen[0]], piece.poses[seen[0]])
             (other,) = pair - {seen[0]}
@@ -62,18 +66,18 @@ class CloudCheck:
                 solids = self._links[other]
             elif other in piece.held:
                 poses, solids = np.matmul(tools, piece.held[other]), self._parts[other]
-                if piece.step.placement.into != seen[0]:  # as deep as it lay or is to lie is no entering
+                if not onto:  # as deep as it lay or is to lie is no entering
                     lay = _depth(transformed(cloud, np.linalg.inv(poses[piece.at_rest])), solids)
             else:
                 continue
             for number, pose in zip(numbers.tolist(), poses, strict=True):
                 depth = _depth(transformed(cloud, np.linalg.inv(pose)), solids)
                 where = f"{piece.where}: {seen[0]} in {other} at state {number}"
-                self.entered.note(depth - lay, where, piece.index)
+                (self.pressed if onto else self.entered).note(depth - lay, where, piece.index)
 
     def residuals(self) -> tuple[Residual, ...]:
         """What was found, and whether the plan's bodies are those of the scene."""
-        return self.entered.residual(), self._same()
+        return self.entered.residual(), self.pressed.residual(), self._same()
 
     def _same(self) -> Residual:
         worst = Worst("points outside of the plan's bodies", "m", FILLED)

@@ -1,63 +1,120 @@
-"""How much of what a hand holds by force the weight in it takes, as a plan's bodies have it."""
+"""What the weight in a hand asks of pads or cup, of the arm's rating and of its joints, all along a plan."""
 
 from collections.abc import Mapping
 
 import numpy as np
 
 from topple.planner.formats.plan_structs import PlanData
+from topple.planner.formats.verification import Residual, Worst
 from topple.planner.grasp.grasp import GraspKind
 from topple.planner.grasp.hand import hand_shape
-from topple.planner.grasp.load import cup_load, jaw_load, weight_of
+from topple.planner.grasp.load import cup_load, jaw_load, most_held, weight_of
 from topple.planner.grasp.suction import cup_shape
 from topple.planner.grasp.tolerances import GRASP_TOLERANCES
 from topple.planner.verify.bodies import parts_of
 from topple.planner.verify.replay import SegmentReplay
 from topple.robots.arm.arm import Arm
 from topple.robots.arm.gripper import ToolName
+from topple.robots.arm.tolerances import GRAVITY
+from topple.robots.arm.torques import Strain, strain
 from topple.topology.arrays import FloatArray
 from topple.topology.bodies.solids import moved
+from topple.topology.geometry.rigid import transformed
 from topple.topology.geometry.samples import volume_and_centre
+from topple.topology.scene import Scene
 
 
 class ForceCheck:
-    """Collects the loads of the grasps it is shown.
+    """Collects what weights ask in the segments it is shown.
+
+    What was weighed is a claim: more of it than the hand, the arm or a joint bears refutes a step. Of a
+    weight that is guessed, by a factor of two, more than they bear only leaves the step unproven.
 
     Args:
         plan: The plan.
         arm: The arm.
-        masses: In [kg], of what was weighed; the others are guessed from their volume.
+        scene: What was weighed and tried in it; None: everything is guessed.
     """
 
-    def __init__(self, plan: PlanData, arm: Arm, masses: Mapping[str, float]) -> None:
-        self.arm, self._up, self._masses, self._parts = arm, np.array(plan.up), masses, parts_of(plan)
+    def __init__(self, plan: PlanData, arm: Arm, scene: Scene | None) -> None:
+        self.arm, self._up, self._parts = arm, np.array(plan.up), parts_of(plan)
+        self._base_up = np.array(plan.pose_base_to_world)[:3, :3].T @ self._up
+        self._masses: Mapping[str, float] = {} if scene is None else scene.masses
+        self._friction: Mapping[str, float] = {} if scene is None else scene.friction
         self.loads: dict[int, float] = {}
         """By index of a step, the share of what pads or cup resist; above 1 what is held slips or turns."""
+        self.guessed: dict[int, str] = {}
+        """By index of a step, what it is if weights are as they are guessed that is more than is borne."""
+        self.heavy = Worst("weight beyond what the hand can hold", "N")
+        self.payload = Worst("load beyond the rated payload", "kg")
+        self.torques = Worst("joint torques against effort limits", "1", 1.0)
 
     def look(self, piece: SegmentReplay) -> None:
-        """Weigh what is in the hand once it has closed."""
-        if piece.segment.kind != "grasp" or piece.step.object not in piece.held:
-            return
-        if piece.step.grasp.kind == GraspKind.PUSH:
-            return  # it stays on the table
-        parts = {name: moved(self._parts[name], to_tool) for name, to_tool in piece.held.items()}
+        """Weigh what is in the hand: as it closes, and on the joints all along."""
+        lifted = piece.held if piece.step.grasp.kind != GraspKind.PUSH else {}  # the table carries that
+        parts = {name: moved(self._parts[name], to_tool) for name, to_tool in lifted.items()}
         lumps = {name: volume_and_centre(np.vstack(each), each) for name, each in parts.items()}
-        weights = [weight_of(volume, self._masses.get(name)) for name, (volume, _) in lumps.items()]
-        weight = sum(weights)
-        if weight <= 0.0:
+        known = {name: self._masses.get(name, 0.0) for name in lumps}
+        likely = {
+            name: weight_of(volume, self._masses.get(name)) / GRAVITY for name, (volume, _) in lumps.items()
+        }
+        centres = {name: centre for name, (_, centre) in lumps.items()}
+        asked = self._strain(piece, known, centres)
+        self.torques.note(asked.share, f"{piece.where}: {asked}", piece.index)
+        if known != likely and (asked := self._strain(piece, likely, centres)).share > 1.0:
+            self.guessed.setdefault(piece.index, str(asked))
+        if piece.segment.kind != "grasp" or piece.step.object not in lifted:
             return
-        centre = np.average([middle for _, middle in lumps.values()], axis=0, weights=weights)
+        self._rate(piece, sum(known.values()))
+        if sum(likely.values()) > self.arm.payload:
+            self.guessed.setdefault(piece.index, f"{sum(likely.values()):.2g} of {self.arm.payload:g} kg")
+        if sum(likely.values()) > 0.0:
+            self._hold(piece, likely, centres, np.vstack(parts[piece.step.object]))
+
+    def residuals(self) -> tuple[Residual, ...]:
+        """What was found of what was weighed."""
+        return self.heavy.residual(), self.payload.residual(), self.torques.residual()
+
+    def _rate(self, piece: SegmentReplay, mass: float) -> None:
+        """A mass that is known against what the arm is rated for, and against the most that a hand holds."""
+        if mass > self.arm.payload:
+            words = f"{piece.where}: {mass:g} kg, {self.arm.name} carries {self.arm.payload:g} kg"
+            self.payload.note(mass - self.arm.payload, words, piece.index)
+        if piece.segment.tool == ToolName.SUCTION:
+            most = most_held(1.0, cup_shape(self.arm).max_force / 2.0)
+        else:
+            most = most_held(self._friction.get(piece.step.object), hand_shape(self.arm).force)
+        if GRAVITY * mass > most:
+            words = f"{piece.where}: {GRAVITY * mass:.0f} N, the {piece.segment.tool} hold {most:.0f} N"
+            self.heavy.note(GRAVITY * mass - most, words, piece.index)
+
+    def _strain(
+        self, piece: SegmentReplay, masses: Mapping[str, float], centres: Mapping[str, FloatArray]
+    ) -> Strain:
+        """What weights ask of the joints along a segment."""
+        mass, centre = sum(masses.values()), np.zeros(3)
+        if mass > 0.0:
+            middle = np.average(list(centres.values()), axis=0, weights=list(masses.values()))
+            centre = transformed(middle[None], self.arm.tool_to_flange(piece.segment.tool))[0]
+        return strain(self.arm, piece.states, self._base_up, mass, centre)
+
+    def _hold(
+        self,
+        piece: SegmentReplay,
+        masses: Mapping[str, float],
+        centres: Mapping[str, FloatArray],
+        own: FloatArray,
+    ) -> None:
+        """How much of what pads or cup resist the weight takes, by the model that grasps are chosen by."""
+        weight = GRAVITY * sum(masses.values())
+        centre = np.average(list(centres.values()), axis=0, weights=list(masses.values()))
         down = np.array(piece.step.grasp.pose_tool_to_world)[:3, :3].T @ -self._up
         if piece.segment.tool == ToolName.SUCTION:
             lever, tilt = float(np.hypot(*centre[:2])), float(np.arccos(np.clip(down[2], -1.0, 1.0)))
             self.loads[piece.index] = cup_load(lever, weight, cup_shape(self.arm), tilt)
-        else:
-            own = np.vstack(parts[piece.step.object])
-            self.loads[piece.index] = self._of_pads(piece, weight, centre, down, own)
-
-    def _of_pads(
-        self, piece: SegmentReplay, weight: float, centre: FloatArray, down: FloatArray, own: FloatArray
-    ) -> float:
+            return
         hand, width = hand_shape(self.arm), np.array([piece.step.grasp.width])
         depth = np.array([max(hand.tip - float(own[:, 2].min()), 0.0)])
         friction = GRASP_TOLERANCES.friction
-        return float(jaw_load(centre[None], down[None], weight, width, depth, hand, friction)[0])
+        load = jaw_load(centre[None], down[None], weight, width, depth, hand, friction)
+        self.loads[piece.index] = float(load[0])

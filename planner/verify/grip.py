@@ -6,7 +6,7 @@ import numpy as np
 
 from topple.planner.formats.plan_structs import PlanData, Step
 from topple.planner.grasp.grasp import KINDS, GraspKind
-from topple.planner.verify.bodies import parts_of
+from topple.planner.verify.bodies import completed_of, parts_of
 from topple.planner.verify.tolerances import CLOSED, FEWEST_BETWEEN, LIP, OPENED, REACHED, SPACING
 from topple.robots.arm.arm import Arm
 from topple.robots.arm.gripper import ToolName, ToolState
@@ -29,7 +29,7 @@ class Grip:
 
     def __init__(self, plan: PlanData, arm: Arm) -> None:
         self.arm, self._up = arm, np.array(plan.up)
-        self._parts = parts_of(plan)
+        self._parts, self._whole = parts_of(plan), completed_of(plan)
 
     def fails(
         self,
@@ -65,7 +65,8 @@ class Grip:
             return self._cup_fails(step, closed, parts)
         if step.grasp.kind == GraspKind.PUSH:
             return self._fingers_miss(step, before, closed, parts)
-        return self._pads_fail(step, before, closed, parts)
+        hidden = [transformed(part, to_tool) for part in self._whole[step.object]]
+        return self._pads_fail(step, before, closed, [*parts, *hidden])
 
     def rides(self, name: str, carrier: str, poses: Mapping[str, FloatArray]) -> bool:
         """Whether an object lies in or on another: its middle is over that, its bottom not below."""
@@ -119,7 +120,7 @@ class Grip:
         if len(between) < FEWEST_BETWEEN and distance(half, parts) > REACHED:
             return f"nothing of {step.object} is between the pads"
         wide = float(np.ptp(between[:, 1])) if len(between) else 0.0
-        # its hulls bridge hollows and hidden sides: it may be narrower, and pads close until they press
+        # its hulls bridge hollows: it may be narrower, and pads close until they press
         if closed.opening > wide + CLOSED:
             to = 1e3 * closed.opening
             return f"{step.object} is {1e3 * wide:.0f} mm wide between the pads, which close to {to:.0f} mm"

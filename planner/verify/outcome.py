@@ -1,18 +1,19 @@
 """What a plan leads to: orders that are kept, and a goal that is reached."""
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Collection, Mapping, Sequence
 from typing import TYPE_CHECKING
 
 import numpy as np
 from scipy.spatial import KDTree
 
-from topple.planner.decide.goal import parse_goal
+from topple.planner.decide.goal import Action, parse_goal
 from topple.planner.decide.tolerances import LIKELY
 from topple.planner.formats.plan_structs import PlanData
-from topple.planner.formats.verification import BROKEN, OFF_PLACE, Residual, Worst
+from topple.planner.formats.verification import BROKEN, OFF_PLACE, UNFOUND, Residual, Worst
 from topple.planner.tolerances import DISTURBED
+from topple.planner.transfer.transfer import rested
 from topple.planner.verify.bodies import completed_of
-from topple.planner.verify.tolerances import SURFACE
+from topple.planner.verify.tolerances import ROUNDED_SCORE, SURFACE
 from topple.topology.arrays import FloatArray
 from topple.topology.bodies.solids import moved
 from topple.topology.geometry.rigid import transformed
@@ -43,7 +44,7 @@ def check_precedence(
     last = {name: index for index, name in taken}
     never = len(plan.steps)
     own = Worst("dependencies of the plan broken", "1")
-    waits = Worst("steps that wait for nothing and should", "1")
+    waits = Worst("steps that wait otherwise than dependencies say", "1")
     excused = Worst("excuses for dependencies that are kept", "1")
     for edge in plan.dependencies:
         index = last.get(edge.then, -1)
@@ -51,7 +52,13 @@ def check_precedence(
             own.count(f"{edge.then} before {edge.first}", index)
         if first.get(edge.first, never) < index and first[edge.first] not in plan.steps[index].after:
             waits.count(f"step {index + 1} ({edge.then}) for {edge.first}", index)
+    known = {(edge.first, edge.then) for edge in plan.dependencies}
     for index, step in enumerate(plan.steps):
+        known |= {(edge.first, edge.then) for edge in step.against}
+        for before in step.after:
+            name = plan.steps[before].object
+            if name != step.object and (name, step.object) not in known:
+                waits.count(f"step {index + 1} ({step.object}) for {name}, without a dependency", index)
         for edge in step.against:
             if edge.then != step.object or first.get(edge.first, never) < index or edge.confidence >= LIKELY:
                 excused.count(f"step {index + 1} ({step.object}) for {edge.first}", index)
@@ -75,6 +82,90 @@ def check_precedence(
         elif first[before] < first[then] and first[before] not in waited[first[then]]:
             again.count(f"step {first[then] + 1} ({then}) does not wait for {before}", first[then])
     return own.residual(), waits.residual(), excused.residual(), again.residual()
+
+
+def check_reasons(plan: PlanData, situation: Situation) -> Residual:
+    """Check that a plan's dependencies are those of what was seen: each, with its reason and confidence.
+
+    What a plan found of things that it had moved by then is looked for where its steps leave them.
+
+    Args:
+        plan: The plan.
+        situation: What was seen.
+
+    Returns:
+        The number of dependencies that are not found again.
+    """
+    worst = Worst(UNFOUND, "1")
+    last = {step.object: index for index, step in enumerate(plan.steps)}
+    said = {(edge.first, edge.then): edge for edge in plan.dependencies}
+    if len(said) < len(plan.dependencies):
+        worst.count("one is there twice", 0)
+    excused = {(edge.first, edge.then) for step in plan.steps for edge in step.against}
+    here, fixture, left = situation, set(plan.clamped), set(said)
+    for index, step in enumerate(plan.steps):
+        found = {(edge.first, edge.then): edge for edge in _graph(here, fixture)}
+        for pair in sorted(left & found.keys()):
+            told, edge = said[pair], found[pair]
+            if told.reason != edge.reason or abs(told.confidence - edge.confidence) > ROUNDED_SCORE:
+                words = f"{told.reason} {told.confidence:g}, found {edge.reason} {edge.confidence:.4g}"
+                worst.count(f"{pair[0]} before {pair[1]}: {words}", last.get(pair[1]))
+        if index == 0:
+            for pair in sorted(found.keys() - said.keys() - excused):
+                if set(pair) <= last.keys() and last[pair[0]] < last[pair[1]]:
+                    worst.count(f"{pair[0]} before {pair[1]} is left out", last[pair[1]])
+        left -= found.keys()
+        if not left:
+            break
+        place, riding = step.placement, {held.object for held in step.attachments} - {step.object}
+        pose = np.array(place.pose_before_to_after)
+        pose[:3, 3] -= place.drop * situation.up
+        here = rested(
+            here.with_level_undersides() if index == 0 else here,
+            [step.object, *sorted(riding)],
+            pose,
+            place.into is None,
+        )
+        fixture.discard(step.object)
+    for first, then in sorted(left):
+        worst.count(f"{first} before {then}", last.get(then, last.get(first, 0)))
+    return worst.residual()
+
+
+def _graph(situation: Situation, fixture: Collection[str]) -> "tuple[Dependency, ...]":
+    """The dependencies that orders rest on, with what a fixture keeps."""
+    from topple.planner.decide.dependency import dependencies, with_fixture
+
+    if not fixture:
+        return dependencies(situation).dependencies
+    full = dependencies(situation, direct=False)
+    return with_fixture(full, situation.statics, fixture).reduced().dependencies
+
+
+def check_actions(plan: PlanData, scene: Scene) -> Residual:
+    """Check that each step is for what it says, by the goal.
+
+    Args:
+        plan: The plan.
+        scene: What was seen.
+
+    Returns:
+        The number of steps that free, place or remove what they should not.
+    """
+    worst = Worst("actions that the goal does not ask for", "1")
+    goal = parse_goal(plan.goal, scene)
+    free = set(goal.free) | (set(scene.movable) if goal.empty else set())
+    wanted = {Action.FREE: free, Action.PLACE: {*(place.object for place in goal.places), *plan.poses}}
+    wanted[Action.REMOVE] = set(scene.movable)
+    for index, step in enumerate(plan.steps):
+        if step.object not in wanted.get(step.action, ()):  # type: ignore[call-overload]
+            worst.count(f"step {index + 1} ({step.object}): {step.action}", index)
+    done = {(step.object, step.action) for step in plan.steps}
+    for action, names in ((Action.FREE, goal.free), (Action.PLACE, wanted[Action.PLACE])):
+        for name in names:
+            if (name, action) not in done and any(step.object == name for step in plan.steps):
+                worst.count(f"{name}: no step says {action}")
+    return worst.residual()
 
 
 def _derived(plan: PlanData, situation: Situation, first: Mapping[str, int]) -> "tuple[Dependency, ...]":

@@ -5,7 +5,7 @@ from dataclasses import replace
 from typing import NamedTuple
 
 from topple.planner.formats.plan_structs import PlanData, Step
-from topple.planner.formats.verification import BROKEN, OFF_PLACE, Proof, Residual, StepProofs
+from topple.planner.formats.verification import BROKEN, OFF_PLACE, UNFOUND, Proof, Residual, StepProofs
 from topple.planner.grasp.grasp import GraspKind
 from topple.planner.verify.between import BetweenCheck
 from topple.planner.verify.force import ForceCheck
@@ -35,6 +35,12 @@ HELD = Claim(
         "scores against their terms",
     ),
 )
+WEIGHT = Claim("its weight is held", "force of the hand", ("weight beyond what the hand can hold",))
+CARRIED = Claim(
+    "the arm can carry it",
+    "rated payload, gravity torques on the way",
+    ("load beyond the rated payload", "joint torques against effort limits"),
+)
 FREE = Claim(
     "arm and load meet nothing",
     "python-fcl every {fine} rad, PyBullet every {coarse} rad",
@@ -59,6 +65,11 @@ DRIVABLE = Claim(
         "positions from velocities",
         "times that do not increase",
     ),
+)
+FOLLOWED = Claim(
+    "a controller drives what was checked",
+    "cubics through the samples",
+    ("splines through the samples off the straight way",),
 )
 PUT = Claim(
     "it is let go where the step says",
@@ -88,16 +99,21 @@ TURN = Claim(
     "the plan's dependencies",
     (
         "dependencies of the plan broken",
-        "steps that wait for nothing and should",
+        "steps that wait otherwise than dependencies say",
         "excuses for dependencies that are kept",
     ),
 )
-TURN_AGAIN = Claim("so it is by what was seen", "dependencies derived again", (BROKEN,))
+TURN_AGAIN = Claim("so it is by what was seen", "dependencies derived again", (BROKEN, UNFOUND))
 SEEN = Claim("no seen point is entered", "clouds against links and load", ("seen points entered",))
+PRESSED = Claim(
+    "nor is it pressed into what bears it",
+    "clouds against the load",
+    ("pressed into what it is put on or into",),
+)
 GOAL = Claim(
     "the goal is reached",
     "relations and places afterwards",
-    ("goal clauses unmet", OFF_PLACE, "order against the steps"),
+    ("goal clauses unmet", OFF_PLACE, "order against the steps", "actions that the goal does not ask for"),
 )
 SAME = Claim(
     "the plan is of this scene",
@@ -110,10 +126,43 @@ SAME = Claim(
         "bodies outside of their wholes",
     ),
 )
-OF_MOTIONS = (FREE, BETWEEN, SEEN, DRIVABLE, LEVEL)
-OF_STEPS = (TURN, TURN_AGAIN, HELD, FREE, BETWEEN, SEEN, DRIVABLE, LEVEL, PUT, STAYS)
-OF_PLANS = (SAME, GOAL)
-UNASKED = ("joint torques", "friction and hidden sides other than assumed", "what moves by itself")
+HIDDEN = Claim(
+    "its hidden sides are those of this scene",
+    "bodies completed again",
+    ("hidden sides of the plan beyond the scene's",),
+)
+TOLD = Claim(
+    "it tells of itself what is so",
+    "counted again",
+    (
+        "proofs against those of the motions",
+        "seconds against those of the motions",
+        "steps said to make room, or not, against the rest",
+        "assumptions of the scene or the arm left out",
+    ),
+)
+BASE = Claim(
+    "the arm stands where the scene has it", "poses compared", ("base of the plan against the scene's",)
+)
+OF_MOTIONS = (CARRIED, FREE, BETWEEN, SEEN, DRIVABLE, FOLLOWED, LEVEL)
+OF_STEPS = (
+    TURN,
+    TURN_AGAIN,
+    HELD,
+    WEIGHT,
+    CARRIED,
+    FREE,
+    BETWEEN,
+    SEEN,
+    DRIVABLE,
+    FOLLOWED,
+    LEVEL,
+    PUT,
+    PRESSED,
+    STAYS,
+)
+OF_PLANS = (SAME, HIDDEN, BASE, GOAL, TOLD)
+UNASKED = ("torques of speeding up", "friction and hidden sides other than assumed", "what moves by itself")
 """What no check asks of any plan."""
 
 
@@ -158,15 +207,16 @@ class Proofs:
 
     def _of(self, index: int, step: Step, residuals: Sequence[Residual]) -> StepProofs:
         found: list[Proof] = []
+        asked = {LEVEL: step.upright, PRESSED: step.placement.into is not None}
         for claim in OF_STEPS:
             proof = _proof(claim, residuals, index)
-            if claim is LEVEL and not step.upright and proof.shown:
+            if proof.shown is not False and not asked.get(claim, True):
                 continue
-            if proof.shown and (why := self._unasked(claim, index, step)):
+            if claim is WEIGHT and proof.shown:
+                proof = self._strong_enough(index, step)
+            elif proof.shown and (why := self._unasked(claim, index, step)):
                 proof = replace(proof, shown=None, detail=why)
             found.append(self._told(claim, index, proof))
-            if claim is HELD:
-                found.append(self._strong_enough(index, step))
         return StepProofs(index, step.object, step.action, tuple(found))
 
     def _unasked(self, claim: Claim, index: int, step: Step) -> str:
@@ -175,7 +225,10 @@ class Proofs:
             return "there is no motion"
         if claim is BETWEEN:
             return self._between.open.get(index, "")
-        if claim in (PUT, STAYS) and index not in self._released:
+        if claim is CARRIED:
+            words = self._force.guessed.get(index, "")
+            return words and f"{words}, weight guessed from volume"
+        if claim in (PUT, PRESSED, STAYS) and index not in self._released:
             return "it is never let go"
         return "it is let go to fall, as its step says" if claim is STAYS and step.placement.falls else ""
 
@@ -192,17 +245,15 @@ class Proofs:
     def _strong_enough(self, index: int, step: Step) -> Proof:
         """Whether the hand holds the weight by force; more than it holds of a guess is no refutation."""
         if step.grasp.kind == GraspKind.PUSH:
-            return Proof("its weight is held", "the table carries it", None, "it is pushed, never lifted")
+            return Proof(WEIGHT.what, "the table carries it", None, "it is pushed, never lifted")
         cup = step.grasp.kind == GraspKind.SUCTION
         means = "suction limit of the cup" if cup else "friction and force of the pads"
         load = self._force.loads.get(index)
         if load is None:
-            return Proof("its weight is held", means, None, "nothing is held, or it has no volume")
+            return Proof(WEIGHT.what, means, None, "nothing is held, or it has no volume")
         held = {step.object, *(each.object for each in step.attachments)}
         weight = "weighed" if held <= set(self._weighed) else "weight guessed from volume"
-        return Proof(
-            "its weight is held", means, True if load <= 1.0 else None, f"{load:.0%} of it, {weight}"
-        )
+        return Proof(WEIGHT.what, means, True if load <= 1.0 else None, f"{load:.0%} of it, {weight}")
 
 
 def _proof(claim: Claim, residuals: Sequence[Residual], index: int | None = None) -> Proof:

@@ -63,6 +63,12 @@ OVER = 0.02
 AT_REST = 1e-3
 """[rad/s] at a segment's ends."""
 
+STRAYED = 0.001
+"""[m] that a spline through the samples may leave the straight way: no more than tracking does."""
+
+QUARTERS = (0.25, 0.5, 0.75)
+"""Where between two samples splines are looked at: a cubic is furthest off near one of them."""
+
 
 # -- rest
 
@@ -78,8 +84,9 @@ OPENED = 0.001
 LIP = 0.001
 """[m] what a plan says of the same width or extension at two places may differ by: rounding."""
 
-CLOSED = 0.012
-"""[m] pads that close to more than the body between them touch nothing: parts stand out 8 mm, depth noise."""
+CLOSED = 0.003
+"""[m] pads further apart than the body between them is wide, as it was seen or completed, touch nothing:
+spacing of its points. Bodies stand out beyond what was seen, so that pads mostly close to less."""
 
 FEWEST_BETWEEN = 5
 """Points of a body between the pads: fewer are its edge."""
@@ -89,6 +96,9 @@ FEWEST_BETWEEN = 5
 
 ROUNDED_SCORE = 1e-4
 """Scores and terms are written with six digits."""
+
+ROUNDED_TIME = 0.002
+"""[s] the time of all motions is written with three digits, theirs with six."""
 
 UPWARD = 0.001
 """[rad] directions of up this close are the same: six digits."""

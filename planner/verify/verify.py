@@ -8,7 +8,7 @@ import numpy as np
 from topple.planner.decide.hold import fixture_assumptions
 from topple.planner.formats.plan_robot import arm_from
 from topple.planner.formats.plan_structs import ObjectData, PlanData
-from topple.planner.formats.verification import BROKEN, Residual, Verification, not_evaluated
+from topple.planner.formats.verification import BROKEN, UNFOUND, Residual, Verification, not_evaluated
 from topple.planner.verify.between import BetweenCheck
 from topple.planner.verify.by_fcl import FclCheck
 from topple.planner.verify.claims import check_claims, check_scene
@@ -16,7 +16,13 @@ from topple.planner.verify.clouds import CloudCheck
 from topple.planner.verify.force import ForceCheck
 from topple.planner.verify.handled import HandCheck
 from topple.planner.verify.motions import check_motions
-from topple.planner.verify.outcome import check_goal, check_poses, check_precedence
+from topple.planner.verify.outcome import (
+    check_actions,
+    check_goal,
+    check_poses,
+    check_precedence,
+    check_reasons,
+)
 from topple.planner.verify.proofs import UNASKED, Proofs
 from topple.planner.verify.pushes import PushCheck
 from topple.planner.verify.replay import Replay, SegmentReplay
@@ -76,14 +82,15 @@ def verify(
     clouds = None if scene is None else CloudCheck(plan, arm, scene)
     masses = {} if scene is None else scene.masses
     pushes = PushCheck(plan, arm, masses, {} if scene is None else scene.friction)
-    between, force = BetweenCheck(plan, arm), ForceCheck(plan, arm, masses)
+    between, force = BetweenCheck(plan, arm), ForceCheck(plan, arm, scene)
     proofs = Proofs(plan, between, force, masses, (step, COARSE * step))
     put: list[SegmentReplay] = []
     with BulletCheck(plan, arm) as bullet:
         for piece in played.segments():
-            for check in (hands, fcl_check, between, force, proofs, pushes):
+            for check in (hands, fcl_check, between, proofs, pushes):
                 check.look(piece)
-            bullet.look(_thinned(piece))
+            for check in (bullet, force):
+                check.look(_thinned(piece))
             if clouds is not None:
                 clouds.look(piece)
             if piece.segment.kind == "release":
@@ -97,6 +104,7 @@ def verify(
         *check_motions(plan, arm),
         *between.residuals(),
         *hands.residuals(),
+        *force.residuals(),
         *played.residuals(),
         *check_claims(plan),
         *check_precedence(plan, played.taken, situation),
@@ -109,7 +117,9 @@ def verify(
     else:
         residuals += [
             *clouds.residuals(),
-            *check_scene(plan, situation),
+            *check_scene(plan, situation, arm),
+            check_reasons(plan, situation),
+            check_actions(plan, scene),
             check_goal(plan, played.poses, played.taken, scene),
         ]
     return Verification(
@@ -126,10 +136,16 @@ def _left_out() -> list[Residual]:
     return [
         not_evaluated(BROKEN, "1", NO_SCENE),
         not_evaluated("seen points entered", "m", NO_SCENE),
+        not_evaluated("pressed into what it is put on or into", "m", NO_SCENE),
         not_evaluated("points outside of the plan's bodies", "m", NO_SCENE),
         not_evaluated("up of the plan against the scene's", "rad", NO_SCENE),
+        not_evaluated("hidden sides of the plan beyond the scene's", "m", NO_SCENE),
+        not_evaluated("base of the plan against the scene's", "m", NO_SCENE),
         not_evaluated("bodies of the plan beyond the scene's", "m", NO_SCENE),
         not_evaluated("objects fixed in the plan or the scene alone", "1", NO_SCENE),
+        not_evaluated("assumptions of the scene or the arm left out", "1", NO_SCENE),
+        not_evaluated(UNFOUND, "1", NO_SCENE),
+        not_evaluated("actions that the goal does not ask for", "1", NO_SCENE),
         not_evaluated("goal clauses unmet", "1", NO_SCENE),
     ]
 
@@ -169,8 +185,6 @@ def _among_matter(plan: PlanData, situation: Situation) -> PlanData:
 
 
 def _check_names(plan: PlanData, scene: Scene) -> None:
-    if unknown := sorted({*plan.clamped} - {thing.name for thing in plan.objects}):
-        raise InvalidInput(f"the plan's clamped object {unknown[0]!r} is not among its objects")
     ours, theirs = {thing.name for thing in plan.objects} - {MATTER}, set(scene.names)
     if ours != theirs:
         odd = ", ".join(sorted(ours ^ theirs))

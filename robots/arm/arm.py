@@ -45,6 +45,7 @@ class Arm:
         assumptions: What neither says and was assumed, a sentence each.
         catalog: Whether `topple.robots.robot` knows it by its name.
         apart: Pairs of names of links that are not checked against each other.
+        payload: What it is rated to carry besides its hand [kg]; infinite where nobody says.
     """
 
     name: str
@@ -64,6 +65,7 @@ class Arm:
     assumptions: tuple[str, ...] = ()
     catalog: bool = False
     apart: frozenset[frozenset[str]] = frozenset()
+    payload: float = np.inf
     _offsets: dict[ToolState, FloatArray] = field(default_factory=dict[ToolState, FloatArray], repr=False)
 
     @classmethod

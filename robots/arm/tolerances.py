@@ -139,3 +139,9 @@ LONGEST_MESH = 20.0
 
 FULL_TURN = 2 * math.pi
 """How far [rad] a continuous joint may turn either way: cables and hoses allow no more."""
+
+
+# -- torques
+
+GRAVITY = 9.81
+"""Acceleration [m/s2] of what falls freely."""

@@ -70,16 +70,33 @@ class Joint:
 
 
 @dataclass(frozen=True, eq=False)
+class Inertial:
+    """How a link's mass lies in it.
+
+    Attributes:
+        mass: In [kg], above 0.
+        pose_inertial_to_link: (4, 4) with the centre of mass as its origin [m].
+        tensor: (3, 3) of inertia about that, in these axes [kg m2], as the file states it.
+    """
+
+    mass: float
+    pose_inertial_to_link: FloatArray
+    tensor: FloatArray
+
+
+@dataclass(frozen=True, eq=False)
 class Link:
     """One link.
 
     Attributes:
         name: Name in the file.
         parts: (V, 3) hull vertices of each collision element in the link frame in [m].
+        inertial: Its mass; None where the file states none.
     """
 
     name: str
     parts: tuple[FloatArray, ...] = ()
+    inertial: Inertial | None = None
 
 
 @dataclass(frozen=True, eq=False)
@@ -331,4 +348,19 @@ def _read_link(element: ElementTree.Element, path: Path, missing: list[str], cut
                 parts.append(frozen(hull_of(transformed(vertices, pose))[0]))
             except QhullError as error:
                 raise InvalidInput(f"{where} has a collision shape that has no hull") from error
-    return Link(name, tuple(parts))
+    return Link(name, tuple(parts), _read_inertial(element.find("inertial"), f"{path.name}: link {name!r}"))
+
+
+def _read_inertial(element: ElementTree.Element | None, where: str) -> Inertial | None:
+    mass, inertia = (None if element is None else element.find(tag) for tag in ("mass", "inertia"))
+    if element is None or mass is None or inertia is None:
+        return None
+    try:
+        value = number(mass.get("value"), 0.0, where)
+        keys = ("ixx", "ixy", "ixz", "iyy", "iyz", "izz")
+        xx, xy, xz, yy, yz, zz = (number(inertia.get(key), 0.0, where) for key in keys)
+        pose = origin_of(element, where)
+    except InvalidInput:  # no number is as good as none: it is estimated then, as PyBullet is given it
+        return None
+    tensor = np.array([[xx, xy, xz], [xy, yy, yz], [xz, yz, zz]])
+    return Inertial(value, frozen(pose), frozen(tensor)) if value > 0.0 else None

@@ -134,7 +134,7 @@ def panda_suction() -> Arm:
 def _panda_arm(name: str, urdf: Path, tools: dict[str, Tool]) -> Arm:
     lower = (-2.8973, -1.7628, -2.8973, -3.0718, -2.8973, -0.0175, -2.8973)
     upper = (2.8973, 1.7628, 2.8973, -0.0698, 2.8973, 3.7525, 2.8973)
-    return Arm.from_urdf(  # limits, velocities, accelerations and the ready pose of Franka's data sheet
+    arm = Arm.from_urdf(  # limits, velocities, accelerations and the ready pose of Franka's data sheet
         urdf,
         "panda_hand",
         tools,
@@ -145,6 +145,7 @@ def _panda_arm(name: str, urdf: Path, tools: dict[str, Tool]) -> Arm:
         home=(0.0, -0.785, 0.0, -2.356, 0.0, 1.571, 0.785),
         source=panda_file(),
     )
+    return replace(arm, payload=2.27)  # 3 kg at the flange less 0.73 kg of hand, from the same
 
 
 def iiwa() -> Arm:
@@ -153,7 +154,7 @@ def iiwa() -> Arm:
     flange = 0.045  # [m] mounting face on the last link
     urdf = composed(source, "iiwa", wsg50_xml(data_path(), "lbr_iiwa_link_7", flange))
     fingers = wsg50_fingers()
-    return Arm.from_urdf(
+    arm = Arm.from_urdf(
         urdf,
         fingers.link,
         {ToolName.FINGERS: fingers},
@@ -163,6 +164,7 @@ def iiwa() -> Arm:
         home=(0.0, 0.3, 0.0, -1.7, 0.0, 1.14, 0.0),  # hand down, in front
         source=source,
     )
+    return replace(arm, payload=5.8)  # 7 kg at the flange less 1.2 kg of hand, from the data sheets
 
 
 def xarm6() -> Arm:
@@ -183,7 +185,7 @@ def xarm6() -> Arm:
     ready = ToolState(jaw.max_opening)
     pads = _translation(0.148)  # gripper base to the middle of the half open pads, which move 6 mm either way
     tool = Tool(ToolName.FINGERS, "xarm_gripper_base_link", pads, jaw, (*jaw.links, *hand), ready)
-    return Arm.from_urdf(
+    arm = Arm.from_urdf(
         data_path() / "xarm" / "xarm6_with_gripper.urdf",
         "xarm_gripper_base_link",
         {ToolName.FINGERS: tool},
@@ -191,3 +193,4 @@ def xarm6() -> Arm:
         acceleration=20.0,  # the largest of the manual
         home=(0.0, -0.5, -0.9, 0.0, 1.4, 0.0),  # hand down, in front
     )
+    return replace(arm, payload=4.18)  # 5 kg at the flange less 0.82 kg of gripper, from the manual

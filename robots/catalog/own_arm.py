@@ -27,6 +27,7 @@ from topple.robots.arm.prepared import prepared
 from topple.robots.arm.shapes import geometry_parts
 from topple.robots.arm.srdf import Semantics, read_srdf, srdf_beside
 from topple.robots.arm.tolerances import ACCELERATION, ANGULAR_ACCELERATION, MOST_NAMED, SHORTEST_ROD
+from topple.robots.arm.torques import springs
 from topple.robots.arm.tree import Tree
 from topple.robots.arm.urdf import Model, model_of, urdf_root
 from topple.robots.catalog.data import data_path
@@ -107,6 +108,8 @@ def arm_from_file(
     if wanted.arm is not None:
         arm = replace(arm, apart=frozenset(frozenset(pair) for pair in wanted.arm.apart))
     arm = replace(arm, home=home_of(arm, next(iter(tools), None)))
+    if weak := springs(arm):
+        assumed += (f"springs bear the arm's own weight at {', '.join(weak)}: efforts in {path.name} do not",)
     given = wanted if wanted != Gripper() else None
     return replace(arm, gripper=given, assumptions=assumed)
 

@@ -1,7 +1,6 @@
 """MuJoCo's model of a world, from the parts that plans are checked with."""
 
-import xml.etree.ElementTree as ElementTree
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass, field
 from itertools import combinations
 from typing import Any
@@ -9,8 +8,6 @@ from typing import Any
 import numpy as np
 
 from topple.robots.arm.arm import Arm
-from topple.robots.arm.elements import number, origin_of
-from topple.robots.arm.urdf import urdf_root
 from topple.robots.mujoco.engine import mujoco
 from topple.robots.mujoco.tolerances import FINGER_ROTOR, GRIP, HARD, NO_SLIP, ROTOR, SQUARE, STIFF
 from topple.robots.poses import position_and_quaternion
@@ -209,7 +206,6 @@ def _as_box(part: FloatArray) -> tuple[FloatArray, FloatArray] | None:
 
 def _add_arm(spec: Any, arm: Arm, pose_base_to_world: FloatArray) -> list[Shape]:
     """The arm's links, with the convex parts that its motions are checked with."""
-    masses = _inertials(arm)
     jaw = arm.jaw
     pads = jaw.links if jaw is not None else ()
     driven = dict(zip(arm.joints, range(len(arm.joints)), strict=True))
@@ -232,11 +228,11 @@ def _add_arm(spec: Any, arm: Arm, pose_base_to_world: FloatArray) -> list[Shape]
             )  # fmt: skip
         beyond = frame == len(arm.joints) and joint is not None and joint.name not in driven
         body.gravcomp = 1.0 if beyond and hand else 0.0
-        if link in masses:
-            mass, inertial, tensor = masses[link]
-            body.explicitinertial, body.mass = True, mass
-            body.ipos, _ = _placed(inertial)
-            turned = inertial[:3, :3] @ tensor @ inertial[:3, :3].T
+        if (inertial := arm.model.links[link].inertial) is not None:
+            body.explicitinertial, body.mass = True, inertial.mass
+            body.ipos, _ = _placed(inertial.pose_inertial_to_link)
+            axes = inertial.pose_inertial_to_link[:3, :3]
+            turned = axes @ _possible(inertial.tensor) @ axes.T
             body.fullinertia = [turned[i, j] for i, j in ((0, 0), (1, 1), (2, 2), (0, 1), (0, 2), (1, 2))]
         pad = link in pads
         for k, part in enumerate(arm.model.links[link].parts):
@@ -273,27 +269,9 @@ def _couple(spec: Any, joints: Sequence[str], values: FloatArray) -> None:
         tied.data[: degree + 1] = fit
 
 
-def _inertials(arm: Arm) -> Mapping[str, tuple[float, FloatArray, FloatArray]]:
-    """Link -> mass [kg], pose (4, 4) of its inertial frame, tensor (3, 3) there [kg m2]."""
-    found: dict[str, tuple[float, FloatArray, FloatArray]] = {}
-    for element in urdf_root(arm.urdf).findall("link"):
-        link, inertial = str(element.get("name")), element.find("inertial")
-        if inertial is None:
-            continue
-        where = f"{arm.urdf.name}: link {link!r}"
-        mass, tensor = inertial.find("mass"), inertial.find("inertia")
-        value = number(None if mass is None else mass.get("value"), 0.0, where)
-        if value > 0.0 and tensor is not None:
-            found[link] = value, origin_of(inertial, where), _tensor(tensor, where)
-    return found
-
-
-def _tensor(element: ElementTree.Element, where: str) -> FloatArray:
+def _possible(tensor: FloatArray) -> FloatArray:
     """The inertia tensor, made one that a rigid body can have: URDFs often state others."""
-    xx, xy, xz, yy, yz, zz = (
-        number(element.get(key), 0.0, where) for key in ("ixx", "ixy", "ixz", "iyy", "iyz", "izz")
-    )
-    moments, axes = np.linalg.eigh(np.array([[xx, xy, xz], [xy, yy, yz], [xz, yz, zz]]))
+    moments, axes = np.linalg.eigh(tensor)
     moments = np.maximum(moments, 1e-6)
     moments[2] = min(moments[2], moments[0] + moments[1])
     return axes @ np.diag(moments) @ axes.T

@@ -61,7 +61,7 @@ def test_a_plan_that_is_verified_says_so(scene: Path, capsys: pytest.CaptureFixt
     assert "every residual at most 0" in out
     assert re.search(r"nor between these states +swept certificate derived again +1 *\n", out)
     assert "not shown" not in out and "NOT SO" not in out
-    assert "Asked of no plan: joint torques" in out
+    assert "Asked of no plan: torques of speeding up" in out
     assert main([*argv, "--json"]) == 0
     document = json.loads(capsys.readouterr().out)
     assert document["verification"]["ok"] is True

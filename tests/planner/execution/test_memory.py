@@ -4,11 +4,12 @@ import numpy as np
 import pytest
 from on_table import on_table
 
+from topple.planner.decide.goal import Action
 from topple.planner.execution.memory import Memory
 from topple.planner.grasp.grasp import Grasp, GraspKind
 from topple.planner.placement.placement import Placement
 from topple.planner.planning.order import cautious
-from topple.planner.planning.step import Action, Context, NextStep, Station
+from topple.planner.planning.step import Context, NextStep, Station
 from topple.planner.transfer.transfer import Transfer
 from topple.robots.catalog import robot
 from topple.robots.scenarios.scenario import pose_at

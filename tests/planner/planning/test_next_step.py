@@ -9,11 +9,11 @@ import pytest
 
 from topple.planner.decide.arrange import Order, arrange
 from topple.planner.decide.dependency import Dependency, DependencyGraph
-from topple.planner.decide.goal import parse_goal
+from topple.planner.decide.goal import Action, parse_goal
 from topple.planner.errors import NoSafePlan
 from topple.planner.fallbacks import Fallback
 from topple.planner.planning.next_step import StepChooser
-from topple.planner.planning.step import Action, Context, NextStep, Station
+from topple.planner.planning.step import Context, NextStep, Station
 from topple.robots.catalog import robot
 from topple.robots.scenarios.scenario import pose_at
 from topple.robots.shapes.boxes import box
