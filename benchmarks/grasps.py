@@ -28,6 +28,7 @@ COUNT = 5000
 SAMPLE, QUICK_SAMPLE = 250, 50  # of them that are held against every point
 NUMPY = "plain numpy, one grasp after the other"
 NOTHING = "nothing is between its pads"
+PLAIN = (NOTHING, "the hand meets", "the fingers would")  # what plain numpy is asked
 TILT = 0.4  # [rad] standard deviation about each level axis
 
 
@@ -71,9 +72,9 @@ def rows(quick: bool, seed: int, progress: Progress) -> list[dict[str, Any]]:
 
 
 def _answer(entry: RankedGrasp) -> tuple[str, str]:
-    """What a grasp holds, and what speaks against it but for the order."""
+    """What a grasp holds, and what is in the way of the hand."""
     told = (entry.dropped or "").split("; ")
-    return entry.grasp.object, "; ".join(words for words in told if "has to go before" not in words)
+    return entry.grasp.object, "; ".join(words for words in told if words.startswith(PLAIN))
 
 
 def random_grasps(scene: Scene, count: int, rng: np.random.Generator) -> FloatArray:

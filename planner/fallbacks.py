@@ -29,6 +29,7 @@ class Fallback(Word):
     THROUGH_GUESSES = "through guesses"
     NARROW = "narrow"
     LET_FALL = "let fall"
+    UNSEEN = "unseen"
 
 
 @dataclass(frozen=True)
@@ -104,5 +105,9 @@ FALLBACKS: dict[Fallback, Description] = {
     Fallback.LET_FALL: Description(
         "the object stays nowhere that the arm can put it, and a drop is allowed",
         "lets it go where it will fall, and says so",
+    ),
+    Fallback.UNSEEN: Description(
+        "every hand at an object comes in through space that no camera saw to be empty",
+        "takes it by one of these, where nothing else can be taken, and says so",
     ),
 }

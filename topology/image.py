@@ -150,6 +150,17 @@ class DepthImage(ByValue):
         past[seen] = np.where(measured > 0, measured - depth[seen], -np.inf)
         return past
 
+    def shows(self, places: FloatArray, slack: float) -> BoolArray:
+        """Which places (N, 3) [m] are at most a slack [m] behind what was seen there, or a pixel beside."""
+        rows, columns, depth, seen = self.pixels_of(places)
+        farthest = self._farthest_around[rows, columns]
+        return seen & (farthest > 0.0) & (depth < farthest + slack)
+
+    @cached_property
+    def _farthest_around(self) -> FloatArray:
+        """(H, W) largest depth of each pixel and those beside it, any of which may have none [m]."""
+        return ndimage.maximum_filter(self.depth, 3, mode="nearest")
+
     @cached_property
     def _nearest_around(self) -> FloatArray:
         """(H, W) least depth of each pixel and those beside it that have any; 0 where it has none [m]."""

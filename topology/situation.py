@@ -8,12 +8,13 @@ from itertools import pairwise
 import networkx as nx
 import numpy as np
 
-from topple.topology.arrays import FloatArray
+from topple.topology.arrays import BoolArray, FloatArray
 from topple.topology.bodies.completed import completed_bodies, with_level_undersides
 from topple.topology.bodies.solids import Solids, moved, solids_of, up_of
-from topple.topology.bodies.surfaces import carry_over
+from topple.topology.bodies.surfaces import carry_over, surfaces_of
 from topple.topology.bodies.tolerances import GRAIN
 from topple.topology.evidence import Evidence
+from topple.topology.geometry.hull import Hull
 from topple.topology.geometry.samples import sampled
 from topple.topology.relations import Relations, relate
 from topple.topology.scene import Scene
@@ -185,6 +186,26 @@ class Situation:
                 self.completed, set(self.movable) - self.scene.whole, self.up
             ),
         )
+
+    def shown(self, places: FloatArray, slack: float) -> BoolArray:
+        """Which places cameras saw, a surface there, or what was moved or taken away from there since.
+
+        Args:
+            places: (N, 3) places in the world [m].
+            slack: How far behind what was seen, or beside what was moved, a place may be [m].
+
+        Returns:
+            (N,) True for those; for all where no camera is known, since nothing is hidden then.
+        """
+        if self.origin is not None:
+            found = self.origin.before.shown(places, slack)
+            for part in (part for name in self.origin.names for part in self.origin.before.solids[name]):
+                found[~found] = Hull.of(part).facet_distance(places[~found]) < slack
+            return found
+        bodies = surfaces_of(self.scene)
+        if bodies.sight is None:
+            return np.ones(len(places), dtype=np.bool_)
+        return bodies.sight.shown(places @ bodies.upright.rotation.T, slack)
 
     def between(self, a: str, b: str) -> Evidence:
         """The relation of two objects as they lie."""

@@ -142,6 +142,7 @@ def _document(
                 "score": entry.grasp.score,
                 "feasible": entry.dropped is None,
                 "why": entry.dropped,
+                "unseen": entry.grasp.unseen,
                 "before": list(entry.before),
             }
             for rank, entry in enumerate(ranked, start=1)

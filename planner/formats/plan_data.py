@@ -86,7 +86,15 @@ def step_data(
         against=list(against),
         fallbacks=[str(name) for name in fallbacks],
         buffer=buffer,
+        unseen=grasp.unseen,
     )
+
+
+def said_unseen(steps: Sequence[Step]) -> tuple[str, ...]:
+    """The sentence on objects at which a hand comes in through space that no camera saw to be empty."""
+    names = ", ".join(dict.fromkeys(step.object for step in steps if step.unseen))
+    words = f"no camera saw the hand's way to {names} to be empty: it is taken to be; look there before"
+    return (words,) if names else ()
 
 
 def dependency_data(edge: Dependency) -> DependencyData:

@@ -142,6 +142,7 @@ class Step(msgspec.Struct, frozen=True):
         fallbacks: What was tried to find the step where the plain way failed: see
             `topple.planner.fallbacks`.
         buffer: Whether the object only makes room, and is taken again to where it shall be.
+        unseen: Whether the hand comes in through space that no camera saw to be empty: look there before.
     """
 
     object: str
@@ -157,6 +158,7 @@ class Step(msgspec.Struct, frozen=True):
     against: list[DependencyData] = []
     fallbacks: list[str] = []
     buffer: bool = False
+    unseen: bool = False
 
 
 class ObjectData(msgspec.Struct, frozen=True):

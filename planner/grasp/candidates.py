@@ -6,6 +6,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from topple.planner.grasp.fingers import coming_unseen, standing_in
 from topple.planner.grasp.frames import frames
 from topple.planner.grasp.grasp import Grasp, GraspKind
 from topple.planner.grasp.hand import HandShape, hand_shape
@@ -15,12 +16,12 @@ from topple.planner.grasp.pinch import Pinch, pinches
 from topple.planner.grasp.rims import rim_frames
 from topple.planner.grasp.score import HOLD, score_of
 from topple.planner.grasp.suction import CupShape, cup_shape, patches
-from topple.planner.grasp.surface import Surface, surface_of
+from topple.planner.grasp.surface import Surface, surface_in
 from topple.planner.grasp.surroundings import Dropped, Surroundings, surroundings
 from topple.planner.grasp.tolerances import GRASP_TOLERANCES, GraspTolerances
 from topple.planner.grasp.widen import widened
 from topple.robots.arm.gripper import ToolName
-from topple.topology.arrays import BoolArray, FloatArray
+from topple.topology.arrays import FloatArray
 from topple.topology.errors import InvalidInput, UnknownObject
 from topple.topology.geometry.hull import Hull
 from topple.topology.rounded import rounded
@@ -69,7 +70,8 @@ def grasp_candidates(
         dropped: Takes down what is left out and why, if given.
 
     Returns:
-        Grasps in the world, best first; empty where nothing can be held. Deterministic.
+        Grasps in the world, best first, those that come in through space that no camera saw to be empty after
+        all others; empty where nothing can be held. Deterministic.
 
     Raises:
         UnknownObject: The scene has no such object.
@@ -85,15 +87,7 @@ def grasp_candidates(
     if hand is None and cup is None:
         raise InvalidInput("nothing to grasp with: give an arm with tools, a hand or a cup")
     around = surroundings(name, scene, up, tolerances)
-    surface = surface_of(
-        scene.clouds[name],
-        up,
-        None if name in scene.whole else scene.viewpoints,
-        situation.completed[name],
-        around.points,
-        scene.images,
-        tolerances,
-    )
+    surface = surface_in(name, situation, around, tolerances)
     mass, friction = scene.masses.get(name), scene.friction.get(name)
     surface = replace(surface, mass=mass)
     if friction is not None:  # pads of rubber have a coefficient of 1, and the product is the object's own
@@ -112,11 +106,12 @@ def grasp_candidates(
     if hand is not None and sealed < tolerances.enough_sealed:
         pinched = _pinch_grasps(name, surface, around, up, hand, tolerances, dropped)
         pinched += _edge_grasps(name, situation, surface, around, hand, tolerances, dropped)
-        hulls = [Hull.of(part) for part in situation.solids[name]]
-        pierced = _pierced(pinched, hand, hulls, tolerances)
+        pierced = standing_in(pinched, hand, [Hull.of(part) for part in situation.solids[name]], tolerances)
         clear = [grasp for grasp, bad in zip(pinched, pierced, strict=True) if not bad]
         dropped.note("fingers would stand in what it fills", len(pinched) - len(clear))
         found += clear
+    unseen = coming_unseen(found, situation, hand, cup, tolerances)
+    found = [replace(grasp, unseen=hidden) for grasp, hidden in zip(found, unseen.tolist(), strict=True)]
     best = varied(found, limit)
     return widened(best, surface, around, up, hand, tolerances) if wide and hand is not None else best
 
@@ -166,39 +161,6 @@ def _edge_grasps(
             tolerances, dropped,
         )
     ]  # fmt: skip
-
-
-def _pierced(
-    grasps: Sequence[Grasp], hand: HandShape, hulls: Sequence[Hull], tolerances: GraspTolerances
-) -> BoolArray:
-    """Whose open fingers would stand in the object: its cloud may have a hole where it has none."""
-    found = np.zeros(len(grasps), dtype=np.bool_)
-    if not grasps:
-        return found
-    points = _finger_points(grasps, hand)
-    for hull in hulls:
-        inside = ((points > hull.lower) & (points < hull.upper)).all(axis=2) & ~found[:, None]
-        deep = (points[inside] @ hull.normals.T + hull.offsets).max(axis=1, initial=-np.inf)
-        found[np.nonzero(inside)[0][deep < -tolerances.into_solid]] = True
-    return found
-
-
-def _finger_points(grasps: Sequence[Grasp], hand: HandShape) -> FloatArray:
-    """Points (G, N, 3) in the open fingers of grasps, in the world [m]."""
-    grids = [
-        np.meshgrid(
-            np.linspace(*prism.x, 3),
-            np.linspace(*prism.y, 3),
-            prism.front - np.linspace(0.0, hand.pad_length, 3),
-        )
-        for prism in hand.finger
-    ]
-    one = np.vstack([np.column_stack([axis.ravel() for axis in grid]) for grid in grids])
-    half = np.array([grasp.opening / 2.0 for grasp in grasps])[:, None, None] * np.array([0.0, 1.0, 0.0])
-    right = one + half
-    both = np.concatenate([right, right * np.array([1.0, -1.0, 1.0])], axis=1)
-    poses = np.stack([grasp.pose_tool_to_world for grasp in grasps])
-    return both @ poses[:, :3, :3].swapaxes(1, 2) + poses[:, None, :3, 3]
 
 
 def _in_words(load: float) -> str:
@@ -256,9 +218,10 @@ def varied(grasps: Sequence[Grasp], limit: int) -> list[Grasp]:
         limit: At most so many.
 
     Returns:
-        Best first, without near copies (within 6 mm and 10 degrees of a better one of the same tool).
+        Best first, those that come unseen last, without near copies (within 6 mm and 10 degrees of a better
+        one of the same tool).
     """
-    ordered = sorted(grasps, key=lambda grasp: -grasp.score)
+    ordered = sorted(grasps, key=lambda grasp: (grasp.unseen, -grasp.score))
     if not ordered:
         return []
     poses = np.array([grasp.pose_tool_to_world for grasp in ordered])

@@ -43,6 +43,7 @@ class Grasp(ByValue):
         score: Quality in 0..1, comparable between grasps of one object.
         reason: What the score is made of, in words.
         terms: The score's parts by name, each in 0..1.
+        unseen: Whether the hand comes in through space that no camera saw to be empty.
     """
 
     object: str
@@ -53,6 +54,7 @@ class Grasp(ByValue):
     score: float
     reason: str = ""
     terms: dict[str, float] = field(default_factory=dict[str, float])
+    unseen: bool = False
 
     def __post_init__(self) -> None:
         pose = frozen(self.pose_tool_to_world)

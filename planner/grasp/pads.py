@@ -5,7 +5,15 @@ from dataclasses import dataclass
 import numpy as np
 
 from topple.planner.grasp.hand import HandShape
-from topple.planner.grasp.tolerances import EDGE, NORMAL_BIAS, SLICES, SLOPE_LENGTH, SLOPED, GraspTolerances
+from topple.planner.grasp.tolerances import (
+    EDGE,
+    FEW,
+    NORMAL_BIAS,
+    SLICES,
+    SLOPE_LENGTH,
+    SLOPED,
+    GraspTolerances,
+)
 from topple.topology.arrays import BoolArray, FloatArray, IntArray
 
 
@@ -83,7 +91,7 @@ def extents(y: FloatArray, window: BoolArray, tolerances: GraspTolerances) -> tu
     window = window & (run == run[row, nearest][:, None])
     rank = np.cumsum(window, axis=1)
     count = rank[:, -1:]
-    skip = count // 50
+    skip = count // FEW
     low = np.argmax(window & (rank == skip + 1), axis=1)
     high = np.argmax(window & (rank == count - skip), axis=1)
     return y[row, low], y[row, high]
@@ -97,6 +105,7 @@ def antipodality(
     opening: FloatArray,
     hand: HandShape,
     tolerances: GraspTolerances,
+    lenient: bool = False,
 ) -> FloatArray:
     """How well two opposed pads hold: 1 for faces square to the closing direction, 0 at the friction cone.
 
@@ -112,6 +121,7 @@ def antipodality(
         opening: (P,) distance of the open pads [m].
         hand: The hand.
         tolerances: Friction and spacing.
+        lenient: Whether hidden sides, and contact off a pad's middle, get the benefit of the doubt.
 
     Returns:
         (P,) values in 0..1.
@@ -129,11 +139,13 @@ def antipodality(
         seen = there & (square > 0.5)
         known = np.count_nonzero(seen, axis=1) >= np.maximum(2, 0.3 * count)
         holds = np.abs(np.where(there, at, 0.0).sum(axis=1) / count) <= 0.3 * hand.pad_width
+        holds |= lenient
         # a seen face, and too flat a slope to press on: pads would slide off its wedge
         holds &= known | (_medians(square, there) <= SLOPED)
         angle = _facing_angle(normals, seen, side)
         unseen = holds & ~known
-        angle[unseen] = 0.25 * cone + _outline_angle(x[unseen], y[unseen], window[unseen], side)
+        hidden = 0.25 * cone + _outline_angle(x[unseen], y[unseen], window[unseen], side)
+        angle[unseen] = 0.0 if lenient else hidden
         widening = np.where(below, side * y, -np.inf).max(axis=1) - side * edge
         slope = np.arctan2(np.maximum(widening, 0.0), SLOPE_LENGTH)
         angle = np.where(widening > tolerances.spacing, np.maximum(angle, slope), angle)

@@ -26,7 +26,6 @@ from topple.planner.grasp.tolerances import (
 from topple.topology.arrays import BoolArray, FloatArray, IntArray
 
 NOTHING = "nothing between the pads"
-WIDE = "wider than the hand opens"
 BELOW = "the hand would go below the ground"
 SLIDES = "pads would slide off"
 
@@ -177,8 +176,9 @@ def _holds(look: _Look, hand: HandShape, tolerances: GraspTolerances, dropped: D
     some = np.count_nonzero(window, axis=1) >= 3  # a stray point that a gap parts from the rest is no object
     opening = np.minimum(hand.max_opening, high - low + 2.0 * tolerances.side_clearance)
     hold = _Hold(row, at, depths[at], tips[row, at], window, low, high, opening)
-    narrow = high - low + 2.0 * tolerances.least_side_clearance <= hand.max_opening
-    dropped.note(WIDE, int(np.count_nonzero(some & ~narrow)))
+    width, spare = high - low, 2.0 * tolerances.least_side_clearance
+    narrow = width + spare <= hand.max_opening
+    dropped.too_wide(width[some & ~narrow], spare, hand.max_opening)
     return hold.of(some & narrow)
 
 

@@ -14,6 +14,7 @@ from scipy.spatial import KDTree
 from topple.planner.decide.dependency import DependencyGraph, dependencies
 from topple.planner.grasp.foreign import ForeignGrasps, grasps_from_array, read_grasps
 from topple.planner.grasp.grasp import Grasp, GraspKind
+from topple.planner.grasp.judge import WHERE, judged, poses_of
 from topple.planner.grasp.reach import reachable
 from topple.planner.grasp.room import Room
 from topple.planner.grasp.tolerances import GRASP_TOLERANCES, HAND_REACH
@@ -21,12 +22,11 @@ from topple.robots.arm.arm import Arm
 from topple.robots.arm.gripper import ToolName
 from topple.robots.catalog import robot as robot_named
 from topple.topology.arrays import FloatArray
-from topple.topology.bodies.matter import MATTER
-from topple.topology.bodies.solids import up_of
 from topple.topology.checks import as_pose
 from topple.topology.errors import InvalidInput, UnknownObject
 from topple.topology.io.load import as_scene
 from topple.topology.scene import Scene
+from topple.topology.situation import Situation
 from topple.topology.statics.gravity import check_up
 from topple.topology.values import ByValue
 from topple.topology.workers import all_of
@@ -37,8 +37,6 @@ GivenGrasps = ForeignGrasps | Sequence[Grasp] | FloatArray
 SOME = 256  # grasps asked at a time whether they are near anything
 Reach = Callable[[Sequence[Grasp]], Sequence[bool | str]]
 """Whether an arm gets to each of some grasps in the world: True, False, or why not in words."""
-
-_WHERE: dict[str, str] = {ToolName.FINGERS: "between its pads", ToolName.SUCTION: "under its cup"}
 
 
 @dataclass(frozen=True, eq=False)
@@ -72,8 +70,8 @@ def rank_grasps(
     """Rank grasps by what may be taken first.
 
     Each grasp is given to the object that its file names, or else to the one between its pads; then come: how
-    many others have to go before that object, whether the hand has room and the arm reaches it, and the score
-    it came with.
+    many others have to go before that object, whether the hand has room and holds it and the arm reaches it,
+    whether cameras saw the hand's way to be empty, and the score it came with.
 
     Args:
         scene: What is seen, with `up`.
@@ -110,10 +108,11 @@ def rank_grasps(
         return []
     _check(given, scene, arm)
     check_up(scene)
-    graph = dependencies(scene) if graph is None else graph
-    room = Room.of(scene, up_of(scene), arm)
+    situation = Situation(scene)
+    graph = dependencies(situation) if graph is None else graph
+    room = Room.of(situation, arm)
     found = _held(given, told, room)
-    against = in_the_way([entry.grasp for entry in found], room)
+    against = judged([entry.grasp for entry in found], room)
     before = {
         name: tuple(sorted(graph.before(name))) for name in {entry.grasp.object for entry in found} - {""}
     }
@@ -121,7 +120,9 @@ def rank_grasps(
         if name := entry.grasp.object:
             first = before[name]
             waits = [f"{', '.join(first)} would move: has to go before {name}"] if first else []
-            found[row] = replace(entry, before=first, dropped="; ".join(against[row] + waits) or None)
+            asked, speaks = against[row].grasp, (*against[row].refused, *waits)
+            grasp = replace(entry.grasp, width=asked.width, unseen=asked.unseen)
+            found[row] = replace(entry, grasp=grasp, before=first, dropped="; ".join(speaks) or None)
     base = scene.robot_base if pose_base_to_world is None else pose_base_to_world
     if reach is None and arm is not None and base is not None:
         reach = partial(reachable, arm=arm, pose_base_to_world=as_pose(base, "pose_base_to_world"))
@@ -193,9 +194,9 @@ def _rank_pair(
     return rank_grasps(as_scene(scene), given, robot, reach=reach)
 
 
-def _key(ranked: RankedGrasp) -> tuple[float, bool, float, int]:
+def _key(ranked: RankedGrasp) -> tuple[float, bool, bool, float, int]:
     held = len(ranked.before) if ranked.grasp.object else np.inf
-    return (held, ranked.dropped is not None, -ranked.grasp.score, ranked.index)
+    return (held, ranked.dropped is not None, ranked.grasp.unseen, -ranked.grasp.score, ranked.index)
 
 
 def _as_grasps(
@@ -237,7 +238,7 @@ def _check(grasps: Sequence[Grasp], scene: Scene, arm: Arm | None) -> None:
             raise UnknownObject(grasp.object, scene.movable, role="object to grasp")
         if arm is not None and grasp.tool not in arm.tools:
             raise InvalidInput(f"{arm.name} has no {grasp.tool}: it has {', '.join(arm.tools)}")
-    places = _poses(grasps, range(len(grasps)))[:, :3, 3]
+    places = poses_of(grasps)[:, :3, 3]
     trees = {name: KDTree(scene.clouds[name]) for name in scene.movable}
     away = dict.fromkeys(trees, np.inf)
     for first in range(0, len(places), SOME):  # the first few are near enough, or none is
@@ -261,12 +262,12 @@ def _held(given: Sequence[Grasp], told: Mapping[int, str], room: Room) -> list[R
         most = movable[counts.index(largest)] if largest > GRASP_TOLERANCES.stray_points else ""
         name, grasp = told.get(index, most), given[index]
         if not most:
-            found[index] = RankedGrasp(index, grasp, (), f"nothing is {_WHERE[grasp.tool]}")
+            found[index] = RankedGrasp(index, grasp, (), f"nothing is {WHERE[grasp.tool]}")
         elif name not in movable:
             why = "never moves" if name in room.scene.fixed else "is not in the scene"
             found[index] = RankedGrasp(index, grasp, (), f"its file has it hold {name}, which {why}")
         elif counts[movable.index(name)] <= GRASP_TOLERANCES.stray_points:
-            why = f"its file has it hold {name}, but {_WHERE[grasp.tool]} is {most}"
+            why = f"its file has it hold {name}, but {WHERE[grasp.tool]} is {most}"
             found[index] = RankedGrasp(index, grasp, (), why)
         else:
             found[index] = RankedGrasp(index, replace(grasp, object=name), (), None)
@@ -279,44 +280,8 @@ def _within_tools(given: Sequence[Grasp], room: Room) -> dict[int, list[int]]:
     for tool, counted in ((ToolName.FINGERS, room.between_pads), (ToolName.SUCTION, room.under_cup)):
         rows = [index for index, grasp in enumerate(given) if not grasp.object and grasp.tool == tool]
         if rows:
-            within.update(zip(rows, counted(_poses(given, rows)).tolist(), strict=True))
+            within.update(zip(rows, counted(poses_of(given[row] for row in rows)).tolist(), strict=True))
     return within
-
-
-def in_the_way(grasps: Sequence[Grasp], room: Room) -> list[list[str]]:
-    """Say what the open hand meets on its straight way in.
-
-    Args:
-        grasps: In the world.
-        room: The scene.
-
-    Returns:
-        For each grasp what speaks against it, in words; nothing where it has room, or holds no object.
-    """
-    found: list[list[str]] = [[] for _ in grasps]
-    names = [*room.scene.clouds, MATTER]
-    for tool in (ToolName.FINGERS, ToolName.SUCTION):
-        rows = [row for row, grasp in enumerate(grasps) if grasp.object and grasp.tool == tool]
-        if not rows:
-            continue
-        poses, own = _poses(grasps, rows), [grasps[row].object for row in rows]
-        if tool == ToolName.FINGERS:
-            met = room.met_by_fingers(poses, np.array([grasps[row].opening for row in rows]))
-            low = room.below_ground(poses, own)
-        else:
-            met, low = room.met_by_cup(poses, own), np.zeros(len(rows), dtype=np.bool_)
-        for row, hits, under in zip(rows, met, low, strict=True):
-            if hits.any():
-                found[row].append(
-                    f"the hand meets {', '.join(names[place] for place in np.flatnonzero(hits))}"
-                )
-            if under:
-                found[row].append("the fingers would go below the ground")
-    return found
-
-
-def _poses(grasps: Sequence[Grasp], rows: Sequence[int]) -> FloatArray:
-    return np.array([grasps[row].pose_tool_to_world for row in rows]).reshape(-1, 4, 4)
 
 
 def _reachable(found: list[RankedGrasp], reach: Reach) -> list[RankedGrasp]:

@@ -9,13 +9,16 @@ import numpy as np
 from topple.planner.grasp.cells import Cells, Region
 from topple.planner.grasp.hand import HandShape, hand_shape
 from topple.planner.grasp.suction import CupShape, cup_shape
-from topple.planner.grasp.surroundings import floor_near
+from topple.planner.grasp.surface import Surface, surface_in
+from topple.planner.grasp.surroundings import floor_near, surroundings
 from topple.planner.grasp.tolerances import ASIDE, AT_LIP, FINE, GRASP_TOLERANCES, PAST_PADS
 from topple.robots.arm.arm import Arm
 from topple.robots.arm.gripper import ToolName
 from topple.robots.catalog import robot
 from topple.topology.arrays import BoolArray, FloatArray, IntArray
+from topple.topology.geometry.hull import Hull
 from topple.topology.scene import Scene
+from topple.topology.situation import Situation
 
 
 @dataclass(frozen=True, eq=False)
@@ -23,24 +26,49 @@ class Room:
     """A scene made ready to hold many hands against it.
 
     Attributes:
-        scene: The scene.
-        up: (3,) unit vector against gravity.
+        situation: The scene, and what is read of it.
         arm: The arm; a Panda's hand or cup stands in for what it does not have.
         cells: The points of the scene's clouds, in their order, and of its matter.
         movable: Those of the movable objects alone, in theirs.
     """
 
-    scene: Scene
-    up: FloatArray
+    situation: Situation
     arm: Arm | None
     cells: Cells
     movable: Cells
 
     @classmethod
-    def of(cls, scene: Scene, up: FloatArray, arm: Arm | None) -> "Room":
-        """Make a scene ready for an arm's hand and cup."""
+    def of(cls, situation: Situation, arm: Arm | None) -> "Room":
+        """Make a situation ready for an arm's hand and cup."""
+        scene = situation.scene
         movable = Cells.of([scene.clouds[name] for name in scene.movable], FINE)
-        return cls(scene, up, arm, Cells.of([*scene.clouds.values(), scene.matter]), movable)
+        return cls(situation, arm, Cells.of([*scene.clouds.values(), scene.matter]), movable)
+
+    @property
+    def scene(self) -> Scene:
+        """What is seen."""
+        return self.situation.scene
+
+    def surface(self, name: str) -> Surface:
+        """An object to take hold of."""
+        if name not in self._surfaces:
+            around = surroundings(name, self.scene, self.situation.up)
+            self._surfaces[name] = surface_in(name, self.situation, around)
+        return self._surfaces[name]
+
+    def hulls(self, name: str) -> tuple[Hull, ...]:
+        """What an object fills, as far as it was seen: its convex parts."""
+        if name not in self._hulls:
+            self._hulls[name] = tuple(map(Hull.of, self.situation.solids[name]))
+        return self._hulls[name]
+
+    @cached_property
+    def _hulls(self) -> dict[str, tuple[Hull, ...]]:
+        return {}
+
+    @cached_property
+    def _surfaces(self) -> dict[str, Surface]:
+        return {}
 
     @cached_property
     def hand(self) -> HandShape:
@@ -114,8 +142,8 @@ class Room:
 
     def below_ground(self, poses: FloatArray, own: Sequence[str]) -> BoolArray:
         """(P,) whether finger tips at poses (P, 4, 4) would be below the ground around what they take."""
-        floors = {name: floor_near(name, self.scene, self.up) for name in set(own)}
-        tips = (poses[:, :3, 3] + self.hand.tip * poses[:, :3, 2]) @ self.up
+        floors = {name: floor_near(name, self.scene, self.situation.up) for name in set(own)}
+        tips = (poses[:, :3, 3] + self.hand.tip * poses[:, :3, 2]) @ self.situation.up
         return np.asarray(tips < np.array([floors[name] for name in own], dtype=np.float64))
 
     def _met(self, poses: FloatArray, regions: Sequence[Region]) -> BoolArray:

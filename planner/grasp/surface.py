@@ -6,11 +6,13 @@ from dataclasses import dataclass
 import numpy as np
 from scipy.spatial import KDTree
 
+from topple.planner.grasp.surroundings import Surroundings
 from topple.planner.grasp.tolerances import GRASP_TOLERANCES, GraspTolerances
 from topple.topology.arrays import BoolArray, FloatArray
 from topple.topology.geometry.samples import sampled_with_normals, volume_and_centre
 from topple.topology.geometry.thin import voxel_means
 from topple.topology.image import DepthImage
+from topple.topology.situation import Situation
 
 
 @dataclass(frozen=True, eq=False)
@@ -111,6 +113,16 @@ def surface_of(
         len(thin),
         volume,
     )
+
+
+def surface_in(
+    name: str, situation: Situation, around: Surroundings, tolerances: GraspTolerances = GRASP_TOLERANCES
+) -> Surface:
+    """Prepare an object of a situation, among its surroundings, for the grasp search."""
+    scene = situation.scene
+    viewpoints = None if name in scene.whole else scene.viewpoints
+    solid, cloud = situation.completed[name], scene.clouds[name]
+    return surface_of(cloud, situation.up, viewpoints, solid, around.points, scene.images, tolerances)
 
 
 def _hidden(

@@ -58,10 +58,32 @@ class Dropped:
     reasons: Counter[str] = field(default_factory=Counter[str])
     barring: Counter[str] = field(default_factory=Counter[str])
 
+    def __post_init__(self) -> None:
+        self._narrowest, self._wide = np.inf, ""
+
     def note(self, reason: str, count: int = 1) -> None:
         """Count what was left out for a reason."""
         if count > 0:
             self.reasons[reason] += count
+
+    def too_wide(self, widths: FloatArray, spare: float, opens: float) -> None:
+        """Count what is too wide, and say by the least of all widths.
+
+        Args:
+            widths: (N,) [m].
+            spare: What a hand wants beside that [m].
+            opens: How far it opens [m].
+        """
+        if len(widths):
+            count, self._narrowest = (
+                self.reasons.pop(self._wide, 0),
+                min(self._narrowest, float(widths.min())),
+            )
+            self._wide = (
+                f"wider than the hand opens: {1e3 * self._narrowest:.0f} mm at the least and "
+                f"{1e3 * spare:.0f} mm to spare, of {1e3 * opens:.0f} mm"
+            )
+            self.note(self._wide, count + len(widths))
 
     def no_room(self, what: str, beside: str, count: int = 1) -> None:
         """Count what was left out because a part of the hand would meet an object, or `ITSELF`."""

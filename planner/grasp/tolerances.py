@@ -23,6 +23,7 @@ class GraspTolerances:
         steep_tilts: Tried where those find fewer than `enough` grasps.
         enough: So many grasps leave the arm a choice.
         reach: Only points this close to a grasp can touch the hand.
+        way: Straight way in before a grasp, which is to have been seen empty: from over what is beside it.
         into_solid: A finger this deep in the object's own hull would be driven into it: twice the depth
             noise, and more than hulls stand out from a surface between its points.
         friction: Coefficient assumed between pad and object (rubber on glazed ceramics or steel: 0.5-0.8).
@@ -49,6 +50,7 @@ class GraspTolerances:
     steep_tilts: tuple[float, ...] = (0.52, -0.52)
     enough: int = 20
     reach: float = 0.16
+    way: float = 0.08
     into_solid: float = 0.005
     friction: float = 0.5
     lever: float = 0.05
@@ -60,6 +62,11 @@ class GraspTolerances:
 
 
 GRASP_TOLERANCES = GraspTolerances()
+
+# -- fingers
+
+WAY_LAYERS = 17
+"""Along the way in, where it is asked what was seen: 5 mm apart, as deep as a finger in what is not there."""
 
 # -- frames
 
@@ -79,10 +86,16 @@ ENOUGH = 2000
 """Normals that tell the sides of a body: a share of a fifth is then off by two percent at most."""
 
 
-# -- given
+# -- judge
 
-OUTER = 0.02
-"""Share of the points at either end that says nothing of how wide a thing is: flying pixels."""
+FEW = 50
+"""Of so many points between the pads the outermost one may be stray, as in a search for grasps."""
+
+WIDEST = 0.3
+"""To either side of a hand, as far as it is told how wide a thing is: beyond any jaw [m]."""
+
+
+# -- given
 
 MOST_GIVEN = 60
 """Grasps of an object that a step may try, of those given: as many as a search of our own finds."""

@@ -111,7 +111,11 @@ class StepChooser:
         why: str,
         failures: list[TransferFailure],
     ) -> NextStep | None:
-        """The first object of an order that may go and can be taken; what the others fail of is noted."""
+        """The first object of an order that may go and can be taken; what the others fail of is noted.
+
+        One at which the hand would come in unseen waits for the others: the next look may show more.
+        """
+        unseen: NextStep | None = None
         for name in self._alone(chosen):
             found = self.aside(name)
             if isinstance(found, Transfer):
@@ -121,8 +125,14 @@ class StepChooser:
                 held = [hold.sentence(chosen.order) for hold in chosen.holds if hold.since == name]
                 said = "; ".join([reason, *held, *map(str, failures)])
                 fallbacks = (Fallback.ANOTHER_FIRST,) if failures else ()
-                return NextStep(found, role, said, chosen, fallbacks=fallbacks)
-            failures.append(found)
+                step = NextStep(found, role, said, chosen, fallbacks=fallbacks)
+                if not found.grasp.unseen:
+                    return step
+                unseen = unseen or step
+            else:
+                failures.append(found)
+        if unseen is not None:
+            return unseen
         if self.context.second is None or not chosen.holds:
             return None
         hold = min(chosen.holds, key=lambda each: chosen.order.index(each.since))

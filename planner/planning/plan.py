@@ -16,7 +16,7 @@ from topple.planner.decide.goal import Goal
 from topple.planner.decide.hold import fixture_assumptions
 from topple.planner.decide.tolerances import LIKELY
 from topple.planner.errors import NoSafePlan
-from topple.planner.formats.plan_data import DIGITS, dependency_data, objects_data, step_data
+from topple.planner.formats.plan_data import DIGITS, dependency_data, objects_data, said_unseen, step_data
 from topple.planner.formats.plan_format import Plan
 from topple.planner.formats.plan_robot import arm_data
 from topple.planner.formats.plan_structs import DependencyData, Step
@@ -327,7 +327,7 @@ class _Planning:
             up=(float(self.up[0]), float(self.up[1]), float(self.up[2])),
             upright=sorted(self.upright),
             clamped=sorted(self.clamped),
-            assumptions=[*assumptions, *fixture_assumptions(self.clamped)],
+            assumptions=[*assumptions, *fixture_assumptions(self.clamped), *said_unseen(self.steps)],
             certified=all(
                 segment.certified for step in self.steps for segment in step.segments if segment.motion
             ),

@@ -10,6 +10,7 @@ from topple.planner.grasp.candidates import grasp_candidates
 from topple.planner.grasp.given import doable
 from topple.planner.grasp.grasp import Grasp
 from topple.planner.grasp.hand import hand_shape
+from topple.planner.grasp.surroundings import Dropped
 from topple.planner.placement.drops import standing
 from topple.planner.placement.placement import Placement, placements
 from topple.planner.placement.proof import Proof
@@ -28,6 +29,7 @@ from topple.planner.transfer.transfer import (
     Transfer,
     TransferLimits,
     after,
+    no_grasp,
     plan_transfer,
 )
 from topple.robots.arm.gripper import ToolName
@@ -91,9 +93,12 @@ class Transfers:
         if name in self.context.given_up:
             return self._refused(name)
         context, station = self.context, self.context.station
+        grasps, refused = self._own_grasps(name)
+        if refused.reasons and not grasps:
+            return no_grasp(name, refused, self.situation.scene)
         transfer = partial(
             plan_transfer, name, self.situation, station.arm, station.pose_base_to_world, station.q, places,
-            grasps=self._own_grasps(name), avoid=context.avoid.get(name, ()), riding=self.riding(name),
+            grasps=grasps, avoid=context.avoid.get(name, ()), riding=self.riding(name),
             upright=name in context.upright, held=self._held, obstacles=context.obstacles, seed=context.seed,
             limits=limits,
         )  # fmt: skip
@@ -178,7 +183,7 @@ class Transfers:
         if name in self.context.given_up:
             return []
         station, seed = self.context.station, self.context.seed
-        grasps = self._own_grasps(name)
+        grasps, _ = self._own_grasps(name)
         found = grasp_candidates(name, self.situation, station.arm) if grasps is None else grasps
         handling = Handling(
             name, self.situation, station.arm, station.pose_base_to_world, (), seed, self.context.obstacles
@@ -190,12 +195,15 @@ class Transfers:
     def _refused(self, name: str) -> TransferFailure:
         return TransferFailure(name, {self.context.given_up[name]: 1}, None)
 
-    def _own_grasps(self, name: str) -> list[Grasp] | None:
-        """The caller's grasps of an object that can be done now; None where they are to be searched for."""
+    def _own_grasps(self, name: str) -> tuple[list[Grasp] | None, Dropped]:
+        """The caller's grasps of an object that can be done now, and why the others cannot be.
+
+        None where they are to be searched for.
+        """
         if name not in self.context.grasps:
-            return None
-        station, scene = self.context.station, self.situation.scene
-        return doable(self.context.grasps[name], scene, station.arm, station.pose_base_to_world)
+            return None, Dropped()
+        station = self.context.station
+        return doable(self.context.grasps[name], self.situation, station.arm, station.pose_base_to_world)
 
 
 def _falling(transfer: Transfer, proof: Proof) -> Transfer:

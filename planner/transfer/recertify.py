@@ -6,7 +6,7 @@ import numpy as np
 
 from topple.planner.fallbacks import Fallback
 from topple.planner.grasp.grasp import GraspKind
-from topple.planner.grasp.rank import in_the_way
+from topple.planner.grasp.judge import in_the_way
 from topple.planner.grasp.room import Room
 from topple.planner.grasp.tolerances import GRASP_TOLERANCES
 from topple.planner.motion.certificate import Certifier
@@ -60,10 +60,10 @@ def recertified(
 def _takes(transfer: Transfer, situation: Situation, arm: Arm) -> bool:
     """Whether the hand has room on its way in, and takes hold of something of the object."""
     grasp, scene = transfer.grasp, situation.scene
-    room = Room.of(scene, situation.up, arm)
+    room = Room.of(situation, arm)
     counted = room.under_cup if grasp.tool == ToolName.SUCTION else room.between_pads
     within = counted(np.array([grasp.pose_tool_to_world]))[0][scene.movable.index(transfer.object)]
-    return within > GRASP_TOLERANCES.stray_points and not in_the_way([grasp], room)[0]
+    return within > GRASP_TOLERANCES.stray_points and not in_the_way([grasp], room)[0][1]
 
 
 def _checkers(transfer: Transfer, checks: Checks) -> dict[SegmentKind, Checker]:

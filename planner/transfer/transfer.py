@@ -3,7 +3,7 @@
 from collections import Counter
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
-from functools import partial
+from functools import cache, partial
 
 import numpy as np
 
@@ -13,6 +13,7 @@ from topple.planner.grasp.candidates import grasp_candidates
 from topple.planner.grasp.grasp import Grasp
 from topple.planner.grasp.hand import hand_shape
 from topple.planner.grasp.surroundings import Dropped
+from topple.planner.grasp.tolerances import GRASP_TOLERANCES
 from topple.planner.placement.placement import Placement, placements
 from topple.planner.transfer.handling import Handling, Reached
 from topple.planner.transfer.segments import Segment, SegmentKind
@@ -52,7 +53,7 @@ class TransferLimits:
     grasps: int = 24
     reached: int = 12
     goals: int = 4
-    approach: float = 0.08
+    approach: float = GRASP_TOLERANCES.way
     lift: float = 0.10
     drop: float = 0.06
     fall: float = 0.02
@@ -172,24 +173,25 @@ def plan_transfer(
     if level:
         places = [place for place in places if place.tilt(situation.up) < LEVEL]
     if not grasps:
-        return _no_grasp(name, dropped, scene)
+        return no_grasp(name, dropped, scene)
     if not places:
         return TransferFailure(
             name, {NO_PLACE: 1}, None, FailedCheck(SegmentKind.PLACE, Check.ROOM, NO_PLACE)
         )
     search = _Search(handling, tuple(places), np.asarray(q_start), level, seed, limits, holds, held)
-    found = search.run(grasps)
     by_cup_alone = (
         searched and all(grasp.tool == ToolName.SUCTION for grasp in grasps) and ToolName.FINGERS in arm.tools
     )
-    if isinstance(found, TransferFailure) and by_cup_alone:
-        changed, found = True, search.run(_others(find(hand=hand_shape(arm)), avoid))
-    if changed and isinstance(found, Transfer):
-        return replace(found, fallbacks=(Fallback.OTHER_TOOL, *found.fallbacks))
-    return found
+    more = cache(lambda: _others(find(hand=hand_shape(arm)), avoid) if by_cup_alone else [])
+    found = search.run_seen_first(grasps, more)
+    if isinstance(found, TransferFailure):
+        return found
+    changed |= by_cup_alone and found.grasp.tool == ToolName.FINGERS
+    said = [Fallback.OTHER_TOOL] * changed + [Fallback.UNSEEN] * found.grasp.unseen
+    return replace(found, fallbacks=(*said, *found.fallbacks)) if said else found
 
 
-def _no_grasp(name: str, dropped: Dropped, scene: Scene) -> TransferFailure:
+def no_grasp(name: str, dropped: Dropped, scene: Scene) -> TransferFailure:
     """The certificate that says what every grasp that was looked at failed of."""
     reasons = dict(dropped.reasons.most_common()) or {NO_GRASP: 1}
     barring = {other: count for other, count in dropped.barring.most_common() if other not in scene.fixed}
@@ -239,11 +241,22 @@ class _Search:
         self.log = FailureLog(frozenset(handling.bodies) - {handling.name})
         self._ahead: dict[Reached, tuple[Stage, Stage]] = {}
         self._roomy: dict[tuple[Grasp, tuple[Placement, ...]], list[Placement]] = {}
-        self._barred: list[tuple[Reached, _Way]] = []
+
+    def run_seen_first(
+        self, grasps: Sequence[Grasp], more: Callable[[], Sequence[Grasp]]
+    ) -> Transfer | TransferFailure:
+        """Complete a transfer by one of some grasps or of more of them, by one that comes unseen last."""
+        for unseen in (False, True):
+            for some in (lambda: grasps, more):
+                found = self.run([grasp for grasp in some() if grasp.unseen == unseen])
+                if isinstance(found, Transfer):
+                    return found
+        return self.log.failure(self.handling.name)
 
     def run(self, grasps: Sequence[Grasp]) -> Transfer | TransferFailure:
         """Complete a transfer that starts with one of some grasps, best first, or say why there is none."""
         reached = dict[bool, list[Reached]]()
+        self._barred: list[tuple[Reached, _Way]] = []
         if self._held is None:
             hands = self.handling.hands(grasps[: self.limits.grasps], self.q_start, self.log)
         else:

@@ -230,6 +230,8 @@ class Proofs:
             return words and f"{words}, weight guessed from volume"
         if claim in (PUT, PRESSED, STAYS) and index not in self._released:
             return "it is never let go"
+        if claim is SEEN and step.unseen:
+            return "the hand comes in where no camera saw that there is nothing, as its step says"
         return "it is let go to fall, as its step says" if claim is STAYS and step.placement.falls else ""
 
     def _told(self, claim: Claim, index: int, proof: Proof) -> Proof:

@@ -113,3 +113,17 @@ def test_a_place_is_in_view_within_the_edges_of_the_picture_and_ahead() -> None:
     behind = -image.points()[24, 32]
     places = np.array([corner, 3.0 * corner, beyond, behind, image.points()[47, 63]])
     assert image.in_view(places).tolist() == [True, True, False, False, True]
+
+
+def test_a_pixel_without_depth_shows_what_those_beside_it_show_and_no_more() -> None:
+    depth = np.full((40, 60), 1.0)
+    depth[20, 30] = 0.0  # one is lost
+    depth[5:10, 5:10] = 0.0
+    K = np.array([[50.0, 0, 30], [0, 50.0, 20], [0, 0, 1]])
+    image = DepthImage(depth, K, np.zeros((40, 60), np.int64))
+
+    def at(row: int, column: int, far: float) -> list[float]:
+        return [(column - 30) * far / 50.0, (row - 20) * far / 50.0, far]
+
+    places = np.array([at(20, 30, 0.9), at(20, 30, 1.004), at(20, 30, 1.1), at(7, 7, 0.9), at(20, 90, 0.9)])
+    assert image.shows(places, 0.005).tolist() == [True, True, False, False, False]

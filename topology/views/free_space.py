@@ -32,8 +32,8 @@ class _Rays:
         ranges = lengths(rays)
         return _Rays(centre, KDTree(rays / np.maximum(ranges, 1e-12)[:, None]), ranges)
 
-    def past(self, places: FloatArray) -> FloatArray:
-        """(N,) how much further than places (N, 3) all witnesses reach [m], NaN where there are too few."""
+    def past(self, places: FloatArray, any_of: bool = False) -> FloatArray:
+        """(N,) how much further than places (N, 3) all or any witnesses reach [m], NaN where too few are."""
         if len(self.ranges) < WITNESSES:
             return np.full(len(places), np.nan)
         rays = places - self.centre
@@ -42,7 +42,8 @@ class _Rays:
             rays / np.maximum(far, 1e-12)[:, None], k=WITNESSES, distance_upper_bound=WIDTH
         )
         distance, index = np.asarray(nearest[0]), np.asarray(nearest[1])
-        reach = self.ranges[np.minimum(index, len(self.ranges) - 1)].min(axis=1)
+        reached = self.ranges[np.minimum(index, len(self.ranges) - 1)]
+        reach = reached.max(axis=1) if any_of else reached.min(axis=1)
         return np.where(np.isfinite(distance).all(axis=1), reach - far, np.nan)
 
 
@@ -110,6 +111,26 @@ class FreeSpace:
                 found |= (seen > margin) & ~blocked
             else:
                 found |= past > margin
+        return found
+
+    def shown(self, places: FloatArray, slack: float) -> BoolArray:
+        """Which places a camera saw, or a surface there: what is hidden by less than noise is not.
+
+        Args:
+            places: (N, 3) places [m].
+            slack: How far behind what was seen a place may be at most [m].
+
+        Returns:
+            (N,) True where at least one camera saw as far in that direction, or in the one beside it. One of
+            which only the place is known looks everywhere: it saw what nothing nearer hides.
+        """
+        found = np.zeros(len(places), dtype=np.bool_)
+        for image in self._images:
+            found |= image.shows(places @ self._rotation, slack)
+        for rays in () if self._images else self._rays:
+            found |= ~(
+                rays.past(places, any_of=True) < -slack
+            )  # clouds say nothing where they have no points
         return found
 
     def facing(self, places: FloatArray, outward: FloatArray) -> BoolArray:

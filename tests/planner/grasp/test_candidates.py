@@ -193,5 +193,6 @@ def test_what_is_left_out_says_why_and_who_leaves_no_room() -> None:
         grasp_candidates("box", on_table(box=seen(box("box", (0.2, 0.2, 0.1)))), robot("panda"), dropped=wide)
         == []
     )
-    assert "wider than the hand opens" in wide.reasons
+    (words,) = [reason for reason in wide.reasons if reason.startswith("wider than the hand opens: ")]
+    assert words.endswith("mm at the least and 8 mm to spare, of 80 mm")
     assert not wide.barring
