@@ -5,13 +5,14 @@ a force, the pads' distance and the vacuum.
 """
 
 from collections.abc import Collection
-from typing import Protocol
+from typing import Protocol, runtime_checkable
 
 from topple.robots.arm.arm import Arm
 from topple.robots.arm.gripper import ToolState
 from topple.topology.arrays import FloatArray
 
 
+@runtime_checkable
 class Motion(Protocol):
     """A joint trajectory: times (t,) in [s], positions (t, n) in [rad], velocities (t, n) in [rad/s]."""
 
@@ -31,6 +32,7 @@ class Motion(Protocol):
         ...
 
 
+@runtime_checkable
 class Driver(Protocol):
     """An arm with its hand.
 
@@ -118,6 +120,7 @@ class Driver(Protocol):
         ...
 
 
+@runtime_checkable
 class Fixture(Protocol):
     """What keeps things where they stand, such as a vice, until a hand holds them."""
 

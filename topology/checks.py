@@ -1,6 +1,6 @@
 """Validation of what comes in: numbers are refused where they enter, in the user's words."""
 
-from collections.abc import Collection, Mapping
+from collections.abc import Collection, Iterable, Mapping
 from typing import Any
 
 import numpy as np
@@ -270,29 +270,17 @@ def _listed(values: FloatArray) -> str:
     return "[" + " ".join(f"{value:g}" for value in values) + "]"
 
 
-def as_names(names: object, what: str = "fixed") -> list[str]:
-    """Check names that are given as one text, none, or a collection of any kind.
+Names = Iterable[str] | str | None
+"""Names in a collection of any kind, one of them, or none."""
 
-    Args:
-        names: The names.
-        what: What they are, for the message.
 
-    Returns:
-        Each of them.
-
-    Raises:
-        InvalidInput: If they are none of these.
-    """
+def as_names(names: Names) -> list[str]:
+    """Names as a list, whether they are given as one text, none, or a collection of any kind."""
     given: Any = names.tolist() if isinstance(names, (np.ndarray, np.generic)) else names
-    if given is None or isinstance(given, str):
-        return [] if given is None else [given]
-    try:
-        return list(given)
-    except TypeError as error:
-        raise InvalidInput(f"{what} is {names!r}: expected names of objects, such as ['table']") from error
+    return [] if given is None else [given] if isinstance(given, str) else list(given)
 
 
-def as_clouds(clouds: object) -> dict[str, FloatArray]:
+def as_clouds(clouds: Mapping[str, ArrayLike]) -> dict[str, FloatArray]:
     """Check the clouds of a scene.
 
     Args:
@@ -302,16 +290,11 @@ def as_clouds(clouds: object) -> dict[str, FloatArray]:
         Read-only copies.
 
     Raises:
-        InvalidInput: If it is no mapping, there is none, or a name or cloud is not what it should be.
+        InvalidInput: If there is none, or a name or cloud is not what it should be.
     """
-    given: Any = clouds
-    if not isinstance(given, Mapping):
-        raise InvalidInput(
-            f"the clouds of a scene are a {type(clouds).__name__}: expected {{name: points (N, 3)}} in metres"
-        )
-    if not given:
+    if not clouds:
         raise InvalidInput("the scene has no objects: expected at least one named cloud (N, 3) in metres")
-    return {as_name(name): as_points(points, f"cloud {name!r}") for name, points in given.items()}
+    return {as_name(name): as_points(points, f"cloud {name!r}") for name, points in clouds.items()}
 
 
 def check_unit(movable: Mapping[str, FloatArray]) -> None:

@@ -10,6 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy import ndimage
 
+from topple.topology.arguments import checked_arguments
 from topple.topology.arrays import BoolArray, FloatArray, IntArray, frozen, frozen_int, rounded, whole_numbers
 from topple.topology.checks import as_intrinsics, as_name, as_pose, numeric
 from topple.topology.errors import InvalidInput
@@ -32,6 +33,7 @@ IGNORED = "ignore"
 """Name of pixels that are of nothing in the scene."""
 
 
+@checked_arguments
 @dataclass(frozen=True, eq=False)
 class DepthImage(ByValue):
     """A depth image with instance labels.

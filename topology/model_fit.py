@@ -3,11 +3,13 @@
 from dataclasses import dataclass, replace
 from typing import Any
 
+from topple.topology.arguments import checked_arguments
 from topple.topology.arrays import FloatArray, frozen
 from topple.topology.geometry.rigid import transformed
 from topple.topology.values import ByValue
 
 
+@checked_arguments
 @dataclass(frozen=True, eq=False)
 class ModelFit(ByValue):
     """How a known model was laid onto what was seen of an object.

@@ -1,6 +1,5 @@
 """What `relate` answers: broad phase, then a closer look at the pairs that are near, by one rule of many."""
 
-import os
 from collections.abc import Callable, Iterable, Mapping
 from concurrent.futures import Executor
 from dataclasses import dataclass, field
@@ -9,9 +8,10 @@ from typing import Any
 
 import numpy as np
 
+from topple.topology.arguments import checked_arguments
 from topple.topology.errors import InvalidInput
 from topple.topology.geometry.broadphase import near_pairs
-from topple.topology.io.load import as_scene
+from topple.topology.io.load import AnyScene, as_scene
 from topple.topology.io.relations import deviation_of, told_in
 from topple.topology.notebook import in_cell
 from topple.topology.pair import PairRelation
@@ -68,8 +68,9 @@ class Relations(RelationTable):
         return in_cell(self)
 
 
+@checked_arguments
 def relate(
-    scene: Scene | str | os.PathLike[str],
+    scene: AnyScene,
     deviation: float | None = None,
     plain: bool = False,
     most_objects: int | None = None,
@@ -107,8 +108,9 @@ def relate(
         return chosen.conclude(scene, _relate_by(chosen, scene, NEAR_EACH * most))
 
 
+@checked_arguments
 def relate_all(
-    scenes: Iterable[Scene | str | os.PathLike[str]],
+    scenes: Iterable[AnyScene],
     deviation: float | None = None,
     plain: bool = False,
     executor: Executor | None = None,
@@ -145,7 +147,7 @@ def relate_all(
     ]
 
 
-_Source = Scene | str | os.PathLike[str]
+_Source = AnyScene
 _Told = tuple[tuple[str, ...], float, Mapping[tuple[int, int], PairRelation], tuple[Extent, ...]]
 """What comes back from a worker: names, deviation, near pairs, boxes; the rest follows from the scene."""
 

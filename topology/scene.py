@@ -8,9 +8,11 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from topple.topology.amounts import as_friction, as_masses
+from topple.topology.arguments import checked_arguments
 from topple.topology.arrays import FloatArray, IntArray, frozen, frozen_int
 from topple.topology.bodies.background import table_among, unnamed_among, without_bodies
 from topple.topology.checks import (
+    Names,
     as_clouds,
     as_direction,
     as_name,
@@ -66,6 +68,7 @@ class Mesh(ByValue):
         object.__setattr__(self, "faces", frozen_int(faces))
 
 
+@checked_arguments
 @dataclass(frozen=True, eq=False, init=False)
 class Scene(ByValue):
     """Objects as point clouds in one frame; a Scene that exists has been checked.
@@ -104,7 +107,7 @@ class Scene(ByValue):
     def __init__(
         self,
         clouds: Mapping[str, ArrayLike],
-        fixed: Iterable[str] = (),
+        fixed: Names = (),
         up: ArrayLike | None = None,
         viewpoints: ArrayLike | None = None,
         images: Sequence[DepthImage] = (),
@@ -167,8 +170,8 @@ class Scene(ByValue):
         put(self, "masses", as_masses(masses, checked))
         put(self, "friction", as_friction(friction, checked))
         put(self, "models", FrozenDict(dict(models or {})))
-        some = np.empty((0, 3)) if matter is None else np.asarray(matter)
-        put(self, "matter", as_points(some, "matter") if len(some) else frozen(np.empty((0, 3))))
+        some = numeric([] if matter is None else matter, "matter")
+        put(self, "matter", as_points(some, "matter") if some.size else frozen(np.empty((0, 3))))
         put(self, "wrong_masks", tuple(wrong_masks))
 
     def __reduce__(self) -> tuple[object, ...]:
@@ -188,10 +191,11 @@ class Scene(ByValue):
         return f"Scene({{{sizes}}} points, fixed={self._fixed_in_order()}, up={self.up})"
 
     @classmethod
+    @checked_arguments
     def from_images(
         cls,
         images: Sequence[DepthImage] | DepthImage,
-        fixed: Iterable[str] = (),
+        fixed: Names = (),
         up: ArrayLike | None = None,
         table: Literal["auto"] | None = None,
         unnamed: bool = True,

@@ -8,6 +8,7 @@ from itertools import pairwise
 import networkx as nx
 import numpy as np
 
+from topple.topology.arguments import checked_arguments
 from topple.topology.arrays import BoolArray, FloatArray
 from topple.topology.bodies.completed import completed_bodies, with_level_undersides
 from topple.topology.bodies.solids import Solids, moved, solids_of, up_of
@@ -16,6 +17,7 @@ from topple.topology.bodies.tolerances import GRAIN
 from topple.topology.evidence import Evidence
 from topple.topology.geometry.hull import Hull
 from topple.topology.geometry.samples import sampled
+from topple.topology.io.load import AnyScene, as_scene
 from topple.topology.relations import Relations, relate
 from topple.topology.scene import Scene
 from topple.topology.sixim.table import classify
@@ -47,16 +49,17 @@ class Situation:
     origin: "Change | None" = field(default=None, repr=False)
 
     @staticmethod
-    def of(scene: "Scene | Situation", relations: Relations | None = None) -> "Situation":
+    @checked_arguments
+    def of(scene: "AnyScene | Situation", relations: Relations | None = None) -> "Situation":
         """A scene as a situation; a situation as it is, unless other relations are given.
 
         Args:
-            scene: The scene, or what is known of it.
+            scene: The scene, the path of one, or what is known of it.
             relations: Relations that are known already.
         """
         if isinstance(scene, Situation):
             return scene if relations is None else replace(scene, known_relations=relations)
-        return Situation(scene, relations)
+        return Situation(as_scene(scene), relations)
 
     @cached_property
     def up(self) -> FloatArray:

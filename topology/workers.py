@@ -19,7 +19,8 @@ from multiprocessing import connection, get_context, parent_process, resource_tr
 from types import TracebackType
 from typing import Any, Generic, TypeVar
 
-from topple.topology.errors import ToppleError
+from topple.topology.arguments import checked_arguments
+from topple.topology.errors import InvalidInput, ToppleError
 
 Task = TypeVar("Task")
 Answer = TypeVar("Answer")
@@ -61,6 +62,7 @@ def _leave_with_parent() -> None:
         os._exit(1)
 
 
+@checked_arguments
 class WorkerPool(Executor):
     """Fresh processes that serve, as an executor; one that is killed costs its own task alone.
 
@@ -74,7 +76,12 @@ class WorkerPool(Executor):
         Args:
             processes: How many at most.
             ready: What each begins with.
+
+        Raises:
+            InvalidInput: There is none.
         """
+        if processes < 1:
+            raise InvalidInput(f"processes is {processes}: expected how many there are, 1 or more")
         self._ready = ready
         self._max_workers = processes
         self._threads = ThreadPoolExecutor(processes, initializer=_undisturbed)

@@ -16,7 +16,9 @@ from topple.planner.decide.assumptions import assumptions
 from topple.planner.decide.chances import reasoned
 from topple.planner.decide.dependency import Dependency, DependencyGraph, Reason, dependencies
 from topple.planner.decide.hold import Hold
+from topple.topology.arguments import checked_arguments
 from topple.topology.errors import InvalidInput
+from topple.topology.io.load import AnyScene
 from topple.topology.situation import Situation
 from topple.topology.statics.gravity import check_up
 from topple.topology.statics.holding import deficits
@@ -26,7 +28,6 @@ from topple.topology.values import FrozenDict
 
 if TYPE_CHECKING:
     from topple.topology.relations import Relations
-    from topple.topology.scene import Scene
 
 
 class Footing(Dependency):
@@ -65,7 +66,8 @@ class BuildOrder(Order):
         return {**super().to_json(), "build": True}
 
 
-def build_order(scene: "Scene | Situation", *, relations: "Relations | None" = None) -> BuildOrder:
+@checked_arguments
+def build_order(scene: AnyScene | Situation, *, relations: "Relations | None" = None) -> BuildOrder:
     """Find in which order to put down the things of a finished arrangement.
 
     Each is lowered straight down into its place, past nothing that already stands (6IM of the swept body);

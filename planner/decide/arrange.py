@@ -12,6 +12,7 @@ import numpy as np
 from topple.planner.decide.dependency import DependencyGraph
 from topple.planner.decide.hold import Hold
 from topple.planner.decide.sequence import safest
+from topple.topology.arguments import checked_arguments
 from topple.topology.arrays import FloatArray
 from topple.topology.notebook import in_cell
 from topple.topology.statics.support import Support
@@ -112,6 +113,7 @@ class Order(ByValue):
         }
 
 
+@checked_arguments
 def arrange(
     graph: DependencyGraph,
     targets: Sequence[str],

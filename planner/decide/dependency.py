@@ -12,10 +12,12 @@ import numpy as np
 from topple.planner.decide.rates import rates_for, way_found
 from topple.planner.decide.tolerances import BOARD, CLEARLY, PRESSED
 from topple.planner.tolerances import DISTURBED
+from topple.topology.arguments import checked_arguments
 from topple.topology.arrays import FloatArray, bounds
 from topple.topology.errors import InvalidInput, UnknownObject
 from topple.topology.evidence import Evidence
 from topple.topology.geometry.broadphase import near_both_ways
+from topple.topology.io.load import AnyScene
 from topple.topology.situation import Situation
 from topple.topology.sixim.table import Relation
 from topple.topology.statics.rest import Statics
@@ -25,7 +27,6 @@ from topple.topology.values import ByValue, Word
 
 if TYPE_CHECKING:
     from topple.topology.relations import Relations
-    from topple.topology.scene import Scene
 
 
 class Reason(Word):
@@ -76,7 +77,7 @@ class Dependency:
         Raises:
             InvalidInput: There is no such reason.
         """
-        if self.reason not in REASONS:
+        if str(self.reason) not in REASONS:
             raise InvalidInput(f"{self.reason!r} is no reason: expected one of {', '.join(REASONS)}")
         object.__setattr__(self, "reason", Reason(self.reason))
 
@@ -105,6 +106,7 @@ class Dependency:
         return f"{told} ({'; '.join(map(str, lying))})" if lying else told
 
 
+@checked_arguments
 @dataclass(frozen=True, eq=False)
 class DependencyGraph(ByValue):
     """Dependencies between named objects, edges first -> then.
@@ -181,8 +183,9 @@ class DependencyGraph(ByValue):
         return None
 
 
+@checked_arguments
 def dependencies(
-    scene: "Scene | Situation", relations: "Relations | None" = None, *, direct: bool = True
+    scene: AnyScene | Situation, relations: "Relations | None" = None, *, direct: bool = True
 ) -> DependencyGraph:
     """Find what must go before what.
 

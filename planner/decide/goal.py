@@ -1,7 +1,7 @@
 """Goals in the language of the relations: free the plate, lemon within bowl, red on green on blue."""
 
 import re
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Collection, Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING
 
@@ -165,7 +165,7 @@ def _is_in(relations: "Relations", name: str, container: str) -> bool:
     return relations.between(name, container).relation in (Relation.WITHIN, Relation.PARTIAL_WITHIN)
 
 
-def parse_goal(goal: str | Sequence[str], scene: "Scene") -> Goal:
+def parse_goal(goal: str | Collection[str], scene: "Scene") -> Goal:
     """Read a goal.
 
     Args:

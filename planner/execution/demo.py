@@ -32,6 +32,7 @@ from topple.robots.world.acting_arm import ActingArm
 from topple.robots.world.camera import Camera
 from topple.robots.world.film import filmed
 from topple.robots.world.recorded import recorded
+from topple.topology.arguments import checked_arguments
 from topple.topology.workers import serve
 
 Progress = Callable[[str], None]
@@ -40,6 +41,7 @@ FILES = ("relations.json", "order.json", "plan.json", "run.json", "report.html")
 """What a demo leaves: all of them, or none; of two arms no plan, whose format is of one."""
 
 
+@checked_arguments
 def demo(
     name: str = "dishes",
     *,

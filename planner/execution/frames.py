@@ -1,7 +1,7 @@
 """The pictures of one look: what a camera delivers that cannot be one of now is left out, and named."""
 
 from collections.abc import Sequence
-from typing import Protocol
+from typing import Protocol, runtime_checkable
 
 import numpy as np
 
@@ -11,6 +11,7 @@ from topple.topology.errors import InvalidInput
 from topple.topology.image import DepthImage
 
 
+@runtime_checkable
 class Eye(Protocol):
     """What takes a picture of a world: a simulated camera, or what stands in for one."""
 

@@ -4,7 +4,7 @@ import time
 from collections.abc import Callable, Collection, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from itertools import chain
-from typing import Protocol
+from typing import Protocol, runtime_checkable
 
 import numpy as np
 
@@ -15,6 +15,7 @@ from topple.planner.execution.tolerances import COARSE, FINE, GONE, MOVED, THERE
 from topple.planner.formats.pictures import picture
 from topple.robots.driver import Driver
 from topple.robots.world.physical_world import PhysicalWorld
+from topple.topology.arguments import checked_arguments
 from topple.topology.arrays import FloatArray
 from topple.topology.bodies.solids import up_of
 from topple.topology.bodies.tops import tops_of
@@ -63,6 +64,7 @@ class Look:
         return self.situation.relations
 
 
+@runtime_checkable
 class Perception(Protocol):
     """Whatever looks at a scene: simulated cameras, or those of a robot."""
 
@@ -71,6 +73,7 @@ class Perception(Protocol):
         ...
 
 
+@checked_arguments
 @dataclass
 class Observer:
     """Looks at a world through depth cameras, and remembers what it saw.

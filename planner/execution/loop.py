@@ -2,7 +2,7 @@
 
 import logging
 import time
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Collection, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from functools import partial
 from typing import Any
@@ -34,6 +34,7 @@ from topple.robots.world.camera import Camera
 from topple.robots.world.photo import photograph
 from topple.robots.world.physical_world import PhysicalWorld
 from topple.robots.world.wrist_camera import WristCamera
+from topple.topology.arguments import checked_arguments
 from topple.topology.arrays import FloatArray
 from topple.topology.errors import InvalidInput, ToppleError
 from topple.topology.scene import Scene
@@ -45,6 +46,7 @@ log = logging.getLogger(__name__)
 Progress = Callable[[str], None]
 
 
+@checked_arguments
 @dataclass(frozen=True)
 class RunLimits:
     """What ends a run that gets nowhere.
@@ -60,6 +62,7 @@ class RunLimits:
     settle: float = 1.0
 
 
+@checked_arguments
 @dataclass
 class ClosedLoop:
     """Reaches a goal with an arm, looking again after every action.
@@ -89,7 +92,7 @@ class ClosedLoop:
 
     robot: Driver
     perception: Perception
-    goal: str | Sequence[str] | Task
+    goal: str | Collection[str] | Task
     seed: int = 0
     limits: RunLimits = field(default_factory=RunLimits)
     orderer: Orderer = cautious
@@ -116,12 +119,13 @@ class ClosedLoop:
         return self._selector.task
 
     @classmethod
+    @checked_arguments
     def simulated(
         cls,
         world: PhysicalWorld,
         robot: ActingArm,
         cameras: Sequence[Camera],
-        goal: str | Sequence[str] | Task,
+        goal: str | Collection[str] | Task,
         *,
         fixed: tuple[str, ...] = ("table",),
         up: FloatArray | None = None,

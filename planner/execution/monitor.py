@@ -2,7 +2,7 @@
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field
-from typing import Protocol
+from typing import Protocol, runtime_checkable
 
 from topple.planner.decide.goal import Goal
 from topple.planner.transfer.transfer import Transfer
@@ -33,6 +33,7 @@ class Verdict:
     robot_seconds: float | None = None
 
 
+@runtime_checkable
 class Monitor(Protocol):
     """Looks on from before an action until the arm has withdrawn, and at the end of a run."""
 

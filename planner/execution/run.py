@@ -1,6 +1,6 @@
 """A scene rebuilt in simulation, and a goal reached in it by an arm in closed loop."""
 
-from collections.abc import Collection, Sequence
+from collections.abc import Collection
 from dataclasses import replace
 from pathlib import Path
 
@@ -23,15 +23,17 @@ from topple.robots.catalog.own_arm import check_tool
 from topple.robots.engines import DEFAULT_ENGINE, arm_in, playing_on
 from topple.robots.world.film import filmed
 from topple.robots.world.recorded import recorded
+from topple.topology.arguments import checked_arguments
 from topple.topology.arrays import FloatArray
 from topple.topology.checks import as_pose
-from topple.topology.scene import Scene
+from topple.topology.io.load import AnyScene, as_scene
 from topple.topology.statics.gravity import check_up
 
 
+@checked_arguments
 def run(
-    scene: Scene,
-    goal: str | Sequence[str] | Task,
+    scene: AnyScene,
+    goal: str | Collection[str] | Task,
     robot: Arm | str = "panda",
     *,
     base: FloatArray | None = None,
@@ -55,7 +57,7 @@ def run(
     """Rebuild a scene in simulation and act out a goal in it, looking again after every action.
 
     Args:
-        scene: What was seen, with `up` and a flat fixed object to stand on.
+        scene: What was seen, with `up` and a flat fixed object to stand on, or the path of it.
         goal: In words, names of objects to free, or any other task, in the frame of the scene.
         robot: The arm, or its name.
         base: (4, 4) pose_base_to_scene; the scene's `robot_base`, or else searched for.
@@ -89,7 +91,7 @@ def run(
             engine, have a camera at the wrist or are to be recorded for Rerun.
         NoBase: The arm reaches nothing from anywhere.
     """
-    arm = robot_named(robot) if isinstance(robot, str) else robot
+    scene, arm = as_scene(scene), robot_named(robot) if isinstance(robot, str) else robot
     check_tool(arm)
     task = GoalTask.of(goal)
     check_up(scene)

@@ -1,6 +1,6 @@
 """A second look before a doubtful step: the arm carries a camera to where most of what is hidden shows."""
 
-from typing import Protocol
+from typing import Protocol, runtime_checkable
 
 import numpy as np
 
@@ -19,6 +19,7 @@ from topple.topology.image import DepthImage
 from topple.topology.situation import Situation
 
 
+@runtime_checkable
 class HandCamera(Protocol):
     """A depth camera that an arm carries."""
 

@@ -12,16 +12,18 @@ from topple.planner.formats.verification import Verification
 from topple.planner.transfer.segments import KINDS
 from topple.planner.verify.verify import verify
 from topple.robots.arm.arm import Arm
+from topple.topology.arguments import checked_arguments
 from topple.topology.checks import as_pose
 from topple.topology.errors import InvalidInput
-from topple.topology.scene import Scene
+from topple.topology.io.load import AnyScene, as_scene
 from topple.topology.tolerances import RIGID
 
 
 class Plan(PlanData, frozen=True, kw_only=True):  # noqa: D101 - what its data say, in the schema too
     __doc__ = PlanData.__doc__
 
-    def verify(self, scene: Scene | None = None, robot: Arm | str | None = None) -> Verification:
+    @checked_arguments
+    def verify(self, scene: AnyScene | None = None, robot: Arm | str | None = None) -> Verification:
         """Check everything again by other means than it was planned with.
 
         Args:
@@ -34,7 +36,7 @@ class Plan(PlanData, frozen=True, kw_only=True):  # noqa: D101 - what its data s
         Raises:
             InvalidInput: The plan does not fit the arm or the scene.
         """
-        return verify(self, scene, robot)
+        return verify(self, None if scene is None else as_scene(scene), robot)
 
 
 def plan_to_json(plan: Plan) -> bytes:

@@ -9,6 +9,7 @@ import numpy as np
 
 from topple.planner.grasp.stored import Key
 from topple.planner.grasp.tolerances import PAD_HALF
+from topple.topology.arguments import checked_arguments
 from topple.topology.arrays import FloatArray, frozen
 from topple.topology.errors import InvalidInput
 from topple.topology.plugins import Table, expected
@@ -17,6 +18,7 @@ from topple.topology.values import ByValue
 GRASPNET_COLUMNS = 17  # score, width, height, depth, rotation (9), translation (3), object
 
 
+@checked_arguments
 @dataclass(frozen=True, eq=False)
 class ForeignGrasps(ByValue):
     """Grasps as another pipeline proposes them.
@@ -71,6 +73,7 @@ GRASP_READERS: Table[GraspReader] = Table(
 """Every format by its name, asked in this order after those of other packages."""
 
 
+@checked_arguments
 def read_grasps(path: str | Path) -> ForeignGrasps:
     """Read a file of grasps, told by its content.
 
@@ -98,6 +101,7 @@ def read_grasps(path: str | Path) -> ForeignGrasps:
     raise InvalidInput(f"{path}: is no file of grasps: expected .npy, .npz or an isaac_grasp .yaml")
 
 
+@checked_arguments
 def grasps_from_array(
     array: FloatArray, name: str = "grasps", scores: Sequence[float] | FloatArray | None = None
 ) -> ForeignGrasps:

@@ -21,10 +21,11 @@ from topple.planner.grasp.tolerances import GRASP_TOLERANCES, HAND_REACH
 from topple.robots.arm.arm import Arm
 from topple.robots.arm.gripper import ToolName
 from topple.robots.catalog import robot as robot_named
+from topple.topology.arguments import checked_arguments
 from topple.topology.arrays import FloatArray
 from topple.topology.checks import as_pose
 from topple.topology.errors import InvalidInput, UnknownObject
-from topple.topology.io.load import as_scene
+from topple.topology.io.load import AnyScene, as_scene
 from topple.topology.scene import Scene
 from topple.topology.situation import Situation
 from topple.topology.statics.gravity import check_up
@@ -56,8 +57,9 @@ class RankedGrasp(ByValue):
     dropped: str | None
 
 
+@checked_arguments
 def rank_grasps(
-    scene: Scene | str | os.PathLike[str],
+    scene: AnyScene,
     grasps: GivenGrasps,
     robot: Arm | str | None = None,
     *,
@@ -151,8 +153,9 @@ def camera_frame(scene: Scene, grasps: ForeignGrasps) -> FloatArray | None:
     return frames[int(np.argmax(near))] if max(near) > near[0] else None
 
 
+@checked_arguments
 def rank_all(
-    scenes: Iterable[Scene | str | os.PathLike[str]],
+    scenes: Iterable[AnyScene],
     grasps: Iterable[GivenGrasps | str | os.PathLike[str]],
     robot: Arm | str | None = None,
     *,
@@ -185,13 +188,13 @@ def rank_all(
 
 
 def _rank_pair(
-    pair: tuple[Scene | str | os.PathLike[str], GivenGrasps | str | os.PathLike[str]],
+    pair: tuple[AnyScene, GivenGrasps | str | os.PathLike[str]],
     robot: Arm | str | None,
     reach: Reach | None,
 ) -> list[RankedGrasp]:
     scene, grasps = pair
     given = read_grasps(os.fspath(grasps)) if isinstance(grasps, (str, os.PathLike)) else grasps
-    return rank_grasps(as_scene(scene), given, robot, reach=reach)
+    return rank_grasps(scene, given, robot, reach=reach)
 
 
 def _key(ranked: RankedGrasp) -> tuple[float, bool, bool, float, int]:

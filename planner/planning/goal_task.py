@@ -1,6 +1,6 @@
 """The task to reach a goal in words, or to free what is named."""
 
-from collections.abc import Sequence
+from collections.abc import Collection
 from dataclasses import dataclass
 
 from topple.planner.decide.goal import Goal, parse_goal
@@ -15,10 +15,10 @@ from topple.topology.situation import Situation
 class GoalTask:
     """A task in words, or as names of what is to be freed: see `topple.planner.decide.goal.parse_goal`."""
 
-    words: str | Sequence[str]
+    words: str | Collection[str]
 
     @staticmethod
-    def of(goal: str | Sequence[str] | Task) -> Task:
+    def of(goal: str | Collection[str] | Task) -> Task:
         """What somebody wants, as a task."""
         return goal if isinstance(goal, Task) else GoalTask(goal)
 

@@ -1,6 +1,6 @@
 """From where to look next: the place that shows most of what no camera saw and the order depends on."""
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Collection, Mapping
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
@@ -21,13 +21,15 @@ from topple.planner.planning.tolerances import (
     UNSEEN,
 )
 from topple.robots.poses import looking_at
+from topple.topology.arguments import checked_arguments
 from topple.topology.arrays import BoolArray, FloatArray, IntArray, bounds
 from topple.topology.checks import as_points
+from topple.topology.io.load import AnyScene
 from topple.topology.situation import Situation
 from topple.topology.values import ByValue
 
 if TYPE_CHECKING:
-    from topple.topology.scene import Scene
+    pass
 
 
 @dataclass(frozen=True, eq=False)
@@ -82,9 +84,10 @@ class View(ByValue):
         }  # fmt: skip
 
 
+@checked_arguments
 def next_view(
-    scene: "Scene | Situation",
-    targets: Sequence[str] | str | None = None,
+    scene: AnyScene | Situation,
+    targets: Collection[str] | str | None = None,
     *,
     eyes: FloatArray | None = None,
     found: Order | None = None,
@@ -108,8 +111,8 @@ def next_view(
 
 
 def next_views(
-    scene: "Scene | Situation",
-    targets: Sequence[str] | str | None = None,
+    scene: AnyScene | Situation,
+    targets: Collection[str] | str | None = None,
     *,
     eyes: FloatArray | None = None,
     found: Order | None = None,

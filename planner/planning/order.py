@@ -1,6 +1,5 @@
 """In which order to take things: the fewest removals that free the targets, and why."""
 
-import os
 from collections.abc import Callable, Collection, Iterable, Mapping, Sequence
 from concurrent.futures import Executor
 from dataclasses import replace
@@ -17,10 +16,11 @@ from topple.planner.decide.beliefs import Beliefs
 from topple.planner.decide.chances import reasoned
 from topple.planner.decide.dependency import DependencyGraph, dependencies, with_fixture
 from topple.planner.planning.tolerances import REMOVAL_RISK, TOP
+from topple.topology.arguments import checked_arguments
 from topple.topology.arrays import FloatArray
 from topple.topology.checks import as_names
 from topple.topology.errors import InvalidInput, UnknownObject
-from topple.topology.io.load import as_scene
+from topple.topology.io.load import AnyScene
 from topple.topology.situation import Situation
 from topple.topology.statics.gravity import check_up
 from topple.topology.values import FrozenDict
@@ -33,10 +33,11 @@ if TYPE_CHECKING:
     from topple.topology.statics.rest import Statics
 
 
+@checked_arguments
 @bounded
 def order(
-    scene: "Scene | Situation | str | os.PathLike[str]",
-    targets: Sequence[str] | str | None = None,
+    scene: AnyScene | Situation,
+    targets: Collection[str] | str | None = None,
     *,
     seed: int = 0,
     verify: bool = False,
@@ -47,12 +48,12 @@ def order(
     beliefs: Beliefs | None = None,
     check_gravity: bool = True,
     hands: int | None = None,
-    clamped: Sequence[str] | str = (),
+    clamped: Collection[str] | str = (),
 ) -> Order:
     """Find the order that frees the targets with the fewest removals, or with the least risk.
 
     Args:
-        scene: A scene that knows where up is, or the situation it was read as.
+        scene: A scene that knows where up is, the path of one, or the situation it was read as.
         targets: Names to free; none clears everything.
         seed: Seed of the simulations, where there are any.
         verify: Check the dependencies by simulation.
@@ -87,7 +88,7 @@ def order(
         raise InvalidInput(f"hands is {hands}: expected how many there are, 1 or more")
     if removal_risk is not None and not 0.0 <= removal_risk <= 1.0:
         raise InvalidInput(f"removal_risk is {removal_risk}: expected a chance from 0 to 1")
-    situation = Situation.of(scene if isinstance(scene, Situation) else as_scene(scene), relations)
+    situation = Situation.of(scene, relations)
     scene = situation.scene
     wanted = check_targets(scene, targets)
     fixture = check_clamped(scene, clamped)
@@ -119,9 +120,10 @@ def order(
     return found if robot is None else _with_access(found, situation, robot)
 
 
+@checked_arguments
 def order_all(
-    scenes: "Iterable[Scene | str | os.PathLike[str]]",
-    targets: Sequence[str] | str | None = None,
+    scenes: Iterable[AnyScene],
+    targets: Collection[str] | str | None = None,
     *,
     executor: Executor | None = None,
     **options: Any,
@@ -146,11 +148,11 @@ def order_all(
 
 
 def _order_of(
-    targets: Sequence[str] | str | None,
+    targets: Collection[str] | str | None,
     options: dict[str, Any],
-    source: "Scene | str | os.PathLike[str]",
+    source: AnyScene,
 ) -> Order:
-    return order(as_scene(source), targets, **options)
+    return order(source, targets, **options)
 
 
 def _top(surface: FloatArray) -> FloatArray:
@@ -193,12 +195,12 @@ def cautious(
     seed: int = 0,
     beliefs: Beliefs | None = None,
     hands: int | None = None,
-    clamped: Sequence[str] | str = (),
+    clamped: Collection[str] | str = (),
 ) -> Order:
     """The order for an arm that acts: with the least risk, as removals do harm themselves now and then.
 
     Args:
-        scene: A scene that knows where up is, or the situation it was read as.
+        scene: A scene that knows where up is, the path of one, or the situation it was read as.
         targets: Names to free.
         relations: The scene's relations where they are known.
         seed: Seed of the simulations, where there are any.
@@ -274,7 +276,7 @@ def check_clamped(scene: "Scene", clamped: Collection[str] | str) -> frozenset[s
     return names - scene.fixed
 
 
-def check_targets(scene: "Scene", targets: Sequence[str] | str | None) -> tuple[str, ...]:
+def check_targets(scene: "Scene", targets: Collection[str] | str | None) -> tuple[str, ...]:
     """The targets as a tuple without repeats, all of them known and movable.
 
     Args:
@@ -287,7 +289,7 @@ def check_targets(scene: "Scene", targets: Sequence[str] | str | None) -> tuple[
     """
     if not scene.movable:
         raise InvalidInput("nothing in the scene can move: every object is fixed")
-    given = tuple(as_names(targets, "targets"))
+    given = tuple(as_names(targets))
     for name in given:
         if name not in scene.clouds:
             raise UnknownObject(name, scene.movable, role="target")

@@ -1,6 +1,5 @@
 """The whole sequence before anything moves: order, grasps, placements and motions, step by step."""
 
-import os
 import time
 from collections import Counter
 from collections.abc import Callable, Collection, Iterable, Sequence
@@ -34,9 +33,10 @@ from topple.robots.arm.arm import Arm
 from topple.robots.catalog import robot as robot_named
 from topple.robots.catalog.own_arm import check_tool
 from topple.robots.engines import BULLET, INSTALLED
+from topple.topology.arguments import checked_arguments
 from topple.topology.arrays import FloatArray
 from topple.topology.errors import InvalidInput
-from topple.topology.io.load import as_scene
+from topple.topology.io.load import AnyScene, as_scene
 from topple.topology.relations import Relations
 from topple.topology.scene import Scene
 from topple.topology.situation import Situation
@@ -48,10 +48,11 @@ UNPROVEN = "placements were not let go in simulation: no engine is installed"
 UNCHECKED = "the plan was not checked by other means: PyBullet is not installed"
 
 
+@checked_arguments
 @bounded
 def plan(
-    scene: Scene | str | os.PathLike[str],
-    goal: str | Sequence[str] | Task,
+    scene: AnyScene,
+    goal: str | Collection[str] | Task,
     robot: Arm | str,
     *,
     base: FloatArray | None = None,
@@ -152,9 +153,10 @@ def plan(
     return found
 
 
+@checked_arguments
 def plan_all(
-    scenes: Iterable[Scene | str | os.PathLike[str]],
-    goal: str | Sequence[str] | Task,
+    scenes: Iterable[AnyScene],
+    goal: str | Collection[str] | Task,
     robot: Arm | str,
     *,
     executor: Executor | None = None,
@@ -181,13 +183,13 @@ def plan_all(
 
 
 def _plan_of(
-    goal: str | Sequence[str] | Task,
+    goal: str | Collection[str] | Task,
     robot: Arm | str,
     options: dict[str, Any],
-    source: Scene | str | os.PathLike[str],
+    source: AnyScene,
 ) -> Plan | NoSafePlan:
     try:
-        return plan(as_scene(source), goal, robot, **options)
+        return plan(source, goal, robot, **options)
     except NoSafePlan as error:
         return error
 

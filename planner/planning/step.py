@@ -126,6 +126,7 @@ class Context:
         )  # fmt: skip
 
 
+@runtime_checkable
 class Chooser(Protocol):
     """Says in one situation what to do next for a goal."""
 
@@ -177,6 +178,7 @@ class Task(Protocol):
         ...
 
 
+@runtime_checkable
 class Orderer(Protocol):
     """Whoever says in which order to free targets: `topple.planner.order`, or a function of your own.
 

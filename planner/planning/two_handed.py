@@ -1,6 +1,6 @@
 """A whole sequence for two arms before anything moves: what one takes, and what the other holds for it."""
 
-from collections.abc import Sequence
+from collections.abc import Collection
 from dataclasses import replace
 
 import numpy as np
@@ -14,16 +14,18 @@ from topple.planner.planning.tolerances import MOST_STEPS
 from topple.planner.transfer.transfer import after
 from topple.robots.arm.arm import Arm
 from topple.robots.catalog import robot as robot_named
+from topple.topology.arguments import checked_arguments
 from topple.topology.arrays import FloatArray
 from topple.topology.checks import as_pose
-from topple.topology.scene import Scene
+from topple.topology.io.load import AnyScene, as_scene
 from topple.topology.situation import Situation
 from topple.topology.statics.gravity import check_up
 
 
+@checked_arguments
 def plan_two_handed(
-    scene: Scene,
-    goal: str | Sequence[str] | Task,
+    scene: AnyScene,
+    goal: str | Collection[str] | Task,
     robot: Arm | str,
     *,
     base: FloatArray,
@@ -39,7 +41,7 @@ def plan_two_handed(
     5 mm larger than it is. After a step the arm that took goes home, by a way that is left to whoever acts.
 
     Args:
-        scene: What is seen, with `up`.
+        scene: What is seen, with `up`, or the path of it.
         goal: In words, names of objects to free, or any other task.
         robot: The arm, or its name.
         base: (4, 4) pose_base_to_world of the first.
@@ -56,7 +58,7 @@ def plan_two_handed(
         InvalidInput: The goal is none, the scene does not know up, the arm has no fingers, or an arm touches
             something where it stands.
     """
-    arm = robot_named(robot) if isinstance(robot, str) else robot
+    scene, arm = as_scene(scene), robot_named(robot) if isinstance(robot, str) else robot
     check_second(arm)
     task = GoalTask.of(goal)
     wanted = task.goal(scene)

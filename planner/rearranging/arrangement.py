@@ -14,10 +14,12 @@ from topple.planner.rearranging.possible import check_possible
 from topple.planner.rearranging.registration import Registration, least, registered, remaining
 from topple.planner.rearranging.steady import steadied
 from topple.planner.rearranging.tolerances import OTHER, SIZES
+from topple.topology.arguments import checked_arguments
 from topple.topology.arrays import FloatArray
 from topple.topology.bodies.solids import up_of
 from topple.topology.errors import InvalidInput
 from topple.topology.frame import in_frame
+from topple.topology.io.load import AnyScene
 from topple.topology.situation import Situation
 from topple.topology.sixim.table import Relation
 
@@ -27,6 +29,7 @@ if TYPE_CHECKING:
 INSIDE = (Relation.WITHIN, Relation.PARTIAL_WITHIN)
 
 
+@checked_arguments
 class Arrangement:
     """A finished arrangement, seen, that things are to be brought to.
 
@@ -38,7 +41,7 @@ class Arrangement:
 
     def __init__(
         self,
-        scene: "Scene | Situation",
+        scene: AnyScene | Situation,
         matches: tuple[Match, ...] = (),
         pose_free: Mapping[str, Place] | None = None,
     ) -> None:

@@ -16,8 +16,10 @@ from topple.planner.rearranging.moves import fewest_moves
 from topple.planner.rearranging.precedences import OccupiedPlace, precedences
 from topple.planner.rearranging.problem import Move, To
 from topple.planner.tolerances import DISTURBED
+from topple.topology.arguments import checked_arguments
 from topple.topology.arrays import FloatArray
 from topple.topology.errors import InvalidInput
+from topple.topology.io.load import AnyScene
 from topple.topology.situation import Situation
 from topple.topology.statics.support import Support
 from topple.topology.values import ByValue
@@ -25,7 +27,6 @@ from topple.topology.values import ByValue
 if TYPE_CHECKING:
     from topple.planner.formats.plan_format import Plan
     from topple.robots.arm.arm import Arm
-    from topple.topology.scene import Scene
 
 
 MATCHES = ("name", "shape")
@@ -88,8 +89,8 @@ class Rearrangement(ByValue):
 
 @overload
 def rearrange(
-    start: "Scene | Situation",
-    goal: "Scene | Situation | str | Mapping[str, Any]",
+    start: AnyScene | Situation,
+    goal: AnyScene | Situation | Mapping[str, Any],
     *,
     match: str = ...,
     budget: float | None = ...,
@@ -98,8 +99,8 @@ def rearrange(
 
 @overload
 def rearrange(
-    start: "Scene | Situation",
-    goal: "Scene | Situation | str | Mapping[str, Any]",
+    start: AnyScene | Situation,
+    goal: AnyScene | Situation | Mapping[str, Any],
     robot: "Arm | str",
     *,
     match: str = ...,
@@ -108,10 +109,11 @@ def rearrange(
 ) -> "Plan": ...
 
 
+@checked_arguments
 @bounded
 def rearrange(
-    start: "Scene | Situation",
-    goal: "Scene | Situation | str | Mapping[str, Any]",
+    start: AnyScene | Situation,
+    goal: AnyScene | Situation | Mapping[str, Any],
     robot: "Arm | str | None" = None,
     *,
     match: str = "name",
@@ -156,9 +158,7 @@ def rearrange(
     return plan(before.scene, ArrangementTask(wanted), robot, **options)
 
 
-def _wanted(
-    goal: "Scene | Situation | str | Mapping[str, Any]", before: Situation, match: str
-) -> Arrangement:
+def _wanted(goal: AnyScene | Situation | Mapping[str, Any], before: Situation, match: str) -> Arrangement:
     """How things shall lie, worked out where it is told."""
     if isinstance(goal, str):
         from topple.planner.rearranging.words import described  # lets things go in simulation

@@ -10,7 +10,9 @@ from topple.planner.planning.step import Chooser, Context, Task
 from topple.planner.rearranging.arrangement import Arrangement
 from topple.planner.rearranging.chooser import MoveChooser
 from topple.planner.rearranging.problem import Act, Pair
+from topple.topology.arguments import checked_arguments
 from topple.topology.arrays import FloatArray
+from topple.topology.io.load import AnyScene, as_scene
 from topple.topology.scene import Scene
 from topple.topology.situation import Situation
 
@@ -37,6 +39,7 @@ def _left(pair: Pair, handled: Collection[str]) -> bool:
     return any(act is Act.TAKE and name in handled for act, name in pair)
 
 
+@checked_arguments
 class ArrangementTask:
     """The task to make things lie as in a finished arrangement, with the fewest moves that the arm can make.
 
@@ -109,6 +112,7 @@ class _LazyTask(ABC):
         return self._made
 
 
+@checked_arguments
 class DescribedTask(_LazyTask):
     """The task to make things lie as words say: see `topple.planner.rearranging.words.described`.
 
@@ -127,6 +131,7 @@ class DescribedTask(_LazyTask):
         return described(self.words, Situation.of(scene))
 
 
+@checked_arguments
 class RelatedTask(_LazyTask):
     """The task to give things the relations of a document: see `topple.planner.rearranging.related.related`.
 
@@ -145,6 +150,7 @@ class RelatedTask(_LazyTask):
         return related(self.document, Situation.of(scene))
 
 
+@checked_arguments
 class SameShapesTask(_LazyTask):
     """The task to make things lie as in a scene of things of their shapes, whatever these are called.
 
@@ -152,9 +158,9 @@ class SameShapesTask(_LazyTask):
         goal: How things of these shapes shall lie.
     """
 
-    def __init__(self, goal: Scene) -> None:
+    def __init__(self, goal: AnyScene) -> None:
         super().__init__()
-        self._goal = goal
+        self._goal = as_scene(goal)
 
     def arrangement(self, scene: Scene) -> Arrangement:
         """The scene, its things named as those they are taken to be."""

@@ -22,7 +22,9 @@ from topple.planner.report.words import UNTIED, millimetres, order_in_words, sen
 from topple.planner.transfer.segments import SegmentKind
 from topple.robots.arm.arm import Arm
 from topple.robots.arm.gripper import ToolState
+from topple.topology.arguments import checked_arguments
 from topple.topology.errors import InvalidInput
+from topple.topology.io.load import AnyScene, as_scene
 from topple.topology.scene import Scene
 
 Band = tuple[str, float, float]
@@ -30,9 +32,10 @@ FREE = (SegmentKind.MOVE, SegmentKind.TRANSFER)
 """Ways that are not meant to come near anything."""
 
 
+@checked_arguments
 def plan_page(
     plan: Plan,
-    scene: Scene,
+    scene: AnyScene,
     relations: Documented | Document | None = None,
     *,
     arm: Arm | None = None,
@@ -42,7 +45,7 @@ def plan_page(
 
     Args:
         plan: The plan.
-        scene: What it was made for.
+        scene: What it was made for, or the path of it.
         relations: What `relate` found in the scene; found anew where None.
         arm: The arm; found by what the plan says of it where None.
         verification: What `Plan.verify` found, if it was asked.
@@ -54,6 +57,7 @@ def plan_page(
     Raises:
         InvalidInput: The plan names what is not in the scene, or its arm is not here.
     """
+    scene = as_scene(scene)
     if relations is None:
         from topple.topology.relations import relate
 

@@ -16,6 +16,7 @@ from topple.planner.report.show import dependency_section, photo_section
 from topple.planner.report.tables import Change, order_list, relation_changes, relation_table
 from topple.planner.report.view import object_index, view_data
 from topple.planner.report.words import listed, millimetres, sentence
+from topple.topology.arguments import checked_arguments
 from topple.topology.scene import Scene
 
 __all__ = ["picture", "run_page"]
@@ -24,6 +25,7 @@ Document = Mapping[str, Any]
 _NO_RELATIONS: Document = {"relations": ()}
 
 
+@checked_arguments
 def run_page(
     record: RunRecord, *, points: int = LIMITS.run_points, photos: bool = True, compact: bool = False
 ) -> str:

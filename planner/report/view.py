@@ -1,7 +1,7 @@
 """One 3-D view's data: the drawing of a scene with its relation lines, order numbers and dependencies."""
 
 from collections.abc import Mapping
-from typing import Any, Protocol
+from typing import Any, Protocol, runtime_checkable
 
 from topple.planner.report.drawing import Drawing, thin_path
 from topple.planner.report.palette import css, relation_colour
@@ -12,6 +12,7 @@ from topple.topology.sixim.table import ONE_SIDED_CONTACT, Relation
 Document = Mapping[str, Any]
 
 
+@runtime_checkable
 class Documented(Protocol):
     """A result that gives its JSON document: Relations, Order."""
 

@@ -1,8 +1,10 @@
 """Collision elements of a URDF as convex parts, meshes found and cut where they are concave."""
 
+import os
 import xml.etree.ElementTree as ElementTree
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from functools import lru_cache
+from glob import escape
 from importlib.util import find_spec
 from pathlib import Path
 from typing import Any
@@ -14,6 +16,11 @@ from topple.robots.arm.tolerances import CYLINDER_SIDES, LONGEST, LONGEST_MESH
 from topple.robots.collision.pieces import convex_pieces
 from topple.topology.arrays import FloatArray
 from topple.topology.errors import InvalidInput, NotInstalled
+from topple.topology.io.geometry import as_read
+
+PACKAGE = "package://"
+IN_SOURCES = ("*/", "*/*/")
+"""How deep packages lie in a workspace's folder of sources, where not at its top."""
 
 
 def geometry_parts(
@@ -82,7 +89,9 @@ def _mesh_parts(file: Path, _changed: int, cut: bool) -> tuple[FloatArray, ...]:
     """Vertices (V, 3) of the convex parts of a mesh file."""
     import trimesh
 
-    mesh: Any = trimesh.load(file, force="mesh", process=False, skip_materials=True)
+    source: Any = as_read(file, file.name)
+    kind = file.suffix[1:].lower()
+    mesh: Any = trimesh.load(source, kind, force="mesh", process=False, skip_materials=True)
     if mesh.units is not None:  # Collada states them; other formats do not
         mesh.apply_scale(trimesh.units.unit_conversion(mesh.units, "meters"))
     vertices = np.asarray(mesh.vertices, dtype=float).reshape(-1, 3)
@@ -102,14 +111,37 @@ def find_mesh(name: str, path: Path) -> Path | None:
         The file, or None where there is none.
     """
     relative = name.removeprefix("file://")
-    candidates = [Path(relative)] if relative.startswith("/") else []
-    if name.startswith("package://"):
-        inside = Path(name.removeprefix("package://"))
-        tails = [inside, Path(*inside.parts[1:])]
-        candidates += [folder / tail for folder in path.parents for tail in tails]
-    elif not candidates:
-        candidates = [path.parent / relative]
+    if name.startswith(PACKAGE):
+        package, _, inside = name.removeprefix(PACKAGE).partition("/")
+        candidates = (folder / inside for folder in _packages(package, path))
+    else:
+        candidates = iter([path.parent / relative])  # which leaves an absolute path as it is
     return next((candidate for candidate in candidates if candidate.is_file()), None)
+
+
+def _packages(package: str, path: Path) -> Iterator[Path]:
+    """Folders that may be a ROS package: above a URDF, in the workspace that it lies in, on ROS's paths."""
+    yield from (folder for above in path.parents for folder in (above / package, above))
+    sources = [above for above in path.parents if above.name == "src"]
+    yield from (found for src in sources for deep in IN_SOURCES for found in src.glob(deep + escape(package)))
+    yield from (Path(place) / package for place in os.environ.get("ROS_PACKAGE_PATH", "").split(os.pathsep))
+    prefixes = os.environ.get("AMENT_PREFIX_PATH", "").split(os.pathsep)
+    yield from (Path(prefix) / "share" / package for prefix in prefixes)
+
+
+def missing_meshes(names: Sequence[str], path: Path) -> str:
+    """What to say of meshes of a URDF that are not there or cannot be read."""
+    said = f"{path.name}: missing or unreadable collision meshes: {'; '.join(names)}"
+    packages = sorted(
+        {name.removeprefix(PACKAGE).split("/")[0] for name in names if name.startswith(PACKAGE)}
+    )
+    if not packages:
+        return said
+    return (
+        f"{said}; packages are looked for in the folders above {path}, below those called src, and in "
+        f"ROS_PACKAGE_PATH and AMENT_PREFIX_PATH: set ROS_PACKAGE_PATH to the folder that holds "
+        f"{' and '.join(packages)}"
+    )
 
 
 def prism(radius: float, length: float) -> FloatArray:

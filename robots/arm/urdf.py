@@ -16,7 +16,7 @@ import numpy as np
 from scipy.spatial import QhullError
 
 from topple.robots.arm.elements import number, numbers, origin_of
-from topple.robots.arm.shapes import geometry_parts
+from topple.robots.arm.shapes import geometry_parts, missing_meshes
 from topple.robots.arm.tolerances import FULL_TURN, LONGEST, MOST_BODIES
 from topple.robots.collision.convex import hull_of
 from topple.topology.arrays import FloatArray, frozen
@@ -152,7 +152,8 @@ def read_urdf(path: str | Path) -> Model:
 
     Args:
         path: The URDF. Mesh names are taken as absolute, relative to the file, or `package://` relative to
-            the file's folder or one of its parents (with or without the package's own name).
+            the file's folder or one of its parents (with or without the package's own name), to the other
+            packages of their workspace, and to ROS_PACKAGE_PATH and AMENT_PREFIX_PATH.
 
     Returns:
         The tree, with collision vertices in link frames.
@@ -248,7 +249,7 @@ def model_of(robot: ElementTree.Element, path: Path, *, cut: bool = True) -> Mod
     missing: list[str] = []
     links = {str(e.get("name")): _read_link(e, path, missing, cut) for e in robot.findall("link")}
     if missing:
-        raise InvalidInput(f"{path.name}: missing or unreadable collision meshes: {'; '.join(missing)}")
+        raise InvalidInput(missing_meshes(missing, path))
     return Model(str(robot.get("name", path.stem)), path, _parents_first(links, joints, path), joints)
 
 
@@ -288,6 +289,13 @@ def _read_joints(robot: ElementTree.Element, path: Path) -> dict[str, Joint]:
         if joint.child in joints:
             raise InvalidInput(f"{path.name}: link {joint.child!r} has two parent joints")
         joints[joint.child] = joint
+    moving = [joint.name for joint in joints.values() if joint.kind != "fixed"]
+    for joint in joints.values():
+        if joint.kind != "fixed" and joint.mimic is not None and joint.mimic.joint not in moving:
+            raise InvalidInput(
+                f"{path.name}: joint {joint.name!r} mimics {joint.mimic.joint!r}, which is none that moves: "
+                f"expected one of {', '.join(moving)}; or leave its <mimic> out"
+            )
     return joints
 
 

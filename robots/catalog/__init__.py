@@ -15,6 +15,7 @@ from topple.robots.catalog.data import data_path, panda_file
 from topple.robots.catalog.own_arm import arm_from_file
 from topple.robots.hands.suction_hand import CUP_JOINT, CUP_LINK, PANDA_CUP, panda_with_cup
 from topple.robots.hands.wsg50 import wsg50_fingers, wsg50_xml
+from topple.topology.arguments import checked_arguments
 from topple.topology.arrays import FloatArray
 from topple.topology.errors import InvalidInput
 from topple.topology.plugins import Table
@@ -42,6 +43,7 @@ XARM_JOINTS = (
 )
 
 
+@checked_arguments
 def robot(
     name: str | Path,
     gripper: str | Path | Gripper | Jaw | Cup | None = None,

@@ -45,7 +45,8 @@ def measured_jaw(model: Model, fingers: Fingers, given: Jaw | None = None) -> To
         The tool "fingers", or None where the parts do not close on each other and nothing was given.
 
     Raises:
-        InvalidInput: Something was given, and what it leaves out cannot be measured.
+        InvalidInput: Something was given, and what it leaves out cannot be measured; or no finger is found,
+            and a part that moves has no shape.
     """
     given = given or Jaw(joints=list(fingers.drivers))
     hand = _Hand(model, fingers)
@@ -54,6 +55,7 @@ def measured_jaw(model: Model, fingers: Fingers, given: Jaw | None = None) -> To
     else:
         links = (hand.carrier(given.links[0]), hand.carrier(given.links[1]))
     if links is None:
+        hand.check_shapes()
         return None
     ends = hand.ends(links, given)
     if ends is None:
@@ -82,6 +84,14 @@ class _Hand:
             f"{self._model.path.name}: the joints {', '.join(self._fingers.drivers)} do not move {link!r}; "
             f"they move {', '.join(self._groups)}"
         )
+
+    def check_shapes(self) -> None:
+        """Refuse a hand of which parts that move are nothing but names."""
+        if bare := [carrier for carrier in self._groups if not self._shape(carrier)]:
+            raise InvalidInput(
+                f"{self._model.path.name}: what {', '.join(self._fingers.drivers)} would close has no shape, "
+                f"neither collision geometry nor a drawn one: add <collision> to {', '.join(bare)}"
+            )
 
     def _shape(self, carrier: str) -> list[FloatArray]:
         """Vertices (V, 3) of the convex parts of a rigid group in the frame of its moving link."""

@@ -10,6 +10,7 @@ from numpy.typing import ArrayLike
 from topple.robots.collision.convex import hull_of
 from topple.robots.tolerances import TOLERANCES
 from topple.robots.world.tolerances import FRICTION, ROLLING
+from topple.topology.arguments import checked_arguments
 from topple.topology.arrays import FloatArray, IntArray, frozen, rounded
 from topple.topology.checks import as_name, as_points
 from topple.topology.errors import InvalidInput
@@ -21,6 +22,7 @@ Hulls = Sequence[tuple[FloatArray, IntArray]]
 GREY: Color = (0.6, 0.6, 0.62, 1.0)
 
 
+@checked_arguments
 @dataclass(frozen=True, eq=False)
 class Body:
     """A rigid thing made of convex parts.
@@ -67,6 +69,7 @@ class Body:
         object.__setattr__(self, "inertia", frozen(inertia))
 
     @classmethod
+    @checked_arguments
     def of(
         cls,
         name: str,

@@ -1,7 +1,7 @@
 """A depth camera in a world: depth with a real camera's faults, exact masks, colours."""
 
 from dataclasses import dataclass, field, replace
-from typing import Protocol, cast
+from typing import Protocol, cast, runtime_checkable
 
 import numpy as np
 from numpy.typing import NDArray
@@ -10,6 +10,7 @@ from scipy import ndimage
 from topple.robots.poses import looking_at
 from topple.robots.tolerances import TOLERANCES
 from topple.robots.world.tolerances import MASKS_MISSING
+from topple.topology.arguments import checked_arguments
 from topple.topology.arrays import BoolArray, FloatArray, IntArray
 from topple.topology.bodies.matter import MATTER
 from topple.topology.checks import as_intrinsics, as_pose
@@ -21,6 +22,7 @@ Rendered = tuple[FloatArray, IntArray, NDArray[np.uint8]]
 colours (H, W, 3)."""
 
 
+@runtime_checkable
 class Visible(Protocol):
     """What a camera asks of a world."""
 
@@ -71,6 +73,7 @@ class Noise:
         return self.floor + self.growth * np.square(depth - 0.4)
 
 
+@checked_arguments
 @dataclass(frozen=True, eq=False)
 class Camera:
     """A pinhole camera that sees depth, objects and colours.
@@ -105,6 +108,7 @@ class Camera:
         )
 
     @classmethod
+    @checked_arguments
     def looking_at(
         cls,
         eye: tuple[float, float, float],

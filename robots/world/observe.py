@@ -10,6 +10,7 @@ from numpy.typing import ArrayLike
 from topple.robots.engine import pybullet
 from topple.robots.tolerances import TOLERANCES
 from topple.robots.world.tolerances import AROUND, CELLS, DEEPEST, LARGEST, STEP
+from topple.topology.arguments import checked_arguments
 from topple.topology.arrays import FloatArray
 from topple.topology.errors import InvalidInput, UnknownObject
 from topple.topology.scene import Scene
@@ -20,6 +21,7 @@ NAMELESS = frozenset(("", "baseLink", "base_link", "base", "link0"))  # what any
 DIRECTIONS = np.array([d for d in itertools.product((-1, 0, 1), repeat=3) if 0 < np.abs(d).sum() < 3], float)
 
 
+@checked_arguments
 def scene_from_world(
     client: int,
     *,
@@ -47,9 +49,11 @@ def scene_from_world(
         links differ in friction none is given; its assumptions say so.
 
     Raises:
-        InvalidInput: If the world is empty.
+        InvalidInput: If the world is empty, or there is none.
         UnknownObject: If `fixed` names something that is not there.
     """
+    if not pybullet.isConnected(client):
+        raise InvalidInput(f"there is no PyBullet world {client}: expected what pybullet.connect returned")
     skipped = set(ignore)
     count: int = pybullet.getNumBodies(physicsClientId=client)
     bodies = [int(pybullet.getBodyUniqueId(k, physicsClientId=client)) for k in range(count)]

@@ -7,11 +7,13 @@ import numpy as np
 
 from topple.robots.engine import pybullet
 from topple.robots.world.simulated_arm import SimulatedArm
+from topple.topology.arguments import checked_arguments
 from topple.topology.arrays import FloatArray
 
 RATE = 60.0  # samples a second of simulated time: enough for a smooth picture, and to tell a fall from a jump
 
 
+@checked_arguments
 @dataclass
 class Recording:
     """Samples the world's state from the moment it is made on.

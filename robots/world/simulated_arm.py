@@ -17,9 +17,11 @@ from topple.robots.world.touch import note_touch
 from topple.robots.world.vacuum import Vacuum
 from topple.robots.world.world import World
 from topple.robots.world.wrist import TorqueNoise, Wrist
+from topple.topology.arguments import checked_arguments
 from topple.topology.arrays import FloatArray
 
 
+@checked_arguments
 class SimulatedArm(ActingArm):
     """An `ActingArm` in a world on PyBullet.
 

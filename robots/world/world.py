@@ -20,6 +20,7 @@ from topple.robots.world.physical_world import (
     principal_axes,
 )
 from topple.robots.world.rendering import rendered
+from topple.topology.arguments import checked_arguments
 from topple.topology.arrays import FloatArray
 from topple.topology.errors import InvalidInput
 from topple.topology.geometry.rigid import transformed
@@ -40,6 +41,7 @@ class Snapshot:
     names: frozenset[str]
 
 
+@checked_arguments
 class World(PhysicalWorld):
     """A PyBullet simulation of its own, to be used with `with`; z is up.
 

@@ -66,7 +66,7 @@ def find_table(
         if score > best and score[0] >= 0:
             best, table = score, plane
         left = left[~on]
-    return None if table is None else _connected(background[_on(background, table)], table, clouds)
+    return None if table is None else hanging_together(background, table, clouds)
 
 
 def table_among(
@@ -242,8 +242,22 @@ def _standing(plane: FloatArray, clouds: Mapping[str, FloatArray], viewpoints: F
     return int(np.count_nonzero(np.abs(lowest) <= STANDS))
 
 
-def _connected(points: FloatArray, plane: FloatArray, clouds: Mapping[str, FloatArray]) -> FloatArray:
-    """The points of a plane that hang together under the objects: no other table beyond a gap."""
+def hanging_together(
+    background: FloatArray, plane: FloatArray, clouds: Mapping[str, FloatArray]
+) -> FloatArray:
+    """Points in a plane that hang together under and around objects: of no other table beyond a gap.
+
+    Args:
+        background: (N, 3) points [m] that belong to no object.
+        plane: (4,) with a unit normal, as (n, d).
+        clouds: Points (N, 3) [m] per object.
+
+    Returns:
+        (M, 3) those of them [m].
+    """
+    points = background[_on(background, plane)]
+    if len(points) == 0:
+        return points
     axes = np.stack(perpendiculars(plane[:3]), axis=1)  # (3, 2)
     places, covered = points @ axes, np.concatenate(list(clouds.values())) @ axes
     corner = np.minimum(places.min(axis=0), covered.min(axis=0))

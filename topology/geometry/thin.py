@@ -3,7 +3,9 @@
 import numpy as np
 from scipy.spatial import KDTree
 
+from topple.topology.arguments import checked_arguments
 from topple.topology.arrays import FloatArray, IntArray, bounds
+from topple.topology.errors import InvalidInput
 from topple.topology.geometry.tolerances import BEFORE, ENOUGH, MANY
 
 
@@ -49,6 +51,7 @@ def sorted_cells(keys: IntArray) -> tuple[IntArray, IntArray]:
     return cells, places
 
 
+@checked_arguments
 def thinned(points: FloatArray, spacing: float) -> FloatArray:
     """Keep one point per cubic cell, the one that comes first.
 
@@ -58,9 +61,15 @@ def thinned(points: FloatArray, spacing: float) -> FloatArray:
 
     Returns:
         (M, 3) points of the cloud, M <= N, at most `spacing` * √3 from every dropped one.
+
+    Raises:
+        InvalidInput: They are no finite points, or there is no spacing.
     """
-    count = len(points)
-    if count == 0:
+    if points.ndim != 2 or points.shape[1] != 3 or not np.isfinite(points).all() or not spacing > 0:
+        raise InvalidInput(
+            f"points of shape {points.shape}, {spacing:g} m apart: expected finite points (N, 3), above 0"
+        )
+    if len(points) == 0:
         return points
     cells, places = sorted_cells(cell_keys(points, *bounds(points), spacing))
     first = np.concatenate([[True], cells[1:] != cells[:-1]])

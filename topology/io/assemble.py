@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from topple.topology.arrays import FloatArray, bounds, middle_of, within_corners
-from topple.topology.bodies.background import table_among
+from topple.topology.bodies.background import hanging_together, table_among
 from topple.topology.checks import as_plane, as_points, as_viewpoints
 from topple.topology.errors import InvalidInput
 from topple.topology.geometry.axes import perpendiculars
@@ -92,7 +92,7 @@ def assemble(
     up = parts.up if up is None else up
     if parts.table_plane is not None:
         plane = as_plane(parts.table_plane)
-        all_fixed = _place_table(clouds, all_fixed, plane, notes)
+        all_fixed = _place_table(clouds, all_fixed, plane, parts.background, notes)
         if up is None:
             up = plane[:3]
             notes.append("up is the normal of table_plane")
@@ -118,9 +118,13 @@ def _as_cloud(name: str, points: ArrayLike) -> FloatArray:
 
 
 def _place_table(
-    clouds: dict[str, FloatArray], fixed: list[str], plane: FloatArray, notes: list[str]
+    clouds: dict[str, FloatArray],
+    fixed: list[str],
+    plane: FloatArray,
+    background: FloatArray,
+    notes: list[str],
 ) -> list[str]:
-    """Find the object that is the table of `plane`, or lay a flat cloud there; returns what is fixed."""
+    """Find the table in `plane`, of a label or none, or lay a flat cloud there; returns what is fixed."""
     if _TABLE in clouds:
         if _TABLE not in fixed:
             notes.append(f"{_TABLE!r} is taken as fixed because of its name")
@@ -131,6 +135,14 @@ def _place_table(
             return fixed
         notes.append(f"{seen!r} is taken as the fixed table: it lies in table_plane, under the other objects")
         return [*fixed, seen]
+    measured = hanging_together(background, plane, clouds)
+    if len(measured) and _is_table(_TABLE, {**clouds, _TABLE: measured}, plane):
+        clouds[_TABLE] = measured
+        notes.append(
+            f"{_TABLE!r} is what lies in table_plane and has no label ({len(measured)} points): "
+            "it is taken as fixed"
+        )
+        return list(dict.fromkeys([*fixed, _TABLE]))
     clouds[_TABLE] = _flat_cloud(np.concatenate(list(clouds.values())), plane)
     notes.append(
         f"{_TABLE!r} is a flat cloud laid into table_plane under all objects and {TABLE_REACH:g} m beyond, "

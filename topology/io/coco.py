@@ -3,14 +3,15 @@
 Format: https://cocodataset.org/#format-data; run lengths go down the columns, zeros first.
 """
 
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike
 
+from topple.topology.arguments import checked_arguments
 from topple.topology.arrays import BoolArray
-from topple.topology.checks import numeric
+from topple.topology.checks import Names, numeric
 from topple.topology.errors import InvalidInput
 from topple.topology.io.rgbd import scene_from_rgbd
 from topple.topology.scene import Scene
@@ -19,6 +20,7 @@ from topple.topology.values import free_name
 _ZERO, _BITS, _MORE, _SIGN = 48, 0x1F, 0x20, 0x10  # of a character of compressed run lengths
 
 
+@checked_arguments
 def scene_from_coco(
     depth: ArrayLike,
     K: ArrayLike,
@@ -26,7 +28,7 @@ def scene_from_coco(
     categories: Mapping[int, str] | Sequence[Mapping[str, Any]] = (),
     *,
     pose_camera_to_world: ArrayLike | None = None,
-    fixed: Iterable[str] = (),
+    fixed: Names = (),
     up: ArrayLike | None = None,
 ) -> Scene:
     """Make a scene of what a depth camera saw and a segmentation cut out.
@@ -48,11 +50,10 @@ def scene_from_coco(
     Raises:
         InvalidInput: A mask is none or does not fit the image, or no object has depth.
     """
-    image = np.asarray(depth, dtype=np.float64)
+    image = numeric(depth, "depth")
     if image.ndim != 2:
         raise InvalidInput(f"depth has shape {image.shape}: expected an image (H, W) in metres")
     kinds = _kinds(categories)
-    _check_annotations(annotations)
     masks = [
         mask_of(each.get("segmentation"), image.shape, f"annotation {k}")
         for k, each in enumerate(annotations)
@@ -64,12 +65,6 @@ def scene_from_coco(
     given = {} if up is None else {"up": up}
     stack = np.array(masks) if masks else np.zeros(image.shape)
     return scene_from_rgbd(image, K, stack, names, pose_camera_to_world, fixed=fixed, **given)
-
-
-def _check_annotations(annotations: object) -> None:
-    """Refuse what is no list of annotations, as a whole COCO file read from JSON."""
-    if not isinstance(annotations, Sequence) or not all(isinstance(each, Mapping) for each in annotations):
-        raise InvalidInput("annotations: expected a list of {'segmentation', 'category_id'}, as of one image")
 
 
 def _kinds(categories: Mapping[int, str] | Sequence[Mapping[str, Any]]) -> dict[int, str]:

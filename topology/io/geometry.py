@@ -71,12 +71,23 @@ def read_geometry(path: Path, what: str, unit: float = 1.0) -> Geometry:
     return sampled_mesh(vertices, faces), faces, vertices
 
 
+def as_read(path: Path, what: str) -> BytesIO | Path:
+    """What trimesh reads of a file: the file, or its content without what it stumbles over.
+
+    Raises:
+        InvalidInput: If it is a PLY or STL that is cut short.
+        OSError: If the file cannot be read.
+    """
+    plain = _PLAIN.get(path.suffix.lower())
+    return path if plain is None else BytesIO(plain(path.read_bytes(), what))
+
+
 def _read_with_trimesh(path: Path, what: str) -> tuple[FloatArray, IntArray]:
     import trimesh
 
     check_size(path.stat().st_size, what)
     suffix = path.suffix.lower()
-    source: Any = BytesIO(_PLAIN[suffix](path.read_bytes(), what)) if suffix in _PLAIN else path
+    source: Any = as_read(path, what)
     if suffix == ".obj":
         _check_obj(path, what)
     log: logging.Logger = trimesh.util.log

@@ -4,12 +4,13 @@ import inspect
 import os
 from collections.abc import Callable, Iterable
 from pathlib import Path
-from typing import Any, Protocol
+from typing import Annotated, Any, Protocol
 
 from numpy.typing import ArrayLike
 
+from topple.topology.arguments import checked_arguments
 from topple.topology.arrays import FloatArray
-from topple.topology.checks import as_direction, as_names
+from topple.topology.checks import Names, as_direction, as_names
 from topple.topology.errors import InvalidInput
 from topple.topology.io.assemble import Parts, assemble
 from topple.topology.io.limits import allowing
@@ -48,10 +49,11 @@ READERS: Table[Reader] = Table(
 """Every format by its name, asked in this order after those of other packages."""
 
 
+@checked_arguments
 def load_scene(
     path: str | os.PathLike[str],
     *,
-    fixed: Iterable[str] = (),
+    fixed: Names = (),
     up: ArrayLike | None = None,
     most_bytes: int | None = None,
     allow_outside: bool = False,
@@ -115,7 +117,15 @@ def load_scene(
         raise
 
 
-def as_scene(source: object) -> Scene:
+AnyScene = Annotated[
+    Scene | str | os.PathLike[str],
+    "clouds and meshes make one by name, scene_from_objects({'mug': mesh})",
+]
+"""A scene as it is, or the path of one; and what to say where it is neither."""
+
+
+@checked_arguments
+def as_scene(source: AnyScene) -> Scene:
     """A scene as it is, or read from a path; see `load_scene`.
 
     Args:
@@ -124,19 +134,10 @@ def as_scene(source: object) -> Scene:
     Raises:
         InvalidInput: If it is neither, or what the path holds is none.
     """
-    if isinstance(source, Scene):
-        return source
-    if isinstance(source, (str, os.PathLike)):
-        return load_scene(source)
-    raise InvalidInput(
-        f"the scene is of {type(source)}: expected a Scene or the path of one; clouds and meshes make one by "
-        "name, scene_from_objects({'mug': mesh})"
-    )
+    return source if isinstance(source, Scene) else load_scene(source)
 
 
-def _as_path(path: object) -> Path:
-    if not isinstance(path, (str, os.PathLike)):
-        raise InvalidInput(f"the path of the scene is of {type(path)}: expected that of a file or a folder")
+def _as_path(path: str | os.PathLike[str]) -> Path:
     if not os.fspath(path):
         raise InvalidInput("the path of the scene is empty: expected that of a file or a folder")
     return Path(path)

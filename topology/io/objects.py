@@ -1,14 +1,15 @@
 """Scenes of what other libraries hold: Open3D and trimesh objects, records of a PointCloud2, poses of ROS."""
 
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike
 from scipy.spatial.transform import Rotation
 
+from topple.topology.arguments import checked_arguments
 from topple.topology.arrays import FloatArray
-from topple.topology.checks import as_names, as_points, as_pose
+from topple.topology.checks import Names, as_names, as_points, as_pose
 from topple.topology.errors import InvalidInput, UnknownObject
 from topple.topology.geometry.rigid import transformed
 from topple.topology.io.assemble import Parts, assemble
@@ -21,11 +22,12 @@ from topple.topology.scene import Mesh, Scene
 EXPECTED = "points (N, 3), a record array with x, y, z, or an Open3D or trimesh cloud or mesh, in metres"
 
 
+@checked_arguments
 def scene_from_objects(
     objects: Mapping[str, Any],
     poses: Mapping[str, Any] | Sequence[Any] = (),
     *,
-    fixed: Iterable[str] = (),
+    fixed: Names = (),
     up: ArrayLike | None = None,
     viewpoints: ArrayLike | None = None,
     robot_base: Any = None,
@@ -54,9 +56,6 @@ def scene_from_objects(
         InvalidInput: An object is none of these or empty, a pose is none, or poses are in different frames.
         UnknownObject: A pose, or a name in `fixed`, is of no object.
     """
-    given: Any = objects
-    if not isinstance(given, Mapping):
-        raise InvalidInput(f"objects is a {type(given).__name__}: expected {{name: object}}, each {EXPECTED}")
     placed = dict(zip(objects, poses, strict=False)) if not isinstance(poses, Mapping) else dict(poses)
     if not isinstance(poses, Mapping) and len(poses) not in (0, len(objects)):
         raise InvalidInput(
@@ -85,12 +84,13 @@ def scene_from_objects(
     return assemble(parts, [], None)
 
 
+@checked_arguments
 def scene_from_points(
     points: Any,
     labels: ArrayLike | None = None,
     *,
     names: Mapping[int, str] | None = None,
-    fixed: Iterable[str] = (),
+    fixed: Names = (),
     up: ArrayLike | None = None,
     viewpoints: ArrayLike | None = None,
 ) -> Scene:

@@ -1,12 +1,13 @@
 """An RGB-D frame: depth, intrinsic matrix and a mask whose labels are the objects' names."""
 
-from collections.abc import Collection, Iterable, Mapping
+from collections.abc import Collection, Mapping
 from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike
 
-from topple.topology.checks import as_names, numeric
+from topple.topology.arguments import checked_arguments
+from topple.topology.checks import Names, as_names, numeric
 from topple.topology.errors import InvalidInput
 from topple.topology.image import DepthImage, check_depth
 from topple.topology.io.archive import MASK_KEYS, STACK_KEY, Array
@@ -108,6 +109,7 @@ def _stacked(masks: Array) -> Array:
     return stack.astype(np.bool_)
 
 
+@checked_arguments
 def scene_from_rgbd(
     depth: ArrayLike,
     K: ArrayLike,
@@ -115,7 +117,7 @@ def scene_from_rgbd(
     names: Collection[str] | Mapping[int, str] = (),
     pose_camera_to_world: ArrayLike | None = None,
     *,
-    fixed: Iterable[str] = (),
+    fixed: Names = (),
     **more: ArrayLike,
 ) -> Scene:
     """Make a scene of a depth image and masks, as one of a file is made.
@@ -149,7 +151,7 @@ def scene_from_rgbd(
         arrays["ids"], names = np.array(list(names), dtype=np.int64), list(names.values())
     if isinstance(names, (set, frozenset)):
         raise InvalidInput("names is a set, which has no order: expected a list, a name for each mask")
-    if names := as_names(names, "names"):
+    if names := as_names(names):
         arrays["names"] = np.array(names, dtype=np.str_)
     if pose_camera_to_world is not None:
         arrays["pose_camera_to_world"] = numeric(pose_camera_to_world, "pose_camera_to_world")

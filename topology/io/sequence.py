@@ -1,15 +1,16 @@
 """A tracked scene: one Scene per frame."""
 
 import os
-from collections.abc import Iterable, Iterator, Mapping
+from collections.abc import Iterator, Mapping
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike
 
+from topple.topology.arguments import checked_arguments
 from topple.topology.arrays import FloatArray
-from topple.topology.checks import as_names
+from topple.topology.checks import Names, as_names
 from topple.topology.errors import InvalidInput
 from topple.topology.io.archive import Array, read_arrays
 from topple.topology.io.assemble import Parts, assemble
@@ -22,10 +23,11 @@ from topple.topology.scene import Scene
 _POINTS, _ROWS = "_xyz_01mm", "_offsets"
 
 
+@checked_arguments
 def load_sequence(
     path: str | os.PathLike[str],
     *,
-    fixed: Iterable[str] = (),
+    fixed: Names = (),
     up: ArrayLike | None = None,
     **options: Any,
 ) -> Iterator[Scene]:

@@ -9,6 +9,7 @@ from numpy.typing import ArrayLike
 from scipy.optimize import linear_sum_assignment
 from scipy.spatial import KDTree
 
+from topple.topology.arguments import checked_arguments
 from topple.topology.arrays import FloatArray, IntArray, bounds
 from topple.topology.errors import InvalidInput
 from topple.topology.geometry.plane import TABLE, table_by_name
@@ -81,6 +82,7 @@ def _fit_json(fit: Registration) -> dict[str, float]:
     }
 
 
+@checked_arguments
 def merge_views(
     images: Sequence[DepthImage],
     names: Sequence[str] = (),

@@ -9,6 +9,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from topple.topology.arrays import IntArray
+from topple.topology.errors import InvalidInput
 from topple.topology.values import Word
 
 
@@ -103,7 +104,8 @@ def classify(matrix: ArrayLike) -> Relation:
         The one relation whose row of Table 1 matches.
 
     Raises:
-        ValueError: A row is empty: no non-empty cloud has a point nowhere (Table 2).
+        InvalidInput: It is of another shape, or a row is empty: no non-empty cloud has a point nowhere
+            (Table 2).
 
     See Also:
         converse_matrix: `classify(converse_matrix(m))` is `classify(m).converse`.
@@ -113,9 +115,9 @@ def classify(matrix: ArrayLike) -> Relation:
     >>> classify([[0, 0, 100], [0, 2, 98]])  # contact that only B's points show
     <Relation.DISJOINT: 'disjoint'>
     """
-    code = pattern_code(matrix)
+    code = pattern_code(matrix) if np.shape(matrix) == (2, 3) else -1
     if code not in _RELATION_OF_CODE:
-        raise ValueError(
+        raise InvalidInput(
             f"no two non-empty clouds have the intersection matrix {np.asarray(matrix).tolist()}"
         )
     return _RELATION_OF_CODE[code]

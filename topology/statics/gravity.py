@@ -15,10 +15,12 @@ from topple.topology.statics.contact import Contact, find_contacts
 from topple.topology.statics.holding import deficits
 from topple.topology.statics.rest import Statics, within_reach
 from topple.topology.statics.tolerances import ALONG, APART, BETTER, FAR_OFF, HANGING
-from topple.topology.tolerances import VOXEL
+from topple.topology.tolerances import RIGID, VOXEL
 from topple.topology.values import FrozenDict
 
 _LEVEL = ("table", "ground", "floor")
+
+GIVEN_UP = "the up that is given (--up, or the scene's own up or table_plane)"
 
 _FLOOR = "\n"  # no object's name: names have printable characters only
 
@@ -43,7 +45,9 @@ def check_up(scene: Scene, statics: Statics | None = None) -> None:
         return
     assert scene.up is not None  # statics needs it
     _check_distances(scene, statics)
-    hanging = uncarried(statics)
+    if uncarried(statics) < HANGING:
+        return
+    hanging = uncarried(Statics.of(scene))  # by the clouds alone, as with the other directions
     if hanging < HANGING:
         return
     for other in _other_directions(scene, scene.up):
@@ -166,14 +170,31 @@ def _contradiction(scene: Scene, up: FloatArray, other: FloatArray, hanging: flo
     if scene.images and not scene.fixed:
         return (
             f"{what}: in a depth image up is a direction of the camera's frame (0 0 1 is its viewing axis); "
-            f"name what they stand on by its label, --fixed LABEL, and leave --up out; {fits}"
+            f"name what they stand on by its label, --fixed LABEL, and leave out {GIVEN_UP}; {fits}"
         )
     cure = f"give --up {_listed(other)}, or turn round the up or table_plane that the scene gives"
-    if scene.images:
-        cure = f"leave --up out, and it is taken from what is fixed; or give --up {_listed(other)}"
+    found = up_from_fixed(scene.clouds, sorted(scene.fixed), scene.viewpoints)
+    if any(float(other @ turned) > ALONG for turned in _as_in_opengl(scene, up)):
+        cure = (
+            "is the camera's pose in OpenGL axes, y up and z backward? give pose @ diag(1, -1, -1, 1); or, "
+            f"if the pose is right, --up {_listed(other)}"
+        )
+    elif scene.images and found is not None and float(found[0] @ up) > APART:
+        named = " and ".join(sorted(scene.fixed))
+        cure = f"is it {named} that they stand on? name with --fixed what is; or give --up {_listed(other)}"
+    elif scene.images:
+        cure = f"leave out {GIVEN_UP}, and it is taken from what is fixed; or give --up {_listed(other)}"
     elif not scene.fixed:
         cure = f"give --up {_listed(other)}, or name what carries them with --fixed"
     return f"{what}, while {fits}: {cure}"
+
+
+def _as_in_opengl(scene: Scene, up: FloatArray) -> Iterator[FloatArray]:
+    """Where up would point if the poses of the pictures had y up and z backward, where they have any pose."""
+    for image in scene.images:
+        across = image.pose_camera_to_world[:3, 0]
+        if np.abs(image.pose_camera_to_world - np.eye(4)).max() > RIGID:
+            yield 2.0 * across * float(across @ up) - up
 
 
 def _listed(direction: FloatArray) -> str:

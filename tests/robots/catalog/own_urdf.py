@@ -21,7 +21,7 @@ def ascii_stl(size: tuple[float, float, float]) -> str:
             x, y, z = CUBE[k]
             lines.append(f"vertex {(x - 0.5) * size[0]} {(y - 0.5) * size[1]} {z * size[2]}")
         lines += ["endloop", "endfacet"]
-    return "\n".join([*lines, "endsolid link", ""])
+    return "\n".join([*lines, "end solid link", ""])
 
 
 def linked(name: str, shape: str, origin: str = "0 0 0") -> str:

@@ -1,5 +1,6 @@
 """Arms from a URDF of one's own: jaws recognised, cups added, nothing left to PyBullet's guesses."""
 
+import os
 import pickle
 import re
 import sys
@@ -254,6 +255,36 @@ def test_what_cannot_be_an_arm_is_refused_by_the_users_file(tmp_path: Path) -> N
         '<robot name="r" xmlns:xacro="http://www.ros.org/wiki/xacro"><xacro:include filename="a"/></robot>'
     )
     with pytest.raises(InvalidInput, match="this is xacro"):
+        robot(path)
+
+
+@pytest.mark.parametrize("way", ["workspace", "ROS_PACKAGE_PATH", "AMENT_PREFIX_PATH"])
+def test_meshes_of_another_package_are_found(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, way: str
+) -> None:
+    package = {"workspace": "src/makers/my_arm", "AMENT_PREFIX_PATH": "share/my_arm"}.get(way, "my_arm")
+    written(tmp_path)
+    urdf = tmp_path / "ws" / "src" / "cell" / "urdf" / "arm.urdf"
+    urdf.parent.mkdir(parents=True)
+    (tmp_path / "my_arm" / "arm.urdf").rename(urdf)
+    place = tmp_path / ("ws" if way == "workspace" else "elsewhere") / package
+    place.parent.mkdir(parents=True, exist_ok=True)
+    (tmp_path / "my_arm").rename(place)
+    if way != "workspace":
+        with pytest.raises(InvalidInput, match=r"set ROS_PACKAGE_PATH to the folder that holds my_arm$"):
+            robot(urdf, gripper=CUP)
+        monkeypatch.setenv(way, f"/nowhere{os.pathsep}{tmp_path / 'elsewhere'}")
+    assert robot(urdf, gripper=CUP).bodies(np.zeros(6), np.eye(4))
+
+
+def test_a_joint_that_mimics_none_and_fingers_of_no_shape_are_named(tmp_path: Path) -> None:
+    path = written(tmp_path, fingers=True)
+    text = path.read_text()
+    path.write_text(text.replace("<axis xyz='0 -1 0'/>", "<axis xyz='0 -1 0'/><mimic joint='slide'/>"))
+    with pytest.raises(InvalidInput, match=r"mimics 'slide', which is none that moves: .*j0"):
+        robot(path)
+    path.write_text(re.sub("(<link name='left(_pad)?'>).*?</link>", r"\1</link>", text))
+    with pytest.raises(InvalidInput, match=r"has no shape, .*: add <collision> to left$"):
         robot(path)
 
 

@@ -267,11 +267,11 @@ POLYGON = {"segmentation": [[2, 2, 8, 2, 8, 8]], "category_id": 1}
 @pytest.mark.parametrize(
     ("annotations", "categories", "words"),
     [
-        ({"annotations": [POLYGON]}, (), "annotations: expected a list"),
-        ([5], (), "annotations: expected a list"),
+        ({"annotations": [POLYGON]}, (), "annotations is of <class 'dict'>: expected Sequence"),
+        ([5], (), r"annotations\[0\] is 5: expected Mapping"),
         ([{**POLYGON, "category_id": "x"}], (), "annotation 0: category_id"),
         ([POLYGON], [{"id": 1}], "categories: expected"),
-        ([POLYGON], [5], "categories: expected"),
+        ([POLYGON], [5], r"categories\[0\] is 5: expected Mapping"),
         ([{"segmentation": [["a"] * 6]}], (), "annotation 0: its polygon holds text"),
         (
             [{"segmentation": {"size": [10, 10], "counts": [float("nan")]}}],

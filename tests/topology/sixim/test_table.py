@@ -3,6 +3,7 @@ from itertools import product
 import numpy as np
 import pytest
 
+from topple.topology.errors import InvalidInput
 from topple.topology.sixim.table import (
     COINCIDENT,
     ONE_SIDED_CONTACT,
@@ -51,7 +52,7 @@ def test_the_converse_of_the_converse_is_the_relation(relation):
 def test_an_empty_row_is_refused(row):
     matrix = np.ones((2, 3), dtype=int)
     matrix[row] = 0
-    with pytest.raises(ValueError, match="no two non-empty clouds"):
+    with pytest.raises(InvalidInput, match="no two non-empty clouds"):
         classify(matrix)
 
 

@@ -1,6 +1,7 @@
 """Which way is up: what contradicts equilibrium is refused, what stands or hangs as it should is not."""
 
 import json
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -152,8 +153,21 @@ def test_a_negated_table_plane_is_refused() -> None:
 
 def test_in_a_depth_image_the_cure_is_the_table(tmp_path: Path) -> None:
     image = _image()
-    with pytest.raises(InvalidInput, match=r"leave --up out"):
+    with pytest.raises(InvalidInput, match=r"leave out the up that is given"):
         order(Scene.from_images([image], up=(0, 0, 1), table="auto"))
+
+
+def _looking(axes: tuple[float, float, float]) -> Scene:
+    """What a camera at a height of one metre sees, its pose's axes as given, where up is z."""
+    pose = np.diag([*axes, 1.0])
+    pose[2, 3] = 1.0
+    return Scene.from_images([replace(_image(), pose_camera_to_world=pose)], up=(0, 0, 1), table="auto")
+
+
+def test_a_pose_in_opengl_axes_is_told_and_the_cure_cures() -> None:
+    with pytest.raises(InvalidInput, match=r"OpenGL axes.* give pose @ diag\(1, -1, -1, 1\)"):
+        order(_looking((1.0, 1.0, 1.0)))
+    assert len(order(_looking((1.0, -1.0, -1.0))).order) == 2
 
 
 def _image() -> DepthImage:
