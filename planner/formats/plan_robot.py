@@ -21,7 +21,7 @@ if TYPE_CHECKING:
 Matrix = list[list[float]]
 
 
-class JawData(msgspec.Struct, frozen=True):
+class JawData(msgspec.Struct, frozen=True, omit_defaults=True):
     """A parallel jaw.
 
     Attributes:
@@ -32,6 +32,8 @@ class JawData(msgspec.Struct, frozen=True):
         force: Largest closing force [N].
         pad_size: Extent of a pad along the tool's x and z [m].
         friction: Of the pads.
+        arc: (k,) how far along the tool's z the pads are at these openings [m]: a grasp's pose is theirs at
+            its width. Left out where they slide straight.
     """
 
     joints: list[str]
@@ -41,6 +43,7 @@ class JawData(msgspec.Struct, frozen=True):
     force: float
     pad_size: tuple[float, float]
     friction: float
+    arc: list[float] = []
 
 
 class CupData(msgspec.Struct, frozen=True):
@@ -182,7 +185,7 @@ def _tool_data(tool: Tool) -> ToolData:
     if isinstance(held, ParallelJaw):
         jaw = JawData(
             list(held.joints), list(held.links), held.openings.tolist(), held.joint_values.tolist(),
-            held.force, held.pad_size, held.friction,
+            held.force, held.pad_size, held.friction, [] if held.arc is None else held.arc.tolist(),
         )  # fmt: skip
         return ToolData(tool.name, tool.link, pose, jaw=jaw)
     assert isinstance(held, SuctionCup)

@@ -67,7 +67,7 @@ class SegmentData(msgspec.Struct, frozen=True):
 
 
 class GraspData(msgspec.Struct, frozen=True):
-    """How an object is held; the pose is that of the tool frame in the world.
+    """How an object is held; the pose is that of the tool frame in the world, its pads `width` apart.
 
     `terms` are what the score is made of (`topple.planner.grasp.score`); grasps of one's own have none.
     """

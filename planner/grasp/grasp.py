@@ -4,7 +4,8 @@ from dataclasses import dataclass, field, replace
 
 import numpy as np
 
-from topple.robots.arm.gripper import ToolName
+from topple.robots.arm.gripper import Tool, ToolName
+from topple.robots.poses import inverse
 from topple.topology.arrays import FloatArray, frozen
 from topple.topology.errors import InvalidInput
 from topple.topology.values import ByValue, Word
@@ -37,7 +38,7 @@ class Grasp(ByValue):
         object: Name of the object in the scene.
         kind: How it takes hold.
         pose_tool_to_world: (4, 4) rigid pose of the tool frame: z the approach direction, y the closing
-            direction, origin between the pads' centres (suction: the centre of the cup's lip).
+            direction, origin between the pads' centres once they hold (suction: the centre of the cup's lip).
         width: Extent of what is between the pads along y [m]; 0 for suction.
         opening: Distance of the pads on the way in [m]; for suction the opening that is kept.
         score: Quality in 0..1, comparable between grasps of one object.
@@ -84,6 +85,10 @@ class Grasp(ByValue):
     def closing(self) -> FloatArray:
         """(3,) unit direction in the world along which the pads close."""
         return self.pose_tool_to_world[:3, 1]
+
+    def pose_of(self, tool: Tool) -> FloatArray:
+        """(4, 4) pose in the world of an arm's tool that makes it: its pads come there as they close."""
+        return self.pose_tool_to_world @ inverse(tool.pads(self.width))
 
     def near(self, other: "Grasp", distance: float = 0.015, angle: float = 0.35) -> bool:
         """Whether another grasp takes hold at nearly the same place in nearly the same way.

@@ -34,7 +34,7 @@ class Prism:
 
 @dataclass(frozen=True)
 class HandShape:
-    """The volumes of a hand, in its tool frame (z approach, y closing, origin between the pads).
+    """The volumes of a hand about its pads (z approach, y closing, origin between the pads).
 
     Attributes:
         max_opening: Largest distance of the two pads [m].
@@ -89,6 +89,10 @@ def hand_shape(arm: "Arm") -> HandShape:
     if not isinstance(jaw, ParallelJaw):
         raise InvalidInput(f"robot {arm.name!r}: its tool 'fingers' is no parallel jaw")
     bodies = hand_bodies(arm, ToolName.FINGERS, ToolState(opening=0.0))
+    # pads that swing are farthest from the palm as they are shut, and nearest to it as they are open
+    shut = tool.pads(0.0)[:3, 3]
+    nearest = shut if jaw.arc is None else np.array([0.0, 0.0, float(jaw.arc.min())])
+    bodies = [(link, part - (shut if link in jaw.links else nearest)) for link, part in bodies]
     finger = max(_by_link(bodies, jaw.links), key=lambda parts: float(np.vstack(parts)[:, 1].mean()))
     palm = [prism for link, part in bodies if link not in jaw.links for prism in prisms(part, ())]
     return HandShape(

@@ -26,7 +26,7 @@ def reachable(grasps: Sequence[Grasp], arm: Arm, pose_base_to_world: FloatArray)
     found = [False] * len(grasps)
     for tool in {grasp.tool for grasp in grasps}:
         places = [place for place, grasp in enumerate(grasps) if grasp.tool == tool]
-        poses = world_to_base @ np.array([grasps[place].pose_tool_to_world for place in places])
+        poses = world_to_base @ np.array([grasps[place].pose_of(arm.tools[tool]) for place in places])
         both = np.stack([poses, poses @ HALF_TURN], axis=1)
         for place, yes in zip(places, arm.reaches(both, tool).tolist(), strict=True):
             found[place] = yes

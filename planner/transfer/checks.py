@@ -71,7 +71,7 @@ class Checks:
     def strain(self, grasp: Grasp, q: FloatArray) -> Strain:
         """What the arm and what it carries ask of the joints in states (m, n)."""
         mass, centre = self.load
-        to_flange = self.arm.tool_to_flange(grasp.tool) @ inverse(grasp.pose_tool_to_world)
+        to_flange = self.arm.tool_to_flange(grasp.tool) @ inverse(self.tool_pose(grasp))
         up = self.world_to_base[:3, :3] @ self.up
         return strain(self.arm, q, up, mass, transformed(centre[None], to_flange)[0])
 
@@ -99,6 +99,10 @@ class Checks:
         if into is not None and not below:
             return ToolState(_rounded(grasp.width + RELEASE_GAP, self.arm))
         return self.arm.open_hand
+
+    def tool_pose(self, grasp: Grasp) -> FloatArray:
+        """(4, 4) pose of the arm's tool in the world as it makes a grasp."""
+        return grasp.pose_of(self.arm.tools[grasp.tool])
 
     # -- what is checked against what
 
@@ -187,7 +191,7 @@ class Checks:
         )
 
     def _attached(self, grasp: Grasp) -> Attachment:
-        to_tool: FloatArray = np.linalg.inv(grasp.pose_tool_to_world).astype(np.float64)
+        to_tool: FloatArray = np.linalg.inv(self.tool_pose(grasp)).astype(np.float64)
         parts = [part for name in (self.name, *self.riding) for part in self.bodies[name]]
         return Attachment(moved(parts, to_tool), grasp.tool, self.name)
 

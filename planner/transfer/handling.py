@@ -64,12 +64,12 @@ class Handling(Checks):
             log: Notes what grasps are dropped for.
         """
         both = [hand for grasp in grasps for hand in _directions(grasp)]
-        poses = [grasp.pose_tool_to_world for grasp in both]
+        poses = [self.tool_pose(grasp) for grasp in both]
         clear = self._clear_of(
             both, poses, [self.approaching(grasp, lenient=True) for grasp in both], "grasp", log
         )
         both = [grasp for grasp, free in zip(both, clear, strict=True) if free]
-        solutions = self._inverse(both, [grasp.pose_tool_to_world for grasp in both], near)
+        solutions = self._inverse(both, [self.tool_pose(grasp) for grasp in both], near)
         for states in solutions:
             if len(states) == 0:
                 log.note(SegmentKind.GRASP, Check.REACH, "grasp out of reach")
@@ -149,13 +149,13 @@ class Handling(Checks):
     ) -> Stage:
         """Straight from before the object to the grasp, along a unit way (3,); out of the hand where None."""
         stage = Stage(SegmentKind.APPROACH, self.approaching(state.grasp, state.lenient), log)
-        target = _drawn_back(state.grasp.pose_tool_to_world, length, way)
+        target = _drawn_back(self.tool_pose(state.grasp), length, way)
         self._straight(stage, state, target, backwards=True)
         return stage
 
     def lift(self, state: Reached, length: float, log: FailureLog) -> Stage:
         """Straight up with the object."""
-        target = state.grasp.pose_tool_to_world.copy()
+        target = self.tool_pose(state.grasp)
         target[:3, 3] += length * self.up
         stage = Stage(SegmentKind.LIFT, self.lifting(state.grasp, state.lenient), log)
         self._straight(stage, state, target)
@@ -177,7 +177,7 @@ class Handling(Checks):
     def slide(self, state: Reached, place: Placement, log: FailureLog) -> Stage:
         """Straight along with the object, to its place."""
         stage = Stage(SegmentKind.SLIDE, self.sliding(state.grasp), log)
-        self._straight(stage, state, place.pose_before_to_after @ state.grasp.pose_tool_to_world)
+        self._straight(stage, state, place.pose_before_to_after @ self.tool_pose(state.grasp))
         return stage
 
     def withdrawal(
@@ -185,7 +185,7 @@ class Handling(Checks):
     ) -> Stage:
         """Straight back from the object at its place, against a unit way (3,); the arm stands at q (n,)."""
         stage = Stage(SegmentKind.RETREAT, self.parting(state.grasp, place), log)
-        pose = place.pose_before_to_after @ state.grasp.pose_tool_to_world
+        pose = place.pose_before_to_after @ self.tool_pose(state.grasp)
         self._straight(stage, replace(state, q=q), _drawn_back(pose, length, way))
         return stage
 
@@ -222,7 +222,7 @@ class Handling(Checks):
                 above[:3, 3] = way * self.up
             else:
                 back[2, 3] = -way
-            poses = [above @ p.pose_before_to_after @ grasp.pose_tool_to_world @ back for p in found]
+            poses = [above @ p.pose_before_to_after @ self.tool_pose(grasp) @ back for p in found]
             clear = self._clear_of([grasp] * len(found), poses, [checker] * len(found), step, log)
             found = [place for place, free in zip(found, clear, strict=True) if free]
         return found
@@ -253,7 +253,7 @@ class Handling(Checks):
         """
         grasp = state.grasp
         checker = self.carrying(grasp, 0.0, places[0].into)
-        targets = [place.pose_before_to_after @ grasp.pose_tool_to_world for place in places]
+        targets = [place.pose_before_to_after @ self.tool_pose(grasp) for place in places]
         tried: list[tuple[Placement, FloatArray, FloatArray]] = []
         for place, target, states in zip(
             places, targets, self._inverse([grasp] * len(places), targets, near), strict=True

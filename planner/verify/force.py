@@ -17,6 +17,7 @@ from topple.robots.arm.arm import Arm
 from topple.robots.arm.gripper import ToolName
 from topple.robots.arm.tolerances import GRAVITY
 from topple.robots.arm.torques import Strain, strain
+from topple.robots.poses import inverse
 from topple.topology.arrays import FloatArray
 from topple.topology.bodies.solids import moved
 from topple.topology.geometry.rigid import transformed
@@ -52,7 +53,8 @@ class ForceCheck:
     def look(self, piece: SegmentReplay) -> None:
         """Weigh what is in the hand: as it closes, and on the joints all along."""
         lifted = piece.held if piece.step.grasp.kind != GraspKind.PUSH else {}  # the table carries that
-        parts = {name: moved(self._parts[name], to_tool) for name, to_tool in lifted.items()}
+        to_pads = inverse(self._pads(piece))
+        parts = {name: moved(self._parts[name], to_pads @ to_tool) for name, to_tool in lifted.items()}
         lumps = {name: volume_and_centre(np.vstack(each), each) for name, each in parts.items()}
         known = {name: self._masses.get(name, 0.0) for name in lumps}
         likely = {
@@ -70,6 +72,10 @@ class ForceCheck:
             self.guessed.setdefault(piece.index, f"{sum(likely.values()):.2g} of {self.arm.payload:g} kg")
         if sum(likely.values()) > 0.0:
             self._hold(piece, likely, centres, np.vstack(parts[piece.step.object]))
+
+    def _pads(self, piece: SegmentReplay) -> FloatArray:
+        """(4, 4) pose of the pads, or the lip, in the tool's frame."""
+        return self.arm.tool(piece.segment.tool).pads(piece.step.grasp.width)
 
     def residuals(self) -> tuple[Residual, ...]:
         """What was found of what was weighed."""
@@ -95,7 +101,8 @@ class ForceCheck:
         mass, centre = sum(masses.values()), np.zeros(3)
         if mass > 0.0:
             middle = np.average(list(centres.values()), axis=0, weights=list(masses.values()))
-            centre = transformed(middle[None], self.arm.tool_to_flange(piece.segment.tool))[0]
+            to_flange = self.arm.tool_to_flange(piece.segment.tool) @ self._pads(piece)
+            centre = transformed(middle[None], to_flange)[0]
         return strain(self.arm, piece.states, self._base_up, mass, centre)
 
     def _hold(

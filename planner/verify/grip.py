@@ -37,7 +37,7 @@ class Grip:
         tool: str,
         before: ToolState,
         closed: ToolState,
-        pose_tool_to_world: FloatArray,
+        pose_pads_to_world: FloatArray,
         poses: Mapping[str, FloatArray],
     ) -> str | None:
         """Say why a hand takes no hold of a step's object.
@@ -47,7 +47,7 @@ class Grip:
             tool: The tool that closes.
             before: The hand on the way in.
             closed: The hand it is brought to.
-            pose_tool_to_world: (4, 4) where the tool is.
+            pose_pads_to_world: (4, 4) between the pads once they hold, or at the lip.
             poses: Transforms (4, 4) of the objects since the plan began.
 
         Returns:
@@ -59,7 +59,7 @@ class Grip:
             return f"{step.grasp.kind!r} is no kind of grasp"
         if (step.grasp.kind == GraspKind.SUCTION) != (tool == ToolName.SUCTION):
             return f"a grasp by {step.grasp.kind} is no matter of the {tool}"
-        to_tool = inverse(pose_tool_to_world) @ poses[step.object]
+        to_tool = inverse(pose_pads_to_world) @ poses[step.object]
         parts = [transformed(part, to_tool) for part in self._parts[step.object]]
         if tool == ToolName.SUCTION:
             return self._cup_fails(step, closed, parts)

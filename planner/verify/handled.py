@@ -46,13 +46,14 @@ class HandCheck:
         kind = piece.segment.kind
         grasp = np.array(piece.step.grasp.pose_tool_to_world)
         self._excuses(piece)
-        ends = tool_poses(self.arm, self.plan, piece.segment.tool, piece.states[-1:])[0]
+        pads = self.arm.tool(piece.segment.tool).pads(piece.step.grasp.width)
+        ends = tool_poses(self.arm, self.plan, piece.segment.tool, piece.states[-1:])[0] @ pads
         if kind == "approach":
             self.grasp.note(off_by(ends, grasp), piece.where, piece.index)
             self.reach.note(self._to_object(piece, ends), piece.where, piece.index)
         if kind == "grasp":
             told = {
-                held.object: np.array(held.pose_start_to_tool)
+                held.object: pads @ np.array(held.pose_start_to_tool)
                 for held in piece.step.attachments
                 if held.tool == piece.segment.tool
             }

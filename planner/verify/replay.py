@@ -131,7 +131,8 @@ class Replay:
         """Close the hand: what is then in it moves with it."""
         tool = tool_poses(self.arm, self.plan, segment.tool, q[None])[0]
         words = "something is in it already" if self._held else None
-        words = words or self._grip.fails(part, segment.tool, self._hand, hand, tool, self.poses)
+        pads = tool @ self.arm.tool(segment.tool).pads(part.grasp.width)
+        words = words or self._grip.fails(part, segment.tool, self._hand, hand, pads, self.poses)
         if words is not None:
             self.grips.count(f"{where}: {words}", index)
             return

@@ -46,6 +46,8 @@ class ParallelJaw:
         speed: Closing speed in [m/s], both pads together.
         give: Mean lever of the friction about a pad's normal in [m]: rubber of 3 MPa that 40 N press on a
             side of 30 mm radius gives way for 6.7 mm around (Hertz), and 3 pi / 16 of that is the lever.
+        arc: (k,) how far along the tool's z the pads are at those openings in [m]: a linkage swings them
+            forward as they close. None where they slide straight.
     """
 
     joints: tuple[str, ...]
@@ -57,11 +59,16 @@ class ParallelJaw:
     friction: float
     speed: float = 0.1
     give: float = 0.004
+    arc: FloatArray | None = None
 
     @property
     def max_opening(self) -> float:
         """Largest distance between the pads in [m]."""
         return float(self.openings[-1])
+
+    def ahead(self, opening: float) -> float:
+        """How far along the tool's z the pads are at a distance of theirs, both in [m]."""
+        return 0.0 if self.arc is None else float(np.interp(opening, self.openings, self.arc))
 
     def lever(self, joint: str) -> float:
         """Way of one pad for the way of a joint, over the stroke: 1 for a slide, in [m/rad] for a hinge."""
@@ -162,8 +169,8 @@ class SuctionCup:
 class Tool:
     """A frame to grasp with, and what it takes.
 
-    The frame's origin lies between the pads' centres (suction: at the centre of the extended lip); z is the
-    approach direction out of the hand, y the closing direction.
+    The frame's origin lies between the pads' centres, half open where they swing (suction: at the centre of
+    the extended lip); z is the approach direction out of the hand, y the closing direction.
 
     Attributes:
         name: fingers or suction.
@@ -180,6 +187,19 @@ class Tool:
     gripper: ParallelJaw | SuctionCup
     links: tuple[str, ...]
     ready: ToolState
+
+    def pads(self, width: float) -> FloatArray:
+        """Where it takes hold: between the pads at a distance of theirs, or at the lip.
+
+        Args:
+            width: Of what is held in [m]; 0 for suction.
+
+        Returns:
+            (4, 4) pose_pads_to_tool.
+        """
+        pose = np.eye(4)
+        pose[2, 3] = self.gripper.ahead(width) if isinstance(self.gripper, ParallelJaw) else 0.0
+        return pose
 
 
 def tools_of(

@@ -173,7 +173,8 @@ def xarm6() -> Arm:
     """UFACTORY's xArm6 with its gripper."""
     angle = np.linspace(0.85, 0.0, 18)  # of the drive joint: shut to open
     # the outer knuckle swings the finger on a circle, and the finger turns back: its pad stays upright
-    pad = 0.035 + 0.035465 * np.cos(angle) - 0.042039 * np.sin(angle) - 0.026  # its joint to its inner face
+    swing = (0.035465 + 0.042039j) * np.exp(1j * angle)  # across + ahead j
+    pad = 0.035 + swing.real - 0.026  # its joint to its inner face
     jaw = ParallelJaw(
         joints=XARM_JOINTS,
         links=("left_finger", "right_finger"),
@@ -182,10 +183,11 @@ def xarm6() -> Arm:
         force=30.0,  # [N] from the data sheet
         pad_size=(0.0295, 0.0375),
         friction=1.0,  # rubber pads
+        arc=swing.imag - np.interp(pad.max() / 2.0, pad, swing.imag),
     )
     hand = ("left_outer_knuckle", "right_outer_knuckle", "left_inner_knuckle", "right_inner_knuckle")
     ready = ToolState(jaw.max_opening)
-    pads = _translation(0.148)  # gripper base to the middle of the half open pads, which move 6 mm either way
+    pads = _translation(0.148)  # gripper base to the middle of the half open pads
     tool = Tool(ToolName.FINGERS, "xarm_gripper_base_link", pads, jaw, (*jaw.links, *hand), ready)
     arm = Arm.from_urdf(
         data_path() / "xarm" / "xarm6_with_gripper.urdf",

@@ -193,14 +193,18 @@ class _Hand:
         turn = np.column_stack([np.cross(across, out), across, out])
         share = np.linspace(0.0, 1.0, SAMPLES)
         states = [{name: shut[name] + s * (wide[name] - shut[name]) for name in shut} for s in share]
-        gaps = np.array([_gap(*self._tips(first, second, values, turn)) for values in states])
+        tips = [self._tips(first, second, values, turn) for values in states]
+        gaps = np.array([_gap(*each) for each in tips])
+        ends = np.array([max(float(tip[:, 2].max()) for tip in each) for each in tips])
         if given.opening is not None:
             gaps = np.interp(share, [0.0, 1.0], given.opening)
         keep = np.flatnonzero(gaps > -OVERLAP)
         keep = keep[max(np.count_nonzero(gaps[keep] <= 0.0) - 1, 0) :]  # closed in one state
         if len(keep) < 2 or not (np.diff(gaps[keep]) > 0).all() or np.ptp(gaps[keep]) < LEAST_STROKE:
             return None if given.links is None else self._refuse("do not close on each other")
-        pose, pads = self._frame(first, second, states[int(keep[len(keep) // 2])], turn)
+        half = int(keep[len(keep) // 2])
+        pose, pads = self._frame(first, second, states[half], turn)
+        arc = np.round(ends[keep] - ends[half], 6)
         link, pose = self._mounted(given, pose)
         moving = self._following(shut, wide)
         jaw = ParallelJaw(
@@ -211,6 +215,7 @@ class _Hand:
             force=self._force(gaps, states) if given.force is None else given.force,
             pad_size=pads if given.pads is None else (given.pads[0], given.pads[1]),
             friction=given.friction,
+            arc=arc if arc.any() else None,
         )
         hand = tuple(carrier for carrier in self._groups if carrier not in jaw.links)
         return Tool(ToolName.FINGERS, link, pose, jaw, (*jaw.links, *hand), ToolState(jaw.max_opening))

@@ -12,7 +12,7 @@ from topple.robots.engine import pybullet
 from topple.robots.poses import pose_from, position_and_quaternion
 from topple.robots.world.acting_arm import ActingArm
 from topple.robots.world.bullet_vacuum import BulletVacuum
-from topple.robots.world.tolerances import PAD_DAMPING, PAD_STIFFNESS
+from topple.robots.world.tolerances import FINGER_ROTOR, PAD_DAMPING, PAD_STIFFNESS
 from topple.robots.world.touch import note_touch
 from topple.robots.world.vacuum import Vacuum
 from topple.robots.world.world import World
@@ -71,6 +71,7 @@ class SimulatedArm(ActingArm):
         self._arm_joints = [self._index[name] for name in arm.joints]
         self._arm_forces = [self._limit[name] for name in arm.joints]
         self._reset()
+        self._weigh_hinges()
         self._couple_fingers()
         self._file_stiffness = self._stiffness_of_pads()
         loads = JointLoads(world.client, self.id, self._arm_joints, world.time_step)
@@ -116,6 +117,18 @@ class SimulatedArm(ActingArm):
                 contactDamping=PAD_DAMPING if pressing else damping,
                 physicsClientId=self.world.client,
             )
+
+    def _weigh_hinges(self) -> None:
+        """A finger that turns feels its drive: its links alone are too light for Bullet to hold by gears."""
+        jaw, client = self.jaw, self.world.client
+        for name in jaw.joints if jaw else ():
+            if jaw and self.arm.model.joint(name).kind != "prismatic":
+                info: Any = pybullet.getDynamicsInfo(self.id, self._index[name], physicsClientId=client)
+                own, rotor = info[2], FINGER_ROTOR * jaw.lever(name) ** 2
+                pybullet.changeDynamics(
+                    self.id, self._index[name], localInertiaDiagonal=[each + rotor for each in own],
+                    physicsClientId=client,
+                )  # fmt: skip
 
     def _couple_fingers(self) -> None:
         """The fingers of a parallel jaw move as one: a gear holds the joints of the others to the first."""

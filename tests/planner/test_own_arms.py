@@ -1,4 +1,4 @@
-"""Arms of others, from their URDF to a plan and a run that hold: a UR5e with a cup, a Panda."""
+"""Arms of others, from URDF to a plan and a run that hold: a UR5e with a cup and with a 2F-85, a Panda."""
 
 import importlib.util
 from pathlib import Path
@@ -38,11 +38,12 @@ def options(request: pytest.FixtureRequest, tmp_path: Path) -> tuple[Path, Path 
         pytest.skip("airo-models, which carries the URDF of a UR5e, is not installed")
     (tmp_path / "cup.toml").write_text(CUP)
     place = Path(next(iter(found.submodule_search_locations)))
-    return place / "arms" / "ur5e" / "ur5e.urdf", tmp_path / "cup.toml"
+    hand = place / "grippers" / "robotiq_2f_85" / "urdf" / "robotiq_2f_85.urdf"
+    return place / "arms" / "ur5e" / "ur5e.urdf", hand if request.param == "2f-85" else tmp_path / "cup.toml"
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("options", ["panda", "ur5e"], indirect=True)
+@pytest.mark.parametrize("options", ["panda", "ur5e", "2f-85"], indirect=True)
 def test_a_plan_holds_and_finds_its_arm_again(scene: Scene, options: tuple[Path, Path | None]) -> None:
     base = np.eye(4)
     base[0, 3] = -0.45
@@ -57,7 +58,7 @@ def test_a_plan_holds_and_finds_its_arm_again(scene: Scene, options: tuple[Path,
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("options", ["panda", "ur5e"], indirect=True)
+@pytest.mark.parametrize("options", ["panda", "ur5e", "2f-85"], indirect=True)
 def test_a_run_in_pybullet_succeeds(scene: Scene, options: tuple[Path, Path | None]) -> None:
     base = np.eye(4)
     base[0, 3] = -0.45

@@ -1,6 +1,7 @@
 """What the arm reaches of a cube's grasps and places; its ways there and out are straight and free."""
 
 from collections.abc import Sequence
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -88,6 +89,17 @@ def test_a_jaw_is_tried_both_ways_round_and_a_cup_in_quarters(arm: Arm, grasp: G
         assert len(states) > 0
         assert np.abs(tools(arm, states, grasp.tool) - hand.pose_tool_to_world).max() < 1e-4
     assert not log.reasons
+
+
+def test_pads_that_swing_as_they_close_come_to_where_the_grasp_has_them() -> None:
+    arm = robot("xarm6")
+    made, log = handling(arm)
+    hands = made.hands([replace(pinch(), width=0.08, opening=0.085)], np.array(arm.home), log)
+    assert hands, log.reasons
+    for hand, states in hands:
+        pads = tools(arm, states) @ arm.tools["fingers"].pads(hand.width)
+        assert np.abs(pads - hand.pose_tool_to_world).max() < 1e-4
+        assert np.abs(tools(arm, states)[:, 2, 3] - hand.pose_tool_to_world[2, 3]).max() > 5e-3
 
 
 def test_a_hand_that_meets_something_is_left_out_and_says_what_it_meets() -> None:

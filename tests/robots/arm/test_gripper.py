@@ -42,6 +42,24 @@ def test_finger_links_move_along_the_closing_direction(name: str) -> None:
     assert np.abs(moved[:, 0]).max() < 1e-6
 
 
+@pytest.mark.parametrize("name", names())
+def test_tips_are_as_far_beyond_the_pads_at_every_opening(name: str) -> None:
+    arm = robot(name)
+    jaw, tool = arm.jaw, arm.tools["fingers"]
+    assert jaw is not None
+    ends = list[float]()
+    for opening in np.linspace(jaw.openings[0], jaw.max_opening, 9):
+        to_pads = np.linalg.inv(arm.tool_pose(arm.home)[0] @ tool.pads(float(opening)))
+        poses = arm.forward(arm.home, ToolState(float(opening)))[0]
+        fingers = [(to_pads @ poses[i], arm.parts[i]) for i in map(arm.links.index, jaw.links)]
+        tips = [(np.vstack(parts) @ pose[2, :3]).max() + pose[2, 3] for pose, parts in fingers]
+        ends += tips
+    assert ends[0] > 0.005, "they reach beyond the pads' centres"
+    assert np.ptp(ends) < 5e-4
+    slides = name != "xarm6"
+    assert (tool.pads(0.0) == np.eye(4)).all() == slides, "only a linkage swings its pads"
+
+
 def test_beyond_its_stroke_a_jaw_stays_at_the_end() -> None:
     jaw = robot("panda").jaw
     assert jaw is not None

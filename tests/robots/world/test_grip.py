@@ -2,6 +2,7 @@
 
 from collections.abc import Iterator
 
+import numpy as np
 import pytest
 from moving import at, down, go
 
@@ -57,6 +58,20 @@ def test_a_sheet_and_a_box_are_held(world: World, name: str, thick: float) -> No
     assert arm.holding and world.pose("thing")[2, 3] > 0.1
     arm.open()
     assert not arm.holding
+
+
+def test_a_linkage_whose_tips_press_keeps_its_pads_upright(world: World) -> None:
+    world.add(shapes.box("thing", (0.06, 0.05, 0.06), mass=0.5), at(0.5, 0.0, 0.0), fixed=True)
+    arm = SimulatedArm(world, robot("xarm6"), at(0.0, 0.0, 0.0))
+    jaw = arm.jaw
+    assert jaw is not None
+    tips = arm.arm.tools["fingers"].pads(0.05)[2, 3] + jaw.pad_size[1] / 2.0
+    go(arm, down(0.5, 0.0, 0.25))
+    go(arm, down(0.5, 0.0, 0.055 + tips))  # their last 5 mm are beside it
+    arm.close(jaw.force)
+    assert arm.holding
+    values = arm.joint_positions(jaw.joints)
+    assert np.ptp(values) < 0.03, "rad: its joints go by the same angle"
 
 
 def test_a_jaw_that_was_told_to_open_so_far_holds_nothing(world: World) -> None:
