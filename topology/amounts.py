@@ -2,7 +2,6 @@
 
 from collections.abc import Iterable, Mapping
 from sys import float_info
-from typing import cast
 
 import numpy as np
 
@@ -11,7 +10,7 @@ from topple.topology.statics.matter import ROUGHEST, SLIPPERIEST
 from topple.topology.values import FrozenDict
 
 
-def as_masses(given: object, names: Iterable[str]) -> Mapping[str, float]:
+def as_masses(given: Mapping[str, float] | None, names: Iterable[str]) -> Mapping[str, float]:
     """Check the masses of objects.
 
     Args:
@@ -22,10 +21,10 @@ def as_masses(given: object, names: Iterable[str]) -> Mapping[str, float]:
         The masses, read-only.
 
     Raises:
-        InvalidInput: If they are no mapping, or a mass is no finite number above 0; names the object.
+        InvalidInput: If a mass is not finite and above 0; names the object.
         UnknownObject: If a name is none of the objects.
     """
-    masses = _numbers(given, names, "mass", "masses", "kilograms, such as 0.35")
+    masses = _numbers(given, names, "mass", "kilograms, such as 0.35")
     for name, mass in masses.items():
         if mass <= 0:
             raise InvalidInput(
@@ -35,7 +34,7 @@ def as_masses(given: object, names: Iterable[str]) -> Mapping[str, float]:
     return masses
 
 
-def as_friction(given: object, names: Iterable[str]) -> Mapping[str, float]:
+def as_friction(given: Mapping[str, float] | None, names: Iterable[str]) -> Mapping[str, float]:
     """Check the coefficients of friction of objects' surfaces.
 
     Args:
@@ -46,10 +45,10 @@ def as_friction(given: object, names: Iterable[str]) -> Mapping[str, float]:
         The coefficients, read-only.
 
     Raises:
-        InvalidInput: If they are no mapping, or one is no number from 0 to 10; names the object.
+        InvalidInput: If one is not from 0 to 10; names the object.
         UnknownObject: If a name is none of the objects.
     """
-    friction = _numbers(given, names, "friction", "friction", "a Coulomb coefficient, such as 0.5")
+    friction = _numbers(given, names, "friction", "a Coulomb coefficient, such as 0.5")
     for name, coefficient in friction.items():
         if not SLIPPERIEST <= coefficient <= ROUGHEST:
             raise InvalidInput(
@@ -59,19 +58,15 @@ def as_friction(given: object, names: Iterable[str]) -> Mapping[str, float]:
     return friction
 
 
-def _numbers(given: object, names: Iterable[str], one: str, all_: str, expected: str) -> Mapping[str, float]:
+def _numbers(
+    given: Mapping[str, float] | None, names: Iterable[str], one: str, expected: str
+) -> Mapping[str, float]:
     """Finite numbers by name."""
-    if given is None:
-        return FrozenDict({})
-    if not isinstance(given, Mapping):
-        raise InvalidInput(f"{all_}: found {type(given).__name__}, expected {{name: number}}, in {expected}")
     known = frozenset(names)
     checked: dict[str, float] = {}
-    for name, value in cast(Mapping[object, object], given).items():
-        if not isinstance(name, str) or name not in known:
-            raise UnknownObject(str(name), known, role=f"object with a {one}")
-        if isinstance(value, bool) or not isinstance(value, (int, float, np.integer, np.floating)):
-            raise InvalidInput(f"{one} of {name!r} is {value!r}: expected a number, {expected}")
+    for name, value in (given or {}).items():
+        if name not in known:
+            raise UnknownObject(name, known, role=f"object with a {one}")
         number = float(value) if isinstance(value, np.floating) else value  # of other widths
         if not abs(number) < float_info.max:  # NaN, infinity, and whole numbers beyond all floats
             raise InvalidInput(f"{one} of {name!r} is not finite: expected a number, {expected}")

@@ -112,6 +112,8 @@ def _said(hint: Any) -> str:
         return f"{_said(args[0])} ({args[1]})"
     if kind in (type(None), ...):
         return "None" if kind is type(None) else "..."
+    if kind is float:
+        return "number"
     of = f"[{', '.join(map(_said, args))}]" if args and kind is not Callable else ""
     return getattr(kind, "__name__", str(kind)) + of
 

@@ -367,6 +367,7 @@ class Scene(ByValue):
         left = {key: _except(name, getattr(self, key)) for key in named}
         return self._changed(clouds=FrozenDict(clouds), fixed=self.fixed - {name}, **left)
 
+    @checked_arguments
     def weighed(
         self, masses: Mapping[str, float] | None = None, friction: Mapping[str, float] | None = None
     ) -> "Scene":

@@ -3,6 +3,7 @@
 import numpy as np
 
 from topple.planner.decide.goal import Action
+from topple.planner.fallbacks import Fallback
 from topple.planner.formats.plan_structs import PlanData
 from topple.planner.formats.verification import Residual, Worst
 from topple.planner.grasp.grasp import KINDS, GraspKind
@@ -39,11 +40,12 @@ def check_claims(plan: PlanData) -> tuple[Residual, ...]:
             scores.note(off, where, index)
         if step.upright != (step.object in plan.upright):
             upright.count(where, index)
-    buffers = Worst("steps said to make room, or not, against the rest", "1")
+    buffers = Worst("steps said to make room or come unseen, or not, against the rest", "1")
     for index, step in enumerate(plan.steps):
         again = any(later.object == step.object for later in plan.steps[index + 1 :])
         making_room = bool(plan.poses) and step.action == Action.REMOVE
-        if step.buffer != making_room or (step.buffer and not again):
+        unseen = step.unseen == (Fallback.UNSEEN in step.fallbacks)
+        if step.buffer != making_room or (step.buffer and not again) or not unseen:
             buffers.count(f"step {index + 1} ({step.object})", index)
     parts = [part for step in plan.steps for part in step.segments]
     driven = [part for part in parts if part.motion is not None]

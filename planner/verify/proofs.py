@@ -137,7 +137,7 @@ TOLD = Claim(
     (
         "proofs against those of the motions",
         "seconds against those of the motions",
-        "steps said to make room, or not, against the rest",
+        "steps said to make room or come unseen, or not, against the rest",
         "assumptions of the scene or the arm left out",
     ),
 )

@@ -47,13 +47,13 @@ def test_a_scene_keeps_them_through_every_change() -> None:
     [
         ({"mug": 0}, "mass of 'mug' is 0 kg: expected more than 0"),
         ({"mug": -1.5}, "mass of 'mug' is -1.5 kg"),
-        ({"mug": float("nan")}, "mass of 'mug' is not finite"),
+        ({"mug": float("nan")}, "masses['mug'] is nan: expected number"),
         ({"mug": float("inf")}, "mass of 'mug' is not finite"),
         ({"mug": 10**400}, "mass of 'mug' is not finite"),
-        ({"mug": "1"}, "mass of 'mug' is '1': expected a number"),
-        ({"mug": True}, "mass of 'mug' is True: expected a number"),
-        ({"mug": None}, "mass of 'mug' is None"),
-        ([0.1, 0.2], "masses: found list, expected {name: number}"),
+        ({"mug": "1"}, "masses['mug'] is '1': expected number"),
+        ({"mug": True}, "masses['mug'] is True: expected number"),
+        ({"mug": None}, "masses['mug'] is None: expected number"),
+        ([0.1, 0.2], "masses is of <class 'list'>: expected Mapping[str, number]"),
     ],
 )
 def test_what_is_no_mass_is_refused_in_one_line(masses: object, says: str) -> None:
@@ -66,7 +66,7 @@ def test_what_is_no_mass_is_refused_in_one_line(masses: object, says: str) -> No
 
 @pytest.mark.parametrize("wrong", [-0.1, 10.5, float("nan"), "0.5"])
 def test_what_is_no_friction_is_refused(wrong: object) -> None:
-    with pytest.raises(InvalidInput, match="friction of 'mug' is"):
+    with pytest.raises(InvalidInput, match=r"friction( of |\[)'mug'\]? is"):
         Scene(CLOUDS, friction={"mug": wrong})  # type: ignore[dict-item]
 
 
@@ -136,8 +136,8 @@ def test_scene_json_gives_them(tmp_path: Path) -> None:
     ("told", "says"),
     [
         ({"masses": {"cup": 1}}, "'cup'"),
-        ({"masses": {"mug": "heavy"}}, "mass of 'mug' is 'heavy'"),
-        ({"masses": [1, 2]}, "masses: found list"),
+        ({"masses": {"mug": "heavy"}}, "masses['mug'] is 'heavy': expected number"),
+        ({"masses": [1, 2]}, "masses is of <class 'list'>"),
         ({"friction": {"mug": 30}}, "friction of 'mug' is 30"),
     ],
 )

@@ -106,7 +106,7 @@ def test_more_is_taken_where_that_risks_less_and_the_reason_says_so() -> None:
 
 def test_what_earlier_looks_found_weighs_on(tower: Scene) -> None:
     for wrong in (-0.1, 1.1, float("nan")):
-        with pytest.raises(InvalidInput, match="expected a chance from 0 to 1"):
+        with pytest.raises(InvalidInput, match=r"removal_risk is .*: expected (a chance from 0 to 1|number)"):
             order(tower, ["top"], removal_risk=wrong)
     alone = order(tower, ["top"], removal_risk=0.05)
     assert alone.order == ("top",) and alone.chances["top", "low"] > 0.9
