@@ -16,6 +16,7 @@ NOTES = "notes"
 
 _COMMENT = re.compile("#|//")
 _DECIMAL = re.compile(r"[-+]?\d+(,\d+(e[-+]?\d+)?)?", re.IGNORECASE)
+_BROKEN = re.compile(r"[-+]?\d*\.\d[-+.\de]*", re.IGNORECASE)  # whole ones, too
 _NAMED = re.compile(r"(?:p|pos|position|points?|coords?)?[\W_]*([xyz012])(?:[\W_]*coords?)?")
 _UNIT = re.compile(r"\[.*?\]|\(.*?\)|[\"']")
 _PLAIN = str.maketrans(",;", "  ")
@@ -148,8 +149,9 @@ def _is_row(words: list[str]) -> bool:
 
 
 def _is_meant_as_row(words: list[str]) -> bool:
-    """Whether words are a row, a broken one too: a number, and digits in all others."""
-    return any(map(_is_number, words)) and all(_is_number(word) or re.search(r"\d", word) for word in words)
+    """Whether words are a row, a broken one too: some number or what is left of it, digits in all."""
+    numbers = any(_is_number(word) or _BROKEN.fullmatch(word) for word in words)
+    return numbers and all(_is_number(word) or re.search(r"\d", word) for word in words)
 
 
 def _point(number: int, row: str, columns: tuple[int, ...], what: str) -> list[float]:

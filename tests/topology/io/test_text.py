@@ -51,6 +51,7 @@ def test_clouds_as_text_are_read_whatever_stands_above_them(tmp_path: Path, name
         (["31", *_rows()], "'a' .a.txt. declares 31 points and has 30: write it again"),
         (["x y z", *_rows(), "and so on"], "reads 'and so on' in line 32: expected x y z"),
         (["0.05 0x10 0.003en", *_rows()], "reads '0.05 0x10 0.003en' in line 1: expected x y z"),
+        (["0.0510.0.0637", *_rows()], "reads '0.0510.0.0637' in line 1: expected x y z"),
     ],
 )
 def test_what_is_no_whole_cloud_is_refused_in_a_line(tmp_path: Path, lines: list[str], words: str) -> None:
