@@ -25,7 +25,7 @@ _NUMBERS: dict[Any, type] = {int: Integral, float: Real}
 _MADE_OF: dict[Any, Any] = {Path: (str, os.PathLike), **dict.fromkeys((list, tuple, Sequence), Collection)}
 """What is made of what: paths of their text, sequences of collections that have an order."""
 _ORDERLESS = (set, frozenset, Mapping)
-_ANY_ARRAY = set(get_args(ArrayLike))
+_ANY_ARRAY = set(get_args(ArrayLike)) or {ArrayLike}
 
 
 def checked_arguments(target: _Target) -> _Target:
@@ -81,6 +81,13 @@ def _hint(given: Any, names: _Names) -> Any:
     return Any if given is inspect.Parameter.empty else given
 
 
+def _opened(hint: Any) -> Any:
+    """What a kind is, without what it is of; kinds of numpy 2.5 are names of others."""
+    kind = get_origin(hint) or hint
+    value = getattr(kind, "__value__", kind)
+    return get_origin(value) or value
+
+
 class _Misfit(Exception):
     """What is of another kind: what it is called, itself, and the kind it should be of."""
 
@@ -102,7 +109,7 @@ def _taken(name: str, value: Any, hint: Any) -> Any:
 
 def _said(hint: Any) -> str:
     """A kind as people write it, and how one is made where that is annotated."""
-    kind, args = get_origin(hint) or hint, get_args(hint)
+    kind, args = _opened(hint), get_args(hint)
     if kind is np.ndarray:
         return "array"
     if kind in (Union, UnionType):
@@ -125,10 +132,10 @@ def _fitted(what: str, value: Any, hint: Any) -> Any:
         InvalidInput: It is no array of numbers where there has to be one.
         _Misfit: It, or a part of it, is of another kind.
     """
-    kind, args = get_origin(hint) or hint, get_args(hint)
+    kind, args = _opened(hint), get_args(hint)
     one = isinstance(value, np.generic) or (isinstance(value, np.ndarray) and value.ndim == 0)
     value = value.item() if one else value
-    if kind in (Union, UnionType) and _ANY_ARRAY <= set(args):
+    if _ANY_ARRAY <= {hint, *args}:
         return value
     if kind in (Union, UnionType, Annotated):
         return _fitted_to_any(what, value, args[:1] if kind is Annotated else args, hint)
