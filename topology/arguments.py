@@ -135,7 +135,7 @@ def _fitted(what: str, value: Any, hint: Any) -> Any:
     kind, args = _opened(hint), get_args(hint)
     one = isinstance(value, np.generic) or (isinstance(value, np.ndarray) and value.ndim == 0)
     value = value.item() if one else value
-    if _ANY_ARRAY <= {hint, *args}:
+    if hint is ArrayLike or (kind in (Union, UnionType) and _ANY_ARRAY <= set(args)):
         return value
     if kind in (Union, UnionType, Annotated):
         return _fitted_to_any(what, value, args[:1] if kind is Annotated else args, hint)
