@@ -15,11 +15,12 @@ if TYPE_CHECKING:
     from topple.topology.io.objects import scene_from_objects, scene_from_points
     from topple.topology.io.rgbd import scene_from_rgbd
     from topple.topology.merging.merge import MergedViews, merge_views
+    from topple.topology.mesh import Mesh
     from topple.topology.model_fit import ModelFit
     from topple.topology.models import with_models
     from topple.topology.pair import PairRelation
     from topple.topology.relations import Relations, relate, relate_all
-    from topple.topology.scene import Mesh, Scene
+    from topple.topology.scene import Scene
     from topple.topology.situation import Situation
     from topple.topology.sixim.table import Relation, classify
     from topple.topology.workers import WorkerLost, WorkerPool
@@ -73,7 +74,8 @@ __getattr__ = lazy_names(
         "models": "with_models",
         "pair": "PairRelation",
         "relations": "Relations relate relate_all",
-        "scene": "Mesh Scene",
+        "mesh": "Mesh",
+        "scene": "Scene",
         "situation": "Situation",
         "sixim.table": "Relation classify",
         "workers": "WorkerLost WorkerPool",

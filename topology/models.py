@@ -24,16 +24,16 @@ from topple.topology.bodies.tops import tops_of
 from topple.topology.cloud import clean
 from topple.topology.geometry.rigid import transformed
 from topple.topology.geometry.thin import thinned
-from topple.topology.io.load import AnyScene, as_scene
 from topple.topology.io.models import meant_by, model_files, read_model
+from topple.topology.mesh import Mesh
 from topple.topology.model_fit import ModelFit
 from topple.topology.rule.robust import seen_in
-from topple.topology.scene import Mesh, Scene
+from topple.topology.scene import Scene
 from topple.topology.views.free_space import FreeSpace
 
 
 @checked_arguments
-def with_models(scene: AnyScene, folder: str | os.PathLike[str]) -> Scene:
+def with_models(scene: Scene, folder: str | os.PathLike[str]) -> Scene:
     """Put known models in place of what was seen of objects, each registered with what was seen of it.
 
     The name of an object says which model it is: `banana`, `banana_2` and `011_banana` are the model
@@ -42,7 +42,7 @@ def with_models(scene: AnyScene, folder: str | os.PathLike[str]) -> Scene:
     scene's assumptions says either, with the residual. What is fixed stays as it was seen.
 
     Args:
-        scene: What was seen, or the path of it.
+        scene: What was seen.
         folder: The models: NAME.obj, .stl, .ply or .glb, or folders NAME with a mesh, as YCB and BOP have
             them, in [m] (obj_000005.ply of BOP in [mm]).
 
@@ -53,7 +53,6 @@ def with_models(scene: AnyScene, folder: str | os.PathLike[str]) -> Scene:
         InvalidInput: There are no models, or one that is needed cannot be read.
         OSError: A file cannot be read.
     """
-    scene = as_scene(scene)
     files, sight = model_files(Path(folder)), seen_in(scene)
     clouds, meshes, fits = dict(scene.clouds), dict(scene.meshes), dict[str, ModelFit]()
     notes, without = list(scene.assumptions), list[str]()

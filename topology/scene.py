@@ -9,7 +9,7 @@ from numpy.typing import ArrayLike
 
 from topple.topology.amounts import as_friction, as_masses
 from topple.topology.arguments import checked_arguments
-from topple.topology.arrays import FloatArray, IntArray, frozen, frozen_int
+from topple.topology.arrays import FloatArray, frozen
 from topple.topology.bodies.background import table_among, unnamed_among, without_bodies
 from topple.topology.checks import (
     Names,
@@ -27,6 +27,7 @@ from topple.topology.checks import (
 from topple.topology.errors import InvalidInput, UnknownObject
 from topple.topology.geometry.plane import up_from_fixed
 from topple.topology.image import DepthImage, check_depth, said_of_images
+from topple.topology.mesh import Mesh
 from topple.topology.model_fit import ModelFit
 from topple.topology.notebook import in_cell
 from topple.topology.tolerances import FEWEST_SEEN
@@ -35,37 +36,6 @@ from topple.topology.views.agreement import check_views
 from topple.topology.views.wrong_masks import WrongMask, wrong_masks
 
 _Value = TypeVar("_Value")
-
-
-@dataclass(frozen=True, eq=False)
-class Mesh(ByValue):
-    """A triangle mesh in world coordinates.
-
-    Attributes:
-        vertices: Vertices (V, 3) in [m].
-        faces: Triangles (F, 3), indices into the vertices.
-
-    Raises:
-        InvalidInput: If the shapes are wrong, a vertex is not finite, or a face names no vertex.
-    """
-
-    vertices: FloatArray
-    faces: IntArray
-
-    def __post_init__(self) -> None:
-        """Check both arrays and make them read-only."""
-        vertices = as_points(self.vertices, "mesh vertices")
-        faces = np.asarray(self.faces)
-        if faces.ndim != 2 or faces.shape[1] != 3 or faces.dtype.kind not in "iu":
-            raise InvalidInput(
-                f"mesh faces have shape {faces.shape} of {faces.dtype}: expected (F, 3) integers"
-            )
-        if faces.size and (faces.min() < 0 or faces.max() >= len(vertices)):
-            raise InvalidInput(
-                f"mesh faces name vertex {faces.max()} where there are {len(vertices)} vertices"
-            )
-        object.__setattr__(self, "vertices", vertices)
-        object.__setattr__(self, "faces", frozen_int(faces))
 
 
 @checked_arguments

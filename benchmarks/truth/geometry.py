@@ -12,7 +12,7 @@ from topple.robots.engine import pybullet
 from topple.robots.world.bodies import spread_over
 from topple.robots.world.world import World
 from topple.topology.arrays import FloatArray
-from topple.topology.scene import Mesh
+from topple.topology.mesh import Mesh
 
 RelationLabels = Mapping[tuple[str, str], str]
 """(a, b) -> "a relation b"."""

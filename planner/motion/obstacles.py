@@ -12,7 +12,7 @@ from topple.topology.arrays import FloatArray
 from topple.topology.bodies.parts import convex_parts
 from topple.topology.errors import InvalidInput
 from topple.topology.geometry.rigid import transformed
-from topple.topology.scene import Mesh
+from topple.topology.mesh import Mesh
 
 NO_VIEWPOINTS = np.empty((0, 3))  # tells `convex_parts` that nothing of the surface is missing
 

@@ -141,8 +141,7 @@ def plan(
     planning.grasps = {} if grasps is None else own_grasps(grasps, scene, arm)
     planning.orderer = orderer
     planning.run(task, asked)
-    missing = [] if INSTALLED else [UNPROVEN]
-    missing += [] if BULLET in INSTALLED else [UNCHECKED]
+    missing = [UNPROVEN] * (not INSTALLED) + [UNCHECKED] * (BULLET not in INSTALLED)
     found = planning.plan(
         start, given is None, (*scene.assumptions, *arm.assumptions, *wanted.assumptions, *missing)
     )
@@ -183,10 +182,7 @@ def plan_all(
 
 
 def _plan_of(
-    goal: str | Collection[str] | Task,
-    robot: Arm | str,
-    options: dict[str, Any],
-    source: AnyScene,
+    goal: str | Collection[str] | Task, robot: Arm | str, options: dict[str, Any], source: AnyScene
 ) -> Plan | NoSafePlan:
     try:
         return plan(source, goal, robot, **options)

@@ -9,7 +9,7 @@ from dataclasses import dataclass
 
 from topple.robots.world.bodies import Body, Color
 from topple.topology.arrays import FloatArray
-from topple.topology.scene import Mesh
+from topple.topology.mesh import Mesh
 
 
 @dataclass(frozen=True)

@@ -5,7 +5,7 @@ from collections.abc import Sequence
 import numpy as np
 
 from topple.topology.arrays import FloatArray
-from topple.topology.scene import Mesh
+from topple.topology.mesh import Mesh
 
 
 def circle(sides: int) -> FloatArray:

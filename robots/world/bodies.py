@@ -14,7 +14,7 @@ from topple.topology.arguments import checked_arguments
 from topple.topology.arrays import FloatArray, IntArray, frozen, rounded
 from topple.topology.checks import as_name, as_points
 from topple.topology.errors import InvalidInput
-from topple.topology.scene import Mesh
+from topple.topology.mesh import Mesh
 from topple.topology.statics.tolerances import DENSITY
 
 Color = tuple[float, float, float, float]

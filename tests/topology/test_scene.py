@@ -9,7 +9,8 @@ from hypothesis import strategies as st
 
 from topple.topology.errors import InvalidInput, UnknownObject
 from topple.topology.image import DepthImage
-from topple.topology.scene import Mesh, Scene
+from topple.topology.mesh import Mesh
+from topple.topology.scene import Scene
 
 CUBE = np.array([[x, y, z] for x in (0.0, 0.1) for y in (0.0, 0.1) for z in (0.0, 0.1)])
 FLAT = np.stack(

@@ -25,7 +25,8 @@ from topple.topology.io.tolerances import (
     TABLE_SPACING,
     UNDER_SHARE,
 )
-from topple.topology.scene import Mesh, Scene
+from topple.topology.mesh import Mesh
+from topple.topology.scene import Scene
 
 
 @dataclass

@@ -19,7 +19,7 @@ from topple.topology.io.assemble import Parts
 from topple.topology.io.geometry import read_geometry
 from topple.topology.io.picture import read_picture
 from topple.topology.io.strict_json import read_json
-from topple.topology.scene import Mesh
+from topple.topology.mesh import Mesh
 from topple.topology.tolerances import FARTHEST_DEPTH, FEWEST_SEEN
 
 _CAMERAS, _TRUTH = "scene_camera.json", "scene_gt.json"

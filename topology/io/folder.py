@@ -16,7 +16,7 @@ from topple.topology.io.limits import outside_allowed
 from topple.topology.io.strict_json import read_json
 from topple.topology.io.text import NOTES, TEXTS, no_cloud
 from topple.topology.io.tolerances import MOST_LISTED
-from topple.topology.scene import Mesh
+from topple.topology.mesh import Mesh
 
 _DESCRIPTION = "scene.json"
 _KEYS = ("up", "fixed", "viewpoints", "table_plane", "robot_base", "poses", "files", "masses", "friction")

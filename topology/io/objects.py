@@ -17,7 +17,8 @@ from topple.topology.io.bag import labelled_points
 from topple.topology.io.geometry import Geometry, sampled_mesh
 from topple.topology.io.labelled import parts_from_labelled
 from topple.topology.io.pcd import LABELS
-from topple.topology.scene import Mesh, Scene
+from topple.topology.mesh import Mesh
+from topple.topology.scene import Scene
 
 EXPECTED = "points (N, 3), a record array with x, y, z, or an Open3D or trimesh cloud or mesh, in metres"
 

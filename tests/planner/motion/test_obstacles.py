@@ -7,7 +7,7 @@ from topple.planner.motion.collision import Checker
 from topple.planner.motion.obstacles import Ball, Cuboid, Cylinder, parts_of
 from topple.robots.catalog import robot
 from topple.topology.errors import InvalidInput
-from topple.topology.scene import Mesh
+from topple.topology.mesh import Mesh
 
 
 def placed(x: float, y: float, z: float) -> np.ndarray:
