@@ -5,10 +5,10 @@ from collections.abc import Mapping
 import numpy as np
 from scipy.spatial import KDTree
 
-from topple.topology.arrays import FloatArray
+from topple.topology.arrays import FloatArray, middle_of
 from topple.topology.geometry.normals import patch_planes
 from topple.topology.scene import Scene
-from topple.topology.tolerances import MOST_STRAYS, NEIGHBOURS, PROBES, REGION, STRAY, TOLERANCES
+from topple.topology.tolerances import MOST_STRAYS, NEIGHBOURS, PROBES, REGION, STRAY, TOLERANCES, UNUSUAL, USUAL
 
 
 def noise_and_spacing(points: FloatArray) -> tuple[float, float]:
@@ -43,13 +43,30 @@ def estimate_deviation(scene: Scene | Mapping[str, FloatArray]) -> float:
 
     Returns:
         The medians over the clouds of `noise_factor` times the noise and of the spacing, added as
-        independent errors, within the least and greatest deviation [m].
+        independent errors, within the least and greatest deviation [m]; for large things that is greater.
     """
     clouds = scene.clouds if isinstance(scene, Scene) else scene
     measured = np.array([noise_and_spacing(cloud) for cloud in clouds.values()]).reshape(-1, 2)
     noise, spacing = np.median(measured, axis=0) if len(measured) else (0.0, 0.0)
     estimate = float(np.hypot(TOLERANCES.noise_factor * noise, spacing))
-    return float(np.clip(estimate, TOLERANCES.least_deviation, TOLERANCES.greatest_deviation))
+    greatest = TOLERANCES.greatest_deviation * max(unit_of(scene), 1.0)
+    return float(np.clip(estimate, TOLERANCES.least_deviation, greatest))
+
+
+def unit_of(scene: Scene | Mapping[str, FloatArray]) -> float:
+    """What a metre of a scene whose things are as large as hands take stands for in this one [m].
+
+    Args:
+        scene: A scene, or clouds (N, 3) [m] by name, those that can move.
+
+    Returns:
+        The size of half of its things over the usual one; 1 where they are not unusual.
+    """
+    clouds = [scene.clouds[name] for name in scene.movable] if isinstance(scene, Scene) else scene.values()
+    # twice how far nearly all points are from their middle: a few may be astray
+    reach = [np.quantile(np.linalg.norm(cloud - middle_of(cloud), axis=1), 0.95) for cloud in clouds]
+    ratio = 2.0 * float(np.median(reach)) / USUAL if reach else 1.0
+    return ratio if ratio * UNUSUAL < 1.0 or ratio > UNUSUAL else 1.0
 
 
 def clean(points: FloatArray) -> FloatArray:

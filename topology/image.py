@@ -91,6 +91,14 @@ class DepthImage(ByValue):
         """Centre of the camera (3,) in world coordinates, in [m]."""
         return self.pose_camera_to_world[:3, 3]
 
+    def scaled(self, factor: float) -> "DepthImage":
+        """The picture that the same things enlarged by a factor would give from as much further away."""
+        pose = self.pose_camera_to_world.copy()
+        pose[:3, 3] *= factor
+        larger, changed = object.__new__(DepthImage), {"depth": frozen(self.depth * factor)}
+        vars(larger).update(vars(self) | changed | {"pose_camera_to_world": frozen(pose)})
+        return larger
+
     @cached_property
     def borders(self) -> Borders:
         """What depth says of the masks: which pixel is by its depth of whose surface."""

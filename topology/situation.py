@@ -14,6 +14,7 @@ from topple.topology.bodies.completed import completed_bodies, with_level_unders
 from topple.topology.bodies.solids import Solids, moved, solids_of, up_of
 from topple.topology.bodies.surfaces import carry_over, surfaces_of
 from topple.topology.bodies.tolerances import GRAIN
+from topple.topology.cloud import unit_of
 from topple.topology.evidence import Evidence
 from topple.topology.geometry.hull import Hull
 from topple.topology.geometry.samples import sampled
@@ -40,6 +41,7 @@ class Situation:
         known_solids: Convex parts of the objects where they are known already.
         known_completed: The same with the hidden sides, likewise.
         origin: What it came of by taking objects away or moving them: the other bodies are those still.
+        unit: What a metre of its bodies stands for [m], see `sized`; lengths of its relations are true ones.
     """
 
     scene: Scene
@@ -47,6 +49,7 @@ class Situation:
     known_solids: Solids | None = field(default=None, repr=False)
     known_completed: Solids | None = field(default=None, repr=False)
     origin: "Change | None" = field(default=None, repr=False)
+    unit: float = 1.0
 
     @staticmethod
     @checked_arguments
@@ -87,6 +90,18 @@ class Situation:
             InvalidInput: The scene has no `up`.
         """
         return Statics.of(self.scene, relations=self.relations)
+
+    @cached_property
+    def sized(self) -> "Situation":
+        """The same with things as large as hands take, about which it is asked what falls and what is met.
+
+        How far things lie apart, roll or move before it counts is told in millimetres, for things of some
+        15 cm; nuts and crates are enlarged to that first. Itself where its things are neither.
+        """
+        unit = unit_of(self.scene)
+        if unit == 1.0:
+            return self
+        return Situation(self.scene.scaled(1.0 / unit), self.relations, unit=unit)
 
     @property
     def movable(self) -> tuple[str, ...]:
@@ -223,7 +238,7 @@ class Situation:
         """
         body, met = self.surfaces[name], self.surfaces[other]
         over = overlap(met, body)
-        gap = self.relations.between(name, other).gap if over is None else -over.evasion
+        gap = self.relations.between(name, other).gap if over is None else -over.evasion * self.unit
         seen = self.relations.between(name, other).observed
         return Evidence(name, other, classify(swept_matrix(body, met)), gap, seen, swept=True)
 

@@ -128,6 +128,15 @@ FEWEST_SEEN = 4
 """Points of an object at least: fewer pixels span no solid, and are as likely a mask's edge as an object."""
 
 
+# -- situation
+
+USUAL = 0.15
+"""Size [m] of what lengths of statics are meant for: half of the things in a kitchen are 12 to 17 cm large."""
+
+UNUSUAL = 3.0
+"""How many times smaller or larger than that half of a scene's things are before the scene is scaled."""
+
+
 # -- upright
 
 VOXEL = 0.003

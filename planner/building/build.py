@@ -84,7 +84,7 @@ def build_order(scene: AnyScene | Situation, *, relations: "Relations | None" = 
         InvalidInput: The scene has no `up`, or hangs in the air with it and would stand with another; nothing
             in it can move.
     """
-    situation = Situation.of(scene, relations)
+    situation = Situation.of(scene, relations).sized
     scene, statics = situation.scene, situation.statics
     if not scene.movable:
         raise InvalidInput("nothing in the scene can move: every object is fixed")

@@ -49,6 +49,9 @@ REASONS = tuple(Reason)
 
 INSIDE = (Relation.WITHIN, Relation.PARTIAL_WITHIN)
 
+_Pair = tuple[str, str]
+"""What goes first, and what must wait."""
+
 
 @dataclass(frozen=True)
 class Dependency:
@@ -205,10 +208,10 @@ def dependencies(
     Raises:
         InvalidInput: The scene has no `up`.
     """
-    situation = Situation.of(scene, relations)
+    situation = Situation.of(scene, relations).sized
     statics, names = situation.statics, situation.movable
     touching = statics.touching
-    hanging, lost = _hanging(statics), _lost(situation)
+    hanging, lost = _both_questions(situation)
     found = [_lifted(first, then, over, touching, situation) for (first, then), over in hanging.items()]
     found += [_falls(first, then, missing, touching) for (first, then), missing in lost.items()]
     # The reason with the wider margin is given; how far it is believed has been counted.
@@ -238,8 +241,7 @@ def ways_found(situation: Situation) -> dict[tuple[str, str], int]:
     Returns:
         (first, then) -> position in `topple.planner.decide.rates.Found`, for every pair that it finds.
     """
-    statics = situation.statics
-    return _ways(_hanging(statics), _lost(situation))
+    return _ways(*_both_questions(situation.sized))
 
 
 def _ways(
@@ -250,7 +252,33 @@ def _ways(
     return {pair: way_found(push, pair in lost) for pair, push in pushes.items()}
 
 
-def _lost(situation: Situation) -> dict[tuple[str, str], float]:
+def _both_questions(situation: Situation) -> tuple[dict[_Pair, Overlap], dict[_Pair, float]]:
+    """What hangs over what, and what falls without what."""
+    hanging = _hanging(situation.statics)
+    return hanging, _falling_still(hanging, _lost(situation), situation.statics)
+
+
+def _falling_still(
+    hanging: Mapping[_Pair, Overlap], lost: Mapping[_Pair, float], statics: Statics
+) -> dict[_Pair, float]:
+    """What falls without something also once all is gone that has to go before that anyway.
+
+    Without one pier the bridge tips and throws the other over; but the bridge goes before either.
+    """
+    before: nx.DiGraph[str] = nx.DiGraph((*hanging, *lost))
+
+    @cache
+    def fallen(away: frozenset[str]) -> Collection[str]:
+        return fallen_without(statics, away).keys()
+
+    def still(first: str, then: str) -> bool:
+        others = nx.ancestors(before.subgraph(before.nodes - {first}), then)
+        return not others or first in fallen(frozenset({then, *others}))
+
+    return {pair: far for pair, far in lost.items() if pair in hanging or still(*pair)}
+
+
+def _lost(situation: Situation) -> dict[_Pair, float]:
     """(first, then) -> by how much first falls without then, for those that do and hang together with it."""
     return {
         (first, then): missing

@@ -94,28 +94,29 @@ def order(
     fixture = check_clamped(scene, clamped)
     if fixture and hands is None:
         hands = 1
-    statics = situation.statics
+    sized = situation.sized
+    statics = sized.statics
     if check_gravity:
-        check_up(scene, statics)
+        check_up(sized.scene, statics)
     full = dependencies(situation, direct=False)
     check_masks(situation, wanted, full)
     chance = reasoned(full, statics, len(scene.viewpoints) or None)
     notes: dict[str, Any] = {}
-    said = (*scene.assumptions, *assumed(scene, statics))
+    said = (*scene.assumptions, *assumed(scene, situation.statics))
     if verify:
         from topple.planner.simulate.votes import ask, chances, confirmed
 
-        votes = ask(statics, full, seed)
+        votes = ask(situation.statics, full, seed)
         chance = chances(chance, votes, len(scene.viewpoints) or None)
         full = _witnessed(confirmed(full, chance, votes), situation)
         notes = {"trials": votes.trials}
     tops = {name: _top(statics.surfaces[name]) for name in full.names}
-    apart = taking_apart(situation, full, hands, fixture)
+    apart = taking_apart(sized, full, hands, fixture)
     if fixture:
         full, chance = _kept_still(full, chance, statics, fixture)
     edges = {(edge.first, edge.then) for edge in full.dependencies}
     risked = (beliefs or Beliefs()).weighed(chance, edges)
-    found = arrange(full.reduced(), wanted, tops, situation.supports, said, risked, removal_risk, apart)
+    found = arrange(full.reduced(), wanted, tops, sized.supports, said, risked, removal_risk, apart)
     found = replace(found, verified=verify, chances=FrozenDict(chance), notes=FrozenDict(notes))
     return found if robot is None else _with_access(found, situation, robot)
 
