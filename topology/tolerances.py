@@ -133,7 +133,7 @@ FEWEST_SEEN = 4
 USUAL = 0.15
 """Size [m] of what lengths of statics are meant for: half of the things in a kitchen are 12 to 17 cm large."""
 
-UNUSUAL = 3.0
+UNUSUAL = 2.0
 """How many times smaller or larger than that half of a scene's things are before the scene is scaled."""
 
 
