@@ -1,6 +1,6 @@
 # Two commands for a fresh machine: `make demo` and `make test`. Both set up what they need in .venv.
 # `make test` leaves out the tests marked slow, `make test-all` runs every one.
-PYTHON ?= $(shell command -v python3.11 || command -v python3.10 || command -v python3)
+PYTHON ?= $(shell command -v python3.11 || command -v python3.10 || command -v python3.12 || command -v python3.13 || command -v python3)
 BIN := .venv/bin
 # One process a core, each with one thread: more threads in each would take the cores from the other. The tests of
 # a file stay in one process, which makes their fixtures once.
@@ -52,12 +52,12 @@ film: .venv/dev.stamp
 schema: .venv/dev.stamp
 	$(BIN)/python -c 'import json; from topple.planner.formats.plan_format import plan_schema; print(json.dumps(plan_schema(), indent=1))' > docs/plan.schema.json
 
-# Both simulate, and PyBullet has wheels for CPython 3.10 and 3.11 on Linux x86-64 alone.
+# Both simulate, and PyBullet or its fork has wheels for CPython 3.10 to 3.13 on Linux x86-64.
 python:
-	@test -n "$(PYTHON)" || { echo "topple needs Python 3.10 or 3.11: install it, or name it with make PYTHON=/path/to/python3.11"; exit 1; }
-	@$(PYTHON) -c 'import platform, sys; sys.exit(sys.version_info[:2] not in ((3, 10), (3, 11)) or (sys.platform, platform.machine()) != ("linux", "x86_64"))' \
+	@test -n "$(PYTHON)" || { echo "topple needs Python 3.10 to 3.13: install it, or name it with make PYTHON=/path/to/python3.11"; exit 1; }
+	@$(PYTHON) -c 'import platform, sys; sys.exit(sys.version_info[:2] not in ((3, 10), (3, 11), (3, 12), (3, 13)) or (sys.platform, platform.machine()) != ("linux", "x86_64"))' \
 	  || $(PYTHON) -c 'import pybullet' 2>/dev/null \
-	  || { echo "PyBullet has no wheel for $(PYTHON): name a CPython 3.10 or 3.11 on Linux x86-64 with make PYTHON=/path/to/python3.11 (docs/install.md says what works on others)"; exit 1; }
+	  || { echo "PyBullet has no wheel for $(PYTHON): name a CPython 3.10 to 3.13 on Linux x86-64 with make PYTHON=/path/to/python3.11 (docs/install.md says what works on others)"; exit 1; }
 
 .venv/bin/python: | python
 	$(PYTHON) -m venv .venv

@@ -5,23 +5,28 @@ from typing import Any
 
 from hatchling.builders.hooks.plugin.interface import BuildHookInterface
 
-FRONT = "planner/topple.py"
-"""Installed as `topple/__init__.py`."""
+FRONT = {
+    "planner/topple.py": "__init__.py",
+    "planner/cli/__main__.py": "__main__.py",
+    "planner/py.typed": "py.typed",
+}
+"""Files of the checkout, and their names in `topple`."""
 
 
 class Layout(BuildHookInterface):  # type: ignore[type-arg]
-    """Lays `topple` out: `__init__.py`, `topology`, `robots`, `planner`, `benchmarks`."""
+    """Lays `topple` out: its own files, `topology`, `robots`, `planner`, and in a checkout `benchmarks`."""
 
     def initialize(self, version: str, build_data: dict[str, Any]) -> None:
         """Name the front door in a wheel; make links in `.dev/topple` for an editable install."""
         if self.target_name != "wheel":
             return
         if version != "editable":
-            build_data["force_include"][FRONT] = "topple/__init__.py"
+            build_data["force_include"].update({file: f"topple/{name}" for file, name in FRONT.items()})
             return
         package = Path(self.root, ".dev", "topple")
         package.mkdir(parents=True, exist_ok=True)
-        for source in (FRONT, "topology", "robots", "planner", "benchmarks"):
-            link = package / ("__init__.py" if source == FRONT else source)
+        folders = {name: name for name in ("topology", "robots", "planner", "benchmarks")}
+        for source, name in {**FRONT, **folders}.items():
+            link = package / name
             if not link.is_symlink():
-                link.symlink_to(Path("..", "..", source), target_is_directory=source != FRONT)
+                link.symlink_to(Path("..", "..", source), target_is_directory=source == name)

@@ -4,8 +4,9 @@ Episodes are those of `topple bench run`, kept in the same journal: what was pla
 With `--counts FILE` the count is written as `topple demo` tells it, with the seed that it plays by default.
 """
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from concurrent.futures import Executor
+from dataclasses import replace
 from importlib.metadata import version
 from pathlib import Path
 from typing import Any
@@ -21,7 +22,9 @@ from topple.robots.scenarios import SCENARIOS
 from topple.topology.errors import DISTRIBUTION
 
 SEEDS = 40
-EASY = 0.5  # share of what disturbs: a seed that stays below it is played by default, as it succeeds again
+EASY = 0.5  # share of what disturbs: a seed that stays below it is tried first as the one played by default
+TURNED = (0.0, 1.0, 359.0)  # degrees: other machines settle and round otherwise
+ROUGH = (0.8, 1.2)  # share of friction likewise
 
 
 def rows(
@@ -41,7 +44,7 @@ def rows(
         progress: Called as episodes end.
         journal: Where endings are kept, line by line; that of `topple bench run` will do.
         minutes: After this time no further episode is begun; the figures are of what was played.
-        counts: Where the count is written, as JSON.
+        counts: Where the count is written, as JSON; the seeds played by default are tried in variants then.
         executor: Whose workers play; None for a process a core.
 
     Returns:
@@ -58,6 +61,14 @@ def rows(
     found = {name: count_of([known[e] for e in some if e in known]) for name, some in episodes.items()}
     counted = {name: count for name, count in found.items() if count is not None}
     if place is not None:
+
+        def ended(some: Sequence[Episode]) -> list[Ending]:
+            known = collected(some, progress, journal, minutes, executor)
+            return [known[episode] for episode in some if episode in known]
+
+        counted = {
+            name: replace(each, default=default_of(name, each, ended)) for name, each in counted.items()
+        }
         made = {
             "made_by": "topple bench demo --counts FILE",
             "topple": version(DISTRIBUTION),
@@ -73,6 +84,28 @@ def rows(
             Row(what, 100 * part / whole, "%", interval=share_interval(part, whole), tried=whole, held=part)
         )
     return [row.to_json() for row in rows]
+
+
+def variants(name: str, seed: int) -> list[Episode]:
+    """A scene as it is, turned by a degree either way, and with less and more friction."""
+    as_it_is = Episode(name, seed, CAMERAS)
+    turned = [replace(as_it_is, turned=degrees) for degrees in TURNED]
+    return turned + [replace(as_it_is, friction=share) for share in ROUGH]
+
+
+def default_of(name: str, count: SeedCount, ended: Callable[[Sequence[Episode]], Sequence[Ending]]) -> int:
+    """The first seed, from the easiest on, of which every variant succeeds; the easiest where none does.
+
+    Args:
+        name: Of the scene.
+        count: Its seeds.
+        ended: Gives the endings of episodes.
+    """
+    for seed in dict.fromkeys((count.default, *count.reached)):
+        tried = ended(variants(name, seed))
+        if tried and all(ending.success for ending in tried):
+            return seed
+    return count.default
 
 
 def count_of(endings: Sequence[Ending]) -> SeedCount | None:

@@ -10,6 +10,7 @@ from typing import Any
 
 import msgspec
 import numpy as np
+from scipy.spatial.transform import Rotation
 
 from topple.benchmarks.other_piles import NAME as OTHER_PILE
 from topple.benchmarks.other_piles import other_pile
@@ -23,6 +24,7 @@ from topple.planner.formats.run_record import RunRecord, StepRecord
 from topple.planner.planning.order import cautious
 from topple.robots.engines import BULLET, new_world, playing_on
 from topple.robots.scenarios import Scenario, scenario_called
+from topple.robots.scenarios.scenario import pose_at
 from topple.robots.world.physical_world import PhysicalWorld
 from topple.robots.world.world import in_bullet
 from topple.topology.errors import InvalidInput, ToppleError
@@ -36,7 +38,7 @@ TOPPLE = "topple"
 IDEAL = "any order, ideal lifts"
 """The rule of an episode that no arm plays: whether its target could be freed at all."""
 
-LATER = frozenset({"robot", "engine", "ahead", "waited", "alone"})
+LATER = frozenset({"robot", "engine", "ahead", "waited", "alone", "turned", "friction"})
 """Keys that journals of before do not have: all their episodes are of the scene's own arms on PyBullet, which
 wait for each step to be chosen."""
 
@@ -76,6 +78,8 @@ class Episode:
         engine: What it is played on, one of `topple.robots.engines.ENGINES`; scenes settle on PyBullet.
         ahead: Whether the next step is chosen while the arm acts.
         alone: Whether there is one arm, also where the scene is made for two.
+        turned: Degrees from 0 by which everything is turned about the vertical, once it has settled.
+        friction: What the coefficient of friction of each thing that moves is multiplied by then.
     """
 
     scenario: str
@@ -91,6 +95,13 @@ class Episode:
     engine: str = BULLET
     ahead: bool = False
     alone: bool = False
+    turned: float = 0.0
+    friction: float = 1.0
+
+    @property
+    def as_settled(self) -> bool:
+        """Whether it is played in the world that the scene settled in."""
+        return self.engine == BULLET and self.turned == 0.0 and self.friction == 1.0
 
 
 @dataclass(frozen=True)
@@ -226,9 +237,10 @@ def _played(episode: Episode, begun: float) -> Ending:
         return _ended(episode, record, begun, movable, sagged=sagged)
     with ExitStack() as stack:
         stage, sagged = stack.enter_context(_stage(episode)), None
-        if episode.engine != BULLET:
-            world = stack.enter_context(_copied(stage.world, episode.engine))
-            stage, sagged = replace(stage, world=world), _sagged(world)
+        if not episode.as_settled:
+            world = stack.enter_context(copied(stage.world, episode))
+            after = stage.finished and stack.enter_context(copied(stage.finished, episode))
+            stage, sagged = replace(stage, world=world, finished=after), _sagged(world)
         if episode.rule == IDEAL:
             return _possible(episode, stage, begun)
         base = stage.pose_base_to_world
@@ -254,12 +266,20 @@ def _stage(episode: Episode) -> Scenario:
     return scenario_called(episode.scenario, episode.seed)
 
 
-def _copied(world: PhysicalWorld, engine: str) -> PhysicalWorld:
-    """The bodies of a world where they lie, on an engine."""
-    with playing_on(engine):
+def copied(world: PhysicalWorld, episode: Episode) -> PhysicalWorld:
+    """The bodies of a world, on the engine of an episode, turned and as rough as it says.
+
+    Args:
+        world: Where they lie as they settled.
+        episode: What is played.
+    """
+    with playing_on(episode.engine):
         copy = new_world()
+    turn = pose_at(0.0, 0.0, 0.0, Rotation.from_euler("z", episode.turned, degrees=True))
     for name in world.names:
-        copy.add(world.body(name), world.pose(name), fixed=name in world.fixed)
+        body, fixed = world.body(name), name in world.fixed
+        rough = body.friction * (1.0 if fixed else episode.friction)
+        copy.add(replace(body, friction=rough), turn @ world.pose(name), fixed=fixed)
     return copy
 
 

@@ -21,7 +21,7 @@ def main(folder: str = "topple-dishes", seed: str | None = None) -> int:
         print(f"   others moved at most {1e3 * moved:.1f} mm and tipped {math.degrees(tipped):.1f} degrees")
         if step.slip is not None:
             print(f"   it slipped by {1e3 * step.slip[0]:.1f} mm in the hand")
-    print(f"{record.goal}: {'reached' if record.success else 'not reached'}", *record.violations, sep="\n  ")
+    print(f"{record.goal}: {record.verdict}", *record.violations, sep="\n  ")
     return 0 if record.success else 1
 
 

@@ -1,5 +1,6 @@
 """A small policy learns what to take next of a pile, then plays fresh piles beside the highest first.
 
+    python examples/learn.py                        # learn on 8 piles, play another one
     python examples/learn.py learned.json 64 200    # learn on 64 piles, play 200 others: 20 minutes
 
 REINFORCE in numpy, on five numbers an object out of the arrays of the observation. Needs the extra `gym`.
@@ -40,7 +41,8 @@ def play(env, weights, scene, rng=None):
     return gained, gradient, len(told), int(disturbed), bool(info["reached"])
 
 
-out, episodes, fresh = Path(sys.argv[1]), *(int(number) for number in sys.argv[2:])
+out, episodes, fresh = sys.argv[1:] or ("learned.json", 8, 1)
+out, episodes, fresh = Path(out), int(episodes), int(fresh)
 env = gymnasium.make("topple.planner.environment:topple/Pile-v0")
 rng, weights, returns = np.random.default_rng(0), np.zeros(5), list[float]()
 for first in range(0, episodes, BATCH):

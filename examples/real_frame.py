@@ -40,9 +40,7 @@ def main(path: str, table: str, target: str | None = None) -> int:
         print(f"note: {note}")
     with open("real_frame.html", "w", encoding="utf-8") as page:
         page.write(run_page(record))
-    print(
-        f"{record.goal}: {'reached' if record.success else 'not reached'}; real_frame.html shows every step"
-    )
+    print(f"{record.goal}: {record.verdict}; real_frame.html shows every step")
     return 0 if record.success else 1
 
 

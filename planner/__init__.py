@@ -11,10 +11,11 @@ if TYPE_CHECKING:
     from topple.planner.decide.hold import Hold
     from topple.planner.errors import NoSafePlan
     from topple.planner.execution.demo import demo
-    from topple.planner.execution.look import Observer
+    from topple.planner.execution.look import Look, Observer, Perception
     from topple.planner.execution.loop import ClosedLoop, RunLimits
     from topple.planner.execution.run import run
     from topple.planner.formats.plan_format import Plan
+    from topple.planner.formats.run_record import RunRecord
     from topple.planner.grasp.foreign import ForeignGrasps, grasps_from_array, read_grasps
     from topple.planner.grasp.rank import rank_all, rank_grasps
     from topple.planner.planning.next_view import next_view
@@ -37,13 +38,16 @@ __all__ = [
     "DescribedTask",
     "ForeignGrasps",
     "Hold",
+    "Look",
     "NoSafePlan",
     "Observer",
     "Order",
+    "Perception",
     "Plan",
     "Rearrangement",
     "RelatedTask",
     "RunLimits",
+    "RunRecord",
     "SameShapesTask",
     "arrange",
     "build_order",
@@ -65,7 +69,7 @@ __all__ = [
     "run_page",
 ]
 
-__getattr__ = lazy_names(
+__getattr__, __dir__ = lazy_names(
     __name__,
     {
         "building.build": "BuildOrder build_order",
@@ -74,10 +78,11 @@ __getattr__ = lazy_names(
         "decide.hold": "Hold",
         "errors": "NoSafePlan",
         "execution.demo": "demo",
-        "execution.look": "Observer",
+        "execution.look": "Look Observer Perception",
         "execution.loop": "ClosedLoop RunLimits",
         "execution.run": "run",
         "formats.plan_format": "Plan",
+        "formats.run_record": "RunRecord",
         "grasp.foreign": "ForeignGrasps grasps_from_array read_grasps",
         "grasp.rank": "rank_all rank_grasps",
         "planning.next_view": "next_view",

@@ -9,7 +9,7 @@ import numpy as np
 from topple.topology.arrays import FloatArray
 from topple.topology.values import Word
 
-STEPS = ("grasp", "approach", "lift", "slide", "place", "retreat", "transfer", "move")
+STEPS = ("grasp", "approach", "lift", "place", "retreat", "transfer", "move")
 """In the order in which a search looks at them: what fails later got further."""
 
 TOLD = 2  # reasons in a sentence for people: the rest is rarer, and in `TransferFailure.reasons`

@@ -16,14 +16,9 @@ class Fallback(Word):
 
     ANOTHER_FIRST = "another first"
     MAKE_ROOM = "make room"
-    OUT_OF_TURN = "out of turn"
-    TO_THE_EDGE = "to the edge"
     LOOK_LONGER = "look longer"
     EMPTY = "empty"
-    PUSH = "push"
-    PUT_ASIDE = "put aside"
     OTHER_TOOL = "other tool"
-    IN_A_WAY = "in a way"
     LET_FALL_A_LITTLE = "let fall a little"
     WHERE_IT_ROLLS = "where it rolls"
     THROUGH_GUESSES = "through guesses"
@@ -54,14 +49,6 @@ FALLBACKS: dict[Fallback, Description] = {
         "nothing that may go can be taken",
         "takes what barred the hand, or stands beside, out of the way, each thing once",
     ),
-    Fallback.OUT_OF_TURN: Description(
-        "no room can be made either",
-        "takes the object against which the least likely dependencies speak",
-    ),
-    Fallback.TO_THE_EDGE: Description(
-        "no tool takes a thing where it lies, and nothing else can be done",
-        "pushes it along the table until it hangs over the edge, to be pinched there",
-    ),
     Fallback.LOOK_LONGER: Description(
         "something is to go into a vessel that holds other things, and the best spots are not reached",
         "asks for four times the spots and all hands: taking things out of a heap stirs it",
@@ -70,21 +57,9 @@ FALLBACKS: dict[Fallback, Description] = {
         "a vessel has no spot where the new thing disturbs nothing",
         "takes out what lies there, in its safe order",
     ),
-    Fallback.PUSH: Description(
-        "nothing can be taken out either",
-        "puts the thing where it stays and pushes what lies there",
-    ),
-    Fallback.PUT_ASIDE: Description(
-        "the thing cannot go straight to where it shall be",
-        "puts it down on the table, once, to be taken otherwise",
-    ),
     Fallback.OTHER_TOOL: Description(
         "the cup alone holds an object and finds no way, or a tool failed twice at it",
         "uses the arm's other tool",
-    ),
-    Fallback.IN_A_WAY: Description(
-        "no free place is reached but those in the way of what is still to be taken",
-        "puts the object down there",
     ),
     Fallback.LET_FALL_A_LITTLE: Description(
         "fingers below a flat thing have no room between it and the table",

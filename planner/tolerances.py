@@ -10,6 +10,9 @@ TURNED = float(np.radians(10.0))
 """[rad] from where on it counts as turned: what a hand does not feel as it lets go, and a spoon on a rim
 survives."""
 
+HIT = 5.0
+"""[N] that a robot may press with on what it does not handle: a brush below a can's weight moves nothing."""
+
 ALIKE = 1e-6
 """[m], [rad] or share by which what a plan says of its arm may differ from what is found: last digits."""
 

@@ -10,10 +10,14 @@ from importlib.metadata import version
 from sys import modules
 from typing import TYPE_CHECKING, Any
 
+from topple.topology.lazy_names import lazy_names
+
 if TYPE_CHECKING:
     from topple.planner import (
         NoSafePlan,
         Order,
+        Plan,
+        RunRecord,
         build_order,
         next_view,
         order,
@@ -23,7 +27,15 @@ if TYPE_CHECKING:
         run,
     )
     from topple.robots import robot, scene_from_world
-    from topple.topology import InvalidInput, Scene, ToppleError, load_scene, relate, scene_from_rgbd
+    from topple.topology import (
+        InvalidInput,
+        Relations,
+        Scene,
+        ToppleError,
+        load_scene,
+        relate,
+        scene_from_rgbd,
+    )
 
     __version__: str
 
@@ -31,6 +43,9 @@ __all__ = [
     "InvalidInput",
     "NoSafePlan",
     "Order",
+    "Plan",
+    "Relations",
+    "RunRecord",
     "Scene",
     "ToppleError",
     "__version__",
@@ -48,15 +63,15 @@ __all__ = [
     "scene_from_world",
 ]
 
-_PACKAGE_OF = {
-    name: package
-    for package, names in {
-        "topology": "InvalidInput Scene ToppleError load_scene relate scene_from_rgbd",
+_find, __dir__ = lazy_names(
+    __name__,
+    {
+        "topology": "InvalidInput Relations Scene ToppleError load_scene relate scene_from_rgbd",
         "robots": "robot scene_from_world",
-        "planner": "NoSafePlan Order build_order next_view order plan rank_grasps rearrange run",
-    }.items()
-    for name in names.split()
-}
+        "planner": "NoSafePlan Order Plan RunRecord build_order next_view order plan rank_grasps "
+        "rearrange run",
+    },
+)
 
 
 def __getattr__(name: str) -> Any:
@@ -65,11 +80,7 @@ def __getattr__(name: str) -> Any:
         from topple.topology.errors import DISTRIBUTION
 
         return version(DISTRIBUTION)
-    if name not in _PACKAGE_OF:
-        raise AttributeError(f"module 'topple' has no attribute {name!r}")
-    value = getattr(import_module(f"topple.{_PACKAGE_OF[name]}"), name)
-    globals()[name] = value
-    return value
+    return _find(name)
 
 
 if "gymnasium" in modules:  # it has no entry points since 1.0: packages of environments register as they load

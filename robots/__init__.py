@@ -5,7 +5,10 @@ from typing import TYPE_CHECKING
 from topple.topology.lazy_names import lazy_names
 
 if TYPE_CHECKING:
+    from topple.robots.arm.gripper import ToolState
     from topple.robots.catalog import robot
+    from topple.robots.driver import Driver
+    from topple.robots.scenarios.scenario import around
     from topple.robots.world.bodies import Body
     from topple.robots.world.camera import Camera
     from topple.robots.world.observe import scene_from_world
@@ -16,17 +19,23 @@ if TYPE_CHECKING:
 __all__ = [
     "Body",
     "Camera",
+    "Driver",
     "Recording",
     "SimulatedArm",
+    "ToolState",
     "World",
+    "around",
     "robot",
     "scene_from_world",
 ]
 
-__getattr__ = lazy_names(
+__getattr__, __dir__ = lazy_names(
     __name__,
     {
+        "arm.gripper": "ToolState",
         "catalog": "robot",
+        "driver": "Driver",
+        "scenarios.scenario": "around",
         "world.bodies": "Body",
         "world.camera": "Camera",
         "world.observe": "scene_from_world",

@@ -1,7 +1,8 @@
 """The physics engine: PyBullet, imported without its greeting, or one line on how to get it.
 
-Everything that simulates imports `pybullet` from here. CPython 3.10 and 3.11 on Linux x86-64 have a wheel of
-it; where it is not installed, importing this module raises `NotInstalled`.
+Everything that simulates imports `pybullet` from here. CPython 3.10 to 3.13 on Linux x86-64 have a wheel of
+it, the latter two of the fork pybullet-arm64; where it is not installed, importing this module
+raises `NotInstalled`.
 """
 
 import importlib

@@ -39,7 +39,7 @@ def test_every_example_is_tested_and_short() -> None:
 
 @pytest.mark.slow
 def test_a_policy_learns_and_is_held_against_the_highest_first(tmp_path: Path) -> None:
-    lines = _output(tmp_path, "learn.py", "learned.json", "8", "1")
+    lines = _output(tmp_path, "learn.py")
     assert [line.split(":")[0] for line in lines] == ["8 scenes", "learned", "highest"]
     found = json.loads((tmp_path / "learned.json").read_text(encoding="utf-8"))
     assert len(found["returns"]) == 8 and len(found["learned"]) == len(found["highest"]) == 1
@@ -74,7 +74,7 @@ def test_a_tray_is_packed(tmp_path: Path) -> None:
 
 @pytest.mark.slow
 def test_look_writes_a_small_scene_that_says_everything(tmp_path: Path) -> None:
-    assert _output(tmp_path, "look.py", "scene.npz")
+    assert _output(tmp_path, "look.py")
     scene = load_scene(tmp_path / "scene.npz")
     assert set(scene.names) == {"table", "plate", "spoon_1", "spoon_2", "fork", "can"}
     assert scene.fixed == {"table"}
@@ -87,7 +87,7 @@ def test_look_writes_a_small_scene_that_says_everything(tmp_path: Path) -> None:
 
 @pytest.mark.slow
 def test_a_simulated_scene_becomes_one_of_a_bop_dataset(tmp_path: Path) -> None:
-    lines = _output(tmp_path, "write_bop.py", "bop")
+    lines = _output(tmp_path, "write_bop.py")
     assert lines[-1].startswith("bop/test/000001: obj_000001 plate, ")
     scene = load_scene(tmp_path / "bop" / "test" / "000001", image=2)
     assert len(scene.names) == 6 and scene.fixed == {"table"}
@@ -95,7 +95,7 @@ def test_a_simulated_scene_becomes_one_of_a_bop_dataset(tmp_path: Path) -> None:
 
 @pytest.mark.slow
 def test_a_simulated_camera_becomes_a_recording_of_ros(tmp_path: Path) -> None:
-    assert _output(tmp_path, "write_bag.py", "run")[-1].startswith("run: labels 1 table 3 plate ")
+    assert _output(tmp_path, "write_bag.py")[-1].startswith("run: labels 1 table 3 plate ")
     scene = load_scene(tmp_path / "run" / "run.mcap", fixed=["1"], image=2)
     assert len(scene.names) == 6 and scene.robot_base is not None
 
@@ -191,10 +191,10 @@ def test_grasps_of_another_pipeline_are_put_in_order(tmp_path: Path) -> None:
 
 
 @pytest.mark.slow
-def test_a_real_frame_becomes_a_world_to_act_in(tmp_path: Path) -> None:
-    frame = FRAMES / "osd_test46.npz"
-    if not frame.exists():
+@pytest.mark.parametrize("frame", [None, FRAMES / "osd_test46.npz"], ids=["simulated", "real"])
+def test_a_frame_becomes_a_world_to_act_in(frame: Path | None, tmp_path: Path) -> None:
+    if frame is not None and not frame.exists():
         pytest.skip(f"no real frames in {FRAMES}")
-    lines = _output(tmp_path, "real_frame.py", str(frame), "1")
+    lines = _output(tmp_path, "real_frame.py", *([] if frame is None else [str(frame), "1"]))
     assert any(line.startswith("note: the arm's base stands at") for line in lines)
     assert (tmp_path / "real_frame.html").stat().st_size > 100_000

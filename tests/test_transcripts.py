@@ -32,7 +32,7 @@ def commands(page: Path) -> list[str]:
 def test_there_is_one_for_each_way_to_begin() -> None:
     assert [page.stem for page in PAGES] == ["arms", "bop", "frame", "grasps", "ros", "urdf"]
     for page, (_, extra) in NEEDS.items():
-        assert f"pip install 'topple-planner[{extra}]'" in (ARMS.parent / f"{page}.md").read_text()
+        assert f"pip install '.[{extra}]'" in (ARMS.parent / f"{page}.md").read_text()
 
 
 def test_an_order_takes_fewer_than_five_commands() -> None:

@@ -92,5 +92,5 @@ def test_what_needs_the_engine_says_so_in_one_line(folder: Path, command: tuple[
     printed, said = _topple(folder, *command, code=2)
     assert printed == ""
     assert said.splitlines()[-1].startswith("topple: ")
-    assert "pip install 'topple-planner[sim]'" in said.splitlines()[-1]
+    assert "pip install 'pybullet" in said.splitlines()[-1]
     assert "Traceback" not in said

@@ -57,7 +57,7 @@ __all__ = [
     "with_models",
 ]
 
-__getattr__ = lazy_names(
+__getattr__, __dir__ = lazy_names(
     __name__,
     {
         "errors": "InvalidInput NotInstalled ToppleError UnknownObject",

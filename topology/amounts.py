@@ -7,6 +7,7 @@ import numpy as np
 
 from topple.topology.errors import InvalidInput, UnknownObject
 from topple.topology.statics.matter import ROUGHEST, SLIPPERIEST
+from topple.topology.tolerances import HEAVIEST
 from topple.topology.values import FrozenDict
 
 
@@ -21,15 +22,15 @@ def as_masses(given: Mapping[str, float] | None, names: Iterable[str]) -> Mappin
         The masses, read-only.
 
     Raises:
-        InvalidInput: If a mass is not finite and above 0; names the object.
+        InvalidInput: If a mass is not above 0 or over a thousand tonnes; names the object.
         UnknownObject: If a name is none of the objects.
     """
     masses = _numbers(given, names, "mass", "kilograms, such as 0.35")
     for name, mass in masses.items():
-        if mass <= 0:
+        if not 0 < mass <= HEAVIEST:
             raise InvalidInput(
-                f"mass of {name!r} is {mass:g} kg: expected more than 0; leave out what nobody weighed, "
-                "and name what never moves in fixed"
+                f"mass of {name!r} is {mass:g} kg: expected more than 0, up to {HEAVIEST:g}; leave "
+                "out what nobody weighed, and name what never moves in fixed"
             )
     return masses
 

@@ -8,7 +8,16 @@ from scipy.spatial import KDTree
 from topple.topology.arrays import FloatArray, middle_of
 from topple.topology.geometry.normals import patch_planes
 from topple.topology.scene import Scene
-from topple.topology.tolerances import MOST_STRAYS, NEIGHBOURS, PROBES, REGION, STRAY, TOLERANCES, UNUSUAL, USUAL
+from topple.topology.tolerances import (
+    MOST_STRAYS,
+    NEIGHBOURS,
+    PROBES,
+    REGION,
+    STRAY,
+    TOLERANCES,
+    UNUSUAL,
+    USUAL,
+)
 
 
 def noise_and_spacing(points: FloatArray) -> tuple[float, float]:

@@ -1,9 +1,19 @@
 """The errors topple raises: one base, told apart by what the caller can do about them."""
 
+import re
 from collections.abc import Iterable
+from importlib.metadata import requires
 
 DISTRIBUTION = "topple-planner"
 """The name topple is installed by; `topple` alone is another project's on PyPI."""
+
+
+def packages_of(extra: str) -> list[str]:
+    """What an extra of topple brings, as pip takes it: topple itself is on no package index."""
+    needed = requires(DISTRIBUTION) or ()
+    return [
+        each.partition(";")[0].strip() for each in needed if re.search(rf"extra == ['\"]{extra}['\"]", each)
+    ]
 
 
 class ToppleError(Exception):
@@ -22,12 +32,12 @@ class NotInstalled(InvalidInput):
 
     Attributes:
         what: What needs it, as "films need PyAV".
-        extra: The extra of `topple-planner` that brings it.
+        extra: The extra of topple that brings it.
     """
 
     def __init__(self, what: str, extra: str) -> None:
         self.what, self.extra = what, extra
-        super().__init__(f"{what}: pip install '{DISTRIBUTION}[{extra}]' (in a checkout '.[{extra}]')")
+        super().__init__(f"{what}: pip install {' '.join(map(repr, packages_of(extra)))}")
 
     def __reduce__(self) -> tuple[object, ...]:
         """Pickle by its parts, so that it can come back from another process."""

@@ -9,15 +9,17 @@ from importlib import import_module
 from typing import Any
 
 
-def lazy_names(package: str, homes: Mapping[str, str]) -> Callable[[str], Any]:
-    """Make a package's `__getattr__`.
+def lazy_names(
+    package: str, homes: Mapping[str, str]
+) -> tuple[Callable[[str], Any], Callable[[], list[str]]]:
+    """Make a package's `__getattr__` and `__dir__`.
 
     Args:
         package: The package's name.
         homes: Module below it -> the public names that it holds, with blanks between them.
 
     Returns:
-        What finds a public name; any other raises AttributeError.
+        What finds a public name, any other raises AttributeError; and what lists them, for completion.
     """
     home_of = {name: module for module, names in homes.items() for name in names.split()}
 
@@ -28,4 +30,8 @@ def lazy_names(package: str, homes: Mapping[str, str]) -> Callable[[str], Any]:
         setattr(sys.modules[package], name, value)
         return value
 
-    return find
+    def listed() -> list[str]:
+        names = vars(sys.modules[package])
+        return sorted({*names, *names["__all__"]})
+
+    return find, listed

@@ -2,6 +2,7 @@
 
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
+from pathlib import Path
 from typing import Literal, TypeVar
 
 import numpy as np
@@ -299,7 +300,7 @@ class Scene(ByValue):
         return self._changed(robot_base=as_pose(robot_base, "base"))
 
     def scaled(self, factor: float) -> "Scene":
-        """Enlarge what orders hang on, masses by the cube of a factor; meshes, base and matter stay behind."""
+        """Enlarge what orders hang on, masses by a factor cubed; meshes, base and matter stay behind."""
         models = {name: replace(fit, seen=fit.seen * factor) for name, fit in self.models.items()}
         return self._changed(
             clouds=FrozenDict({name: frozen(points * factor) for name, points in self.clouds.items()}),
@@ -372,6 +373,18 @@ class Scene(ByValue):
             masses=FrozenDict({**self.masses, **as_masses(masses, self.clouds)}),
             friction=FrozenDict({**self.friction, **as_friction(friction, self.clouds)}),
         )
+
+    def save(self, path: str | Path) -> None:
+        """Write an `.npz` that `load_scene` reads: without images, meshes, models and assumptions.
+
+        Raises:
+            InvalidInput: The file cannot be written, or an object has the name of another of its arrays.
+        """
+        from topple.topology.io.clouds import write_clouds
+
+        kept = ("up", "viewpoints", "robot_base", "matter", "masses", "friction")
+        about = {"fixed": sorted(self.fixed), **{key: getattr(self, key) for key in kept}}
+        write_clouds(Path(path), self.clouds, about)
 
     def _changed(self, **checked: object) -> "Scene":
         """Copy with other attributes, which have been checked; the rest needs no second look."""

@@ -61,6 +61,9 @@ FARTHEST = 1e8
 """Largest coordinate [m]: beyond it float64 cannot tell a hundredth of a millimetre; no map's frame goes so
 far."""
 
+HEAVIEST = 1e6
+"""Largest mass [kg]: of no object that an arm clears; products of it stay far from what float64 holds."""
+
 RIGID = 1e-3
 """How far a rotation may be from a rigid one: those stored as float32 or printed to four
 digits are off by less."""
@@ -131,7 +134,7 @@ FEWEST_SEEN = 4
 # -- situation
 
 USUAL = 0.15
-"""Size [m] of what lengths of statics are meant for: half of the things in a kitchen are 12 to 17 cm large."""
+"""Size [m] of what lengths of statics are meant for: half of what is in a kitchen is 12 to 17 cm large."""
 
 UNUSUAL = 2.0
 """How many times smaller or larger than that half of a scene's things are before the scene is scaled."""

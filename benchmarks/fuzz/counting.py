@@ -1,28 +1,35 @@
 """Give readers what is not sound, and count what they make of it."""
 
 import logging
+import os
 import signal
+import sys
 import tempfile
 import threading
 import time
 import warnings
 from collections.abc import Generator
-from contextlib import contextmanager
+from contextlib import contextmanager, nullcontext
 from dataclasses import dataclass
+from functools import cache
 from pathlib import Path
 from types import FrameType
 
 import numpy as np
 
 from topple.benchmarks.fuzz.mutate import mutated
-from topple.benchmarks.fuzz.reader import Parts, Reader
+from topple.benchmarks.fuzz.reader import KINDS, SECRET, Parts, Reader, misplaced
 from topple.topology.errors import ToppleError
 
 SECONDS = 5.0
 """What reading a small file may take."""
+WAITED = 6.0
+"""How many times as long it may take by the clock: others compute, too, and what waits does not compute."""
 MEGABYTES = 1000.0
 """What it may add to what the process holds at most."""
 EXAMPLES = 3
+MISPLACED = 20
+"""Every so manieth input has something else where a file is expected."""
 
 
 @dataclass(frozen=True)
@@ -60,7 +67,9 @@ def fuzz(reader: Reader, inputs: int, seed: int = 0) -> ReaderCount:
     with tempfile.TemporaryDirectory(prefix="topple-fuzz-") as folder:
         place = Path(folder)
         for number in range(inputs):
-            complaint = tried(reader, changed(reader, sound, number, seed), place)
+            turn, due = divmod(number, MISPLACED)
+            kind = list(KINDS)[turn % len(KINDS)] if due == MISPLACED - 1 else None
+            complaint = tried(reader, changed(reader, sound, number, seed), place, kind)
             if complaint is not None:
                 broken.append(f"input {number} of seed {seed}: {complaint}")
     return ReaderCount(reader.name, inputs, inputs - len(broken), len(broken), tuple(broken[:EXAMPLES]))
@@ -84,31 +93,36 @@ def changed(reader: Reader, sound: Parts, number: int, seed: int) -> Parts:
     return {**sound, name: mutated(sound[name], rng)}
 
 
-def tried(reader: Reader, parts: Parts, folder: Path) -> str | None:
+def tried(reader: Reader, parts: Parts, folder: Path, kind: str | None = None) -> str | None:
     """Have a reader read an input.
 
     Args:
         reader: The reader.
         parts: The input.
         folder: Where it is written to.
+        kind: Of `KINDS`, what stands in the place of a file of it; its answer is not looked at then.
 
     Returns:
         What is wrong with what came of it, None where nothing is.
     """
     path = reader.write(parts, folder)
+    place = path if reader.path else path / sorted(parts)[len(str(parts)) % len(parts)]
     held, begun = _peak(anew=True), time.process_time()
     said: str | None = None
     lines: list[str] = []
     try:
-        with _interrupted_after(2 * SECONDS), warnings.catch_warnings(), _logged(lines):
+        with (
+            nullcontext() if kind is None else misplaced(kind, place),
+            _interrupted_after(2 * SECONDS), warnings.catch_warnings(), _logged(lines), _watched(lines),
+        ):  # fmt: skip
             warnings.simplefilter("error")
             answer = reader.read(path)
-            said = reader.wrong(answer, path)
+            said = reader.wrong(answer, path) if kind is None else None
     except ToppleError as error:
         said = None if "\n" not in str(error) and str(error).strip() else f"no line: {str(error)!r:.80}"
     except (Exception, _Endless) as error:
         said = f"{type(error).__name__}: {' '.join(str(error).split()):.160}"
-    if said is None and lines:
+    if said is None and lines and not (reader.path and kind == "link"):  # which whoever names it may mean
         said = f"logged {lines[0]!r:.160}"
     if said is None and (spent := time.process_time() - begun) > SECONDS:
         said = f"took {spent:.1f} s"
@@ -140,6 +154,33 @@ def _logged(lines: list[str]) -> Generator[None, None, None]:
         root.removeHandler(handler)
 
 
+_watching: list[list[str]] = []
+
+
+@cache
+def _install() -> None:
+    """Have Python tell of programs that are started, and of files outside that are opened; it has no undo."""
+
+    def tell(event: str, args: tuple[object, ...]) -> None:
+        if _watching and event in ("subprocess.Popen", "os.posix_spawn", "os.exec", "os.system"):
+            _watching[-1].append(f"started {args[0]}")
+        if _watching and event == "open" and isinstance(args[0], str) and SECRET in os.path.realpath(args[0]):
+            _watching[-1].append(f"opened {args[0]}")
+
+    sys.addaudithook(tell)
+
+
+@contextmanager
+def _watched(lines: list[str]) -> Generator[None, None, None]:
+    """Take down what a reader does that none should."""
+    _install()
+    _watching.append(lines)
+    try:
+        yield
+    finally:
+        _watching.pop()
+
+
 class _Endless(BaseException):
     """What ends a reader that does not: nothing that it catches."""
 
@@ -154,13 +195,16 @@ def _interrupted_after(seconds: float) -> Generator[None, None, None]:
     def end(number: int, frame: FrameType | None) -> None:
         raise _Endless(f"not done after {seconds:g} s")
 
-    before = signal.signal(signal.SIGPROF, end)
-    signal.setitimer(signal.ITIMER_PROF, seconds)
+    clocks = {signal.SIGPROF: (signal.ITIMER_PROF, 1.0), signal.SIGALRM: (signal.ITIMER_REAL, WAITED)}
+    before = {number: signal.signal(number, end) for number in clocks}
+    for clock, factor in clocks.values():
+        signal.setitimer(clock, factor * seconds)
     try:
         yield
     finally:
-        signal.setitimer(signal.ITIMER_PROF, 0.0)
-        signal.signal(signal.SIGPROF, before)
+        for number, (clock, _) in clocks.items():
+            signal.setitimer(clock, 0.0)
+            signal.signal(number, before[number])
 
 
 def _peak(anew: bool = False) -> float:

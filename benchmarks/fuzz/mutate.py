@@ -1,5 +1,6 @@
 """Sound files made unsound: bits, bytes, numbers, words and lines that were not meant to be there."""
 
+import io
 import re
 import struct
 from collections.abc import Callable
@@ -36,7 +37,15 @@ _VALUES = (
     b"NaN",
     b"[[1, 2], [3]]",
     b"[null]",
+    b"1e308",
+    b'"a\\u0000b.xyz"',
+    b'"\\ud800.xyz"',
+    b'"../a.xyz"',
+    b'"/dev/zero"',
+    b"[" * 9999 + b"]" * 9999,
 )
+_PAIR = re.compile(rb'"[^"]*"\s*:\s*')
+_POSTSCRIPT = b"%!PS-Adobe-3.0 EPSF-3.0\n%%BoundingBox: 0 0 9 9\n%%EndComments\nshowpage\n"
 _RAW = tuple(
     struct.pack(kind, value)
     for kind, value in (
@@ -138,6 +147,25 @@ def _replace(
     return change
 
 
+def _double(data: bytes, rng: np.random.Generator) -> bytes:
+    """Give a key of JSON twice."""
+    found = list(_PAIR.finditer(data))
+    if not found:
+        return _flip(data, rng)
+    pair = found[int(rng.integers(len(found)))]
+    return data[: pair.start()] + pair.group() + b"0, " + data[pair.start() :]
+
+
+def _other(data: bytes, rng: np.random.Generator) -> bytes:
+    """Put something of another kind in the place of a picture or an array: a program, or text."""
+    if not data.startswith(b"\x93NUMPY"):
+        return _POSTSCRIPT if data.startswith(b"\x89PNG") else _flip(data, rng)
+    buffer = io.BytesIO()
+    shape = tuple(int(size) for size in rng.integers(1, 5, int(rng.integers(3))))
+    np.save(buffer, np.full(shape, "1" if rng.random() < 0.5 else "mug"))
+    return buffer.getvalue()
+
+
 def _lines(data: bytes, rng: np.random.Generator) -> bytes:
     """Leave out, double or swap lines."""
     lines = data.split(b"\n")
@@ -153,6 +181,6 @@ def _lines(data: bytes, rng: np.random.Generator) -> bytes:
 
 
 _CHANGES = (
-    _flip, _cut, _repeat, _insert, _overwrite, _lines,
+    _flip, _cut, _repeat, _insert, _overwrite, _lines, _double, _other,
     _replace(_NUMBER, _NUMBERS), _replace(_NUMBER, _NUMBERS), _replace(_VALUE, _VALUES), _replace(_WORD, ()),
 )  # fmt: skip

@@ -1,8 +1,11 @@
 """What a fuzzer knows of one reader: a sound file, how it is read, and what its answer has to be."""
 
 import io
+import os
+import tempfile
 import zipfile
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Generator, Mapping
+from contextlib import contextmanager
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -44,8 +47,41 @@ class Reader:
             (folder / self.path).write_bytes(packed(parts))
         else:
             for name, content in parts.items():
+                (folder / name).parent.mkdir(exist_ok=True)
                 (folder / name).write_bytes(content)
         return folder / self.path
+
+
+SECRET = "topple-secret"
+"""The first word of the file that links lead to."""
+
+
+@contextmanager
+def misplaced(kind: str, place: Path) -> Generator[None, None, None]:
+    """Put something that is no file of the folder in the place of a file of it.
+
+    Args:
+        kind: One of `KINDS`.
+        place: The file.
+    """
+    place.unlink()
+    with tempfile.TemporaryDirectory(prefix=SECRET) as other:
+        outside = Path(other) / f"{SECRET}{place.suffix}"
+        outside.write_text(f"{SECRET}\n", encoding="ascii")
+        KINDS[kind](place, outside)
+        try:
+            yield
+        finally:
+            place.rmdir() if kind == "folder" else place.unlink()
+
+
+KINDS: dict[str, Callable[[Path, Path], None]] = {
+    "pipe": lambda place, _: os.mkfifo(place),
+    "folder": lambda place, _: place.mkdir(),
+    "device": lambda place, _: place.symlink_to("/dev/zero"),
+    "link": lambda place, outside: place.symlink_to(outside),
+}
+"""What may stand where a file is expected."""
 
 
 def packed(parts: Parts) -> bytes:

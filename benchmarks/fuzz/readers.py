@@ -30,7 +30,7 @@ from topple.planner.formats.plan_structs import (
 from topple.planner.grasp.foreign import ForeignGrasps, read_grasps
 from topple.robots.arm.gripper_file import read_gripper
 from topple.robots.arm.urdf import Model, read_urdf
-from topple.topology.errors import InvalidInput
+from topple.topology.io.limits import read_bytes
 from topple.topology.io.strict_json import read_json
 from topple.topology.relations import Relations, relate
 from topple.topology.scene import Scene
@@ -50,11 +50,7 @@ def _relations() -> Parts:
 
 
 def _read_relations(path: Path) -> Relations:
-    try:
-        text = path.read_text(encoding="utf-8")
-    except UnicodeDecodeError as error:
-        raise InvalidInput(f"{path}: is no text") from error
-    return Relations.from_json(read_json(text, str(path)), _pair())
+    return Relations.from_json(read_json(read_bytes(path, str(path)), str(path)), _pair())
 
 
 def _wrong_relations(answer: object, path: Path) -> str | None:
@@ -186,13 +182,13 @@ def _goal() -> Parts:
 
 
 def _read_goal(path: Path) -> Goal:
-    return parse_goal(path.read_bytes().decode("utf-8", "replace"), _pair())
+    return parse_goal(read_bytes(path, "it").decode("utf-8", "replace"), _pair())
 
 
 READERS = (
     *SCENES,
     Reader("relations json", _relations, _read_relations, _wrong_relations, "relations.json"),
-    Reader("plan json", _plan, lambda path: plan_from_json(path.read_bytes()), _wrong_plan, "plan.json"),
+    Reader("plan json", _plan, lambda path: plan_from_json(read_bytes(path, "it")), _wrong_plan, "plan.json"),
     Reader("grasps, poses", _poses, read_grasps, _wrong_grasps, "grasps.npy"),
     Reader("grasps, graspnet", _graspnet, read_grasps, _wrong_grasps, "grasps.npy"),
     Reader("grasps, segments", _contact_graspnet, read_grasps, _wrong_grasps, "grasps.npz", packed=True),

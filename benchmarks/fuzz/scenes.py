@@ -5,13 +5,16 @@ import json
 import struct
 from collections.abc import Callable
 from pathlib import Path
+from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
-from topple.benchmarks.fuzz.oracle import wrong_arrays, wrong_pixels, wrong_scene
+from topple.benchmarks.fuzz.oracle import wrong_arrays, wrong_numbers, wrong_pixels, wrong_scene
 from topple.benchmarks.fuzz.reader import Parts, Reader
 from topple.topology.arrays import FloatArray
 from topple.topology.io import load_scene, load_sequence
+from topple.topology.scene import Scene
 
 _CORNERS = np.array([(x, y, z) for x in (0, 1) for y in (0, 1) for z in (0, 1)]) * 0.08
 _FACES = ((0, 1, 3), (0, 3, 2), (4, 6, 7), (4, 7, 5), (0, 4, 5), (0, 5, 1), (2, 3, 7), (2, 7, 6))
@@ -173,6 +176,31 @@ def _stl(binary: bool) -> Callable[[], Parts]:
     return parts
 
 
+def _png(pixels: NDArray[Any]) -> bytes:
+    from PIL import Image
+
+    buffer = io.BytesIO()
+    Image.fromarray(pixels).save(buffer, "PNG")
+    return buffer.getvalue()
+
+
+def _bop() -> Parts:
+    frame = _frame()
+    K, label = np.asarray(frame["K"]).ravel().tolist(), np.asarray(frame["label"])
+    truth = [{"obj_id": k, "cam_R_m2c": np.eye(3).ravel().tolist(), "cam_t_m2c": [0, 0, 500]} for k in (1, 2)]
+    masks = {f"mask_visib/000000_00000{k}.png": _png((label == k + 1).astype(np.uint8)) for k in (0, 1)}
+    return {
+        "scene_camera.json": json.dumps({"0": {"cam_K": K, "depth_scale": 1.0}}).encode(),
+        "scene_gt.json": json.dumps({"0": truth}).encode(),
+        "depth/000000.png": _png((1e3 * np.asarray(frame["depth"])).astype(np.uint16)),
+        **masks,
+    }
+
+
+def _wrong_clouds(answer: object, path: Path) -> str | None:
+    return wrong_numbers(list(answer.clouds.values())) if isinstance(answer, Scene) else "no scene"
+
+
 def _frames(path: Path) -> list[object]:
     return list(load_sequence(path))
 
@@ -190,6 +218,7 @@ SCENES = (
     Reader("npy record", _record, load_scene, wrong_pixels, "frame.npy"),
     Reader("npz sequence", _sequence, _frames, _wrong_frames, "sequence.npz", packed=True),
     Reader("folder with scene.json", _folder, load_scene, wrong_scene),
+    Reader("folder of bop", _bop, load_scene, _wrong_clouds),
     Reader("pcd ascii", _pcd("ascii"), load_scene, wrong_scene),
     Reader("pcd binary", _pcd("binary"), load_scene, wrong_scene),
     Reader("pcd compressed", _pcd("binary_compressed"), load_scene, wrong_scene),

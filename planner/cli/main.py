@@ -14,6 +14,7 @@ import os
 import sys
 import warnings
 from collections.abc import Sequence
+from importlib.util import find_spec
 from types import ModuleType
 from typing import NoReturn
 
@@ -70,8 +71,8 @@ class ShowCompletion(argparse.Action):
         """Print the script and leave."""
         from topple.planner.cli.completion import completion
 
-        parsers = {name: _parser(name)[1][name] for name in COMMANDS}
-        sys.stdout.write(completion(str(shell), parsers, COMMANDS))
+        parsers = {name: _parser(name)[1][name] for name in COMMANDS if _is_here(name)}
+        sys.stdout.write(completion(str(shell), parsers, {name: COMMANDS[name] for name in parsers}))
         parser.exit(DONE)
 
 
@@ -200,14 +201,24 @@ def _parser(chosen: str | None) -> tuple[Parser, dict[str, Parser]]:
         commands[name] = actions.add_parser(
             name, help=purpose, description=purpose[0].upper() + purpose[1:] + ".", epilog=_EPILOG
         )
+        if name == chosen and not _is_here(name):
+            parser.error(f"{name} works in a checkout of topple alone, which has what it measures")
         if name == chosen:
             _module(name).add_arguments(commands[name])
     return parser, commands
 
 
+def _path(command: str) -> str:
+    return f"topple.{'benchmarks.commands' if command in _MEASURING else 'planner.cli'}.{command}"
+
+
+def _is_here(command: str) -> bool:
+    """Whether a command is installed: the wheel leaves the benches out."""
+    return find_spec(_path(command)) is not None
+
+
 def _module(command: str) -> ModuleType:
-    home = "benchmarks.commands" if command in _MEASURING else "planner.cli"
-    return importlib.import_module(f"topple.{home}.{command}")
+    return importlib.import_module(_path(command))
 
 
 def _plain_number(argument: str) -> str:

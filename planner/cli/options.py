@@ -161,9 +161,8 @@ def finished(reading: Reading, goal: str) -> "Scene | str | dict[str, Any]":
     """
     from topple.planner.rearranging.words import is_words
     from topple.topology.errors import InvalidInput
-    from topple.topology.io.limits import check_size
+    from topple.topology.io.limits import read_bytes
     from topple.topology.io.strict_json import read_json
-    from topple.topology.io.tolerances import MOST_BYTES
 
     if not goal.strip():
         raise InvalidInput('--to is empty: expected a scene, relations.json, or words as "cup left of plate"')
@@ -172,10 +171,7 @@ def finished(reading: Reading, goal: str) -> "Scene | str | dict[str, Any]":
     path = Path(goal)
     if path.suffix != ".json" or not path.is_file():
         return reading.scene(goal)
-    with path.open("rb") as file:
-        data = file.read(MOST_BYTES + 1)
-    check_size(len(data), goal)
-    document = read_json(data.decode("utf-8", "replace"), goal)
+    document = read_json(read_bytes(path, goal), goal)
     if not isinstance(document, dict) or "relations" not in document:
         raise InvalidInput(f"{goal}: expected what `topple relate --json` prints, an object with 'relations'")
     return document
@@ -219,14 +215,12 @@ def read_plan(path: str) -> "Plan":
     Raises:
         InvalidInput: There is no plan, or it is larger than a file may be.
     """
-    from topple.planner.formats.plan_format import plan_from_json
+    from topple.planner.formats.plan_format import Plan, plan_from_json
     from topple.topology.io.limits import check_size
     from topple.topology.io.tolerances import MOST_BYTES
 
-    if path == "-":
-        data, name = sys.stdin.buffer.read(MOST_BYTES + 1), "stdin"
-    else:
-        with open(path, "rb") as file:
-            data, name = file.read(MOST_BYTES + 1), path
-    check_size(len(data), name)
-    return plan_from_json(data, name)
+    if path != "-":
+        return Plan.load(path)
+    data = sys.stdin.buffer.read(MOST_BYTES + 1)
+    check_size(len(data), "stdin")
+    return plan_from_json(data, "stdin")

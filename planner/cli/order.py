@@ -4,6 +4,7 @@ import argparse
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, replace
 from functools import partial
+from importlib import import_module
 from typing import TYPE_CHECKING, Any
 
 from topple.planner.cli.arguments import (
@@ -80,6 +81,8 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 def execute(args: argparse.Namespace) -> int:
     """Order the objects of every scene; 1 where a cycle allows no safe order, 2 where one cannot be read."""
+    if args.verify:
+        import_module("topple.robots.engine")  # refused now, not after the work
     if args.budget is not None and not args.verify:
         args.parser.error("--budget bounds --verify: give both or neither")
     if args.gripper is not None and not args.robot:
@@ -121,8 +124,9 @@ def execute(args: argparse.Namespace) -> int:
         ask = partial(_ordered_by, orderer, args.target, args.seed)
     work = partial(_answer, reading, relating, ask)
     by_scenes = not (args.verify or args.robot)  # those take all cores, and import what prints when imported
-    with kept_in(args, _code) as kept, Progress("order") as progress:
-        return for_each_scene(args, work, partial(_show, args.json, kept), progress, by_scenes, kept)
+    code = partial(_code, args.hands is not None or bool(args.clamped))
+    with kept_in(args, code) as kept, Progress("order") as progress:
+        return for_each_scene(args, work, partial(_show, args.json, kept, code), progress, by_scenes, kept)
 
 
 @dataclass(frozen=True)
@@ -186,11 +190,22 @@ def _moved(reading: Reading, goal: str, match: str, situation: "Situation") -> _
     return _Answer(moves.to_json(), len(situation.movable))
 
 
-def _code(document: Mapping[str, Any]) -> int:
-    return NO_SAFE_PLAN if document.get("unresolved") else DONE
+def _more_hands(document: Mapping[str, Any]) -> list[str]:
+    """What an order takes more than one hand for, in words."""
+    held = [hold for hold in document["holds"] if not hold.get("fixture")]
+    groups = [f"{' and '.join(group)} hold each other" for group in document["groups"]]
+    return groups or [f"{hold['object']} has to be held until {hold['until']} is there" for hold in held]
 
 
-def _show(as_json: bool, kept: Kept | None, path: str, answer: _Answer) -> int:
+def _code(counted: bool, document: Mapping[str, Any]) -> int:
+    """Whether one hand, or as many as were counted, can do it."""
+    lacking = document.get("unresolved") or (not counted and _more_hands(document))
+    return NO_SAFE_PLAN if lacking else DONE
+
+
+def _show(
+    as_json: bool, kept: Kept | None, code: Callable[[Mapping[str, Any]], int], path: str, answer: _Answer
+) -> int:
     if kept is not None:
         kept.add({"scene": path, **answer.document})
     elif as_json:
@@ -208,4 +223,7 @@ def _show(as_json: bool, kept: Kept | None, path: str, answer: _Answer) -> int:
         print_assumptions(answer.document["assumptions"])
     for words in answer.certificate:
         complain(f"{path}: no safe order: each has to go first, {words}")
-    return _code(answer.document)
+    if code(answer.document) != DONE and not answer.certificate:
+        whole = "" if answer.document.get("build") or "moves" in answer.document else " (--hands N)"
+        complain(*(f"{path}: one hand cannot do it{whole}: {why}" for why in _more_hands(answer.document)))
+    return code(answer.document)

@@ -3,6 +3,7 @@
 import argparse
 import json
 from collections.abc import Sequence
+from importlib import import_module
 from typing import TYPE_CHECKING
 
 from topple.planner.cli.arguments import COMMON, add, add_scenes, add_task
@@ -53,6 +54,8 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 def execute(args: argparse.Namespace) -> int:
     """Plan, write the plan, and say what is in it; 1 where `--verify` finds something wrong."""
+    if args.verify:
+        import_module("topple.robots.engine")  # refused now, not after the work
     (path,) = scene_paths(args, many=False)
     goal = goal_of(args)
     place, report = output_of(args, "output"), output_of(args, "report")

@@ -4,6 +4,10 @@ import re
 import sys
 import threading
 import time
+from typing import TYPE_CHECKING
+
+if TYPE_CHECKING:
+    from rich.progress import Progress as Bar
 
 _PATIENCE = 1.0  # [s] what takes less is not worth a line
 _WORK = 1.5  # [s] of the processor, in a log: a refusal takes less, and stays one line on a busy machine
@@ -20,12 +24,36 @@ def _left(seconds: float) -> str:
     return f"about {seconds:.0f} s left" if seconds < 90 else f"about {seconds / 60:.0f} min left"
 
 
+def _bar(command: str) -> "Bar":
+    """A line of the terminal's width; what is printed beside it on the same terminal comes above it."""
+    from rich.console import Console
+    from rich.progress import BarColumn, TextColumn
+    from rich.progress import Progress as Bar
+    from rich.table import Column
+
+    rest = Column(ratio=1, no_wrap=True, overflow="ellipsis")
+    bar = Bar(
+        TextColumn(f"topple {command}:", markup=False),
+        BarColumn(_BAR),
+        TextColumn("{task.description}", markup=False, table_column=rest),
+        TextColumn("{task.fields[left]}"),
+        TextColumn("{task.fields[seconds]}"),
+        console=Console(file=sys.stderr),
+        expand=True,
+        transient=True,
+        auto_refresh=False,
+        redirect_stdout=sys.stdout.isatty(),
+    )
+    bar.add_task("", total=None, left="", seconds="")
+    return bar
+
+
 class Progress:
     """Says on stderr what is going on and for how long; a callback for the library's progress.
 
     Where a message counts ("pile 3 of 20") there is a bar, and what is left once a share of it was timed.
-    On a terminal one line is drawn over and over and wiped at the end; elsewhere each new message is
-    a line of its own, so that a log stays readable.
+    On a terminal one line as wide as that is drawn over and over and wiped at the end; elsewhere each new
+    message is a line of its own, so that a log stays readable.
 
     Example:
         >>> with Progress("relate") as progress:
@@ -44,6 +72,7 @@ class Progress:
         self._drawing = threading.Lock()
         self._thread = threading.Thread(target=self._watch, daemon=True)
         self._terminal = sys.stderr.isatty()
+        self._bar: Bar | None = None
 
     def __enter__(self) -> "Progress":
         """Start the clock."""
@@ -72,26 +101,29 @@ class Progress:
             self._counted = time.monotonic(), number
         self._count = (number, total) if 0 < number <= total else None
 
-    def _far(self, seconds: float) -> str:
+    def _draw(self, seconds: float) -> None:
         """A bar, and what is left by what those counted took; one that wanders where nothing is counted."""
-        if self._count is None:
-            at = round(seconds / _TICK) % (2 * _BAR - 2)
-            return f" [{'#'.rjust(1 + min(at, 2 * _BAR - 2 - at), '.').ljust(_BAR, '.')}]"
-        done, total = self._count[0] - 1, self._count[1]  # the one that is told of is not done yet
-        filled = round(_BAR * done / total)
+        if self._bar is None:
+            self._bar = _bar(self._command)
+            self._bar.start()
+        number, total = self._count or (1, None)
+        done = number - 1  # the one that is told of is not done yet
         since, first = self._counted
-        timed = done + 1 - first
-        known = timed >= _TIMED
-        rest = (time.monotonic() - since) / timed * (total - done) if known else 0.0
-        return f" [{'#' * filled}{'.' * (_BAR - filled)}]" + (f" {_left(rest)}," if known else "")
+        timed, left = number - first, ""
+        if total is not None and timed >= _TIMED:
+            left = _left((time.monotonic() - since) / timed * (total - done))
+        (task,) = self._bar.task_ids
+        self._bar.update(task, description=self._message, completed=done, total=total)
+        self._bar.update(task, left=left, seconds=f"({seconds:.0f} s)")
+        self._bar.refresh()
 
     def clear(self) -> None:
-        """Wipe the line, so that something else can be printed in its place."""
+        """Wipe the line until the next message, so that something else can be printed in its place."""
         with self._drawing:
-            if self._terminal and self._shown is not None:
-                sys.stderr.write("\r\x1b[K")
-                sys.stderr.flush()
-                self._shown = None
+            self._message = ""
+            if self._bar is not None:
+                self._bar.stop()
+                self._bar = None
 
     def _worth_a_line(self, seconds: float) -> bool:
         at_work = self._terminal or time.process_time() - self._worked > _WORK or seconds > _WAITING
@@ -100,17 +132,13 @@ class Progress:
     def _watch(self) -> None:
         while not self._over.wait(_TICK):
             seconds = time.monotonic() - self._started
-            message = self._message
-            if not message or not self._worth_a_line(seconds):
-                continue
             with self._drawing:
-                if self._terminal:
-                    line = f"topple {self._command}:{self._far(seconds)} {message} ({seconds:.0f} s)"
-                    sys.stderr.write(f"\r\x1b[K{line[:118]}")
-                elif message == self._shown or seconds - self._written < _PAUSE:
+                message = self._message
+                if not message or not self._worth_a_line(seconds):
                     continue
-                else:
-                    self._written = seconds
+                if self._terminal:
+                    self._draw(seconds)
+                elif message != self._shown and seconds - self._written >= _PAUSE:
+                    self._written, self._shown = seconds, message
                     sys.stderr.write(f"topple {self._command}: {message} ({seconds:.0f} s)\n")
-                self._shown = message
-                sys.stderr.flush()
+                    sys.stderr.flush()

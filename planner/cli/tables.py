@@ -1,7 +1,7 @@
 """The documents of the contract as tables for people."""
 
 from collections.abc import Mapping
-from math import degrees, radians
+from math import degrees
 from typing import TYPE_CHECKING, Any
 
 from topple.planner.cli.console import print_table, print_text
@@ -11,9 +11,6 @@ if TYPE_CHECKING:
     from topple.topology.scene import Scene
 
 Document = Mapping[str, Any]
-
-# Less than a tenth of what counts as disturbed is left out of the table; the JSON has it all.
-_NOTICED, _NOTICED_DEGREES = 0.001, 1.0
 
 
 def print_relations(title: str, document: Document) -> None:
@@ -62,7 +59,7 @@ def print_order(title: str, document: Document, movable: int | None = None) -> N
 
     steps = order_in_words(document)
     targets, risk = document["targets"], document["risk"]
-    count = f"{len(steps)} objects" if movable is None else f"{len(steps)} of {movable} movable objects"
+    count = f"{len(dict(steps))}" + (" objects" if movable is None else f" of {movable} movable objects")
     purpose = f"to free {listed(targets)}" if targets else "to clear everything"
     print_text(f"{title}: {purpose}, take {count} in this order")
     rows = [(str(i), name, why, f"{risk.get(name, 0):.2f}") for i, (name, why) in enumerate(steps, start=1)]
@@ -159,7 +156,7 @@ def print_run(title: str, document: Document) -> None:
         document: A `topple.run` document.
     """
     steps = document["steps"]
-    outcome = "done" if document["success"] else "failed"
+    outcome = {"reached": "done", "not reached": "failed"}.get(document["verdict"], document["verdict"])
     print_text(
         f"{title}: {document['goal']}, {outcome} after {len(steps)} actions, {document['seconds']:.1f} s"
     )
@@ -170,10 +167,12 @@ def print_run(title: str, document: Document) -> None:
 
 
 def _action(number: int, step: Document) -> tuple[str, ...]:
+    from topple.planner.tolerances import DISTURBED, TURNED  # which take numpy
+
     moved = [
         f"{name} {metres * 1000:.1f} mm {degrees(turn):.1f}°"
         for name, (metres, turn) in step["disturbed"].items()
-        if metres > _NOTICED or turn > radians(_NOTICED_DEGREES)
+        if metres > DISTURBED or turn > TURNED
     ]
     outcome = "done" if step["success"] else "failed"
     if step["attempts"] > 1:

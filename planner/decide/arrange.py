@@ -2,7 +2,7 @@
 
 import math
 from collections.abc import Callable, Collection, Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from itertools import groupby
 from typing import Any
 
@@ -46,7 +46,8 @@ class Order(ByValue):
 
     Attributes:
         targets: What is to be freed; the last of `order`.
-        order: Names, first to take first; exactly the targets and all that must go before them.
+        order: Names, first to take first; exactly the targets and all that must go before them. Of a
+            rearrangement a name for each move: what makes room stands in it twice.
         graph: Dependencies among all movable objects.
         supports: What carries what.
         groups: Objects of one cycle that must be taken together or held.
@@ -89,6 +90,30 @@ class Order(ByValue):
             " before ".join([*cycle, cycle[0]])
             + "".join(f"; with more hands, {h.sentence(self.order)}" for h in self.holds if h.object in cycle)
             for cycle in self.unresolved
+        )
+
+    def as_taken(self, steps: Sequence[str]) -> "Order":
+        """The order as it is carried out: what the arm can take now goes first, what is gone is left out.
+
+        Args:
+            steps: Names of this order, first to take first.
+        """
+        if tuple(steps) == self.order:
+            return self
+        gone = set(self.order) - set(steps)
+        edges = (edge for edge in self.graph.dependencies if not {edge.first, edge.then} & gone)
+        graph = DependencyGraph(tuple(n for n in self.graph.names if n not in gone), tuple(edges))
+        groups = tuple(group for group in self.groups if set(group) <= set(steps))
+        holds = tuple(hold for hold in self.holds if {hold.since, hold.until} <= set(steps))
+        wanted = set(self.targets or graph.names)
+        return replace(
+            self,
+            order=tuple(steps),
+            graph=graph,
+            groups=groups,
+            holds=holds,
+            risk=FrozenDict({name: self.risk[name] for name in steps if name in self.risk}),
+            explanation=_explain(steps, groups, graph, wanted, self.chances, holds),
         )
 
     def to_json(self) -> dict[str, Any]:

@@ -1,12 +1,8 @@
-"""Which object's turn it is, and which may go out of turn because little speaks against it."""
+"""Which object's turn it is, and why."""
 
-from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
 from topple.planner.decide.arrange import Order
-from topple.planner.decide.dependency import Dependency, DependencyGraph
-from topple.planner.decide.tolerances import LIKELY
-from topple.topology.statics.support import Support
 
 
 @dataclass(frozen=True)
@@ -22,15 +18,16 @@ class Ahead:
     names: tuple[str, ...]
 
     @staticmethod
-    def of(chosen: Order, done: str | None) -> "Ahead":
+    def of(chosen: Order, done: bool) -> "Ahead":
         """What an order leaves.
 
         Args:
             chosen: The order.
-            done: What was taken of it; None where that failed.
+            done: Whether its first object was taken.
         """
-        targets = tuple(name for name in chosen.targets if name != done)
-        return Ahead(targets, tuple(name for name in chosen.order if name != done))
+        left = chosen.order[done:]
+        gone = set(chosen.order) - set(left)
+        return Ahead(tuple(name for name in chosen.targets if name not in gone), left)
 
     def changed(self, chosen: Order) -> str | None:
         """How a later order differs, in words.
@@ -69,34 +66,3 @@ def why_first(name: str, chosen: Order) -> str:
     if after:
         return f"it has to go before {' and '.join(after)}"
     return chosen.explanation[chosen.order.index(name)].partition(": ")[2] or "it is in the way"
-
-
-def out_of_turn(
-    names: Sequence[str], graph: DependencyGraph, carried: Sequence[Support]
-) -> Mapping[str, tuple[Dependency, ...]]:
-    """Objects that wait for others by doubtful dependencies alone, those most likely free of them first.
-
-    What carries another one is never among them.
-
-    Args:
-        names: Objects to look at.
-        graph: Every dependency, also those that follow from others.
-        carried: What carries what.
-
-    Returns:
-        name -> the dependencies that taking it now would go against.
-    """
-    carriers = {(support.supported, support.supporter) for support in carried if support.kind == "rests"}
-    found: dict[str, tuple[Dependency, ...]] = {}
-    for name in names:
-        against = tuple(edge for edge in graph.dependencies if edge.then == name)
-        doubted = all(e.confidence < LIKELY and (e.first, name) not in carriers for e in against)
-        if against and doubted:
-            found[name] = against
-    return dict(sorted(found.items(), key=lambda item: sum(edge.confidence for edge in item[1])))
-
-
-def says(against: Sequence[Dependency]) -> str:
-    """The reason of a step that goes against dependencies, in words."""
-    told = " and ".join(f"{edge.sentence()} ({edge.confidence:.2f})" for edge in against)
-    return f"nothing else can be taken, and more likely than not it is not so that {told}"

@@ -13,7 +13,7 @@ from topple.robots.arm.arm import Arm
 from topple.robots.arm.gripper import ParallelJaw
 from topple.robots.arm.home import reach_of
 from topple.robots.engines import INSTALLED
-from topple.topology.errors import ToppleError
+from topple.topology.errors import NotInstalled, ToppleError
 
 
 @dataclass(frozen=True)
@@ -136,7 +136,7 @@ def examine(
     elif not grasp:
         untried = "it was not asked for"
     elif not INSTALLED:
-        untried = "simulation needs an engine: pip install 'topple-planner[mujoco]'"
+        untried = str(NotInstalled("simulation needs an engine", "mujoco"))
     else:
         grasped = _grasped(arm, tool, seed, say)
     asked = len(reached) if tool is not None else 0

@@ -7,7 +7,6 @@ import numpy as np
 
 from topple.planner.execution.tolerances import (
     AT_HOME,
-    EARLY,
     JOINING,
     LETTING_GO,
     NOTHING,
@@ -21,7 +20,6 @@ from topple.planner.execution.tolerances import (
     TOUCHDOWN,
 )
 from topple.planner.formats.arm_motion import ArmMotion, Carry, Drive
-from topple.planner.grasp.grasp import GraspKind
 from topple.planner.grasp.tolerances import PRESS
 from topple.planner.motion.collision import Checker
 from topple.planner.motion.planner import MotionFailure, plan_motion
@@ -97,7 +95,7 @@ def execute(transfer: Transfer, robot: Driver, watch: Watch | None = None) -> Ou
         for segment in transfer.segments:
             if segment.kind is SegmentKind.RELEASE:
                 watch(LET_GO, segment.tool)
-            problem = _drive(segment, transfer, robot, resumed)
+            problem = _drive(segment, transfer.object, robot, resumed)
             if segment.trajectory is not None:
                 done.append(segment)
             if problem is not None:
@@ -114,8 +112,7 @@ def execute(transfer: Transfer, robot: Driver, watch: Watch | None = None) -> Ou
         words = " ".join(filter(None, (problem, text)))
         return Outcome(False, words, _tool_path(done, robot), True, _motion(transfer, ended, robot))
     kept = all(segment.kind is not SegmentKind.RELEASE for segment in transfer.segments)
-    how = "was pushed" if transfer.grasp.kind is GraspKind.PUSH else "is held" if kept else "was put down"
-    put = f"{transfer.object} {how}, {transfer.placement.rest}."
+    put = f"{transfer.object} {'is held' if kept else 'was put down'}, {transfer.placement.rest}."
     off = f"The arm was off its path during the {' and the '.join(resumed)}." if resumed else None
     text = " ".join(filter(None, (problem or put, off)))
     return Outcome(problem is None, text, _tool_path(done, robot), motion=_motion(transfer, ended, robot))
@@ -170,11 +167,10 @@ def retreat(done: list[Segment], robot: Driver) -> None:
     robot.open()
 
 
-def _drive(segment: Segment, transfer: Transfer, robot: Driver, resumed: list[str]) -> str | None:
+def _drive(segment: Segment, name: str, robot: Driver, resumed: list[str]) -> str | None:
     """Drives one segment; a sentence where it went wrong. Where it was off its path and went on is noted."""
-    name, held = transfer.object, transfer.grasp.kind is not GraspKind.PUSH
     if segment.kind is SegmentKind.GRASP:
-        return _take(segment, name, robot) if held else None
+        return _take(segment, name, robot)
     if segment.kind is SegmentKind.RELEASE:
         # what is held may be wider than it looked
         _let_go(robot, max(segment.hand.opening, robot.opening + RELEASE_GAP))
@@ -206,7 +202,7 @@ def _drive(segment: Segment, transfer: Transfer, robot: Driver, resumed: list[st
     if (
         segment.kind is SegmentKind.APPROACH
         and segment.tool == ToolName.FINGERS
-        and _way_left(segment, robot) > (SHALLOW if held else EARLY)
+        and _way_left(segment, robot) > SHALLOW
     ):
         return f"the fingers met something on their way to {name}."
     if segment.kind in WATCHED and not robot.holding:

@@ -10,7 +10,7 @@ from topple.planner.execution.attained import truly_unmet
 from topple.planner.execution.execute import MISSED, TAKEN
 from topple.planner.execution.goal_poses import off_goal_poses
 from topple.planner.execution.monitor import Verdict
-from topple.planner.tolerances import DISTURBED, TURNED
+from topple.planner.tolerances import DISTURBED, HIT, TURNED
 from topple.planner.transfer.transfer import Transfer
 from topple.robots.poses import angle_between
 from topple.robots.world.acting_arm import ActingArm
@@ -25,8 +25,7 @@ class Limits:
     Attributes:
         distance: Displacement in [m], in one action or in all since the object was last handled.
         angle: Turn in [rad], likewise; of the handled object how far a failed attempt may tip it.
-        hit: Contact force of the robot in [N] on something it does not handle: a brush below the
-            weight of a can moves nothing.
+        hit: Contact force of the robot in [N] on something it does not handle.
         fall: Drop in [m] from which a displaced object counts as fallen.
         drop: Height in [m] from which an object that slips out of the hand counts as dropped: crockery
             survives a finger's width.
@@ -34,7 +33,7 @@ class Limits:
 
     distance: float = DISTURBED
     angle: float = TURNED
-    hit: float = 5.0
+    hit: float = HIT
     fall: float = 0.03
     drop: float = 0.03
 

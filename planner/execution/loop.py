@@ -252,6 +252,7 @@ class ClosedLoop:
             seed=self.seed,
             success=not missing and not wrong,
             violations=(*wrong, *missing),
+            missing=missing,
             steps=tuple(steps),
             seconds=time.perf_counter() - self._started,
             scene=look.scene,
@@ -351,15 +352,11 @@ class ClosedLoop:
 
     def _announced(self, chosen: NextStep) -> list[str]:
         """Says what a step changes, then which it is: on a terminal the line that counts stays."""
-        done, left = len(self.followed), chosen.order.order
-        events: list[str] = []
-        if self._arms.queued:  # of an order that was begun
-            left = left[left.index(chosen.transfer.object) :]
-        else:
-            events = self._selector.changes(chosen)
+        done = len(self.followed)
+        events = [] if self._arms.queued else self._selector.changes(chosen)  # of an order that was begun
         for event in events:
             self._say(event)
-        count = f"{done + 1} of {done + len(left)}"
+        count = f"{done + 1} of {done + len(chosen.order.order)}"
         self._say(f"{count}: {chosen.action} {chosen.transfer.object}: {chosen.reason}")
         return events
 

@@ -119,13 +119,9 @@ class StepSelector:
         self.preparer.begin(Question(look.situation, chosen.transfer, self.task, goal, context))
 
     def changes(self, chosen: NextStep) -> list[str]:
-        """How a step differs from what was to come by the look before, and from the order it is of."""
+        """How a step differs from what was to come by the look before."""
         changed = None if self._ahead is None else self._ahead.changed(chosen.order)
-        events = [] if changed is None else [f"The look before it changed the order: {changed}."]
-        first = chosen.order.order[0]
-        if chosen.transfer.object != first:
-            events.append(f"It goes before {first}: {chosen.reason}.")
-        return events
+        return [] if changed is None else [f"The look before it changed the order: {changed}."]
 
     def record_action(self, chosen: NextStep, outcome: Outcome) -> int:
         """Remember what became of a step, before the look that follows.
@@ -140,8 +136,7 @@ class StepSelector:
         name = chosen.transfer.object
         attempts = self._memory.attempts[name] + 1
         self._memory = self._memory.after_action(chosen, outcome.success, outcome.stuck)
-        there = outcome.success and not chosen.buffer
-        self._ahead = Ahead.of(chosen.order, name if there else None)
+        self._ahead = Ahead.of(chosen.order, outcome.success)
         return attempts
 
     def tries_left(self, name: str) -> int:

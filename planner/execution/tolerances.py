@@ -23,9 +23,6 @@ STILL = 0.1
 SHALLOW = 0.005
 """[m] before the end of the way in that a grasp still holds: a third of a pad."""
 
-EARLY = 0.015
-"""[m] before the end of the way in that a thing may be touched which is to be pushed: its side is guessed."""
-
 OFF_COURSE = 0.03
 """[rad] an arm this far from its goal is held up by something."""
 

@@ -10,7 +10,6 @@ ACTIONS = {
     "approach": ("FollowTrajectory", ("step", "segment", "holding")),
     "lift": ("FollowTrajectory", ("step", "segment", "holding")),
     "transfer": ("FollowTrajectory", ("step", "segment", "holding")),
-    "slide": ("FollowTrajectory", ("step", "segment", "holding")),
     "place": ("FollowTrajectory", ("step", "segment", "holding")),
     "retreat": ("FollowTrajectory", ("step", "segment", "holding")),
     "grasp": ("Grasp", ("object", "tool", "opening", "cup_extension")),

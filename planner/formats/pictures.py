@@ -45,7 +45,7 @@ def as_jpeg(data: bytes) -> bytes:
     """The same picture, PNG or JPEG, as a JPEG file."""
     from PIL import Image
 
-    return jpeg(np.asarray(Image.open(io.BytesIO(data)).convert("RGB")))
+    return jpeg(np.asarray(Image.open(io.BytesIO(data), formats=("PNG", "JPEG")).convert("RGB")))
 
 
 def jpeg(rgb: Pixels) -> bytes:

@@ -1,5 +1,8 @@
 """A plan: what it is made of, checked as it is read, and verified by other means than it was made with."""
 
+from collections.abc import Mapping
+from math import hypot
+from pathlib import Path
 from typing import Any
 
 import msgspec
@@ -7,6 +10,7 @@ import numpy as np
 
 from topple.planner.decide.goal import Action, PlaceRelation
 from topple.planner.fallbacks import Fallback
+from topple.planner.formats.files import write_whole
 from topple.planner.formats.plan_structs import FORMAT, FORMAT_VERSION, Matrix, PlanData
 from topple.planner.formats.verification import Verification
 from topple.planner.transfer.segments import KINDS
@@ -15,8 +19,10 @@ from topple.robots.arm.arm import Arm
 from topple.topology.arguments import checked_arguments
 from topple.topology.checks import as_pose
 from topple.topology.errors import InvalidInput
+from topple.topology.io.limits import read_bytes
 from topple.topology.io.load import AnyScene, as_scene
-from topple.topology.tolerances import RIGID
+from topple.topology.io.strict_json import read_json
+from topple.topology.tolerances import FARTHEST, RIGID
 
 
 class Plan(PlanData, frozen=True, kw_only=True):  # noqa: D101 - what its data say, in the schema too
@@ -37,6 +43,38 @@ class Plan(PlanData, frozen=True, kw_only=True):  # noqa: D101 - what its data s
             InvalidInput: The plan does not fit the arm or the scene.
         """
         return verify(self, None if scene is None else as_scene(scene), robot)
+
+    def to_json(self) -> dict[str, Any]:
+        """The plan as a `topple.plan` document."""
+        return msgspec.to_builtins(self)
+
+    @staticmethod
+    def from_json(document: Mapping[str, Any] | str | bytes) -> "Plan":
+        """Read a plan from a document, or its text.
+
+        Raises:
+            InvalidInput: It is no plan; the message has the path of the bad field.
+        """
+        text = document if isinstance(document, (str, bytes)) else msgspec.json.encode(document)
+        return plan_from_json(text, "the document")
+
+    @checked_arguments
+    def save(self, path: str | Path) -> None:
+        """Write the plan as a JSON file, whole or not at all.
+
+        Raises:
+            InvalidInput: The file cannot be written.
+        """
+        write_whole(path, plan_to_json(self) + b"\n")
+
+    @staticmethod
+    def load(path: str | Path) -> "Plan":
+        """Read the file of a plan.
+
+        Raises:
+            InvalidInput: It cannot be read, or is no plan.
+        """
+        return plan_from_json(read_bytes(Path(path), str(path)), str(path))
 
 
 def plan_to_json(plan: Plan) -> bytes:
@@ -64,12 +102,11 @@ def plan_from_json(data: bytes | str, name: str = "plan.json") -> Plan:
     Raises:
         InvalidInput: The text is no plan; the message has the path of the bad field.
     """
+    document = read_json(data, name)
     try:
-        plan = msgspec.json.decode(data, type=Plan)
+        plan = msgspec.convert(document, Plan, str_keys=True)
     except msgspec.ValidationError as error:
         raise InvalidInput(f"{name} is no plan: {error}") from error
-    except (msgspec.DecodeError, UnicodeDecodeError) as error:
-        raise InvalidInput(f"{name} is no JSON: {error}") from error
     if plan.format != FORMAT or plan.format_version != FORMAT_VERSION:
         expected = f"expected {FORMAT} version {FORMAT_VERSION}"
         raise InvalidInput(
@@ -92,7 +129,7 @@ def _check(plan: Plan, name: str) -> None:
         raise InvalidInput(
             f"{name} is no plan: `$.q_start` has {len(plan.q_start)} values for {count} joints"
         )
-    if abs(float(np.linalg.norm(plan.up)) - 1.0) > RIGID:
+    if abs(hypot(*plan.up) - 1.0) > RIGID:
         raise InvalidInput(f"{name} is no plan: `$.up` is {list(plan.up)}, expected a direction of length 1")
     names = {thing.name for thing in plan.objects}
     if len(names) < len(plan.objects):
@@ -180,5 +217,7 @@ def _matrix(matrix: Matrix, rows: int, columns: int, where: str, name: str) -> N
     for i, row in enumerate(matrix):
         if len(row) != columns:
             raise InvalidInput(f"{name} is no plan: `{where}[{i}]` has {len(row)} values, expected {columns}")
-        if not np.isfinite(row).all():
-            raise InvalidInput(f"{name} is no plan: `{where}[{i}]` has a value that is not finite")
+        if not (np.abs(row) <= FARTHEST).all():
+            raise InvalidInput(
+                f"{name} is no plan: `{where}[{i}]` has a value that is not finite, or beyond {FARTHEST:g}"
+            )

@@ -121,6 +121,7 @@ class RunRecord(ByValue):
         seed: Seed of every random choice of the run.
         success: The goal's relations hold at the end and there is no violation.
         violations: What went wrong, one sentence each; empty in a clean run.
+        missing: Those of them that are about the goal: what of it does not hold at the end.
         steps: The actions in the order they were done; empty where the goal already held.
         seconds: Wall-clock time of the whole run.
         scene: What was seen at the end, or None.
@@ -147,6 +148,12 @@ class RunRecord(ByValue):
     notes: tuple[str, ...] = ()
     stopped: str = ""
     arm_parts: tuple[tuple[FloatArray, ...], ...] = ()
+    missing: tuple[str, ...] = ()
+
+    @property
+    def verdict(self) -> str:
+        """What became of the goal: "reached", "reached with violations" or "not reached"."""
+        return "not reached" if self.missing else "reached" if self.success else "reached with violations"
 
     @property
     def interrupted(self) -> bool:
@@ -169,6 +176,7 @@ class RunRecord(ByValue):
             "seconds": round(self.seconds, 3),
             "steps": [step.to_json() for step in self.steps],
             "violations": list(self.violations),
+            "verdict": self.verdict,
             "notes": list(self.notes),
             "stopped": self.stopped,
             "interrupted": self.interrupted,

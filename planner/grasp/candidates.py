@@ -10,8 +10,7 @@ from topple.planner.grasp.fingers import coming_unseen, standing_in
 from topple.planner.grasp.frames import frames
 from topple.planner.grasp.grasp import Grasp, GraspKind
 from topple.planner.grasp.hand import HandShape, hand_shape
-from topple.planner.grasp.load import chance_to_hold, cup_load, too_heavy, weight_of
-from topple.planner.grasp.overhangs import overhang_frames
+from topple.planner.grasp.load import BY_CUP, BY_PADS, beyond_hand, chance_to_hold, cup_load, weight_of
 from topple.planner.grasp.pinch import Pinch, pinches
 from topple.planner.grasp.rims import rim_frames
 from topple.planner.grasp.score import HOLD, score_of
@@ -93,11 +92,11 @@ def grasp_candidates(
     if friction is not None:  # pads of rubber have a coefficient of 1, and the product is the object's own
         tolerances = replace(tolerances, friction=friction)
     dropped = Dropped() if dropped is None else dropped
-    if cup is not None and too_heavy(mass, 1.0, cup.max_force / 2.0):
-        dropped.note(f"{mass:g} kg are more than the cup holds")
+    if cup is not None and (words := beyond_hand(mass, 1.0, cup.max_force / 2.0, BY_CUP)):
+        dropped.note(words)
         cup = None
-    if hand is not None and too_heavy(mass, friction, hand.force):
-        dropped.note(f"{mass:g} kg are more than the pads hold")
+    if hand is not None and (words := beyond_hand(mass, friction, hand.force, BY_PADS)):
+        dropped.note(words)
         hand = None
     found: list[Grasp] = []
     if cup is not None:
@@ -105,7 +104,6 @@ def grasp_candidates(
     sealed = sum(grasp.score >= tolerances.sure for grasp in found)
     if hand is not None and sealed < tolerances.enough_sealed:
         pinched = _pinch_grasps(name, surface, around, up, hand, tolerances, dropped)
-        pinched += _edge_grasps(name, situation, surface, around, hand, tolerances, dropped)
         pierced = standing_in(pinched, hand, [Hull.of(part) for part in situation.solids[name]], tolerances)
         clear = [grasp for grasp, bad in zip(pinched, pierced, strict=True) if not bad]
         dropped.note("fingers would stand in what it fills", len(pinched) - len(clear))
@@ -140,27 +138,6 @@ def _pinch_grasps(
         pinched = pinches(directions, surface, near, up, hand, tolerances, dropped)
         found += [_as_grasp(name, pinch) for pinch in pinched]
     return found
-
-
-def _edge_grasps(
-    name: str,
-    situation: Situation,
-    surface: Surface,
-    around: Surroundings,
-    hand: HandShape,
-    tolerances: GraspTolerances,
-    dropped: Dropped,
-) -> list[Grasp]:
-    """Pinches by a level hand where the object hangs over an edge: there is no ground below the hand."""
-    beyond = replace(around, floor=-np.inf)
-    return [
-        _as_grasp(name, pinch)
-        for directions in overhang_frames(name, situation)
-        for pinch in pinches(
-            directions, surface, beyond.near(directions.origin, tolerances.reach), situation.up, hand,
-            tolerances, dropped,
-        )
-    ]  # fmt: skip
 
 
 def _in_words(load: float) -> str:

@@ -1,13 +1,14 @@
 """Where the open hands of grasps are: in what an object fills, and on their way in where no camera saw."""
 
 from collections.abc import Sequence
+from itertools import product
 
 import numpy as np
 
 from topple.planner.grasp.grasp import Grasp
 from topple.planner.grasp.hand import HandShape, Prism
 from topple.planner.grasp.suction import CupShape
-from topple.planner.grasp.tolerances import GRASP_TOLERANCES, WAY_LAYERS, GraspTolerances
+from topple.planner.grasp.tolerances import GRASP_TOLERANCES, SHARES_ASKED, WAY_LAYERS, GraspTolerances
 from topple.robots.arm.gripper import ToolName
 from topple.topology.arrays import BoolArray, FloatArray
 from topple.topology.geometry.hull import Hull
@@ -34,11 +35,18 @@ def standing_in(
     found = np.zeros(len(grasps), dtype=np.bool_)
     if not grasps:
         return found
-    points = _in_world(grasps, _fingers(grasps, hand, hand.pad_length, 3))
-    for hull in parts:
-        inside = ((points > hull.lower) & (points < hull.upper)).all(axis=2) & ~found[:, None]
-        deep = (points[inside] @ hull.normals.T + hull.offsets).max(axis=1, initial=-np.inf)
-        found[np.nonzero(inside)[0][deep < -tolerances.into_solid]] = True
+    points = _in_world(grasps, _fingers(grasps, hand, hand.pad_length, 3)).swapaxes(0, 1)
+    for layer, hull in product(range(SHARES_ASKED), parts):
+        rows = np.flatnonzero(~found)  # most of those that stand in it do so with the first points asked
+        asked = points[layer::SHARES_ASKED, rows]
+        inside = np.logical_and.reduce(
+            [
+                (asked[..., axis] > hull.lower[axis]) & (asked[..., axis] < hull.upper[axis])
+                for axis in range(3)
+            ]
+        )
+        deep = (asked[inside] @ hull.normals.T + hull.offsets).max(axis=1, initial=-np.inf)
+        found[rows[np.nonzero(inside)[1][deep < -tolerances.into_solid]]] = True
     return found
 
 

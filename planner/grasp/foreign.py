@@ -12,6 +12,7 @@ from topple.planner.grasp.tolerances import PAD_HALF
 from topple.topology.arguments import checked_arguments
 from topple.topology.arrays import FloatArray, frozen
 from topple.topology.errors import InvalidInput
+from topple.topology.io.limits import opened
 from topple.topology.plugins import Table, expected
 from topple.topology.values import ByValue
 
@@ -91,7 +92,8 @@ def read_grasps(path: str | Path) -> ForeignGrasps:
     """
     path = Path(path)
     try:
-        path.open("rb").close()
+        with opened(path, str(path)):  # a pipe would be waited for
+            pass
         if (found := GRASP_READERS.first(lambda reader: reader.reads(path))) is not None:
             # overflow: of what is then refused as no rigid transform
             with GRASP_READERS.blamed(found[0]), np.errstate(over="ignore", invalid="ignore"):

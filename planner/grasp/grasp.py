@@ -20,8 +20,6 @@ class GraspKind(Word):
     """One finger inside it."""
     SUCTION = "suction"
     """The cup on a smooth patch."""
-    PUSH = "push"
-    """Both fingers against its side, open: nothing is held, and it goes only where they push it."""
 
 
 KINDS = tuple(GraspKind)

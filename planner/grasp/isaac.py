@@ -9,6 +9,7 @@ from topple.planner.grasp.foreign import ForeignGrasps, checked
 from topple.planner.grasp.tolerances import HAND_TO_PADS
 from topple.topology.arrays import FloatArray
 from topple.topology.errors import InvalidInput, NotInstalled
+from topple.topology.io.limits import read_bytes
 
 
 def reads(path: Path) -> bool:
@@ -30,7 +31,7 @@ def read(path: Path) -> ForeignGrasps:
     except ImportError as error:
         raise NotInstalled(f"{name}: isaac_grasp files need PyYAML", "yaml") from error
     try:
-        content: Any = yaml.safe_load(path.read_bytes())
+        content: Any = yaml.safe_load(read_bytes(path, name))
     except (yaml.YAMLError, ValueError, RecursionError) as error:
         raise InvalidInput(f"{name}: is no YAML: {error}") from error
     if not isinstance(content, dict) or content.get("format") != "isaac_grasp":

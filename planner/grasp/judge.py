@@ -8,6 +8,7 @@ import numpy as np
 from topple.planner.grasp.fingers import coming_unseen, standing_in
 from topple.planner.grasp.grasp import Grasp
 from topple.planner.grasp.hand import HandShape
+from topple.planner.grasp.load import BY_CUP, BY_PADS, beyond_arm, beyond_hand
 from topple.planner.grasp.pads import Between, antipodality, between, extents
 from topple.planner.grasp.pinch import SLIDES
 from topple.planner.grasp.room import Room
@@ -46,7 +47,8 @@ def judged(grasps: Sequence[Grasp], room: Room) -> list[Judged]:
     Returns:
         Each of them: refused where the hand meets anything on its straight way in or goes below the ground,
         where nothing of the object is between the pads or more than they open for, where a finger would stand
-        in what it fills, and where none of these holds, where the pads would slide off.
+        in what it fills, where it is known to weigh more than hand or arm hold, and where none of these
+        holds, where the pads would slide off.
     """
     found = [Judged(grasp) for grasp in grasps]
     rows = [row for row, grasp in enumerate(grasps) if grasp.object]
@@ -54,8 +56,10 @@ def judged(grasps: Sequence[Grasp], room: Room) -> list[Judged]:
     taken = [grasp for grasp, _, _ in some]
     met = in_the_way(taken, room)
     deep = _in_solids(taken, room)
+    weights = {asked: _too_heavy(*asked, room) for asked in {(grasp.object, grasp.tool) for grasp in taken}}
     for row, (grasp, words, hold), (names, ways), inside in zip(rows, some, met, deep, strict=True):
-        refused = [*words, *ways, *([f"a finger would stand in what {grasp.object} fills"] * bool(inside))]
+        stands = [f"a finger would stand in what {grasp.object} fills"] * bool(inside)
+        refused = [*weights[grasp.object, grasp.tool], *words, *ways, *stands]
         if not refused and hold is not None and not _holds(grasp, hold, room):
             refused = [SLIDES]
         found[row] = Judged(grasp, tuple(refused), names)
@@ -152,6 +156,19 @@ def _holds(grasp: Grasp, found: _Pinched, room: Room) -> bool:
     low, high = y.min(keepdims=True), y.max(keepdims=True)
     held = antipodality(found.held, found.window, low, high, opening, room.hand, tolerances, lenient=True)
     return bool(held[0] > 0.0)
+
+
+def _too_heavy(name: str, tool: str, room: Room) -> list[str]:
+    """What an object's weight, where that is known, has against one tool and the arm."""
+    mass, friction = room.scene.masses.get(name), room.scene.friction.get(name)
+    if mass is None:
+        return []
+    if tool == ToolName.FINGERS:
+        by_hand = beyond_hand(mass, friction, room.hand.force, BY_PADS)
+    else:
+        by_hand = beyond_hand(mass, 1.0, room.cup.max_force / 2.0, BY_CUP)
+    by_arm = "" if room.arm is None else beyond_arm(mass, room.arm)
+    return [words for words in (by_hand, by_arm) if words]
 
 
 def _in_solids(grasps: Sequence[Grasp], room: Room) -> BoolArray:

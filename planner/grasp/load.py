@@ -1,5 +1,7 @@
 """What a hand can hold: the weight of a thing and its moment against what pads and cups resist."""
 
+from typing import TYPE_CHECKING
+
 import numpy as np
 from scipy.special import ndtr
 
@@ -10,6 +12,11 @@ from topple.robots.arm.gripper import vacuum_load
 from topple.robots.arm.tolerances import GRAVITY
 from topple.topology.arrays import FloatArray
 from topple.topology.statics.tolerances import DENSITY
+
+if TYPE_CHECKING:
+    from topple.robots.arm.arm import Arm
+
+BY_CUP, BY_PADS = "the cup holds", "the pads hold"
 
 
 def weight_of(volume: float, mass: float | None = None) -> float:
@@ -32,9 +39,16 @@ def most_held(friction: float | None, force: float) -> float:
     return 2.0 * (STRONGEST if friction is None else friction) * force
 
 
-def too_heavy(mass: float | None, friction: float | None, force: float) -> bool:
-    """Whether a hand is known not to lift a mass [kg]; of a guessed weight, None, it never is."""
-    return mass is not None and GRAVITY * mass > most_held(friction, force)
+def beyond_hand(mass: float | None, friction: float | None, force: float, holder: str) -> str:
+    """Why a hand is known not to lift a mass [kg]; empty where it may, as of a guessed weight, None."""
+    heavy = mass is not None and GRAVITY * mass > most_held(friction, force)
+    return f"{mass:g} kg are more than {holder}" if heavy else ""
+
+
+def beyond_arm(mass: float, arm: "Arm") -> str:
+    """Why an arm is not to carry a mass [kg]; empty where it is rated to."""
+    words = f"{mass:g} kg are more than {arm.name} carries ({arm.payload:g} kg beside its hand)"
+    return words if mass > arm.payload else ""
 
 
 def jaw_load(

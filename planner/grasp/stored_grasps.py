@@ -20,6 +20,7 @@ from topple.planner.grasp.stored import MOST_BYTES, Key, Stored, read_stored
 from topple.planner.grasp.tolerances import HAND_TO_PADS
 from topple.topology.arrays import FloatArray
 from topple.topology.errors import InvalidInput
+from topple.topology.io.limits import opened, read_bytes
 
 READ = {"pred_grasps_cam", "gripper_openings", "poses", "scores"}  # of an .npz
 _NPZ, _NPY = b"PK\x03\x04", b"\x93NUMPY"
@@ -27,7 +28,7 @@ _NPZ, _NPY = b"PK\x03\x04", b"\x93NUMPY"
 
 def reads(path: Path) -> bool:
     """Tell one by how it begins."""
-    with path.open("rb") as file:
+    with opened(path, str(path)) as file:
         return file.read(len(_NPY)).startswith((_NPZ, _NPY))
 
 
@@ -38,7 +39,7 @@ def read(path: Path) -> ForeignGrasps:
         InvalidInput: It holds something else, or a broken array.
         OSError: It cannot be read.
     """
-    data = path.read_bytes()
+    data = read_bytes(path, str(path))
     if data.startswith(_NPZ):
         return _npz(data, str(path))
     stored = read_stored(data, str(path))

@@ -65,6 +65,9 @@ GRASP_TOLERANCES = GraspTolerances()
 
 # -- fingers
 
+SHARES_ASKED = 8
+"""Of the points in fingers, asked one after the other whether they stand in a body: the first tell most."""
+
 WAY_LAYERS = 17
 """Along the way in, where it is asked what was seen: 5 mm apart, as deep as a finger in what is not there."""
 
@@ -233,18 +236,3 @@ PAD_HALF = 0.01
 
 ROUGH = 1e-5
 """More than single precision is off by at the size of a hand [m]."""
-
-
-# -- overhangs
-
-HANGING = 0.02
-"""[m] that a thing hangs over an edge at least: a pad's length, most of it on the thing, before the table."""
-
-HANGING_BESIDE = 0.06
-"""[m] of the edge to either side of what hangs over it, where it is seen: below the thing it is hidden."""
-
-HANGING_DIRECTIONS = 72
-"""Directions across which edges are looked for: pads 5 degrees askew still lie flat on it."""
-
-HANGING_ASIDE = (0.0, 0.02, -0.02)
-"""[m] from the centre of mass along an edge, where a hand is tried: a pad's width apart."""

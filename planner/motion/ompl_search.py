@@ -1,5 +1,6 @@
 """OMPL for what our own search does not solve: whole edges go to the batched checker, states never do."""
 
+from importlib.util import find_spec
 from itertools import count
 from typing import Any
 
@@ -10,6 +11,10 @@ from topple.planner.motion.collision import Checker
 from topple.planner.motion.tolerances import RANGE, ROUNDS
 from topple.robots.arm.arm import Arm
 from topple.topology.arrays import FloatArray
+from topple.topology.errors import InvalidInput
+
+OMPL_INSTALLED = find_spec("ompl") is not None
+"""It has no wheel for Windows, nor for every Python."""
 
 
 def ompl_path(
@@ -35,8 +40,13 @@ def ompl_path(
         (k, n) path, or None.
 
     Raises:
+        InvalidInput: OMPL is not installed.
         OutOfBudget: The budget of the call ran out.
     """
+    if not OMPL_INSTALLED:
+        raise InvalidInput(
+            f"{planner} is a planner of OMPL, which is not installed: pip install ompl (no wheel for Windows)"
+        )
     from ompl import base, geometric, util
 
     util.setLogLevel(util.LogLevel.LOG_NONE)

@@ -269,9 +269,10 @@ class _Query:
 
     def _search(self, seed: int) -> tuple[FloatArray | None, str]:
         path = rrt_connect(self.checker, self.start, self.goals, seed=seed, rounds=self.rounds)
-        if path is not None:
+        from topple.planner.motion.ompl_search import OMPL_INSTALLED, ompl_path
+
+        if path is not None or not OMPL_INSTALLED:
             return path, "rrt"
-        from topple.planner.motion.ompl_search import ompl_path
 
         return ompl_path(self.checker, self.start, self.goals, seed=seed, iterations=self.rounds), "ompl"
 

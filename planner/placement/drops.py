@@ -46,7 +46,7 @@ class Drops:
             )  # fmt: skip
             return Body.of(which, bodies[which], mass=mass, friction=friction)
 
-        self.name, self._level = name, levelling(up)
+        self.name, self._level = name, _levelling(up)
         self._world = rehearsal_world()
         for other in bodies:
             if other != name:
@@ -214,7 +214,7 @@ def standing(places: Sequence[Placement], name: str, situation: Situation) -> li
     return [*found, *falls]
 
 
-def levelling(up: FloatArray) -> FloatArray:
+def _levelling(up: FloatArray) -> FloatArray:
     """(4, 4) turn that brings up (3,), a unit vector, to z; its transpose is its inverse."""
     axis = np.cross(up, [0.0, 0.0, 1.0])
     pose = np.eye(4)

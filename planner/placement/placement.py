@@ -14,7 +14,7 @@ from topple.planner.placement.resting import (
     about,
     resting_poses,
 )
-from topple.planner.placement.tolerances import BARRING, KEPT, PLACEMENT_SPARE
+from topple.planner.placement.tolerances import KEPT, PLACEMENT_SPARE
 from topple.topology.arrays import BoolArray, FloatArray, frozen
 from topple.topology.errors import UnknownObject
 from topple.topology.geometry.axes import level_axes
@@ -35,7 +35,6 @@ class Placement:
         into: What it is put on or into, whose inferred body it may enter: its seen surface was kept clear of.
         how: On or within that; None on a table.
         rolls: Whether it could roll away from there.
-        bars: Whether it would be in the way of taking what is still to be taken.
         falls: Whether it is known not to stay there, and is to be let go all the same.
     """
 
@@ -46,7 +45,6 @@ class Placement:
     into: str | None = None
     how: PlaceRelation | None = None
     rolls: bool = False
-    bars: bool = False
     falls: bool = False
 
     def __post_init__(self) -> None:
@@ -153,9 +151,9 @@ def _at_rest(
         room, bars = space.under(cells, covered)
         lift = space.height + tolerances.drop - float((turned @ space.normal).min())
         scores = _scores(places, room, rest, axes @ middle, base, k / yaws, tolerances)
-        scores[bars & (scores > 0.0)] *= BARRING
+        scores[bars] = -1.0
         best = np.argsort(-scores, kind="stable")[:KEPT]
-        best = best[room[best] > tolerances.gap]
+        best = best[scores[best] > 0.0]
         targets = places[best] @ axes
         targets += np.outer((lift - targets @ space.normal) / float(up @ space.normal), up)
         poses = np.tile(np.eye(4), (len(best), 1, 1))
@@ -163,12 +161,7 @@ def _at_rest(
         turned_by = np.degrees(rest.turn)
         for index, pose in zip(best.tolist(), poses, strict=True):
             words = f"turned {turned_by:.0f} deg onto a face, {1e3 * room[index]:.0f} mm free"
-            found.append(
-                Placement(
-                    pose, float(scores[index]), words, tolerances.drop,
-                    rolls=rest.rolls, bars=bool(bars[index]),
-                )
-            )  # fmt: skip
+            found.append(Placement(pose, float(scores[index]), words, tolerances.drop, rolls=rest.rolls))
     return found
 
 
@@ -210,10 +203,10 @@ def _scores(
 
 
 def _spread_out(found: list[Placement], middle: FloatArray, limit: int) -> list[Placement]:
-    """Steady ones that bar no way first, best first: at most three headings at a place, places 6 cm apart."""
+    """Steady ones first, best first: at most three headings at a place, places 6 cm apart."""
     kept: list[Placement] = []
     spots = np.empty((0, 3))
-    for placement in sorted(found, key=lambda placement: (placement.rolls, placement.bars, -placement.score)):
+    for placement in sorted(found, key=lambda placement: (placement.rolls, -placement.score)):
         pose = placement.pose_before_to_after
         spot = pose[:3, :3] @ middle + pose[:3, 3]
         apart = np.sqrt(((spots - spot) ** 2).sum(axis=1))

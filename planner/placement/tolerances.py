@@ -44,9 +44,6 @@ SKIN = 0.01
 
 # -- placement
 
-BARRING = 0.1
-"""Share of its score that a place in the way of what remains keeps: below any that is not."""
-
 PLACEMENT_SPARE = 3
 """Places of each attitude that comes off worse: a hand may not get down in the better ones."""
 
@@ -106,33 +103,3 @@ GENTLE = 0.04
 
 YAWS = 8
 """Headings that are tried."""
-
-
-# -- slides
-
-PUSH_DIRECTIONS = 360
-"""Directions that are tried, one a degree: with half a degree to go one of two fingers comes 1 mm later."""
-
-PUSHES = 4
-"""Ways that are followed up, the shortest."""
-
-BOTH_PUSH = 0.004
-"""[m] that one finger may touch later than the other: depth noise on its side."""
-
-LIES = 0.01
-"""[m] over a top a thing lies on it: depth noise of both."""
-
-ONE_SIDE = 0.26
-"""[rad] within which directions push against one side of a thing: of 15 degrees the squarest counts."""
-
-OVER_TOP = 0.003
-"""[m] of the finger tips over the table: depth noise and the arm's tracking error."""
-
-HANGS = (0.032, 0.045)
-"""[m] that a thing has to hang over an edge, and shall where it can: pads with room before the table."""
-
-BALANCED = 0.025
-"""[m] that the centre of mass stays inside the edge: it is guessed from the outline, of even density."""
-
-LONGEST_SLIDE = 0.4
-"""[m] that a thing is pushed at most: an arm goes no further straight in one attitude of its hand."""

@@ -11,9 +11,8 @@ from itertools import takewhile
 import numpy as np
 
 from topple.planner.decide.arrange import Order
-from topple.planner.decide.dependency import dependencies
 from topple.planner.decide.goal import Action, Goal, Place, PlaceRelation, holds
-from topple.planner.decide.turn import may_go, out_of_turn, says, why_first
+from topple.planner.decide.turn import may_go, why_first
 from topple.planner.errors import NoSafePlan
 from topple.planner.failure import Check, FailedCheck, TransferFailure
 from topple.planner.fallbacks import Fallback
@@ -61,9 +60,14 @@ class StepChooser:
         lost = [name for name in self.goal.names if name not in self.scene.clouds]
         if lost and self.unmet():
             raise NoSafePlan(words := f"{', '.join(lost)}: seen nowhere any more", (words,))
+        step = self._chosen()
+        return None if step is None else step.first()
+
+    def _chosen(self) -> NextStep | None:
         if targets := self._not_free():
             return self.take_off(targets, Action.FREE)
-        if held := [name for names in self._contents().values() for name in names]:
+        inside = self.goal.contents(self.situation.relations, self.scene.fixed)
+        if held := [name for names in inside.values() for name in names]:
             return self.take_off(held, Action.FREE)
         for place in self.goal.places:
             planned = not self.context.observed and (place.object, Action.PLACE) in self.context.done
@@ -74,12 +78,7 @@ class StepChooser:
     def _not_free(self) -> list[str]:
         return [name for name in self.goal.free if (name, Action.FREE) not in self.context.done]
 
-    def _contents(self) -> dict[str, tuple[str, ...]]:
-        return self.goal.contents(self.situation.relations, self.scene.fixed)
-
-    def take_off(
-        self, targets: Sequence[str], action: Action, why: str = "", doubting: bool = True
-    ) -> NextStep:
+    def take_off(self, targets: Sequence[str], action: Action, why: str = "") -> NextStep:
         """The step that gets on with freeing some targets.
 
         Raises:
@@ -91,10 +90,6 @@ class StepChooser:
             (None, lambda: self._in_turn(chosen, targets, action, why, failures)),
             (Fallback.MAKE_ROOM, lambda: self._make_room(failures)),
         ]
-        if doubting and not (self.context.second and chosen.holds):
-            options.append((Fallback.OUT_OF_TURN, lambda: self.out_of_turn(targets, action)))
-        if doubting:
-            options.append((None, lambda: self.over_the_edge(chosen, failures)))
         if (step := _first(options)) is not None:
             return step
         explained = tuple(self.transfers.explained(failure) for failure in failures)
@@ -150,17 +145,6 @@ class StepChooser:
         begins = {hold.since for hold in chosen.holds} if self.context.second is not None else set[str]()
         return list(takewhile(lambda name: name not in begins, may_go(chosen)))
 
-    def out_of_turn(self, targets: Sequence[str], action: Action) -> NextStep | None:
-        """The step that goes against the least likely dependencies: hand and order wait for each other."""
-        chosen = self._ordered(targets)
-        graph = dependencies(self.situation, direct=False)
-        for name, against in out_of_turn(chosen.order, graph, self.situation.supports).items():
-            found = self.aside(name)
-            if isinstance(found, Transfer):
-                role = action if name in targets else Action.REMOVE
-                return NextStep(found, role, says(against), chosen, against)
-        return None
-
     def _make_room(self, failures: Sequence[TransferFailure]) -> NextStep | None:
         """What bars the way to an object that could not be taken, or stands beside it: it goes first.
 
@@ -173,22 +157,6 @@ class StepChooser:
                 if step is not None:
                     return step
         return None
-
-    def over_the_edge(self, chosen: Order, failures: Sequence[TransferFailure]) -> NextStep | None:
-        """The push over the table's edge, once, of an object that nothing takes where it lies."""
-        barred: list[TransferFailure] = []
-        for failure in failures:
-            name, got = failure.object, failure.furthest
-            flat = got is not None and got.step == SegmentKind.GRASP and got.check is Check.ROOM
-            if not flat or (name, Action.REMOVE) in self.context.done or name in self.context.grasps:
-                continue
-            found = self.transfers.over_the_edge(name)
-            if isinstance(found, Transfer):
-                return NextStep(
-                    found, Action.REMOVE, f"it is pinched at the table's edge then ({failure})", chosen
-                )
-            barred.append(found)
-        return self._make_room(barred)
 
     def _taken_away(self, other: str, barred: Collection[str], why: str) -> NextStep | None:
         """The first step to take an object away, once, that is about none of the barred ones."""
@@ -295,7 +263,6 @@ class _Placing:
         self._chosen, self._contents = chosen, contents
         self._failure: TransferFailure | None = None
         self._stuck: NoSafePlan | None = None
-        self._room = False
 
     def step(self) -> NextStep:
         """The first way that works.
@@ -309,12 +276,7 @@ class _Placing:
             options += [
                 (Fallback.LOOK_LONGER, self._look_longer),
                 (Fallback.EMPTY, self._empty),
-                (Fallback.PUSH, lambda: self._put(self._gentle, self._kept)),
-                (Fallback.OUT_OF_TURN, lambda: self._chooser.out_of_turn(self._contents, Action.REMOVE)),
             ]
-        else:
-            options.append((Fallback.PUT_ASIDE, self._aside))
-        options.append((None, self._over_the_edge))
         if (step := _first(options)) is not None:
             return step
         if self._stuck is not None:
@@ -338,7 +300,6 @@ class _Placing:
         room = [spot for spot in spots if spot.drop <= GENTLE]
         if (place.object, Action.PLACE) in self._chooser.context.done and self._contents:
             room = []  # it was tried, and it is not there: more room is needed
-        self._room = bool(room)
         found = self._chooser.transfers.to(place.object, room, limits) if room else _no_room(place)
         if isinstance(found, Transfer):
             why = f"it shall be {place.how} {place.where}"
@@ -350,39 +311,10 @@ class _Placing:
         """One of the contents out, in their safe order."""
         why = f"{self._place.object} needs room in {self._place.where}"
         try:
-            return self._chooser.take_off(self._contents, Action.REMOVE, why, doubting=False)
+            return self._chooser.take_off(self._contents, Action.REMOVE, why)
         except NoSafePlan as error:
             self._stuck = error
             return None
-
-    def _put(self, *tries: list[Placement]) -> NextStep | None:
-        """To the first of some lists of spots that the arm can make."""
-        why = f"no more room can be made in {self._place.where} ({self._stuck})"
-        for spots in filter(None, tries):
-            found = self._chooser.transfers.to(self._place.object, spots)
-            if isinstance(found, Transfer):
-                return NextStep(found, Action.PLACE, why, self._chosen)
-        return None
-
-    def _over_the_edge(self) -> NextStep | None:
-        """Pushed over the table's edge, once, to be pinched there."""
-        failures = [] if self._failure is None else [self._failure]
-        return self._chooser.over_the_edge(self._chosen, failures)
-
-    def _aside(self) -> NextStep | None:
-        """Put down on the table, once, to be taken otherwise."""
-        name, where = self._place.object, self._place.where
-        if (
-            not self._room
-            or (name, Action.REMOVE) in self._chooser.context.done
-            or name in self._chooser.context.given_up
-        ):
-            return None
-        found = self._chooser.aside(name)
-        if not isinstance(found, Transfer):
-            return None
-        words = f"it is put down to be taken otherwise, as it cannot go straight to {where} ({self._failure})"
-        return NextStep(found, Action.REMOVE, words, self._chosen)
 
 
 def _first(options: Iterable[Option]) -> NextStep | None:

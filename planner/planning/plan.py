@@ -348,22 +348,21 @@ class _Planning:
         """Index of the last step of an object, -1 where it has none."""
         return max((index for index, step in enumerate(self.steps) if step.object == name), default=-1)
 
-    def doubted(self, name: str, known: Sequence[DependencyData]) -> list[DependencyData]:
-        """What taking an object now goes against: what is known, and what was seen before and is no more."""
-        gone, told = {step.object for step in self.steps}, {edge.first for edge in known}
-        before = [
+    def doubted(self, name: str) -> list[DependencyData]:
+        """What taking an object now goes against: what was seen before and is no more."""
+        gone = {step.object for step in self.steps}
+        return [
             data
             for (first, then), (_, data) in self.reasons.items()
-            if then == name and first not in gone | told and data.confidence < LIKELY
+            if then == name and first not in gone and data.confidence < LIKELY
         ]
-        return [*known, *before]
 
     def take(self, chosen: NextStep) -> None:
         for edge in chosen.order.graph.dependencies:
             self.reasons.setdefault((edge.first, edge.then), (len(self.steps), dependency_data(edge)))
         transfer = chosen.transfer
         names = [step.object for step in self.steps]
-        against = self.doubted(transfer.object, [dependency_data(edge) for edge in chosen.against])
+        against = self.doubted(transfer.object)
         for edge in against:
             self.reasons.pop((edge.first, edge.then), None)
         below = {first for first, then in self.reasons if then == transfer.object}

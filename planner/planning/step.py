@@ -1,13 +1,12 @@
 """A step towards a goal, where the arm stands before it, and what says in which order to take things."""
 
 from collections.abc import Callable, Collection, Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from functools import partial
 from typing import Protocol, cast, runtime_checkable
 
 from topple.planner.decide.arrange import Order
 from topple.planner.decide.beliefs import Beliefs
-from topple.planner.decide.dependency import Dependency
 from topple.planner.decide.goal import Action, Goal
 from topple.planner.fallbacks import Fallback
 from topple.planner.grasp.given import GraspsByObject
@@ -32,8 +31,7 @@ class NextStep:
         transfer: What the arm does.
         action: What it is for.
         reason: Why this object and why now.
-        order: The order the step was chosen from.
-        against: Doubtful dependencies that the step goes against.
+        order: The order the step was chosen from, as it is carried out: the object is the first in it.
         fallbacks: What was tried to find it where the plain way failed; with those of the transfer,
             `all_fallbacks`.
         buffer: Whether the object only makes room and is taken again later, to where it shall be.
@@ -48,13 +46,24 @@ class NextStep:
     action: Action
     reason: str
     order: Order
-    against: tuple[Dependency, ...] = ()
     fallbacks: tuple[Fallback, ...] = ()
     buffer: bool = False
     grip: Transfer | None = None
     let_go: Transfer | None = None
     by_second: bool = False
     then: "tuple[NextStep, ...]" = ()
+
+    def first(self) -> "NextStep":
+        """The same as the first of its order, and each that follows it as the first of what is left."""
+        left = self.order.order
+        steps = (self, *self.then)
+        found: list[NextStep] = []
+        for step in steps:
+            name = step.transfer.object
+            rest = [other for other in left if other != name]
+            found.append(replace(step, order=step.order.as_taken((name, *rest))))
+            left = rest
+        return replace(found[0], then=tuple(found[1:]))
 
     @property
     def all_fallbacks(self) -> tuple[Fallback, ...]:

@@ -9,38 +9,29 @@ from topple.planner.fallbacks import Fallback
 from topple.planner.grasp.candidates import grasp_candidates
 from topple.planner.grasp.given import doable
 from topple.planner.grasp.grasp import Grasp
-from topple.planner.grasp.hand import hand_shape
 from topple.planner.grasp.surroundings import Dropped
 from topple.planner.placement.drops import standing
 from topple.planner.placement.placement import Placement, placements
 from topple.planner.placement.proof import Proof
-from topple.planner.placement.pushed import pushed
 from topple.planner.placement.shortage import shortage
-from topple.planner.placement.slides import slides
-from topple.planner.placement.tolerances import PROOF_SPARE
 from topple.planner.planning.step import Context
 from topple.planner.planning.tolerances import BESIDE
 from topple.planner.transfer.handling import Handling, Reached
-from topple.planner.transfer.push import plan_push
 from topple.planner.transfer.segments import SegmentKind
 from topple.planner.transfer.transfer import (
     NO_PLACE,
     TRANSFER_LIMITS,
     Transfer,
     TransferLimits,
-    after,
     no_grasp,
     plan_transfer,
 )
-from topple.robots.arm.gripper import ToolName
 from topple.robots.arm.home import workplace_of
 from topple.robots.collision.fcl_bodies import apart
-from topple.robots.engines import INSTALLED
 from topple.topology.arrays import FloatArray
 from topple.topology.situation import Situation
 from topple.topology.sixim.table import Relation
 
-NO_FINGERS = "there are no fingers to push it with"
 INSIDE = (Relation.WITHIN, Relation.PARTIAL_WITHIN)
 MORE_HANDS = TransferLimits(grasps=60, reached=80)  # all hands that a search for grasps finds
 
@@ -110,43 +101,6 @@ class Transfers:
                 found = transfer()
                 return found if isinstance(found, TransferFailure) else _falling(found, proof)
             return found
-
-    def over_the_edge(self, name: str) -> Transfer | TransferFailure:
-        """Push an object along the table to where it hangs over the edge, or say why it cannot be.
-
-        Args:
-            name: The object.
-        """
-        station, context = self.context.station, self.context
-        if name in context.given_up:
-            return self._refused(name)
-        if ToolName.FINGERS not in station.arm.tools or self.riding(name):
-            return TransferFailure(name, {NO_FINGERS: 1}, None)
-        handling = Handling(
-            name, self.situation, station.arm, station.pose_base_to_world, (), context.seed, context.obstacles
-        )
-        ways = slides(name, self.situation, hand_shape(station.arm))
-        return plan_push(handling, ways, station.q, holds=self._of_use)
-
-    def _of_use(self, transfer: Transfer) -> bool:
-        """Whether a hand takes the thing where a push has it, and it comes to lie there, played beforehand.
-
-        Without an engine that is not asked.
-        """
-        situation, station, name = self.situation, self.context.station, transfer.object
-        there = replace(self.context, station=replace(station, q=transfer.q_end))
-        if not Transfers(after(situation, transfer), there).hands(name):
-            return False
-        if not INSTALLED:
-            return True
-        scene = situation.scene
-        motions = [segment.trajectory for segment in transfer.segments[1:] if segment.trajectory is not None]
-        found = pushed(
-            name, {**situation.solids, name: situation.completed[name]}, scene.fixed, station.arm,
-            station.pose_base_to_world, motions, transfer.grasp.opening,
-            transfer.placement.pose_before_to_after, situation.up, scene.masses, scene.friction,
-        )  # fmt: skip
-        return found.within(1.0 if self.context.observed else PROOF_SPARE)
 
     def explained(self, failure: TransferFailure) -> TransferFailure:
         """A failure for want of a place with its reason; any other as it is."""

@@ -2,6 +2,7 @@
 
 from collections.abc import Callable, Sequence
 from dataclasses import replace
+from functools import partial
 
 import numpy as np
 
@@ -28,6 +29,9 @@ from topple.planner.transfer.transfer import Transfer
 from topple.topology.arrays import FloatArray
 from topple.topology.geometry.rigid import transformed, turned_to
 from topple.topology.situation import Situation
+
+Starting = Callable[[Move], Order]
+"""The order of which a move is the first."""
 
 TAKING = (SegmentKind.GRASP, SegmentKind.APPROACH, SegmentKind.LIFT)
 
@@ -88,12 +92,14 @@ class MoveChooser:
         while True:
             problem = replace(needed.problem, before=needed.problem.before | self._learned)
             found = fewest_moves(problem)
-            order = replace(taken, order=tuple(m.object for m in found.moves if m.to is To.GOAL))
+            starting = partial(_starting, taken, needed, found.moves)
             for move in sorted(_ready(problem, found), key=lambda move: _risk_now(taken, move.object)):
-                if (step := self._step(move, needed, order)) is not None:
+                if (step := self._step(move, needed, starting)) is not None:
                     return step
             if len(self._failed) > MOST_LEARNED or not self._learned_more(problem):
-                return self._aside_first(order)
+                failures = tuple(self._failed.values())
+                words = tuple(map(str, failures))
+                raise NoSafePlan("; ".join(words), words, failures)
 
     def _lost(self) -> tuple[str, ...]:
         return tuple(
@@ -122,7 +128,7 @@ class MoveChooser:
         staying = set(self._situation.movable) - set(self._moving)
         return precedences(self._situation, self._arrangement, taken, surfaces, staying)
 
-    def _step(self, move: Move, needed: Precedences, order: Order) -> NextStep | None:
+    def _step(self, move: Move, needed: Precedences, starting: Starting) -> NextStep | None:
         """A move as a step, where the arm can make it; it is tried once."""
         if move in self._failed:
             return None
@@ -135,7 +141,7 @@ class MoveChooser:
         said = "; ".join([why, *map(str, self._failed.values())])
         fallbacks = (Fallback.ANOTHER_FIRST,) if self._failed else ()
         action = Action.REMOVE if buffer else Action.PLACE
-        return NextStep(found, action, said, order, fallbacks=fallbacks, buffer=buffer)
+        return NextStep(found, action, said, starting(move), fallbacks=fallbacks, buffer=buffer)
 
     def _to_goal(self, name: str) -> Transfer | TransferFailure:
         """An object to where it shall be, however round things are turned there."""
@@ -144,7 +150,8 @@ class MoveChooser:
         pose, up = self._fits[name].pose, self._situation.up
         place = lowered(name, self._situation, pose)
         raised = 0.0 if place is None else float(up @ (place.pose_at_rest(up) - pose)[:3, 3])
-        if place is None or raised > RAISED:
+        # what is still to be moved carries nothing: it bars the place, however little it sticks in there
+        if place is None or raised > RAISED or place.into in self._moving:
             below = "nothing" if place is None else place.into or "something"
             text = f"{name} has {below} under its place"
             barring = {} if place is None or place.into is None else {place.into: 1}
@@ -217,26 +224,6 @@ class MoveChooser:
             return frozenset({((Act.TAKE, other), (Act.PUT, name))})
         return frozenset({((Act.PUT, name), (Act.PUT, other))})
 
-    def _aside_first(self, order: Order) -> NextStep:
-        """What cannot go straight to its place is put down once, to be taken otherwise.
-
-        Raises:
-            NoSafePlan: That does not help either.
-        """
-        for move, failure in self._failed.items():
-            name = move.object
-            if move.to is To.BUFFER or (name, Action.REMOVE) in self._context.done:
-                continue
-            found = self._aside(name)
-            if isinstance(found, Transfer):
-                why = f"it is put down to be taken otherwise ({failure})"
-                return NextStep(
-                    found, Action.REMOVE, why, order, fallbacks=(Fallback.PUT_ASIDE,), buffer=True
-                )
-        failures = tuple(self._failed.values())
-        words = tuple(map(str, failures))
-        raise NoSafePlan("; ".join(words), words, failures)
-
 
 def _avoiding_misplacement(context: Context, moving: Sequence[str]) -> Context:
     """The context in which grasps count as failed that put what is to be moved again beside its place.
@@ -245,6 +232,15 @@ def _avoiding_misplacement(context: Context, moving: Sequence[str]) -> Context:
     """
     avoid = {name: (*context.avoid.get(name, ()), *context.placed.get(name, ())) for name in moving}
     return replace(context, avoid={**context.avoid, **avoid})
+
+
+def _starting(taken: Order, needed: Precedences, moves: Sequence[Move], first: Move) -> Order:
+    """An order as the moves that are made, what makes room among them, with one of them first."""
+    moves = (first, *(move for move in moves if move != first))
+    names = tuple(move.object for move in moves)
+    told = zip(names, needed.told(moves), strict=True)
+    said = tuple(f"{k}. {name}: {why}" for k, (name, why) in enumerate(told, start=1))
+    return replace(taken, order=names, explanation=said)
 
 
 def _risk_now(taken: Order, name: str) -> float:

@@ -10,7 +10,7 @@ import networkx as nx
 from topple.planner.report.layout import BADGE, NODE_HEIGHT, GraphLayout, Point, layered
 from topple.planner.report.limits import LIMITS
 from topple.planner.report.palette import FIXED_COLOUR, REASON_COLOURS, Colour, css, ink_on, reason_colour
-from topple.planner.report.words import because, ordinal, said, shortened
+from topple.planner.report.words import because, ordinal, places, said, shortened
 
 Document = Mapping[str, Any]
 
@@ -58,7 +58,7 @@ class DrawnGraph:
             reasons[edge] = (*reasons.get(edge, ()), said(dependency))
             confidence[edge] = max(confidence.get(edge, 0.0), float(dependency.get("confidence", 1.0)))
         kept = _kept(list(reasons))
-        place = {str(name): index for index, name in enumerate(order.get("order", ()), start=1)}
+        place = places(order)
         nodes = list(dict.fromkeys([*place, *names, *(name for edge in kept for name in edge)]))
         labels = {name: shortened(name) for name in nodes}
         texts = {edge: ", ".join(reasons[edge]) for edge in kept}

@@ -2,10 +2,6 @@
 
 from dataclasses import dataclass
 
-import numpy as np
-
-from topple.planner.tolerances import DISTURBED, TURNED
-
 
 @dataclass(frozen=True)
 class Limits:
@@ -39,8 +35,6 @@ class Limits:
         arm: How far in [m] the drawn shape of a link may be from its convex parts: a pixel, at the size pages
             draw an arm.
         risk: Risks below this chance are not mentioned: they are the same for every object, and distract.
-        moved: Metres from which a disturbed object is shown in red: what counts as a violation.
-        turned: Degrees from which it is.
     """
 
     page_points: int = 72_000
@@ -64,8 +58,6 @@ class Limits:
     path_points: int = 200
     arm: float = 0.003
     risk: float = 0.05
-    moved: float = DISTURBED
-    turned: float = float(np.degrees(TURNED))
 
 
 LIMITS = Limits()

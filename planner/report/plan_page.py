@@ -18,7 +18,7 @@ from topple.planner.report.played import arm_shape, motion_json
 from topple.planner.report.show import dependency_section, photo_section
 from topple.planner.report.tables import proof_rows, relation_table, sentence_list
 from topple.planner.report.view import Document, Documented, document, object_index, view_data
-from topple.planner.report.words import UNTIED, millimetres, order_in_words, sentence
+from topple.planner.report.words import TARGET, UNTIED, millimetres, order_in_words, sentence
 from topple.planner.transfer.segments import SegmentKind
 from topple.robots.arm.arm import Arm
 from topple.robots.arm.gripper import ToolState
@@ -111,7 +111,7 @@ class _PlanPage:
         self.shape = arm_shape(arm.parts)
         self.motion = plan_motion(plan, arm)
         self.order: Document = {
-            "order": list(dict.fromkeys(plan.order)),
+            "order": plan.order,
             "targets": [step.object for step in plan.steps if step.action != "remove"],
             "dependencies": to_builtins(plan.dependencies),
         }
@@ -171,14 +171,13 @@ class _PlanPage:
         )
 
     def steps(self) -> str:
-        told = dict(order_in_words(self.order)) if self.order["dependencies"] else {}
-        why = {name: text for name, text in told.items() if text != f"{UNTIED}."}
+        told = [text for _, text in order_in_words(self.order)]
         items = "".join(
             f'<li data-object="{self.index.get(step.object, -1)}" tabindex="0">'
             f'<b class="name">{escape(step.object)}</b>: '
-            f"{escape(why.get(step.object) or sentence(step.reason))}"
+            f"{escape(sentence(step.reason) if text in (f'{UNTIED}.', f'{TARGET}.') else text)}"
             f'<span class="kind">{escape(_how(step))}</span></li>'
-            for step in self.plan.steps
+            for step, text in zip(self.plan.steps, told, strict=True)
         )
         return f'<ol class="order steps">{items}</ol>' if items else "<p>There is nothing to do.</p>"
 

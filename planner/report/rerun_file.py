@@ -176,7 +176,7 @@ def _log_words(rr: Any, stream: Any, record: RunRecord, moment: _Moment, number:
         if step.tool_path is not None:
             stream.log("world/tool_path", rr.LineStrips3D([step.tool_path], radii=rr.Radius.ui_points(1.5)))
     else:
-        word = "reached" if record.success else "not reached"
+        word = record.verdict
         text.write(f"# End: the goal is {word}\n\n")
         stream.log("log", rr.TextLog(f"{record.goal}: {word}", level="INFO"))
         for violation in record.violations:

@@ -15,7 +15,8 @@ from topple.planner.report.played import arm_shape, motion_json, spans
 from topple.planner.report.show import dependency_section, photo_section
 from topple.planner.report.tables import Change, order_list, relation_changes, relation_table
 from topple.planner.report.view import object_index, view_data
-from topple.planner.report.words import listed, millimetres, sentence
+from topple.planner.report.words import millimetres, sentence
+from topple.planner.tolerances import DISTURBED, HIT, TURNED
 from topple.topology.arguments import checked_arguments
 from topple.topology.scene import Scene
 
@@ -96,8 +97,7 @@ class _RunPage:
 
     def end(self) -> str:
         record = self.record
-        word = "reached" if record.success else "not reached"
-        html = f'<section class="step">{_turns("End: the goal is " + word)}'
+        html = f'<section class="step">{_turns("End: the goal is " + record.verdict)}'
         if record.violations:
             items = "".join(f"<li>{escape(text)}</li>" for text in record.violations)
             html += f'<h2 class="bad">Violations</h2><ul>{items}</ul>'
@@ -169,14 +169,15 @@ class _RunPage:
         return html + "</div></div>"
 
 
-def _is_much(disturbed: tuple[float, float]) -> bool:
-    """Whether (distance [m], turn [rad]) is more than an object that is not handled may move."""
-    return disturbed[0] > LIMITS.moved or math.degrees(disturbed[1]) > LIMITS.turned
-
-
-def _is_still(moved: float, turned: float) -> bool:
-    """Whether something moved by less than is worth a row: what simulation at rest shows too."""
-    return moved < 1e-4 and math.degrees(turned) < 0.1
+def _disturbed_by(step: StepRecord) -> list[str]:
+    """What moved, turned or was hit by more than what is not handled may be, farthest first."""
+    far = {name: (0.0, 0.0) for name in step.forces} | dict(step.disturbed)
+    much = [
+        name
+        for name, (moved, turned) in far.items()
+        if moved > DISTURBED or turned > TURNED or step.forces.get(name, 0.0) > HIT
+    ]
+    return sorted(much, key=lambda name: -far[name][0])
 
 
 def _deed(step: StepRecord) -> str:
@@ -191,7 +192,6 @@ def _turns(title: str) -> str:
 
 
 def _head(record: RunRecord) -> str:
-    verdict = "reached" if record.success else "not reached"
     kind = "good" if record.success else "bad"
     count = len(record.violations)
     facts = [
@@ -202,7 +202,7 @@ def _head(record: RunRecord) -> str:
     ]
     facts += [f"{record.seconds:.1f} s"] if record.seconds > 0 else []
     return (
-        f'<header><h1>{escape(record.goal)}: <span class="{kind}">{verdict}</span></h1>'
+        f'<header><h1>{escape(record.goal)}: <span class="{kind}">{record.verdict}</span></h1>'
         f'<p class="lead">{escape(", ".join(facts))}. The arrow keys go from step to step.</p></header>'
     )
 
@@ -212,11 +212,11 @@ def _timeline(record: RunRecord) -> str:
         (
             f"{number}. {step.object or step.action}",
             step.action,
-            step.success and not any(map(_is_much, step.disturbed.values())),
+            step.success and not _disturbed_by(step),
         )
         for number, step in enumerate(record.steps, start=1)
     ]
-    marks.append(("End", "reached" if record.success else "not reached", record.success))
+    marks.append(("End", record.verdict, record.success))
     items = "".join(
         f'<li><button type="button" class="{"ok" if ok else "failed"}"><b>{escape(name)}</b>'
         f"<span>{escape(deed)}</span></button></li>"
@@ -243,25 +243,17 @@ def _facts(step: StepRecord) -> str:
 
 
 def _disturbed(step: StepRecord) -> str:
-    """What moved and was not meant to, farthest first."""
-    still = [
-        name
-        for name, (moved, turned) in step.disturbed.items()
-        if name not in step.forces and _is_still(moved, turned)
-    ]
-    names = sorted({*step.disturbed, *step.forces}, key=lambda name: -step.disturbed.get(name, (0.0, 0.0))[0])
-    if len(still) == len(names):
-        told = f" ({escape(listed(sorted(still)))}: less than 0.1 mm and 0.1°)" if still else ""
-        return f"<h2>Disturbed</h2><p>Nothing else moved{told}.</p>"
+    """What moved or was hit and was not meant to, farthest first."""
+    if not (names := _disturbed_by(step)):
+        far, turn = (max((each[k] for each in step.disturbed.values()), default=0.0) for k in (0, 1))
+        told = f"{millimetres(far)} and {math.degrees(turn):.1f}°"
+        return f"<h2>Disturbed</h2><p>Nothing: the others moved by {told} at most.</p>"
     rows = ""
     for name in names:
-        if name in still:
-            continue
         moved, turned = step.disturbed.get(name, (0.0, 0.0))
         force = f"{step.forces[name]:.1f} N" if name in step.forces else ""
-        kind = ' class="bad"' if _is_much((moved, turned)) else ""
         rows += (
-            f"<tr{kind}><td>{escape(name)}</td><td class=number>{millimetres(moved)}</td>"
+            f'<tr class="bad"><td>{escape(name)}</td><td class=number>{millimetres(moved)}</td>'
             f"<td class=number>{math.degrees(turned):.1f}°</td><td class=number>{force}</td></tr>"
         )
     measured = ("moved", "turned", "force")

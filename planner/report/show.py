@@ -10,7 +10,7 @@ from topple.planner.report.matrix import relation_matrix
 from topple.planner.report.photo import photo
 from topple.planner.report.tables import order_list, relation_table, sentence_list
 from topple.planner.report.view import Document, Documented, document, object_index, view_data
-from topple.planner.report.words import listed, sentences
+from topple.planner.report.words import listed, places, sentences
 from topple.topology.photo import Photo
 from topple.topology.scene import Scene
 
@@ -67,10 +67,7 @@ def dependency_section(scene: Scene, drawing: Drawing, order: Document) -> str:
 def photo_section(scene: Scene, drawing: Drawing, order: Document | None, taken: Photo | None = None) -> str:
     """The photo with its masks in the colours of the drawing; nothing where the scene has none."""
     colours = {drawn.name: drawn.colour for drawn in drawing.objects}
-    places = (
-        {} if order is None else {str(name): place for place, name in enumerate(order.get("order", ()), 1)}
-    )
-    return photo(scene, colours, object_index(drawing), places, taken)
+    return photo(scene, colours, object_index(drawing), {} if order is None else places(order), taken)
 
 
 def _head(scene: Scene, order: Document | None, title: str) -> str:

@@ -5,7 +5,7 @@ from typing import Any, Protocol, runtime_checkable
 
 from topple.planner.report.drawing import Drawing, thin_path
 from topple.planner.report.palette import css, relation_colour
-from topple.planner.report.words import because, said
+from topple.planner.report.words import because, places, said
 from topple.topology.arrays import FloatArray
 from topple.topology.sixim.table import ONE_SIDED_CONTACT, Relation
 
@@ -51,7 +51,8 @@ def view_data(
         line for pair in relations.get("relations", ()) if (line := _line(pair, index)) is not None
     ]
     data["converse"] = {str(relation): str(relation.converse) for relation in Relation}
-    data["places"] = None if order is None else _places(order, index, len(drawing.objects))
+    place = {} if order is None else places(order)
+    data["places"] = None if order is None else [place.get(name, 0) for name in index]
     data["dependencies"] = [] if order is None else _dependencies(order, index)
     data["path"] = None if tool_path is None or len(tool_path) == 0 else thin_path(tool_path)
     data["motion"] = motion
@@ -83,14 +84,6 @@ def _line(pair: Mapping[str, Any], index: Mapping[str, int]) -> dict[str, Any] |
         "dashed": faint or is_inferred(pair),
         "faint": faint,
     }
-
-
-def _places(order: Document, index: Mapping[str, int], count: int) -> list[int]:
-    places = [0] * count
-    for place, name in enumerate(order.get("order", ()), start=1):
-        if name in index:
-            places[index[name]] = place
-    return places
 
 
 def _dependencies(order: Document, index: Mapping[str, int]) -> list[dict[str, Any]]:

@@ -28,6 +28,8 @@ _BEGINNINGS = (
 UNTIED = "nothing depends on it, and it depends on nothing"
 """Said of what has no place of its own in an order."""
 
+TARGET = "this is a target"
+
 _BECAUSE = {
     "supported": ("rests on {it}", "rest on {it}"),
     "leaning": ("leans on {it}", "lean on {it}"),
@@ -82,15 +84,20 @@ def order_in_words(order: Document) -> list[tuple[str, str]]:
     done: set[str] = set()
     names = [str(name) for name in order.get("order", ())]
     explained = [line.partition(": ")[2] for line in order.get("explanation", ())]
-    otherwise = dict(zip(names, explained, strict=True)) if len(explained) == len(names) else {}
-    for name in names:
-        why = _sentence(
-            name, before.get(name, ()), holds.get(name, ()), together.get(name, ()), targets, done
-        )
-        why = why or otherwise.get(name) or UNTIED
+    otherwise = explained if len(explained) == len(names) else [""] * len(names)
+    for name, else_said in zip(names, otherwise, strict=True):
+        ties = before.get(name, ()), holds.get(name, ()), together.get(name, ())
+        why = "" if name in done else _sentence(name, *ties, targets, done)  # it made room, and comes back
+        why = why or else_said or UNTIED
         told.append((name, f"{why}."))
         done.add(name)
     return told
+
+
+def places(order: Document) -> dict[str, int]:
+    """Name -> when it is moved first, from 1, of an order's document, in that order."""
+    names = [str(name) for name in order.get("order", ())]
+    return {name: names.index(name) + 1 for name in dict.fromkeys(names)}
 
 
 def holds_in_words(order: Document) -> list[str]:
@@ -127,7 +134,7 @@ def _sentence(
     if others:
         parts.append("taken or held together with " + listed(others))
     if name in targets:
-        parts.append("this is a target")
+        parts.append(TARGET)
     return "; ".join(parts)
 
 

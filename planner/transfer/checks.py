@@ -134,11 +134,6 @@ class Checks:
         held = self._attached(grasp)
         return self._checker(self.others, self.closed(grasp), attached=held, allow=allow)
 
-    def sliding(self, grasp: Grasp) -> Checker:
-        """The object pushed along what it lies on, which it touches all the way; nothing else."""
-        allow = _pairs([self.name], [other for other in self.touching if other in self.scene.fixed])
-        return self._checker(self.others, self.closed(grasp), attached=self._attached(grasp), allow=allow)
-
     def carrying(self, grasp: Grasp, margin: float, into: str | None = None) -> Checker:
         """The object in the hand, everything else in the way at a margin, but for what it is put into."""
         key = ("carry", grasp, margin, into)

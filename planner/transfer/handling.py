@@ -6,7 +6,10 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from topple.planner.failure import Check, FailureLog
+from topple.planner.grasp.fingers import coming_unseen
 from topple.planner.grasp.grasp import Grasp
+from topple.planner.grasp.hand import hand_shape
+from topple.planner.grasp.suction import cup_shape
 from topple.planner.motion.cartesian import straight_lines
 from topple.planner.motion.collision import Checker
 from topple.planner.motion.shortcut import densely
@@ -56,24 +59,37 @@ class Handling(Checks):
     def hands(
         self, grasps: Sequence[Grasp], near: FloatArray, log: FailureLog
     ) -> list[tuple[Grasp, FloatArray]]:
-        """Hand poses for grasps, in their order, each also turned half, with all joint values that are found.
+        """Hand poses for grasps, each also turned half, with all joint values that are found.
 
         Args:
             grasps: In the world.
             near: (n,) joint values solutions should be close to.
             log: Notes what grasps are dropped for.
+
+        Returns:
+            In the grasps' order, but hands that come in unseen, turned and opened as they are, last.
         """
         both = [hand for grasp in grasps for hand in _directions(grasp)]
         poses = [self.tool_pose(grasp) for grasp in both]
         clear = self._clear_of(
             both, poses, [self.approaching(grasp, lenient=True) for grasp in both], "grasp", log
         )
-        both = [grasp for grasp, free in zip(both, clear, strict=True) if free]
+        both = self._seen_first([grasp for grasp, free in zip(both, clear, strict=True) if free])
         solutions = self._inverse(both, [self.tool_pose(grasp) for grasp in both], near)
         for states in solutions:
             if len(states) == 0:
                 log.note(SegmentKind.GRASP, Check.REACH, "grasp out of reach")
         return [(grasp, q) for grasp, q in zip(both, solutions, strict=True) if len(q)]
+
+    def _seen_first(self, hands: Sequence[Grasp]) -> list[Grasp]:
+        """Hands as they come in, each marked if no camera saw its way to be empty; those come last."""
+        opened = [replace(hand, opening=self.ready(hand).opening) for hand in hands]
+        tools = self.arm.tools
+        fingers = hand_shape(self.arm) if ToolName.FINGERS in tools else None
+        cup = cup_shape(self.arm) if ToolName.SUCTION in tools else None
+        unseen = coming_unseen(opened, self.situation, fingers, cup).tolist()
+        marked = [replace(hand, unseen=hidden) for hand, hidden in zip(hands, unseen, strict=True)]
+        return sorted(marked, key=lambda hand: hand.unseen)
 
     def reached(
         self, hands: Sequence[tuple[Grasp, FloatArray]], lenient: bool, log: FailureLog
@@ -144,13 +160,12 @@ class Handling(Checks):
 
     # -- straight ways
 
-    def approach(
-        self, state: Reached, length: float, log: FailureLog, way: FloatArray | None = None
-    ) -> Stage:
-        """Straight from before the object to the grasp, along a unit way (3,); out of the hand where None."""
+    def approach(self, state: Reached, length: float, log: FailureLog) -> Stage:
+        """Straight from before the object to the grasp."""
+        back = np.eye(4)
+        back[2, 3] = -length
         stage = Stage(SegmentKind.APPROACH, self.approaching(state.grasp, state.lenient), log)
-        target = _drawn_back(self.tool_pose(state.grasp), length, way)
-        self._straight(stage, state, target, backwards=True)
+        self._straight(stage, state, self.tool_pose(state.grasp) @ back, backwards=True)
         return stage
 
     def lift(self, state: Reached, length: float, log: FailureLog) -> Stage:
@@ -173,21 +188,6 @@ class Handling(Checks):
             stage.log.note(stage.kind, Check.STRENGTH, text, states[asked.state])
             stage.path = None
         return stage.path is not None
-
-    def slide(self, state: Reached, place: Placement, log: FailureLog) -> Stage:
-        """Straight along with the object, to its place."""
-        stage = Stage(SegmentKind.SLIDE, self.sliding(state.grasp), log)
-        self._straight(stage, state, place.pose_before_to_after @ self.tool_pose(state.grasp))
-        return stage
-
-    def withdrawal(
-        self, state: Reached, q: FloatArray, place: Placement, length: float, way: FloatArray, log: FailureLog
-    ) -> Stage:
-        """Straight back from the object at its place, against a unit way (3,); the arm stands at q (n,)."""
-        stage = Stage(SegmentKind.RETREAT, self.parting(state.grasp, place), log)
-        pose = place.pose_before_to_after @ self.tool_pose(state.grasp)
-        self._straight(stage, replace(state, q=q), _drawn_back(pose, length, way))
-        return stage
 
     def _straight(self, stage: Stage, state: Reached, target: FloatArray, backwards: bool = False) -> None:
         """Give a stage the straight way from a state to a tool pose (4, 4) in the world, if there is one."""
@@ -296,16 +296,6 @@ class Handling(Checks):
             if lowered and retreat.straight(leaving, q):
                 found.append(End(place, lower.way, retreat.way))
         return found
-
-
-def _drawn_back(pose_tool_to_world: FloatArray, length: float, way: FloatArray | None) -> FloatArray:
-    """(4, 4) a tool pose drawn back by some metres, against a unit way (3,) or along the tool's own axis."""
-    back = np.eye(4)
-    if way is None:
-        back[2, 3] = -length
-        return pose_tool_to_world @ back
-    back[:3, 3] = -length * way
-    return back @ pose_tool_to_world
 
 
 def _directions(grasp: Grasp) -> list[Grasp]:

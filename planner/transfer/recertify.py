@@ -5,7 +5,6 @@ from dataclasses import replace
 import numpy as np
 
 from topple.planner.fallbacks import Fallback
-from topple.planner.grasp.grasp import GraspKind
 from topple.planner.grasp.judge import in_the_way
 from topple.planner.grasp.room import Room
 from topple.planner.grasp.tolerances import GRASP_TOLERANCES
@@ -40,8 +39,6 @@ def recertified(
     Returns:
         The transfer with its proofs of the situation; None where something of it cannot be proven.
     """
-    if transfer.grasp.kind is GraspKind.PUSH:  # how a thing is pushed is simulated anew where it is seen
-        return None
     if transfer.object not in situation.movable or not _takes(transfer, situation, arm):
         return None
     checks = Checks(transfer.object, situation, arm, pose_base_to_world, transfer.riding)

@@ -23,8 +23,6 @@ class SegmentKind(Word):
     """Straight up."""
     TRANSFER = "transfer"
     """Carrying, to above the place."""
-    SLIDE = "slide"
-    """Straight along a top, the object before the open fingers: in place of lift, transfer and place."""
     PLACE = "place"
     """Straight down."""
     RELEASE = "release"

@@ -19,9 +19,7 @@ from topple.planner.transfer.segments import Segment, SegmentKind, no_faster_tha
 from topple.planner.transfer.tolerances import LINE_STEP, ROUNDING
 from topple.topology.arrays import FloatArray
 
-STRAIGHT = (
-    SegmentKind.APPROACH, SegmentKind.LIFT, SegmentKind.SLIDE, SegmentKind.PLACE, SegmentKind.RETREAT
-)  # fmt: skip
+STRAIGHT = (SegmentKind.APPROACH, SegmentKind.LIFT, SegmentKind.PLACE, SegmentKind.RETREAT)
 
 
 @dataclass(frozen=True)
@@ -139,7 +137,7 @@ def segments_of(
     """Time the stages, and put grasp and release between them.
 
     Args:
-        stages: Move, approach, lift, transfer, place and retreat; of a push a slide for the middle ones.
+        stages: Move, approach, lift, transfer, place and retreat.
         checks: Of the object.
         grasp: How it is held.
         place: Where it goes.
@@ -159,7 +157,7 @@ def segments_of(
     segments: list[Segment] = []
     for stage in stages:
         pairs = may_touch(stage.checker)
-        if stage.kind in (SegmentKind.LIFT, SegmentKind.SLIDE):
+        if stage.kind is SegmentKind.LIFT:
             segments.append(Segment(SegmentKind.GRASP, grasp.tool, closed, None, checks.name, pairs))
         if stage.kind is SegmentKind.RETREAT:
             segments.append(Segment(SegmentKind.RELEASE, grasp.tool, released, None, None, pairs))

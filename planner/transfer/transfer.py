@@ -12,6 +12,7 @@ from topple.planner.fallbacks import Fallback
 from topple.planner.grasp.candidates import grasp_candidates
 from topple.planner.grasp.grasp import Grasp
 from topple.planner.grasp.hand import hand_shape
+from topple.planner.grasp.load import beyond_arm
 from topple.planner.grasp.surroundings import Dropped
 from topple.planner.grasp.tolerances import GRASP_TOLERANCES
 from topple.planner.placement.placement import Placement, placements
@@ -166,8 +167,7 @@ def plan_transfer(
         workplace = pose_base_to_world @ workplace_of(arm)
         places = placements(name, situation, pose_base_to_world=workplace)
     handling = Handling(name, situation, arm, np.asarray(pose_base_to_world), tuple(riding), seed, obstacles)
-    if (mass := handling.load[0]) > arm.payload:
-        words = f"{mass:g} kg are more than {arm.name} carries ({arm.payload:g} kg beside its hand)"
+    if words := beyond_arm(handling.load[0], arm):
         return TransferFailure(name, {words: 1}, None, FailedCheck(SegmentKind.GRASP, Check.STRENGTH, words))
     level = bool(riding) if upright is None else upright
     if level:
@@ -280,8 +280,7 @@ class _Search:
         steady = [place for place in self.places if not place.rolls]
         flat = [place.higher(self.limits.fall, self.handling.up) for place in steady if place.into is None]
         choices: tuple[tuple[tuple[Fallback, ...], list[Placement]], ...] = (
-            ((), [place for place in steady if not place.bars]),
-            ((Fallback.IN_A_WAY,), [place for place in steady if place.bars]),
+            ((), steady),
             ((Fallback.LET_FALL_A_LITTLE,), flat),
             ((Fallback.WHERE_IT_ROLLS,), [place for place in self.places if place.rolls]),
         )

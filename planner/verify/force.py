@@ -6,7 +6,6 @@ import numpy as np
 
 from topple.planner.formats.plan_structs import PlanData
 from topple.planner.formats.verification import Residual, Worst
-from topple.planner.grasp.grasp import GraspKind
 from topple.planner.grasp.hand import hand_shape
 from topple.planner.grasp.load import cup_load, jaw_load, most_held, weight_of
 from topple.planner.grasp.suction import cup_shape
@@ -52,9 +51,8 @@ class ForceCheck:
 
     def look(self, piece: SegmentReplay) -> None:
         """Weigh what is in the hand: as it closes, and on the joints all along."""
-        lifted = piece.held if piece.step.grasp.kind != GraspKind.PUSH else {}  # the table carries that
         to_pads = inverse(self._pads(piece))
-        parts = {name: moved(self._parts[name], to_pads @ to_tool) for name, to_tool in lifted.items()}
+        parts = {name: moved(self._parts[name], to_pads @ to_tool) for name, to_tool in piece.held.items()}
         lumps = {name: volume_and_centre(np.vstack(each), each) for name, each in parts.items()}
         known = {name: self._masses.get(name, 0.0) for name in lumps}
         likely = {
@@ -65,7 +63,7 @@ class ForceCheck:
         self.torques.note(asked.share, f"{piece.where}: {asked}", piece.index)
         if known != likely and (asked := self._strain(piece, likely, centres)).share > 1.0:
             self.guessed.setdefault(piece.index, str(asked))
-        if piece.segment.kind != "grasp" or piece.step.object not in lifted:
+        if piece.segment.kind != "grasp" or piece.step.object not in piece.held:
             return
         self._rate(piece, sum(known.values()))
         if sum(likely.values()) > self.arm.payload:

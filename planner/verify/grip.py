@@ -63,8 +63,6 @@ class Grip:
         parts = [transformed(part, to_tool) for part in self._parts[step.object]]
         if tool == ToolName.SUCTION:
             return self._cup_fails(step, closed, parts)
-        if step.grasp.kind == GraspKind.PUSH:
-            return self._fingers_miss(step, before, closed, parts)
         hidden = [transformed(part, to_tool) for part in self._whole[step.object]]
         return self._pads_fail(step, before, closed, [*parts, *hidden])
 
@@ -88,21 +86,6 @@ class Grip:
             return f"a cup takes nothing {1e3 * step.grasp.width:.0f} mm wide between pads"
         gap = distance(np.zeros(3), parts)
         return f"the lip ends {1e3 * gap:.0f} mm from {step.object}" if gap > REACHED else None
-
-    def _fingers_miss(
-        self, step: Step, before: ToolState, closed: ToolState, parts: list[FloatArray]
-    ) -> str | None:
-        """Fingers that push stay open, and both of them are at the object's side."""
-        jaw = self.arm.jaw
-        assert jaw is not None
-        if max(abs(closed.opening - step.grasp.width), abs(closed.opening - before.opening)) > LIP:
-            return f"the fingers push open, and their pads go to {1e3 * closed.opening:.0f} mm"
-        half = np.array([jaw.pad_size[0], 0.0, jaw.pad_size[1]]) / 2.0
-        for side in (-1.0, 1.0):
-            pad = np.array([0.0, side * closed.opening / 2.0, 0.0])
-            if (gap := distance(half, [part - pad for part in parts])) > REACHED:
-                return f"a finger ends {1e3 * gap:.0f} mm from {step.object}"
-        return None
 
     def _pads_fail(
         self, step: Step, before: ToolState, closed: ToolState, parts: list[FloatArray]

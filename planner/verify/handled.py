@@ -60,7 +60,7 @@ class HandCheck:
             for name, to_tool in piece.held.items():
                 off = off_by(to_tool, told[name]) if name in told else 1.0  # not said at all
                 self.held.note(off, f"{piece.where}: {name}", piece.index)
-        if kind in ("place", "slide"):
+        if kind == "place":
             wanted = np.array(piece.step.placement.pose_before_to_after) @ grasp
             self.place.note(off_by(ends, wanted), piece.where, piece.index)
         if piece.step.upright and piece.step.object in piece.held:
@@ -109,8 +109,7 @@ class HandCheck:
 
         if piece.segment.kind == "place" and piece.step.placement.into == other:
             return True
-        near = ("grasp", "lift", "slide") if other in self._fixed else ("grasp", "lift")
-        if piece.segment.kind not in near or other not in piece.poses:
+        if piece.segment.kind not in ("grasp", "lift") or other not in piece.poses:
             return False
         name = piece.step.object
         for a in self._parts[name]:

@@ -10,6 +10,7 @@ from topple.planner.grasp.grasp import GraspKind
 from topple.planner.verify.between import BetweenCheck
 from topple.planner.verify.force import ForceCheck
 from topple.planner.verify.replay import SegmentReplay
+from topple.planner.verify.sight import UNSAID
 
 
 class Claim(NamedTuple):
@@ -80,9 +81,6 @@ STAYS = Claim(
     "it stays there",
     "let go in PyBullet",
     (
-        "shift of what is pushed",
-        "turn of what is pushed",
-        "disturbed by what is pushed",
         "shift after letting go",
         "turn after letting go",
         "outside of its container after letting go",
@@ -138,6 +136,7 @@ TOLD = Claim(
         "proofs against those of the motions",
         "seconds against those of the motions",
         "steps said to make room or come unseen, or not, against the rest",
+        UNSAID,
         "assumptions of the scene or the arm left out",
     ),
 )
@@ -246,8 +245,6 @@ class Proofs:
 
     def _strong_enough(self, index: int, step: Step) -> Proof:
         """Whether the hand holds the weight by force; more than it holds of a guess is no refutation."""
-        if step.grasp.kind == GraspKind.PUSH:
-            return Proof(WEIGHT.what, "the table carries it", None, "it is pushed, never lifted")
         cup = step.grasp.kind == GraspKind.SUCTION
         means = "suction limit of the cup" if cup else "friction and force of the pads"
         load = self._force.loads.get(index)

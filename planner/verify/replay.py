@@ -11,7 +11,6 @@ import numpy as np
 
 from topple.planner.formats.plan_structs import PlanData, SegmentData, Step
 from topple.planner.formats.verification import Residual, Worst
-from topple.planner.grasp.grasp import GraspKind
 from topple.planner.transfer.segments import SegmentKind
 from topple.planner.verify.bodies import off_by, tool_poses
 from topple.planner.verify.grip import Grip
@@ -161,8 +160,7 @@ class Replay:
         """Open the hand: what was in it lies there, or falls as far as its step says."""
         if not self._held:
             return
-        held = part.grasp.kind != GraspKind.PUSH  # fingers that push are open all along
-        if held and self._tool == ToolName.FINGERS and hand.opening <= self._hand.opening + OPENED:
+        if self._tool == ToolName.FINGERS and hand.opening <= self._hand.opening + OPENED:
             self.told.count(f"{where}: the pads stay closed", index)
             return
         tool = tool_poses(self.arm, self.plan, self._tool, q[None])[0]

@@ -24,9 +24,9 @@ from topple.planner.verify.outcome import (
     check_reasons,
 )
 from topple.planner.verify.proofs import UNASKED, Proofs
-from topple.planner.verify.pushes import PushCheck
 from topple.planner.verify.replay import Replay, SegmentReplay
 from topple.planner.verify.rest import RestCheck
+from topple.planner.verify.sight import UNSAID, SightCheck
 from topple.planner.verify.tolerances import COARSE, STEP
 from topple.robots.arm.arm import Arm
 from topple.robots.catalog import robot as robot_named
@@ -51,8 +51,8 @@ def verify(
     kinematics and hulls are its own; what may touch by intent has to have a reason and may not be pressed
     deeper; that nothing touches between these states is proven by certificates, derived again from the
     motions as they are written. Placements are let go in simulation. With the scene, seen points may not be
-    entered, precedence is derived again, and the goal's relations are computed where the plan puts the
-    clouds.
+    entered, hands that come in where no camera saw have to say so, precedence is derived again, and the
+    goal's relations are computed where the plan puts the clouds.
 
     Args:
         plan: The plan, fresh or read back from JSON.
@@ -80,19 +80,20 @@ def verify(
         plan = _among_matter(plan, situation)
     played, fcl_check, hands = Replay(plan, arm, step), FclCheck(plan, arm), HandCheck(plan, arm)
     clouds = None if scene is None else CloudCheck(plan, arm, scene)
+    sight = None if situation is None else SightCheck(plan, arm, situation)
     masses = {} if scene is None else scene.masses
-    pushes = PushCheck(plan, arm, masses, {} if scene is None else scene.friction)
     between, force = BetweenCheck(plan, arm), ForceCheck(plan, arm, scene)
     proofs = Proofs(plan, between, force, masses, (step, COARSE * step))
     put: list[SegmentReplay] = []
     with BulletCheck(plan, arm) as bullet:
         for piece in played.segments():
-            for check in (hands, fcl_check, between, proofs, pushes):
+            for check in (hands, fcl_check, between, proofs):
                 check.look(piece)
             for check in (bullet, force):
                 check.look(_thinned(piece))
-            if clouds is not None:
-                clouds.look(piece)
+            for of_scene in (clouds, sight):
+                if of_scene is not None:
+                    of_scene.look(piece)
             if piece.segment.kind == "release":
                 put.append(piece)
     rest = RestCheck(plan)
@@ -109,14 +110,14 @@ def verify(
         *check_claims(plan),
         *check_precedence(plan, played.taken, situation),
         *rest.residuals(),
-        *pushes.residuals(),
         check_poses(plan, played.poses),
     ]
-    if scene is None or situation is None or clouds is None:
+    if scene is None or situation is None or clouds is None or sight is None:
         residuals += _left_out()
     else:
         residuals += [
             *clouds.residuals(),
+            *sight.residuals(),
             *check_scene(plan, situation, arm),
             check_reasons(plan, situation),
             check_actions(plan, scene),
@@ -125,7 +126,7 @@ def verify(
     return Verification(
         tuple(residuals),
         fcl_check.states,
-        (*rest.allowed, *fixture_assumptions(plan.clamped)),
+        (*rest.allowed, *fixture_assumptions(plan.clamped), *(() if sight is None else sight.said)),
         proofs.steps(residuals),
         proofs.whole(residuals),
         UNASKED,
@@ -144,6 +145,7 @@ def _left_out() -> list[Residual]:
         not_evaluated("bodies of the plan beyond the scene's", "m", NO_SCENE),
         not_evaluated("objects fixed in the plan or the scene alone", "1", NO_SCENE),
         not_evaluated("assumptions of the scene or the arm left out", "1", NO_SCENE),
+        not_evaluated(UNSAID, "1", NO_SCENE),
         not_evaluated(UNFOUND, "1", NO_SCENE),
         not_evaluated("actions that the goal does not ask for", "1", NO_SCENE),
         not_evaluated("goal clauses unmet", "1", NO_SCENE),

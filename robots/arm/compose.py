@@ -1,12 +1,14 @@
 """URDF files made at run time: an arm of another package with links of ours added, mesh paths absolute."""
 
+import atexit
 import hashlib
 import os
-import tempfile
 import xml.etree.ElementTree as ElementTree
+from functools import cache
 from pathlib import Path
 
 from topple.robots.arm.shapes import find_mesh
+from topple.robots.scratch import Scratch
 
 
 def composed(source: Path, name: str, addition: str) -> Path:
@@ -18,7 +20,8 @@ def composed(source: Path, name: str, addition: str) -> Path:
         addition: XML of the added elements; mesh paths in it are absolute.
 
     Returns:
-        Path of the file, in the user's own temporary folder; its name carries a digest of its content.
+        Path of the file, in a temporary folder that ends with the process; its name carries a digest of
+        its content.
     """
     robot = ElementTree.parse(source).getroot()
     robot.set("name", name)
@@ -31,7 +34,7 @@ def composed(source: Path, name: str, addition: str) -> Path:
 
 
 def stored(text: str, name: str, suffix: str) -> Path:
-    """Write a file into the user's own temporary folder.
+    """Write a file into a temporary folder that ends with the process.
 
     Args:
         text: Its content.
@@ -42,13 +45,13 @@ def stored(text: str, name: str, suffix: str) -> Path:
         Its path.
     """
     digest = hashlib.sha256(text.encode()).hexdigest()[:12]
-    folder = Path(tempfile.gettempdir()) / f"topple-{os.getuid()}"
-    folder.mkdir(mode=0o700, exist_ok=True)
-    path = folder / f"{name}-{digest}{suffix}"
-    # always written anew: what someone else left under this name is not trusted, and a reader never sees a
-    # part
-    handle, partial = tempfile.mkstemp(dir=folder, suffix=suffix)
-    with os.fdopen(handle, "w", encoding="utf-8") as stream:
-        stream.write(text)
-    os.replace(partial, path)
+    path = _scratch(os.getpid()).path / f"{name}-{digest}{suffix}"
+    path.write_text(text, encoding="utf-8")
     return path
+
+
+@cache
+def _scratch(process: int) -> Scratch:  # a forked child has one of its own
+    scratch = Scratch()
+    atexit.register(lambda: os.getpid() == process and scratch.close())
+    return scratch

@@ -22,6 +22,7 @@ from topple.robots.collision.convex import hull_of
 from topple.topology.arrays import FloatArray, frozen
 from topple.topology.errors import InvalidInput
 from topple.topology.geometry.rigid import transformed
+from topple.topology.io.limits import read_bytes
 
 DRIVABLE = ("revolute", "continuous", "prismatic")
 UNBOUND_PREFIX = expat.errors.codes[expat.errors.XML_ERROR_UNBOUND_PREFIX]
@@ -195,7 +196,7 @@ def xml_root(path: Path, kind: str) -> ElementTree.Element:
         InvalidInput: If the file cannot be read, or is something else.
     """
     try:
-        robot = _parsed(path.read_bytes())
+        robot = _parsed(read_bytes(path, str(path)))
     except OSError as error:
         raise InvalidInput(
             f"{path}: cannot be read ({error.strerror}); give the path of {kind} file"

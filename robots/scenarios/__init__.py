@@ -2,9 +2,8 @@
 
 from collections.abc import Callable
 
-from topple.robots.engines import BULLET, playing_on
+from topple.robots.engines import DEFAULT_ENGINE, playing_on
 from topple.robots.scenarios.dishes import dishes
-from topple.robots.scenarios.edge import edge
 from topple.robots.scenarios.hold import hold
 from topple.robots.scenarios.lemon import lemon_in_bowl
 from topple.robots.scenarios.pack import pack
@@ -31,24 +30,23 @@ SCENARIOS: Table[Callable[[int], Scenario]] = Table(
         "pack": "topple.robots.scenarios.pack:pack",
         "swap": "topple.robots.scenarios.swap:swap",
         "hold": "topple.robots.scenarios.hold:hold",
-        "edge": "topple.robots.scenarios.edge:edge",
     },
     Scenario,
 )
 """Every scenario by its name, to be called with a seed; other packages add theirs."""
 
 __all__ = [
-    "SCENARIOS", "Scenario", "dishes", "edge", "hold", "lemon_in_bowl", "pack", "pile", "restack",
+    "SCENARIOS", "Scenario", "dishes", "hold", "lemon_in_bowl", "pack", "pile", "restack",
     "scenario_called", "set_table", "sort", "swap", "tower",
 ]  # fmt: skip
 
 
-def scenario_called(name: str, seed: int = 0, engine: str = BULLET) -> Scenario:
+def scenario_called(name: str, seed: int = 0, engine: str = DEFAULT_ENGINE) -> Scenario:
     """Make a scene by its name.
 
     Args:
-        name: dishes, lemon, tower, pile, sort, set-table, restack, pack, swap, hold, edge, or one that
-            another package adds.
+        name: dishes, lemon, tower, pile, sort, set-table, restack, pack, swap, hold, or one that another
+            package adds.
         seed: Any number; the same one gives the same scene on the same engine.
         engine: What it is played on, one of `topple.robots.engines.ENGINES`.
 

@@ -18,7 +18,6 @@ from topple.topology.errors import ToppleError
 
 TABLE = (1.4, 1.2)  # [m] the robot stands on it too
 TABLE_CENTRE = (-0.05, 0.0)
-TablePlace = tuple[tuple[float, float], tuple[float, float]]
 BASE = (
     -0.55,
     0.0,
@@ -80,7 +79,6 @@ def settled(
     layout: Callable[[PhysicalWorld, np.random.Generator], tuple[str, tuple[str, ...]]],
     *,
     robot: str = "panda-suction",
-    table: TablePlace = (TABLE, TABLE_CENTRE),
 ) -> Scenario:
     """Make layouts from one seed until one settles as it should.
 
@@ -90,7 +88,6 @@ def settled(
         layout: Fills a world that has a table, lets it settle and returns goal and targets; raises Unlucky
             where something fell or lies elsewhere than it should.
         robot: Name of the robot that can do it.
-        table: Its extents along x and y and its centre [m].
 
     Returns:
         The scenario.
@@ -98,7 +95,7 @@ def settled(
     Raises:
         ToppleError: If no layout works out.
     """
-    return _made(name, seed, 1, lambda worlds, rng: layout(worlds[0], rng), robot, table)
+    return _made(name, seed, 1, lambda worlds, rng: layout(worlds[0], rng), robot)
 
 
 def to_copy(
@@ -132,7 +129,6 @@ def _made(
     count: int,
     layout: Callable[[Sequence[PhysicalWorld], np.random.Generator], tuple[str, tuple[str, ...]]],
     robot: str,
-    table: TablePlace = (TABLE, TABLE_CENTRE),
 ) -> Scenario:
     """Lay out some worlds, the start and what it shall become, until all of them settle as they should."""
     rng = np.random.default_rng([seed, *name.encode()])
@@ -142,7 +138,7 @@ def _made(
             worlds = [stack.enter_context(new_world()) for _ in range(count)]
             try:
                 for world in worlds:
-                    world.add_table(size=table[0], centre=table[1])
+                    world.add_table(size=TABLE, centre=TABLE_CENTRE)
                 goal, targets = layout(worlds, rng)
                 for world in worlds:
                     _watch(world)

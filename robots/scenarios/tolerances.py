@@ -9,22 +9,6 @@ RIM = 0.022
 """Height [m] of a plate's rim."""
 
 
-# -- edge
-
-ASIDE = 0.17
-"""[m] from the robot's middle line to the table's edge: it reaches round to what hangs over there."""
-
-CARTON = (0.11, 0.09, 0.15)
-"""[m] of a carton that is smaller than the book, and so high that a level hand has room below its top."""
-
-PLACES = (
-    ((-0.20, -0.33), (0.05, -0.15), 0.26),
-    ((-0.18, -0.33), (0.20, 0.10), 0.18),
-)
-"""Lower and upper corner [m] of where the carton and other things stand, the edge to the left, and how far
-from the book: a hand's breadth clear of the hand that pushes, or so that it may be in the way."""
-
-
 # -- hold
 
 LEANING = 9

@@ -4,7 +4,7 @@ import itertools
 
 import numpy as np
 
-from topple.robots.shapes.materials import CARD, FOOD, PAPER, WOOD
+from topple.robots.shapes.materials import CARD, FOOD, WOOD
 from topple.robots.shapes.vessel import circle, closed_surface, disc, rings, sectors
 from topple.robots.world.bodies import Body, Color
 from topple.topology.arrays import FloatArray
@@ -45,25 +45,6 @@ def box(
 def block(name: str = "block", side: float = 0.05, *, color: Color = BEECH) -> Body:
     """A wooden toy block of the given side in [m], 5 cm and 80 g by default."""
     return box(name, (side, side, side), density=WOOD.density, color=color, kind="block")
-
-
-def book(
-    name: str = "book",
-    size: tuple[float, float, float] = (0.19, 0.13, 0.03),
-    *,
-    color: Color = (0.25, 0.3, 0.5, 1.0),
-) -> Body:
-    """A hard-cover book that lies on its cover.
-
-    Args:
-        name: Name in the scene.
-        size: Extents in x, y, z in [m].
-        color: Red, green, blue, opacity.
-
-    Returns:
-        The book: one part; 0.5 kg as it is.
-    """
-    return box(name, size, density=PAPER.density, color=color, kind="book")
 
 
 def bar(

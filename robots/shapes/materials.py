@@ -47,6 +47,5 @@ STONEWARE = Material(2300.0)  # glazed stoneware and porcelain: 2300 to 2400
 STEEL = Material(7900.0)  # stainless steel 18/10
 WOOD = Material(650.0)  # beech
 CARD = Material(350.0)  # a full packet of sugar is 800, one of cereals 150
-PAPER = Material(700.0)  # a book: its paper is 800, and air stands between the sheets
 FOOD = Material(1000.0, rolling=5e-4)  # a full can: near water's, the tin adds what the head space lacks
 FRUIT = Material(950.0, rolling=1.5e-3)  # most fruit just floats; its skin dents, so it rolls badly

@@ -1,16 +1,18 @@
 """The count of the demos' seeds: from the journal of runs; the default seed succeeds by a wide margin."""
 
 import json
+from collections.abc import Sequence
 from pathlib import Path
 
+import numpy as np
 import pytest
 
-from topple.benchmarks.demo import SEEDS, count_of, rows
-from topple.benchmarks.episodes import Ending, Episode
+from topple.benchmarks.demo import SEEDS, count_of, default_of, rows, variants
+from topple.benchmarks.episodes import Ending, Episode, copied
 from topple.benchmarks.journal import Journal
 from topple.benchmarks.versions import commit_now
 from topple.planner.execution.demo_seeds import FORMAT, SeedCount, counted, default_seed
-from topple.robots.scenarios import SCENARIOS
+from topple.robots.scenarios import SCENARIOS, scenario_called
 
 
 def _ending(seed: int, how: str = "success", used: float = 0.1) -> Ending:
@@ -20,6 +22,33 @@ def _ending(seed: int, how: str = "success", used: float = 0.1) -> Ending:
 def test_played_by_default_is_the_first_seed_that_succeeds_by_a_wide_margin() -> None:
     endings = [_ending(0, "disturbed", 2.0), _ending(1, used=0.9), _ending(2), _ending(3)]
     assert count_of(endings) == SeedCount((0, 1, 2, 3), (1, 2, 3), 2)
+
+
+def test_played_by_default_is_a_seed_that_succeeds_turned_a_degree_and_rougher_or_smoother() -> None:
+    assert {(e.turned, e.friction) for e in variants("pile", 1)} == {
+        (0.0, 1.0), (1.0, 1.0), (359.0, 1.0), (0.0, 0.8), (0.0, 1.2)
+    }  # fmt: skip
+    count, played = SeedCount((0, 1, 2, 3), (0, 1, 3), 1), list[Episode]()
+
+    def ended(some: Sequence[Episode]) -> list[Ending]:
+        played.extend(some)
+        return [Ending(e, "hit" if e.seed == 1 and e.friction < 1.0 else "success") for e in some]
+
+    assert default_of("pile", count, ended) == 0
+    assert {episode.seed for episode in played} == {0, 1}
+    assert default_of("pile", count, lambda some: [Ending(e, "hit") for e in some]) == 1
+
+
+def test_a_scene_is_played_turned_and_smoother_as_the_episode_says() -> None:
+    with scenario_called("swap", 0) as stage, copied(stage.world, Episode("swap", 0, turned=359.0)) as turned:
+        smooth = copied(stage.world, Episode("swap", 0, friction=0.8))
+        for name in stage.world.movable:
+            here, there = stage.world.pose(name), turned.pose(name)
+            angle = np.degrees(np.arctan2(here[1, 3], here[0, 3]) - np.arctan2(there[1, 3], there[0, 3]))
+            assert angle == pytest.approx(1.0, abs=1e-3)
+            assert smooth.body(name).friction == pytest.approx(0.8 * stage.world.body(name).friction)
+        assert smooth.body("table").friction == stage.world.body("table").friction
+        smooth.close()
 
 
 def test_where_all_that_succeed_are_close_the_least_close_is_played() -> None:
@@ -41,7 +70,8 @@ def test_a_count_in_words_says_which_seeds_it_is_of() -> None:
 def test_the_bench_counts_from_the_journal_of_runs_and_writes_what_the_demo_tells(tmp_path: Path) -> None:
     with Journal(tmp_path / "runs.jsonl") as book:
         for name in SCENARIOS:
-            book.add(Ending(Episode(name, 7), "hit" if name == "pile" else "success").to_json())
+            for episode in variants(name, 7):
+                book.add(Ending(episode, "hit" if name == "pile" else "success").to_json())
     file, said = tmp_path / "seeds.json", list[str]()
     found = rows(True, 7, said.append, journal=book.path, counts=file)
     assert said == []  # nothing was left to play

@@ -1,6 +1,7 @@
 """Broken files are read rightly or refused in a line; a reader that does neither is found."""
 
 import logging
+import subprocess
 import warnings
 from collections.abc import Callable
 from dataclasses import replace
@@ -11,6 +12,7 @@ import pytest
 
 from topple.benchmarks.fuzz import READERS, Reader, fuzz
 from topple.benchmarks.fuzz.counting import changed, tried
+from topple.benchmarks.fuzz.reader import KINDS
 from topple.topology import InvalidInput, Scene, load_scene
 
 INPUTS = 1000
@@ -100,6 +102,11 @@ def endless(path: Path) -> Scene:
             pass
 
 
+def starter(path: Path) -> Scene:
+    subprocess.run(["true"], check=True)
+    return load_scene(path)
+
+
 SABOTAGES: dict[str, tuple[Callable[[Path], Scene], str, str]] = {
     "nan": (nan, "npz of clouds", "'mug' is not finite"),
     "fewer points than declared": (fewer, "pcd binary", "declares 24 points, and 23 came"),
@@ -108,6 +115,7 @@ SABOTAGES: dict[str, tuple[Callable[[Path], Scene], str, str]] = {
     "a raw error": (key_error, "obj", "KeyError"),
     "a warning": (warning, "pcd ascii", "RuntimeWarning: something may be wrong"),
     "a trace in the log": (logged, "pcd ascii", "logged 'Traceback"),
+    "a program that is started": (starter, "pcd ascii", "started true"),
     "two lines": (two_lines, "pcd ascii", "no line"),
 }
 
@@ -140,6 +148,22 @@ def test_what_takes_too_much_memory_is_found(monkeypatch: pytest.MonkeyPatch, tm
     reader = replace(BY_NAME["pcd ascii"], read=greedy)
     said = tried(reader, reader.parts(), tmp_path)
     assert said is not None and said.endswith("MB")
+
+
+@pytest.mark.parametrize("kind", KINDS)
+def test_a_reader_that_takes_whatever_stands_where_a_file_should_is_found(
+    kind: str, monkeypatch: pytest.MonkeyPatch, tmp_path: Path
+) -> None:
+    monkeypatch.setattr("topple.benchmarks.fuzz.counting.SECONDS", 0.1)
+
+    def credulous(path: Path) -> str:
+        with (path / "mug.xyz").open(encoding="utf-8", errors="replace") as file:
+            return file.read()
+
+    reader = BY_NAME["xyz"]
+    assert tried(reader, reader.parts(), tmp_path, kind) is None
+    said = tried(replace(reader, read=credulous), reader.parts(), tmp_path, kind)
+    assert said is not None and {"link": "opened", "folder": "IsADirectory"}.get(kind, "not done") in said
 
 
 def test_every_reader_has_a_name_of_its_own() -> None:

@@ -282,7 +282,7 @@ def test_memory_that_grows_on_is_a_leak_and_loading_is_none(leak: int, ok: bool)
 
 
 def test_fallbacks_are_counted_with_what_came_of_them() -> None:
-    stood = (("narrow", True), ("push", False), ("narrow", False))
+    stood = (("narrow", True), ("empty", False), ("narrow", False))
     endings = [
         Ending(Episode("pile", 0), "success", steps=3, fallbacks=stood),
         Ending(Episode("pile", 1), "hit", steps=1),
@@ -291,7 +291,7 @@ def test_fallbacks_are_counted_with_what_came_of_them() -> None:
     found = {row.what: row.value for row in fallback_rows(endings)}
     assert found["steps that stand on the fallback narrow, of 4"] == 2
     assert found["steps that stand on the fallback let fall, of 4"] == 0
-    assert (found["of these succeeded: narrow"], found["of these succeeded: push"]) == (50.0, 0.0)
+    assert (found["of these succeeded: narrow"], found["of these succeeded: empty"]) == (50.0, 0.0)
 
 
 def test_a_scene_that_is_none_is_an_ending() -> None:

@@ -9,7 +9,7 @@ from topple.robots.world.bodies import Body
 
 MASSES = {  # [kg] what kitchen scales say, from small to large
     "apple": (0.13, 0.25), "ball": (0.05, 0.06), "banana": (0.09, 0.18), "bar": (0.04, 0.15),
-    "block": (0.05, 0.12), "book": (0.3, 0.8), "bottle": (0.4, 0.65),
+    "block": (0.05, 0.12), "bottle": (0.4, 0.65),
     "bowl": (0.2, 0.5), "box": (0.1, 0.6), "can": (0.3, 0.45),
     "cup": (0.12, 0.35), "fork": (0.03, 0.07), "knife": (0.05, 0.12), "lemon": (0.07, 0.15),
     "mug": (0.2, 0.4), "orange": (0.13, 0.25), "pear": (0.12, 0.22), "plate": (0.35, 0.8),

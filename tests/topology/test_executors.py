@@ -81,9 +81,7 @@ def test_a_pool_of_two_answers_like_one_after_the_other(pool: Callable[[], Execu
 @pytest.mark.slow
 @pytest.mark.filterwarnings("default")  # those of the cluster's start and end are not topple's
 def test_a_dask_cluster_of_two_workers_answers_like_one_after_the_other(tmp_path: Path) -> None:
-    distributed = pytest.importorskip(
-        "distributed", reason="dask is not installed: pip install 'topple-planner[dask]'"
-    )
+    distributed = pytest.importorskip("distributed", reason="dask is not installed: pip install '.[dask]'")
     with (
         distributed.LocalCluster(n_workers=2, threads_per_worker=1, dashboard_address=None) as cluster,
         distributed.Client(cluster) as client,

@@ -296,29 +296,6 @@ ROUNDS = 10
 """Rounds of fitting a plane to the points about it: it settles in half as many."""
 
 
-# -- edges
-
-EDGE_BIN = 0.02
-"""[m] of an edge that are asked together: two points of a table's cloud, which is 8 mm coarse."""
-
-EDGE_FEWEST = 5
-"""Points of the top in such a strip: fewer are what is seen past other things."""
-
-EDGE_STRAIGHT = 0.012
-"""[m] that an edge may be off a straight line: its points are 8 mm apart."""
-
-EDGE_TURN = 0.35
-"""[rad] between the edge and the square to the way: a thing that is pushed askew hangs over by a corner."""
-
-SIDE = (0.008, 0.06)
-"""[m] below a top its own side is looked for: deeper than the noise of the top, no deeper than a board."""
-
-SIDE_NEAR = 0.02
-"""[m] from the end of a top its side is: two points of its cloud, and a rounded edge."""
-
-EDGE_SEEN = 0.8
-"""Share of an edge along which its side is to be seen."""
-
 # -- unnamed
 
 BESIDE = 0.3

@@ -60,22 +60,6 @@ def inset(outline: FloatArray, points: FloatArray) -> FloatArray:
     return np.full(len(points), -1.0) if sides is None else -beyond(sides, points)
 
 
-def way_out(outline: FloatArray) -> float | None:
-    """Measure how far from the origin one leaves a convex outline along the first axis.
-
-    Args:
-        outline: (K, 2) points whose outline is meant [m].
-
-    Returns:
-        The way [m]; None where the origin is not inside.
-    """
-    sides = sides_of(outline)
-    if sides is None or (sides[:, 2] > 0.0).any():
-        return None
-    ahead = sides[:, 0] > 1e-9
-    return float((-sides[ahead, 2] / sides[ahead, 0]).min())
-
-
 def hull_volume(points: FloatArray) -> float:
     """Volume [m³] of the convex hull of points (N, 3); 0 of flat ones."""
     try:

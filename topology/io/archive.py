@@ -1,17 +1,19 @@
 """Arrays of an `.npz` or `.npy` file, never a pickle."""
 
 import math
+import os
+import sys
 import zipfile
 from collections import Counter
 from collections.abc import Mapping
 from pathlib import Path
-from typing import IO, Any
+from typing import IO, Any, BinaryIO
 
 import numpy as np
 from numpy.typing import NDArray
 
 from topple.topology.errors import InvalidInput
-from topple.topology.io.limits import check_size
+from topple.topology.io.limits import check_size, opened
 
 Array = NDArray[Any]
 
@@ -50,12 +52,13 @@ def read_arrays(path: Path) -> dict[str, Array]:
         InvalidInput: If the file is neither, is broken, holds a pickle, or names an array twice.
         OSError: If the file cannot be read.
     """
-    with path.open("rb") as file:
+    with opened(path, "the file") as file:
         start = file.read(16)
-    if start.startswith(_ZIP):
-        return _read_npz(path)
-    if start.startswith(_NPY):
-        return _read_npy(path)
+        file.seek(0)
+        if start.startswith(_ZIP):
+            return _read_npz(file)
+        if start.startswith(_NPY):
+            return _read_npy(file)
     if not start:
         raise InvalidInput(f"the file is empty: expected {_EXPECTED}")
     what = next((text for magic, text in _KNOWN.items() if start.startswith(magic)), "of no known format")
@@ -91,9 +94,9 @@ def is_labelled(arrays: Mapping[str, Array]) -> bool:
     return "points" in arrays and "labels" in arrays and arrays["labels"].ndim != 2
 
 
-def _read_npz(path: Path) -> dict[str, Array]:
+def _read_npz(file: BinaryIO) -> dict[str, Array]:
     try:
-        with zipfile.ZipFile(path) as archive:
+        with zipfile.ZipFile(file) as archive:
             members = [name for name in archive.namelist() if not name.endswith("/")]
             foreign = [name for name in members if not name.endswith(_MEMBER)]
             if foreign:
@@ -125,7 +128,12 @@ def _read_member(archive: zipfile.ZipFile, member: str, held: int) -> Array:
         with archive.open(member) as file:
             _check_header(file, archive.getinfo(member).file_size, what, held)
         with archive.open(member) as file:
-            return np.lib.format.read_array(file, allow_pickle=False)
+            array = np.lib.format.read_array(file, allow_pickle=False)
+        if array.dtype.kind == "U" and array.nbytes:
+            letters = np.ascontiguousarray(array).ravel().view(array.dtype.str[0] + "u4")
+            if letters.max() > sys.maxunicode:
+                raise InvalidInput(f"{what} of {array.dtype} holds what is no text: write it again")
+        return array
     except InvalidInput:
         raise
     except Exception as error:  # zipfile, its codecs and numpy fail on altered bytes in many ways
@@ -149,11 +157,11 @@ def _check_header(file: IO[bytes], size: int, what: str, held: int = 0) -> None:
         raise InvalidInput(f"{what} is broken (it declares {declared} bytes and has {size}): write it again")
 
 
-def _read_npy(path: Path) -> dict[str, Array]:
+def _read_npy(file: BinaryIO) -> dict[str, Array]:
     try:
-        with path.open("rb") as file:
-            _check_header(file, path.stat().st_size, "the .npy file")
-        array = np.load(path, allow_pickle=False)
+        _check_header(file, os.fstat(file.fileno()).st_size, "the .npy file")
+        file.seek(0)
+        array = np.load(file, allow_pickle=False)
     except (OSError, InvalidInput):
         raise
     except Exception as error:  # numpy fails on altered bytes in many ways

@@ -4,8 +4,7 @@ Conventions: REP 103 (z of fixed frames is up), REP 118 (depth in metres, or in 
 """
 
 import struct
-from collections.abc import Generator, Iterator, Mapping, Sequence
-from contextlib import contextmanager
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from itertools import chain
 from pathlib import Path
@@ -15,13 +14,14 @@ import numpy as np
 from numpy.typing import NDArray
 
 from topple.topology.arrays import FloatArray
-from topple.topology.errors import InvalidInput, NotInstalled
+from topple.topology.errors import InvalidInput
 from topple.topology.geometry.rigid import transformed
 from topple.topology.io.assemble import Parts
 from topple.topology.io.labelled import parts_from_labelled
-from topple.topology.io.limits import check_size
+from topple.topology.io.limits import check_size, opened
 from topple.topology.io.pcd import LABELS
 from topple.topology.io.picture import read_picture
+from topple.topology.io.recording import recording
 from topple.topology.io.rgbd import parts_from_rgbd
 from topple.topology.io.tolerances import APART, SAME_PLACE
 from topple.topology.io.transforms import intrinsics_of, labels_from, pose_in, to_root
@@ -42,7 +42,7 @@ def reads(path: Path) -> bool:
     """Tell one by how it begins, or a folder of ROS 2 by its metadata."""
     if path.is_dir():
         return (path / "metadata.yaml").is_file()
-    with path.open("rb") as file:
+    with opened(path, "the recording") as file:
         return file.read(16).startswith(_MAGIC)
 
 
@@ -70,7 +70,8 @@ def read(
         InvalidInput: A topic is not there or of another type, a message is broken, or nothing fits together.
         NotInstalled: The package rosbags is not there.
     """
-    with _opened(path) as bag:
+    with recording(path) as reader:
+        bag = _Bag(reader)
         stream = bag.stream(depth, info, labels)
         moments = bag.moments(stream.depth)
         number = 0 if image is None else image
@@ -104,7 +105,8 @@ def frames(
         InvalidInput: As for `read`.
         NotInstalled: As for `read`.
     """
-    with _opened(path) as bag:
+    with recording(path) as reader:
+        bag = _Bag(reader)
         stream = bag.stream(depth, info, labels)
         for moment in bag.moments(stream.depth):
             yield bag.frame(stream, moment)
@@ -128,25 +130,6 @@ class _Stream:
 
 _Moment = tuple[int, int]
 """When a message was taken and when it was recorded [ns]."""
-
-
-@contextmanager
-def _opened(path: Path) -> Generator["_Bag", None, None]:
-    try:
-        from rosbags.highlevel import AnyReader
-        from rosbags.typesys import Stores, get_typestore
-    except ModuleNotFoundError as error:
-        raise NotInstalled("recordings of ROS need rosbags", "ros") from error
-    try:
-        with AnyReader([path], default_typestore=get_typestore(Stores.ROS2_HUMBLE)) as reader:
-            yield _Bag(reader)
-    except (InvalidInput, GeneratorExit):
-        raise
-    except Exception as error:  # its readers of three containers fail on altered bytes in many ways
-        reason = " ".join(str(error).split())[:120] or type(error).__name__
-        raise InvalidInput(
-            f"is no readable recording of ROS ({reason}): expected .mcap, .db3 or .bag"
-        ) from error
 
 
 class _Bag:

@@ -17,6 +17,7 @@ from topple.topology.image import DepthImage, check_depth
 from topple.topology.io.archive import Array
 from topple.topology.io.assemble import Parts
 from topple.topology.io.geometry import read_geometry
+from topple.topology.io.limits import allowing_below, read_text
 from topple.topology.io.picture import read_picture
 from topple.topology.io.strict_json import read_json
 from topple.topology.mesh import Mesh
@@ -114,9 +115,9 @@ def _by_image(path: Path) -> dict[int, Any]:
             f"has no {path.name}: expected the folder of a scene whose truth is public, such as test/000048"
         )
     try:
-        document = read_json(path.read_text(encoding="utf-8"), path.name)
+        document = read_json(read_text(path, path.name), path.name)
         return {int(key): value for key, value in document.items()}
-    except (UnicodeDecodeError, AttributeError, ValueError) as error:
+    except (AttributeError, ValueError) as error:
         raise InvalidInput(f'{path.name} is not by image: expected {{"0": ..., "1": ...}}') from error
 
 
@@ -232,7 +233,8 @@ def _placed(path: Path, poses: list[Any], names: Mapping[str, int], to_world: Fl
     parts = Parts(clouds={})
     for name, row in names.items():
         file = _model(path, poses[row]["obj_id"])
-        points, faces, vertices = read_geometry(file, f"model {file.name}", _MILLIMETRE)
+        with allowing_below(file.parents[1]):  # the models of a dataset stand beside its scenes
+            points, faces, vertices = read_geometry(file, f"model {file.name}", _MILLIMETRE)
         pose = to_world @ _pose(poses[row], "m2c", f"{_TRUTH}, object {row}")
         points, vertices = (transformed(each, pose) for each in (points, vertices))
         parts.clouds[name] = points

@@ -1,5 +1,6 @@
 """A folder with one cloud or mesh file per object, and perhaps a scene.json."""
 
+import os
 from collections.abc import Iterable
 from pathlib import Path
 from typing import Any, cast
@@ -12,7 +13,7 @@ from topple.topology.errors import InvalidInput
 from topple.topology.geometry.rigid import transformed
 from topple.topology.io.assemble import Parts
 from topple.topology.io.geometry import SUFFIXES, read_geometry
-from topple.topology.io.limits import outside_allowed
+from topple.topology.io.limits import check_place, read_text
 from topple.topology.io.strict_json import read_json
 from topple.topology.io.text import NOTES, TEXTS, no_cloud
 from topple.topology.io.tolerances import MOST_LISTED
@@ -93,11 +94,7 @@ def _files_by_object(folder: Path, described: dict[str, Any]) -> dict[str, Path]
         if not isinstance(file, str):
             raise InvalidInput(f"{_DESCRIPTION} gives {file!r} as the file of {name!r}: expected a file name")
         place = folder / file
-        if not outside_allowed() and not place.resolve().is_relative_to(folder.resolve()):
-            raise InvalidInput(
-                f"{_DESCRIPTION} gives {file!r} as the file of {name!r}, which is not below the folder: "
-                "copy it there, or allow it with --allow-outside (load_scene(..., allow_outside=True))"
-            )
+        check_place(place, f"the file {file!r} of {name!r} in {_DESCRIPTION}")
         if not place.is_file():
             raise InvalidInput(
                 f"{_DESCRIPTION} gives {file!r} as the file of {name!r}, and it does not exist"
@@ -107,9 +104,9 @@ def _files_by_object(folder: Path, described: dict[str, Any]) -> dict[str, Path]
                 f"{_DESCRIPTION} gives {file!r} as the file of {name!r}: expected {', '.join(SUFFIXES)}"
             )
         named[as_name(name)] = place
-    taken = {place.resolve() for place in named.values()}
+    taken = {os.path.realpath(place) for place in named.values()}
     for place in sorted(folder.iterdir()):
-        if place.resolve() in taken or not _is_object(place):
+        if os.path.realpath(place) in taken or not _is_object(place):
             continue
         if place.stem in named:
             raise InvalidInput(
@@ -135,8 +132,8 @@ def _is_object(place: Path) -> bool:
 
 def _unused(folder: Path, used: Iterable[Path]) -> list[str]:
     """The note on what is in the folder and was not read; hidden files are nobody's objects."""
-    known = {place.resolve() for place in (*used, folder / _DESCRIPTION)}
-    left = [place for place in sorted(folder.iterdir()) if place.resolve() not in known]
+    known = {os.path.realpath(place) for place in (*used, folder / _DESCRIPTION)}
+    left = [place for place in sorted(folder.iterdir()) if os.path.realpath(place) not in known]
     names = [place.name + _kind_of(place) for place in left if not place.name.startswith(".")]
     if not names:
         return []
@@ -154,10 +151,7 @@ def _kind_of(place: Path) -> str:
 def _read_description(path: Path) -> dict[str, Any]:
     if not path.exists():
         return {}
-    try:
-        described = read_json(path.read_text(encoding="utf-8"), _DESCRIPTION)
-    except UnicodeDecodeError as error:
-        raise InvalidInput(f"{_DESCRIPTION} is not JSON: {error}") from error
+    described = read_json(read_text(path, _DESCRIPTION), _DESCRIPTION)
     if not isinstance(described, dict):
         raise InvalidInput(f"{_DESCRIPTION} holds {type(described).__name__}: expected an object {{...}}")
     return cast(dict[str, Any], described)

@@ -3,7 +3,7 @@
 import logging
 import re
 from collections.abc import Callable
-from io import BytesIO
+from io import BytesIO, TextIOWrapper
 from pathlib import Path
 from typing import Any, cast
 
@@ -12,9 +12,9 @@ import numpy as np
 from topple.topology.arrays import FloatArray, IntArray
 from topple.topology.checks import as_points
 from topple.topology.errors import InvalidInput
-from topple.topology.io.limits import check_size
+from topple.topology.io.limits import check_place, read_bytes
 from topple.topology.io.pcd import read_pcd
-from topple.topology.io.text import TEXTS, read_text
+from topple.topology.io.text import TEXTS, read_points
 from topple.topology.io.tolerances import MOST_PIECES, SAMPLE_SPACING
 
 SUFFIXES = (".ply", ".pcd", *TEXTS, ".obj", ".stl", ".glb")
@@ -57,11 +57,12 @@ def read_geometry(path: Path, what: str, unit: float = 1.0) -> Geometry:
         InvalidInput: If the file is broken, empty, or not what its name says.
         OSError: If the file cannot be read.
     """
+    check_place(path, what)
     if path.stat().st_size == 0:
         raise InvalidInput(f"{what} is an empty file: expected points or a mesh")
     suffix = path.suffix.lower()
     if suffix in (".pcd", *TEXTS):
-        points = read_pcd(path, what) if suffix == ".pcd" else read_text(path, what)
+        points = read_pcd(path, what) if suffix == ".pcd" else read_points(path, what)
         points = as_points(unit * points, what)
         return points, None, points
     vertices, faces = _read_with_trimesh(path, what)
@@ -71,29 +72,28 @@ def read_geometry(path: Path, what: str, unit: float = 1.0) -> Geometry:
     return sampled_mesh(vertices, faces), faces, vertices
 
 
-def as_read(path: Path, what: str) -> BytesIO | Path:
-    """What trimesh reads of a file: the file, or its content without what it stumbles over.
+def as_read(path: Path, what: str) -> BytesIO:
+    """What trimesh reads of a file: its content without what it stumbles over, and no file that it names.
 
     Raises:
-        InvalidInput: If it is a PLY or STL that is cut short.
+        InvalidInput: If it is a PLY or STL that is cut short, or no file, or too large.
         OSError: If the file cannot be read.
     """
-    plain = _PLAIN.get(path.suffix.lower())
-    return path if plain is None else BytesIO(plain(path.read_bytes(), what))
+    plain, content = _PLAIN.get(path.suffix.lower()), read_bytes(path, what)
+    return BytesIO(content if plain is None else plain(content, what))
 
 
 def _read_with_trimesh(path: Path, what: str) -> tuple[FloatArray, IntArray]:
     import trimesh
 
-    check_size(path.stat().st_size, what)
     suffix = path.suffix.lower()
     source: Any = as_read(path, what)
     if suffix == ".obj":
-        _check_obj(path, what)
+        _check_obj(source.getvalue(), what)
     log: logging.Logger = trimesh.util.log
     silent, log.disabled = log.disabled, True  # what it says of a broken file, a trace even, is said below
     try:
-        loaded: Any = trimesh.load(source, suffix[1:], process=False)
+        loaded: Any = trimesh.load(source, suffix[1:], process=False, skip_materials=True)
         if isinstance(loaded, trimesh.Scene):
             loaded = cast(Any, loaded).to_geometry()
         vertices = np.asarray(loaded.vertices, dtype=np.float64)
@@ -137,7 +137,7 @@ def _plain_ply(content: bytes, what: str) -> bytes:
             said = " and ".join(f"{count} of {name.decode('ascii', 'replace')}" for name, count, _ in told)
             raise InvalidInput(f"{what} declares {said}, and has {len(rows)} lines of them: write it again")
     (name, count, properties), *others = elements or [(b"", 0, [])]
-    sizes = [_BYTES.get(line.split()[1], 0) for line in properties]
+    sizes = [_BYTES.get(b"".join(line.split()[1:2]), 0) for line in properties]
     if name == b"vertex" and all(sizes) and b"face" not in (each[0] for each in others):
         elements, rows, body = elements[:1], rows[:count], body[: count * sum(sizes)]
     head = b"".join(b"element %s %d\n%s" % (name, n, b"".join(kept)) for name, n, kept in elements)
@@ -145,10 +145,10 @@ def _plain_ply(content: bytes, what: str) -> bytes:
     return b"ply\n%s\n%send_header\n%s" % (form, head, b"\n".join(rows) if text else body)
 
 
-def _check_obj(path: Path, what: str) -> None:
+def _check_obj(content: bytes, what: str) -> None:
     """Refuse lines that readers pass over: vertices and faces cut short, and faces of vertex 0."""
     materials: set[str] = set()
-    with path.open(encoding="utf-8", errors="replace") as file:
+    with TextIOWrapper(BytesIO(content), encoding="utf-8", errors="replace") as file:
         for number, line in enumerate(file, start=1):
             if _SOUND.fullmatch(line):
                 continue

@@ -36,6 +36,8 @@ def label_names(arrays: Mapping[str, Array], label: Array) -> dict[int, str]:
         InvalidInput: If there are more labels than any scene has objects, or `names` is no text, does not say
             which label a name belongs to, or names one twice.
     """
+    if label.dtype.kind not in "iufb":
+        raise InvalidInput(f"the labels are {label.dtype}: expected whole numbers, 0 = background")
     present = {int(number) for number in np.unique(label) if number > 0}
     if len(present) > MOST_OBJECTS:
         raise InvalidInput(f"{len(present)} labels: expected one per object, at most {MOST_OBJECTS} of them")

@@ -1,35 +1,129 @@
-"""What a scene's files may be: how much they unpack to, asked before it is allocated, and where they lie."""
+"""What files may be: regular ones, below the scene's folder, that unpack to no more than is allowed."""
 
+import os
+import stat
 from collections.abc import Generator
 from contextlib import contextmanager
 from contextvars import ContextVar
+from pathlib import Path
+from typing import BinaryIO
 
 from topple.topology.errors import InvalidInput
 from topple.topology.io.tolerances import MOST_BYTES
 
 _most: ContextVar[int] = ContextVar("_most", default=MOST_BYTES)
-_outside: ContextVar[bool] = ContextVar("_outside", default=False)
+_root: ContextVar[Path | None] = ContextVar("_root", default=None)
 
 
 @contextmanager
-def allowing(size: int | None, outside: bool) -> Generator[None, None, None]:
+def allowing(size: int | None, root: Path | None) -> Generator[None, None, None]:
     """Say in a block what files may be.
 
     Args:
         size: Bytes that they may unpack to; as before where None.
-        outside: Whether `files` of a scene.json may lie elsewhere than below its folder.
+        root: The folder, or the one file, that they lie in; anywhere where None.
     """
-    most, away = _most.set(_most.get() if size is None else size), _outside.set(outside)
+    most, before = _most.set(_most.get() if size is None else size), _root.set(root)
     try:
         yield
     finally:
         _most.reset(most)
-        _outside.reset(away)
+        _root.reset(before)
 
 
-def outside_allowed() -> bool:
-    """Whether files may lie elsewhere than below the scene's folder."""
-    return _outside.get()
+@contextmanager
+def allowing_below(folder: Path) -> Generator[None, None, None]:
+    """Say that files may lie in another folder, which a format names, where they may not lie anywhere."""
+    with allowing(None, None if _root.get() is None else folder):
+        yield
+
+
+def check_place(path: Path, what: str) -> None:
+    """Refuse what lies elsewhere than it may, by `..`, an absolute path or a link.
+
+    Args:
+        path: The file.
+        what: What it is, for the message.
+
+    Raises:
+        InvalidInput: It does.
+    """
+    root = _root.get()
+    try:
+        place = Path(os.path.realpath(path))
+    except ValueError as error:
+        raise InvalidInput(f"{what} is called {str(path)!r}, which no file can be: {error}") from error
+    if root is not None and not place.is_relative_to(os.path.realpath(root)):
+        raise InvalidInput(
+            f"{what} is not below the folder: copy it there, or allow it with --allow-outside "
+            "(load_scene(..., allow_outside=True))"
+        )
+
+
+@contextmanager
+def opened(path: Path, what: str) -> Generator[BinaryIO, None, None]:
+    """Open a file to read it. Everything that is read passes here.
+
+    Args:
+        path: The file.
+        what: What it is, for the message.
+
+    Yields:
+        The open file.
+
+    Raises:
+        InvalidInput: It lies elsewhere than it may, or is a pipe, a device or a folder.
+        OSError: It cannot be read.
+    """
+    check_place(path, what)
+    handle = os.open(path, os.O_RDONLY | os.O_CLOEXEC | os.O_NONBLOCK)  # a pipe would be waited for
+    try:
+        if not stat.S_ISREG(os.fstat(handle).st_mode):
+            raise InvalidInput(f"{what} is a pipe, a device or a folder: expected a file")
+        with os.fdopen(handle, "rb", closefd=False) as file:
+            yield file
+    finally:
+        os.close(handle)
+
+
+def read_bytes(path: Path, what: str) -> bytes:
+    """Read a whole file, of what size is allowed.
+
+    Args:
+        path: The file.
+        what: What it is, for the message.
+
+    Returns:
+        Its content.
+
+    Raises:
+        InvalidInput: As for `opened`, or it is too large.
+        OSError: It cannot be read.
+    """
+    with opened(path, what) as file:
+        size = os.fstat(file.fileno()).st_size
+        check_size(size, what)
+        return file.read(size)
+
+
+def read_text(path: Path, what: str) -> str:
+    """Read a whole text.
+
+    Args:
+        path: The file.
+        what: What it is, for the message.
+
+    Returns:
+        Its content, without the mark that some editors begin a text with.
+
+    Raises:
+        InvalidInput: As for `read_bytes`, or it is no UTF-8.
+        OSError: It cannot be read.
+    """
+    try:
+        return read_bytes(path, what).decode("utf-8-sig")
+    except UnicodeDecodeError as error:
+        raise InvalidInput(f"{what} is no text: {error}") from error
 
 
 def check_size(size: int, what: str) -> None:

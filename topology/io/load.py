@@ -101,7 +101,7 @@ def load_scene(
     if isinstance(models, bool):
         options["models"] = models
     try:
-        with allowing(most_bytes, allow_outside):
+        with allowing(most_bytes, None if allow_outside else place):
             parts = _read(place, options)
             scene = assemble(
                 parts, as_names(fixed), given_up if up is None else up,
@@ -111,6 +111,7 @@ def load_scene(
                 return scene
             from topple.topology.models import with_models  # which few ask for
 
+        with allowing(most_bytes, None if allow_outside else Path(models)):
             return with_models(scene, models)
     except InvalidInput as error:
         _name_the_file(error, os.fspath(path))
@@ -149,7 +150,8 @@ def _read(path: Path, options: dict[str, Any]) -> Parts:
             raise InvalidInput(
                 "no such file or folder: expected an .npz, an .npy or a folder of clouds or meshes"
             )
-        if (found := READERS.first(lambda reader: reader.reads(path))) is not None:
+        known = path.is_dir() or path.is_file()  # a pipe would be waited for
+        if known and (found := READERS.first(lambda reader: reader.reads(path))) is not None:
             name, reader = found
             _check_options(name, reader, options)
             with READERS.blamed(name):

@@ -10,7 +10,8 @@ import numpy as np
 
 from topple.topology.arrays import FloatArray, whole_numbers
 from topple.topology.errors import InvalidInput
-from topple.topology.io.limits import check_size
+from topple.topology.io.limits import check_size, read_bytes
+from topple.topology.io.tolerances import VALUE_BYTES
 
 _TYPES = {kind + size: f"<{kind.lower()}{size}" for kind in "IU" for size in "1248"} | {
     "F4": "<f4",
@@ -84,7 +85,7 @@ def read_labelled_pcd(path: Path) -> dict[str, np.ndarray]:
 
 
 def _read(path: Path, what: str) -> tuple[_Header, np.ndarray]:
-    content = path.read_bytes()
+    content = read_bytes(path, what)
     try:
         header, start = _read_header(content)
         return header, _read_records(content[start:], header)
@@ -164,8 +165,10 @@ def _read_records(body: bytes, header: _Header) -> np.ndarray:
 def _read_ascii(body: bytes, header: _Header) -> np.ndarray:
     names = header.record.names or ()
     width = sum(int(np.prod(header.record[name].shape)) for name in names)
-    values = np.array(body.split(), dtype=np.float64)
-    if values.size != header.points * width:
+    count = header.points * width
+    check_size(VALUE_BYTES * count, "the PCD file")
+    values = np.array(body.split(None, count), dtype=np.float64)  # what is more than declared stays whole
+    if values.size != count:
         raise ValueError(f"it has {values.size} numbers, expected {header.points} points of {width}")
     table = values.reshape(header.points, width)
     records = np.empty(header.points, dtype=header.record)

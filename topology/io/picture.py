@@ -9,8 +9,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from topple.topology.errors import InvalidInput
-from topple.topology.io.limits import check_size
+from topple.topology.io.limits import check_size, read_bytes
 
+_FORMATS = ("PNG", "TIFF", "JPEG")
+"""What Pillow may take a picture for: some of its other readers start programs."""
 _WIDEST = 4  # bytes a pixel unpacks to: RGBA, 32 bits of depth
 
 
@@ -30,11 +32,11 @@ def read_picture(source: Path | bytes, what: str) -> NDArray[Any]:
     """
     from PIL import Image, UnidentifiedImageError
 
-    data = source if isinstance(source, bytes) else source.read_bytes()
+    data = source if isinstance(source, bytes) else read_bytes(source, what)
     try:
         with warnings.catch_warnings():
             warnings.simplefilter("ignore", Image.DecompressionBombWarning)  # asked below
-            with Image.open(io.BytesIO(data)) as picture:
+            with Image.open(io.BytesIO(data), formats=_FORMATS) as picture:
                 check_size(_WIDEST * picture.width * picture.height, what)
                 return np.asarray(picture)
     except InvalidInput:

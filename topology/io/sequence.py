@@ -16,6 +16,7 @@ from topple.topology.io.archive import Array, read_arrays
 from topple.topology.io.assemble import Parts, assemble
 from topple.topology.io.bag import frames, reads
 from topple.topology.io.clouds import amounts_in
+from topple.topology.io.limits import allowing, check_place
 from topple.topology.io.load import load_scene
 from topple.topology.io.tolerances import FAR_OUT, TABLE_STEP, UNIT
 from topple.topology.scene import Scene
@@ -43,7 +44,7 @@ def load_sequence(
         path: File or folder.
         fixed: Names of objects that never move, beside those the files name.
         up: Direction (3,) against gravity.
-        **options: Of a recording, the topics: `depth`, `info`, `labels`.
+        **options: Of a recording, the topics: `depth`, `info`, `labels`; of a folder those of `load_scene`.
 
     Yields:
         A scene per frame. An object no point of which was seen in a frame is absent from it; clouds that do
@@ -53,7 +54,7 @@ def load_sequence(
         InvalidInput: If the path holds no sequence; one line that names the file.
     """
     place, fixed = Path(path), as_names(fixed)
-    if place.exists() and reads(place):
+    if (place.is_dir() or place.is_file()) and reads(place):
         try:
             yield from (assemble(parts, fixed, up) for parts in frames(place, **options))
         except InvalidInput as error:
@@ -63,7 +64,10 @@ def load_sequence(
         files = sorted(file for file in place.iterdir() if not file.name.startswith("."))
         if not files:
             raise InvalidInput(f"{os.fspath(path)}: the folder is empty: expected one scene per frame")
-        yield from (load_scene(file, fixed=fixed, up=up) for file in files)
+        with allowing(None, None if options.get("allow_outside") else place):
+            for file in files:
+                check_place(file, os.fspath(file))
+        yield from (load_scene(file, fixed=fixed, up=up, **options) for file in files)
         return
     try:
         arrays = read_arrays(place)
@@ -88,6 +92,8 @@ def _tracks(arrays: Mapping[str, Array]) -> dict[str, tuple[Array, Array]]:
         if not key.endswith(_POINTS):
             continue
         name = key.removesuffix(_POINTS)
+        if points.ndim != 2 or points.shape[1] != 3 or points.dtype.kind not in "iuf":
+            raise InvalidInput(f"{key} is {points.shape} of {points.dtype}: expected numbers (N, 3)")
         rows = arrays.get(name + _ROWS)
         if rows is None or rows.ndim != 1 or rows.dtype.kind not in "iu" or len(rows) < 2:
             raise InvalidInput(f"object {name!r} has no {name + _ROWS}: expected the first row of each frame")

@@ -1,14 +1,14 @@
 """Clouds as text, told from other numbers in text: matrices, trajectories, planes."""
 
 import re
-from itertools import islice
 from pathlib import Path
 
 import numpy as np
 
 from topple.topology.arrays import FloatArray
 from topple.topology.errors import InvalidInput
-from topple.topology.io.tolerances import EARLIEST, LOOKED_AT, UNIT_ROW
+from topple.topology.io.limits import check_size, opened, read_text
+from topple.topology.io.tolerances import EARLIEST, LINE_BYTES, LOOKED_AT, UNIT_ROW
 from topple.topology.tolerances import FEWEST_SEEN
 
 TEXTS = (".xyz", ".txt", ".csv", ".pts", ".asc")
@@ -22,7 +22,7 @@ _UNIT = re.compile(r"\[.*?\]|\(.*?\)|[\"']")
 _PLAIN = str.maketrans(",;", "  ")
 
 
-def read_text(path: Path, what: str) -> FloatArray:
+def read_points(path: Path, what: str) -> FloatArray:
     """Read a cloud: a point a row, its numbers apart by blanks, commas or semicolons.
 
     x, y and z are the first three columns, or those that a heading calls so; a heading of one whole number
@@ -39,10 +39,9 @@ def read_text(path: Path, what: str) -> FloatArray:
         InvalidInput: If a line is no point, or there are other than as many as are declared.
         OSError: If the file cannot be read.
     """
-    try:
-        lines = path.read_text(encoding="utf-8-sig").splitlines()
-    except UnicodeDecodeError as error:
-        raise InvalidInput(f"{what} is no text: expected one point x y z per line") from error
+    text = read_text(path, what)
+    check_size(LINE_BYTES * text.count("\n"), what)
+    lines = text.splitlines()
     first, columns, declared = _head(lines)
     if first == len(lines):
         first = 0  # without any row its first line is told, unless there is nothing at all
@@ -67,8 +66,10 @@ def no_cloud(path: Path) -> str | None:
         `NOTES` where most lines are no rows of numbers; "a 4 x 4 matrix", "a trajectory" or the like; None
         where it is a cloud, or what shall be refused as one.
     """
-    with path.open(encoding="utf-8-sig", errors="replace") as file:
-        lines = [line.rstrip("\n") for line in islice(file, LOOKED_AT)]
+    with opened(path, path.name) as file:
+        start = file.read(LOOKED_AT)
+    lines = start.decode("utf-8-sig", "replace").splitlines()
+    lines = lines[:-1] if len(start) == LOOKED_AT else lines  # which is cut short
     rows = [row for line in lines[_head(lines)[0] :] if (row := _plain(line).split())]
     if sum(map(_is_row, rows)) * 2 <= len(rows):
         return NOTES
@@ -149,7 +150,9 @@ def _is_row(words: list[str]) -> bool:
 
 
 def _is_meant_as_row(words: list[str]) -> bool:
-    """Whether words are a row, a broken one too: some number or what is left of it, digits in all."""
+    """Whether words are a row, a broken one too: two numbers of three, or digits in all of them."""
+    if sum(map(_is_number, words[:3])) > 1 and len(words) > 2:
+        return True
     numbers = any(_is_number(word) or _BROKEN.fullmatch(word) for word in words)
     return numbers and all(_is_number(word) or re.search(r"\d", word) for word in words)
 

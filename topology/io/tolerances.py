@@ -32,6 +32,10 @@ UNDER_SHARE = 0.8
 APART = 0.1
 """Time [s] between a depth image and its labels: three frames at 30 Hz."""
 
+LONGEST_DEFINITION = 100_000
+"""Characters of a message's definition, with all that it uses: those of ROS have up to ten thousand, and this
+many take two seconds."""
+
 SAME_PLACE = 1e-3
 """[m] and [rad] within which two frames of one camera are the same place: no pixel of it sees so little."""
 
@@ -78,11 +82,20 @@ TABLE_STEP = 50
 
 # -- text
 
-LOOKED_AT = 200
-"""Lines of a text that tell whether it is a cloud: headings have a few."""
+LOOKED_AT = 1 << 14
+"""Bytes of a text that tell whether it is a cloud: some hundred lines, and headings have a few."""
+
+LINE_BYTES = 150
+"""What is held of a line of a text at most while it is read: twice the line, and its point."""
 
 EARLIEST = 1e8
 """[s] since 1970, of a trajectory that begins with a time: no coordinate is as large."""
 
 UNIT_ROW = 1e-3
 """How far a quaternion may be from unit length, a rotation from a rigid one: written with four decimals."""
+
+
+# -- strict_json and pcd
+
+VALUE_BYTES = 48
+"""What is held of a value of JSON or of a word: a number, or half of a list, and its place in one."""

@@ -28,7 +28,7 @@ def read_view(path: str | os.PathLike[str], most_bytes: int | None = None) -> De
     """
     place = Path(path)
     try:
-        with allowing(most_bytes, False):
+        with allowing(most_bytes, None):
             arrays = read_arrays(place)
             if not any(key in arrays for key in (*MASK_KEYS, STACK_KEY)) and "depth" in arrays:
                 arrays["label"] = np.zeros(arrays["depth"].shape, dtype=np.uint8)

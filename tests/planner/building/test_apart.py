@@ -85,15 +85,17 @@ def test_the_command_heeds_how_many_hands_there_are(
 ) -> None:
     path = str(tmp_path / "cards.npz")
     np.savez(path, up=[0, 0, 1], fixed=["table"], **cards().clouds)  # type: ignore[arg-type]
-    for more, code in (([], 0), (["--hands", "2"], 0), (["--hands", "1"], 1)):
+    for more, code in (([], 1), (["--hands", "2"], 0), (["--hands", "1"], 1)):
         assert main(["order", path, "--json", *more]) == code
         printed = capsys.readouterr()
         document = json.loads(printed.out)
         (hold,) = document["holds"]
         assert [hold["since"], hold["object"]] == document["order"]
-        assert bool(document["unresolved"]) == (code == 1)
-        assert ("with more hands, hold" in printed.err) == (code == 1)
-    assert main(["order", path]) == 0
+        assert bool(document["unresolved"]) == (more == ["--hands", "1"])
+        assert ("with more hands, hold" in printed.err) == bool(document["unresolved"])
+        assert ("one hand cannot do it (--hands N): " in printed.err) == (not more)
+    assert main(["order", path]) == main(["order", path, "-o", str(tmp_path / "kept.jsonl")]) == 1
+    assert main(["order", path, "-o", str(tmp_path / "kept.jsonl")]) == 1, "as kept"
     assert "With a second hand, hold " in capsys.readouterr().out
     assert main(["order", path, "--build", "--hands", "2"]) == 2
     assert "--hands" in capsys.readouterr().err

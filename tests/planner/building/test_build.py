@@ -63,15 +63,17 @@ def test_the_command_prints_what_python_gives(tmp_path: Path, capsys: pytest.Cap
     path = tmp_path / "goal.npz"
     clouds = dict(scene.clouds)
     np.savez(path, up=[0, 0, 1], fixed=["table"], **clouds)  # type: ignore[arg-type]
-    assert main(["order", str(path), "--build", "--json"]) == 0
+    assert main(["order", str(path), "--build", "--json"]) == 1, "plank has to be held"
     document = json.loads(capsys.readouterr().out)
     assert document["build"] is True
     assert document["order"] == ["pier", "plank", "weight"]
     assert [(hold["object"], hold["until"]) for hold in document["holds"]] == [("plank", "weight")]
     assert document["format"] == "topple.order"
     assert all(each["evidence"] for each in document["dependencies"])
-    assert main(["order", str(path), "--build"]) == 0
-    assert "Hold plank until weight is down" in capsys.readouterr().out
+    assert main(["order", str(path), "--build"]) == 1
+    printed = capsys.readouterr()
+    assert "Hold plank until weight is down" in printed.out
+    assert "one hand cannot do it: plank has to be held until weight is there" in printed.err
 
 
 def test_a_build_order_is_of_everything(capsys: pytest.CaptureFixture[str]) -> None:

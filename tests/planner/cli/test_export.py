@@ -184,7 +184,7 @@ def test_a_bad_field_is_named(
 
 @pytest.mark.parametrize(
     ("content", "words"),
-    [(b"", "no JSON"), (b"\xff\xfe{", "no JSON"), (b"[1, 2]", "no plan"), (b"{}", "goal")],
+    [(b"", "not JSON"), (b"\xff\xfe{", "not JSON"), (b"[1, 2]", "no plan"), (b"{}", "goal")],
 )
 def test_what_is_no_plan_is_refused(
     tmp_path: Path, capsys: pytest.CaptureFixture[str], content: bytes, words: str

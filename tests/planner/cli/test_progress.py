@@ -1,6 +1,7 @@
 """The progress line: only after a second, only on stderr, wiped on a terminal."""
 
 import io
+import re
 import time
 
 import pytest
@@ -12,6 +13,32 @@ from topple.planner.cli.progress import Progress
 class _Terminal(io.StringIO):
     def isatty(self) -> bool:
         return True
+
+    def lines(self) -> list[str]:
+        """What was written between two moves of the cursor."""
+        return re.split(r"[\r\n]", re.sub(r"\x1b\[[0-9;?]*[a-zA-Z]", "", self.getvalue()))
+
+    def screen(self) -> list[str]:
+        """The lines that a terminal of 80 columns shows in the end."""
+        shown, row, column = [""], 0, 0
+        for move, text in re.findall(r"(\x1b\[[0-9;?]*[a-zA-Z]|[\r\n])|([^\x1b\r\n]+)", self.getvalue()):
+            if move in ("\r", "\n"):
+                row, column = row + (move == "\n"), 0
+                shown += [""] * (row + 1 - len(shown))
+            elif move.endswith("A"):
+                row -= int(move[2:-1])
+            elif move.endswith("K"):
+                shown[row] = ""
+            elif text:
+                shown[row] = shown[row][:column].ljust(column) + text
+                column += len(text)
+        return [line for line in shown if line]
+
+
+@pytest.fixture(autouse=True)
+def _eighty_columns(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setenv("COLUMNS", "80")
+    monkeypatch.setenv("TERM", "xterm")
 
 
 def test_what_is_quick_says_nothing(capsys: pytest.CaptureFixture[str]) -> None:
@@ -65,8 +92,26 @@ def test_a_terminal_is_left_clean(monkeypatch: pytest.MonkeyPatch) -> None:
         progress("scene.npz")
         time.sleep(0.3)
     assert "scene.npz" in terminal.getvalue()
-    assert terminal.getvalue().endswith("\r\x1b[K")
-    assert "\n" not in terminal.getvalue()
+    assert terminal.screen() == []
+
+
+def test_a_line_is_no_wider_than_the_terminal_and_what_is_printed_stands_alone(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    monkeypatch.setattr(module, "_PATIENCE", 0.0)
+    monkeypatch.setattr(module, "_TICK", 0.01)
+    terminal = _Terminal()
+    monkeypatch.setattr(module.sys, "stderr", terminal)
+    with Progress("order") as progress:
+        for number in (1, 2):
+            progress(f"{'a long name ' * 20} ({number} of 2)")
+            time.sleep(0.1)
+            progress.clear()
+            terminal.write("take  because\n")
+            time.sleep(0.1)
+    assert "a long name" in terminal.getvalue()
+    assert max(map(len, terminal.lines())) <= 80
+    assert terminal.screen() == ["take  because", "take  because"]
 
 
 def test_a_terminal_has_a_bar_and_what_is_left(monkeypatch: pytest.MonkeyPatch) -> None:
@@ -80,8 +125,8 @@ def test_a_terminal_has_a_bar_and_what_is_left(monkeypatch: pytest.MonkeyPatch) 
         for number in range(1, 5):
             progress(f"pile {number} of 4")
             time.sleep(0.05)
-    lines = terminal.getvalue().split("\r\x1b[K")
-    assert any("[" in line and "setting up" in line for line in lines)
+    lines = terminal.lines()
+    assert any("━" in line and "setting up" in line for line in lines)
     assert not any("left" in line for line in lines if "pile 1" in line)
     last = next(line for line in lines if "pile 4 of 4" in line)
-    assert last.count("#") > 10 and "s left, pile 4 of 4" in last
+    assert last.count("━") > 10 and "s left" in last

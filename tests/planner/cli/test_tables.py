@@ -8,7 +8,7 @@ from topple.planner.formats.run_record import RunRecord, StepRecord
 
 def test_a_run_is_a_line_per_action_with_what_it_disturbed(capsys: pytest.CaptureFixture[str]) -> None:
     steps = (
-        StepRecord("spoon", "remove", True, disturbed={"can": (0.0004, 0.001)}, seconds=4.0),
+        StepRecord("spoon", "remove", True, disturbed={"can": (0.0094, 0.01)}, seconds=4.0),
         StepRecord(
             "plate",
             "free",
@@ -22,13 +22,25 @@ def test_a_run_is_a_line_per_action_with_what_it_disturbed(capsys: pytest.Captur
     record = RunRecord("free plate", "panda", 0, False, ("plate: can was moved 12.3 mm",), steps, 7.5)
     print_run("dishes", record.to_json())
     lines = capsys.readouterr().out.splitlines()
-    assert lines[0] == "dishes: free plate, failed after 2 actions, 7.5 s"
+    assert lines[0] == "dishes: free plate, reached with violations after 2 actions, 7.5 s"
     (spoon,) = [line for line in lines if line.startswith("1 ")]
     plate, slipped = [line for line in lines if line.startswith("2 ")]
     assert slipped == "2 plate: It slipped."
     assert "nothing" in spoon
     for words in ("failed, attempt 2", "can 12.3 mm 28.6°", "3.2"):
         assert words in plate
+
+
+def test_only_what_is_not_where_it_shall_be_is_called_not_reached(
+    capsys: pytest.CaptureFixture[str],
+) -> None:
+    missing = ("plate is not free",)
+    for record, word in (
+        (RunRecord("free plate", "panda", 0, False, missing, missing=missing), "failed"),
+        (RunRecord("free plate", "panda", 0, True), "done"),
+    ):
+        print_run("dishes", record.to_json())
+        assert capsys.readouterr().out.startswith(f"dishes: free plate, {word} after 0 actions")
 
 
 def test_relations_leave_out_what_is_apart_but_count_it(capsys: pytest.CaptureFixture[str]) -> None:

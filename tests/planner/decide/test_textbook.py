@@ -1,4 +1,4 @@
-"""Scenes that everybody knows, from small parts to crates: the answer is in the drawing, whatever its size."""
+"""Scenes that everybody knows, from small parts to crates: the drawing tells, whatever its size."""
 
 import networkx as nx
 import numpy as np
@@ -33,7 +33,8 @@ SCENES: dict[str, tuple[dict[str, Block], set[tuple[str, str]]]] = {
         {("book", "block")},
     ),
     "tower and neighbour": (
-        {f"cube {k}": ((1, 1, 1), (0, 0, 0.5 + k), 0) for k in range(3)} | {"side": ((1, 1, 1), (1.2, 0, 0.5), 0)},
+        {f"cube {k}": ((1, 1, 1), (0, 0, 0.5 + k), 0) for k in range(3)}
+        | {"side": ((1, 1, 1), (1.2, 0, 0.5), 0)},
         {("cube 1", "cube 0"), ("cube 2", "cube 1"), ("cube 2", "cube 0")},
     ),
 }  # fmt: skip

@@ -105,7 +105,7 @@ def test_arguments_that_make_no_sense_are_refused() -> None:
 def test_without_gymnasium_its_extra_is_named() -> None:
     code = "import sys; sys.modules['gymnasium'] = None; import topple.planner.environment"
     done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=False)
-    assert "environments need Gymnasium: pip install 'topple-planner[gym]'" in done.stderr.splitlines()[-1]
+    assert "environments need Gymnasium: pip install 'gymnasium>=1.0'" in done.stderr.splitlines()[-1]
 
 
 @pytest.mark.slow

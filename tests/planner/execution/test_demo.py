@@ -4,6 +4,7 @@ import json
 from pathlib import Path
 
 import pytest
+from documents import contradictions
 
 from topple.planner.cli.main import main
 from topple.planner.execution.demo_seeds import counted, default_seed
@@ -23,6 +24,8 @@ def test_what_is_printed_is_the_order_that_the_first_action_is_of(
     run = json.loads((folder / "run.json").read_text())
     order = json.loads((folder / "order.json").read_text())
     first = run["steps"][0]
-    assert order["order"][0] == first["object"]
+    assert contradictions(order, [first["object"]]) == []
+    made = json.loads((folder / "plan.json").read_text())
+    assert contradictions(made, [step["object"] for step in made["steps"]]) == []
     assert f"decided from the first look: {first['action']} {first['object']}" in printed
     assert printed.startswith(f"lemon, seed {default_seed('lemon')}; {counted('lemon')}\n")

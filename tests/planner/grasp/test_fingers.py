@@ -8,7 +8,9 @@ import numpy as np
 import pytest
 from on_table import BASE, on_table
 
+from topple.benchmarks.sabotages.caught import ROUGH
 from topple.planner.decide.arrange import Order
+from topple.planner.failure import FailureLog
 from topple.planner.fallbacks import Fallback
 from topple.planner.formats.plan_format import plan_from_json, plan_to_json
 from topple.planner.grasp.candidates import grasp_candidates
@@ -18,6 +20,9 @@ from topple.planner.grasp.hand import hand_shape
 from topple.planner.grasp.rank import rank_grasps
 from topple.planner.planning.order import order
 from topple.planner.planning.plan import plan
+from topple.planner.transfer.handling import Handling
+from topple.planner.verify import verify
+from topple.planner.verify.sight import UNSAID
 from topple.robots.catalog import robot
 from topple.robots.scenarios.scenario import pose_at
 from topple.robots.shapes.boxes import box
@@ -131,3 +136,27 @@ def test_what_may_go_as_well_goes_before_what_is_taken_unseen() -> None:
         for eyes in ((), (LOW,))
     ]  # fmt: skip
     assert orders == [["block", "lit"], ["lit", "block"]]
+
+
+def test_a_mark_taken_off_a_step_together_with_its_fallback_is_refuted() -> None:
+    hidden, open_ = shaded(LOW), shaded(LOW, OTHER)
+    made = plan(hidden, ["block"], "panda", base=BASE, grasps=[pinch()], check=False)
+    forged = json.loads(plan_to_json(made))
+    forged["steps"][0] |= {"unseen": False, "fallbacks": []}
+    checked = verify(plan_from_json(json.dumps(forged)), hidden, step=ROUGH)
+    assert [residual.name for residual in checked.failed] == [UNSAID]
+    assert checked.failed[0].witness == "step 1 (block)"
+    assert [proof.what for proof in checked.refuted] == ["it tells of itself what is so"]
+    said = verify(made, hidden, step=ROUGH)
+    assert said.ok
+    assert not said.allowed
+    assert any("cameras saw all of its way" in words for words in verify(made, open_, step=ROUGH).allowed)
+
+
+def test_hands_are_marked_as_they_are_made_whatever_their_grasp_says() -> None:
+    handling = Handling("block", Situation(shaded(LOW)), PANDA, BASE)
+    lit = Handling("block", Situation(shaded(LOW, OTHER)), PANDA, BASE)
+    for asked, unseen in ((handling, {True}), (lit, {False})):
+        grasps = [replace(pinch(), unseen=not min(unseen))]
+        found = asked.hands(grasps, np.asarray(PANDA.home), FailureLog(frozenset()))
+        assert {hand.unseen for hand, _ in found} == unseen

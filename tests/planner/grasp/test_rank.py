@@ -49,6 +49,24 @@ def test_every_dropped_grasp_says_why() -> None:
     assert ranked[2].dropped == "nothing is between its pads"
 
 
+@pytest.mark.parametrize(
+    ("mass", "why"),
+    [
+        (4.0, ["4 kg are more than panda carries (2.27 kg beside its hand)"]),
+        (30.0, ["30 kg are more than the pads hold", "30 kg are more than panda carries"]),
+        (2.0, []),
+    ],
+)
+def test_what_is_known_to_weigh_more_than_hand_or_arm_hold_is_refused_with_its_figures(
+    mass: float, why: list[str]
+) -> None:
+    upper = rank_grasps(scene().weighed({"upper": mass}), GRASPS, "panda")[0]
+    assert upper.grasp.object == "upper"
+    said = (upper.dropped or "").split("; ")
+    assert [words for words in why if not any(words in each for each in said)] == []
+    assert (upper.dropped is None) is not bool(why)
+
+
 def test_what_the_arm_cannot_reach_is_dropped() -> None:
     far = np.eye(4)
     far[0, 3] = -3.0

@@ -126,7 +126,7 @@ def test_a_corrupted_plan_is_refused_with_the_path_of_the_field(
 
 
 def test_what_is_no_json_is_refused() -> None:
-    with pytest.raises(InvalidInput, match="no JSON"):
+    with pytest.raises(InvalidInput, match="not JSON"):
         plan_from_json(b"{")
 
 

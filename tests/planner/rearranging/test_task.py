@@ -7,6 +7,7 @@ from typing import Any
 
 import numpy as np
 import pytest
+from documents import contradictions
 from on_table import BASE, on_table
 
 from topple.planner import NoSafePlan, Plan, rearrange
@@ -194,10 +195,12 @@ def test_a_task_that_is_asked_again_begins_anew() -> None:
     assert not copied.learned.pairs
 
 
-def _first_step(context: Context) -> NextStep:
-    goal = blocks(a=(0, 0.25, 0), b=(0.2, 0.25, 0))
+AWAY = blocks(a=(0, 0.25, 0), b=(0.2, 0.25, 0))
+
+
+def _first_step(context: Context, start: Scene = START, goal: Scene = AWAY) -> NextStep:
     task = ArrangementTask(Arrangement(Situation(goal)))
-    chosen = task.chooser(Situation(START), task.goal(START), context).choose()
+    chosen = task.chooser(Situation(start), task.goal(start), context).choose()
     assert chosen is not None
     return chosen
 
@@ -223,3 +226,12 @@ def test_of_moves_that_wait_for_nothing_the_one_goes_first_that_moves_nothing_el
         return replace(cautious(*args, **more), chances={(other, risky): 0.3, (risky, other): 0.06})
 
     assert _first_step(_context(orderer)).transfer.object == other
+
+
+def test_what_sticks_a_little_into_a_place_and_shall_leave_goes_first() -> None:
+    tall, low = box("a", (0.05, 0.05, 0.08)), box("b", (0.05, 0.05, 0.015))
+    start = on_table((tall, (0, 0.2, 0)), (low, (0, 0, 0)), points=1500)
+    goal = on_table((tall, (0.045, 0, 0)), (low, (0, -0.2, 0)), points=1500)
+    first = _first_step(_context(), start, goal)
+    assert first.transfer.object == "b" and first.transfer.placement.into is None
+    assert contradictions(first.order.to_json(), ["b"]) == []

@@ -136,4 +136,4 @@ def test_the_command_says_where_it_is_and_ends_with_an_interrupt(tmp_path: Path,
 def test_without_viser_its_extra_is_named() -> None:
     code = "import sys; sys.modules['viser'] = None\nfrom topple.planner.report.live import _viser\n_viser()"
     done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=False)
-    assert "needs viser: pip install 'topple-planner[view]'" in done.stderr.splitlines()[-1]
+    assert "needs viser: pip install 'viser>=1.0'" in done.stderr.splitlines()[-1]

@@ -48,6 +48,7 @@ def test_without_the_scene_what_needs_it_is_infinite_and_the_rest_holds(found: P
     bare = verify(found, step=ROUGH)
     assert {residual.name for residual in bare.left_out} == {
         "dependencies of the scene broken",
+        "hands that come in unseen and are not said to",
         "seen points entered",
         "points outside of the plan's bodies",
         "up of the plan against the scene's",

@@ -2,6 +2,8 @@
 
 import io
 import json
+import os
+import sys
 import time
 import tracemalloc
 import zipfile
@@ -12,11 +14,13 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from topple.topology import InvalidInput, Scene, load_scene
+from topple.topology import InvalidInput, Scene, load_scene, load_sequence
 
 CLOUD = np.random.default_rng(0).uniform(0.0, 0.05, (300, 3))
 AWAY = np.eye(4)
 AWAY[0, 3] = 1e308
+ROWS = "0 0 0\n0.1 0 0\n0 0.1 0\n"
+POSTSCRIPT = b"%!PS-Adobe-3.0 EPSF-3.0\n%%BoundingBox: 0 0 5 4\n%%EndComments\nshowpage\n"
 PCD = (
     "# .PCD v0.7\nVERSION 0.7\nFIELDS x y z\nSIZE 4 4 4\nTYPE F F F\nCOUNT {count}\nWIDTH 2\nHEIGHT 1\n"
     "VIEWPOINT 0 0 0 1 0 0 0\nPOINTS {points}\nDATA {data}\n"
@@ -39,8 +43,29 @@ def folder(path: Path, files: dict[str, str | bytes]) -> Path:
     path.mkdir()
     for name, content in files.items():
         place = path / name
+        place.parent.mkdir(exist_ok=True)
         place.write_bytes(content) if isinstance(content, bytes) else place.write_text(content)
     return path
+
+
+def named(at: Path, file: str) -> Path:
+    return folder(at / "f", {"a.xyz": ROWS, "scene.json": json.dumps({"files": {"a": file}})})
+
+
+def put(at: Path, name: str, make: Callable[[Path], None]) -> Path:
+    """A folder of one cloud and something that is made there."""
+    scene = at / "f"
+    if not scene.is_dir():
+        folder(scene, {"a.xyz": ROWS})
+    make(scene / name)
+    return scene
+
+
+def linked(place: Path) -> None:
+    """A link to a file beside the folder."""
+    outside = place.parents[1] / f"secret{place.suffix}"
+    outside.write_text("secret\n1 2 3\n")
+    place.symlink_to(outside)
 
 
 def filed(path: Path, text: str) -> Path:
@@ -222,6 +247,66 @@ HOSTILE: dict[str, tuple[Callable[[Path], Path], str]] = {
 }  # fmt: skip
 
 
+HOSTILE.update({
+    "labels that are text": (
+        lambda at: saved(
+            at / "a.npz", depth=np.ones((4, 5)), K=[[5, 0, 2], [0, 5, 2], [0, 0, 1]],
+            label=np.full((4, 5), "mug"),
+        ),
+        "the labels are <U3: expected whole numbers",
+    ),
+    "tracks that are text": (lambda at: saved(at / "a.npz", depth="a", K="b", label="c"), "the labels are"),
+    "NUL in the name of a file": (lambda at: named(at, "a\0.xyz"), "which no file can be: embedded null"),
+    "half a character in the name of a file": (lambda at: named(at, "\ud800.xyz"), "which no file can be"),
+    "a description that is a pipe": (lambda at: put(at, "scene.json", os.mkfifo), "is a pipe, a"),
+    "a description that is a folder": (lambda at: put(at, "scene.json", os.mkdir), "is a pipe, a"),
+    "a scene that is a pipe": (lambda at: put(at, "b.npz", os.mkfifo) / "b.npz", "neither a file nor"),
+    "a description elsewhere": (lambda at: put(at, "scene.json", linked), "scene.json is not below"),
+    "a cloud elsewhere": (lambda at: put(at, "b.xyz", linked), "b.xyz is not below the folder"),
+    "notes elsewhere": (lambda at: put(at, "b.txt", linked), "b.txt is not below the folder"),
+    "a mesh elsewhere": (lambda at: put(at, "b.ply", linked), "not below the folder"),
+    "a camera elsewhere": (lambda at: put(at, "scene_camera.json", linked), "not below the folder"),
+    "a recording elsewhere": (
+        lambda at: put(put(at, "metadata.yaml", linked).parent, "x.mcap", linked), "not below the folder"
+    ),
+    "text of more rows than are allowed": (
+        lambda at: folder(at / "f", {"a.xyz": "0 0 0\n" * 2_000_000}), "300 MB.*--max-mb"
+    ),
+    "numbers of a pcd that take more than they say": (
+        lambda at: folder(
+            at / "f",
+            {"a.pcd": PCD.format(count="1 1 1", points=3_000_000, data="ascii").replace("H 2", "H 3000000")},
+        ),
+        "432 MB.*--max-mb",
+    ),
+    "json of fifty million lists": (
+        lambda at: folder(at / "f", {"a.xyz": "0 0 0\n", "scene.json": '{"up": [' + "[]," * 5_000_000}),
+        "480 MB.*--max-mb",
+    ),
+    "a number that is none of JSON": (
+        lambda at: folder(at / "f", {"a.npy": npy(), "scene.json": '{"up": [0, 0, NaN]}'}), "NaN is no number"
+    ),
+    "a key given twice": (
+        lambda at: folder(at / "f", {"a.npy": npy(), "scene.json": '{"up": [0, 0, 1], "up": [1, 0, 0]}'}),
+        "the key 'up' twice",
+    ),
+    "a mass beyond all things": (
+        lambda at: saved(at / "a.npz", a=CLOUD, masses='{"a": 1e308}'), "expected more than 0, up to 1e\\+06"
+    ),
+    "a picture that is a program": (
+        lambda at: folder(
+            at / "f",
+            {
+                "scene_camera.json": '{"0": {"cam_K": [5, 0, 2, 0, 5, 2, 0, 0, 1]}}',
+                "scene_gt.json": '{"0": [{"obj_id": 1}]}',
+                "depth/000000.png": POSTSCRIPT, "mask_visib/000000_000000.png": POSTSCRIPT,
+            },
+        ),
+        "depth/000000.png is no picture: expected a PNG",
+    ),
+})  # fmt: skip
+
+
 @pytest.mark.parametrize("name", HOSTILE)
 def test_it_is_refused_in_one_line_with_little_memory(name: str, tmp_path: Path) -> None:
     make, words = HOSTILE[name]
@@ -233,7 +318,8 @@ def test_it_is_refused_in_one_line_with_little_memory(name: str, tmp_path: Path)
         peak = tracemalloc.get_traced_memory()[1]
     finally:
         tracemalloc.stop()
-    assert "\n" not in str(caught.value) and str(caught.value).startswith(str(path))
+    said = str(caught.value)
+    assert "\n" not in said and said.startswith(str(path)) and "secret" not in said.lower()
     assert peak < 200e6
 
 
@@ -267,6 +353,32 @@ def test_files_below_the_folder_are_read_and_others_only_where_that_is_allowed(t
     (scene / "scene.json").write_text(json.dumps({"files": {"a": "link.xyz"}}))
     with pytest.raises(InvalidInput, match="not below the folder"):
         load_scene(scene)
+
+
+def test_what_a_mesh_names_is_neither_read_nor_run(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    scene = put(tmp_path, "b.mtl", linked)
+    (scene / "b.mtl").unlink()
+    (scene / "b.obj").write_text("mtllib ../secret.mtl\nv 0 0 0\nv 0.1 0 0\nv 0 0.1 0\nusemtl a\nf 1 2 3\n")
+    opened: list[str] = []
+    sys.addaudithook(lambda event, args: opened.append(str(args[0])) if event == "open" else None)
+    assert load_scene(scene).names == ("a", "b")
+    assert any(name.endswith("b.obj") for name in opened) and not any("secret" in name for name in opened)
+
+
+def test_models_and_frames_elsewhere_are_read_only_where_that_is_allowed(tmp_path: Path) -> None:
+    outside, frames, models = (
+        saved(tmp_path / "secret.npz", a=CLOUD),
+        tmp_path / "frames",
+        tmp_path / "models",
+    )
+    folder(frames, {})
+    (frames / "0.npz").symlink_to(outside)
+    with pytest.raises(InvalidInput, match="not below the folder"):
+        list(load_sequence(frames))
+    assert [each.names for each in load_sequence(frames, allow_outside=True)] == [("a",)]
+    linked(folder(models, {}) / "a.obj")
+    with pytest.raises(InvalidInput, match="not below the folder"):
+        load_scene(outside, models=models)
 
 
 def test_a_table_under_objects_far_from_each_other_has_a_bounded_number_of_points(tmp_path: Path) -> None:

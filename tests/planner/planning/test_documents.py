@@ -1,0 +1,108 @@
+"""No document contradicts itself: orders and plans keep to their own dependencies, and say what is moved."""
+
+from dataclasses import dataclass, field
+
+import pytest
+from documents import contradictions
+from msgspec import to_builtins
+
+from topple.planner.decide.arrange import Order
+from topple.planner.decide.dependency import Dependency, DependencyGraph
+from topple.planner.decide.goal import Goal
+from topple.planner.decide.hold import Hold
+from topple.planner.execution.demo import loop_in
+from topple.planner.planning.order import cautious
+from topple.planner.planning.plan import plan
+from topple.planner.planning.step import Chooser, Context, NextStep, Task
+from topple.planner.planning.two_handed import plan_two_handed
+from topple.planner.report.words import order_in_words, places
+from topple.robots.scenarios import SCENARIOS, scenario_called
+from topple.topology.arrays import FloatArray
+from topple.topology.scene import Scene
+from topple.topology.situation import Situation
+
+SEEDS = 2
+
+
+@dataclass
+class Watched:
+    """A task whose steps are kept as they are chosen."""
+
+    task: Task
+    steps: list[NextStep] = field(default_factory=list[NextStep])
+    _chooser: Chooser | None = None
+
+    def in_frame(self, pose: FloatArray, up: FloatArray, /) -> Task:
+        return self.task.in_frame(pose, up)
+
+    def goal(self, scene: Scene) -> Goal:
+        return self.task.goal(scene)
+
+    def chooser(self, situation: Situation, goal: Goal, context: Context) -> Chooser:
+        self._chooser = self.task.chooser(situation, goal, context)
+        return self
+
+    def unmet(self) -> tuple[str, ...]:
+        assert self._chooser is not None
+        return self._chooser.unmet()
+
+    def choose(self) -> NextStep | None:
+        assert self._chooser is not None
+        step = self._chooser.choose()
+        self.steps += [] if step is None else [step, *step.then]
+        return step
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("seed", range(SEEDS))
+@pytest.mark.parametrize("name", list(SCENARIOS))
+def test_the_orders_and_the_plan_of_a_demo_do_not_contradict_themselves(name: str, seed: int) -> None:
+    with scenario_called(name, seed) as stage:
+        loop = loop_in(stage, seed=seed)
+        scene, watched = loop.look().scene, Watched(loop.task)
+        base, second = stage.pose_base_to_world, stage.pose_second_to_world
+        if second is not None:
+            plan_two_handed(scene, watched, stage.robot, base=base, second_base=second, allow_drop=True)
+        else:
+            made = plan(scene, watched, stage.robot, base=base, orderer=cautious, seed=seed, check=False)
+            document = {"order": made.order, "dependencies": to_builtins(made.dependencies)}
+            assert contradictions(document, [step.object for step in made.steps]) == []
+    assert watched.steps
+    for step in watched.steps:
+        assert contradictions(step.order.to_json(), [step.transfer.object]) == []
+
+
+EDGES = (Dependency("top", "low", "supported", 1.0), Dependency("left", "low", "leaning", 0.3))
+FOUND = Order(
+    ("low",),
+    ("top", "left", "low"),
+    DependencyGraph(("top", "left", "low"), EDGES),
+    (), (), (), {"top": 0.1, "left": 0.2, "low": 0.3},
+    holds=(Hold("low", "left", "low", "it leans"),),
+)  # fmt: skip
+
+
+def test_what_the_arm_takes_first_is_the_first_of_its_order_and_told_so() -> None:
+    found = FOUND.as_taken(("left", "top", "low"))
+    assert contradictions(found.to_json(), ["left"]) == []
+    assert [line.partition(":")[0] for line in found.explanation] == ["1. left", "2. top", "3. low"]
+    assert [name for name, _ in order_in_words(found.to_json())] == ["left", "top", "low"]
+
+
+def test_what_is_taken_is_no_longer_in_what_is_left() -> None:
+    left = FOUND.as_taken(("low",)).to_json()
+    assert left["order"] == ["low"] and left["dependencies"] == left["holds"] == []
+    assert left["risk"] == {"low": 0.3}
+
+
+def test_badges_count_the_moves_of_what_makes_room() -> None:
+    assert places({"order": ["cup", "plate", "cup", "fork"]}) == {"cup": 1, "plate": 2, "fork": 4}
+
+
+def test_a_document_against_itself_is_found() -> None:
+    edge = {"first": "top", "then": "low"}
+    assert contradictions({"order": ["low", "top"], "dependencies": [edge]}, ["low"])
+    assert contradictions({"order": ["low"], "dependencies": [edge]}, ["low"])
+    assert contradictions({"order": ["top", "low"], "dependencies": [edge]}, ["low"])
+    held = {"order": ["low", "top"], "dependencies": [edge], "groups": [["low", "top"]]}
+    assert contradictions(held, ["low"]) == []
