@@ -15,8 +15,8 @@ from topple.topology.tolerances import (
     REGION,
     STRAY,
     TOLERANCES,
-    UNUSUAL,
     USUAL,
+    USUAL_SIZES,
 )
 
 
@@ -74,8 +74,8 @@ def unit_of(scene: Scene | Mapping[str, FloatArray]) -> float:
     clouds = [scene.clouds[name] for name in scene.movable] if isinstance(scene, Scene) else scene.values()
     # twice how far nearly all points are from their middle: a few may be astray
     reach = [np.quantile(np.linalg.norm(cloud - middle_of(cloud), axis=1), 0.95) for cloud in clouds]
-    ratio = 2.0 * float(np.median(reach)) / USUAL if reach else 1.0
-    return ratio if ratio * UNUSUAL < 1.0 or ratio > UNUSUAL else 1.0
+    size = 2.0 * float(np.median(reach)) if reach else USUAL
+    return 1.0 if USUAL_SIZES[0] <= size <= USUAL_SIZES[1] else size / USUAL
 
 
 def clean(points: FloatArray) -> FloatArray:

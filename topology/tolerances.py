@@ -136,8 +136,8 @@ FEWEST_SEEN = 4
 USUAL = 0.15
 """Size [m] of what lengths of statics are meant for: half of what is in a kitchen is 12 to 17 cm large."""
 
-UNUSUAL = 2.0
-"""How many times smaller or larger than that half of a scene's things are before the scene is scaled."""
+USUAL_SIZES = (0.075, 0.43)
+"""Sizes [m] between which half of a scene's things lie that is asked about as it is."""
 
 
 # -- upright

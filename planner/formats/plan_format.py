@@ -74,7 +74,10 @@ class Plan(PlanData, frozen=True, kw_only=True):  # noqa: D101 - what its data s
         Raises:
             InvalidInput: It cannot be read, or is no plan.
         """
-        return plan_from_json(read_bytes(Path(path), str(path)), str(path))
+        try:
+            return plan_from_json(read_bytes(Path(path), str(path)), str(path))
+        except OSError as error:
+            raise InvalidInput(f"{path}: cannot be read, {error.strerror}") from error
 
 
 def plan_to_json(plan: Plan) -> bytes:

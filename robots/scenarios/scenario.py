@@ -13,6 +13,7 @@ from topple.robots.scenarios.tolerances import ATTEMPTS, CREEP, OVERLAP, REACHED
 from topple.robots.world.bodies import Body
 from topple.robots.world.camera import Camera
 from topple.robots.world.physical_world import PhysicalWorld
+from topple.topology.arguments import checked_arguments
 from topple.topology.arrays import FloatArray
 from topple.topology.errors import ToppleError
 
@@ -156,6 +157,7 @@ def _made(
     raise ToppleError(f"scenario {name!r} found no layout for seed {seed} in {ATTEMPTS} attempts: {reason}")
 
 
+@checked_arguments
 def around(target: tuple[float, float, float]) -> tuple[Camera, ...]:
     """Three cameras around a place (3,) [m], looking down at it, the first one opposite the robot."""
     angles = np.arange(CAMERAS) * (2 * np.pi / CAMERAS)
