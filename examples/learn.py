@@ -1,7 +1,6 @@
 """A small policy learns what to take next of a pile, then plays fresh piles beside the highest first.
 
-    python examples/learn.py                        # learn on 8 piles, play another one
-    python examples/learn.py learned.json 64 200    # learn on 64 piles, play 200 others: 20 minutes
+    python examples/learn.py [learned.json 64 200]  # learn on 8 [64] piles, play 1 [200] others [20 minutes]
 
 REINFORCE in numpy, on five numbers an object out of the arrays of the observation. Needs the extra `gym`.
 """
@@ -41,8 +40,7 @@ def play(env, weights, scene, rng=None):
     return gained, gradient, len(told), int(disturbed), bool(info["reached"])
 
 
-out, episodes, fresh = sys.argv[1:] or ("learned.json", 8, 1)
-out, episodes, fresh = Path(out), int(episodes), int(fresh)
+episodes, fresh = map(int, sys.argv[2:] or (8, 1))
 env = gymnasium.make("topple.planner.environment:topple/Pile-v0")
 rng, weights, returns = np.random.default_rng(0), np.zeros(5), list[float]()
 for first in range(0, episodes, BATCH):
@@ -58,4 +56,4 @@ for name, policy in (("learned", weights), ("highest", HIGHEST)):
     clean = sum(reached and not disturbed for *_, disturbed, reached in rows)
     mean = np.mean([row[0] for row in rows])
     print(f"{name}: return {mean:.2f}, nothing disturbed in {clean} of {fresh}")
-out.write_text(json.dumps(document), encoding="utf-8")
+Path(*sys.argv[1:2] or ["learned.json"]).write_text(json.dumps(document), encoding="utf-8")

@@ -69,13 +69,13 @@ def unit_of(scene: Scene | Mapping[str, FloatArray]) -> float:
         scene: A scene, or clouds (N, 3) [m] by name, those that can move.
 
     Returns:
-        The size of half of its things over the usual one; 1 where they are not unusual.
+        The size of half of its things over the usual one; 1 where they are not unusual, or have none.
     """
     clouds = [scene.clouds[name] for name in scene.movable] if isinstance(scene, Scene) else scene.values()
     # twice how far nearly all points are from their middle: a few may be astray
     reach = [np.quantile(np.linalg.norm(cloud - middle_of(cloud), axis=1), 0.95) for cloud in clouds]
     size = 2.0 * float(np.median(reach)) if reach else USUAL
-    return 1.0 if USUAL_SIZES[0] <= size <= USUAL_SIZES[1] else size / USUAL
+    return 1.0 if size == 0.0 or USUAL_SIZES[0] <= size <= USUAL_SIZES[1] else size / USUAL
 
 
 def clean(points: FloatArray) -> FloatArray:

@@ -1,4 +1,6 @@
-"""A scene in another frame."""
+"""A scene in another frame, or of another size."""
+
+from dataclasses import replace
 
 from topple.topology.arrays import FloatArray
 from topple.topology.cloud import clean
@@ -24,4 +26,24 @@ def in_frame(scene: Scene, pose_scene_to_frame: FloatArray, up: FloatArray) -> S
         friction=scene.friction,
         models={name: fit.moved(pose_scene_to_frame) for name, fit in scene.models.items()},
         matter=transformed(scene.matter, pose_scene_to_frame),
+    )
+
+
+def enlarged(scene: Scene, factor: float) -> Scene:
+    """Give a scene in which everything is larger by a factor, masses by its cube.
+
+    Args:
+        scene: The scene; meshes, matter and the robot's base are left out.
+        factor: How many times as long everything is.
+    """
+    return Scene(
+        {name: cloud * factor for name, cloud in scene.clouds.items()},
+        sorted(scene.fixed),
+        scene.up,
+        scene.viewpoints * factor,
+        [image.enlarged(factor) for image in scene.images],
+        assumptions=scene.assumptions,
+        masses={name: mass * factor**3 for name, mass in scene.masses.items()},
+        friction=scene.friction,
+        models={name: replace(fit, seen=fit.seen * factor) for name, fit in scene.models.items()},
     )

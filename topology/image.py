@@ -91,7 +91,7 @@ class DepthImage(ByValue):
         """Centre of the camera (3,) in world coordinates, in [m]."""
         return self.pose_camera_to_world[:3, 3]
 
-    def scaled(self, factor: float) -> "DepthImage":
+    def enlarged(self, factor: float) -> "DepthImage":
         """The picture that the same things enlarged by a factor would give from as much further away."""
         pose = self.pose_camera_to_world.copy()
         pose[:3, 3] *= factor

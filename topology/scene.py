@@ -299,20 +299,6 @@ class Scene(ByValue):
         """Put the robot's base at a rigid pose (4, 4) in the world, whatever the scene said of it."""
         return self._changed(robot_base=as_pose(robot_base, "base"))
 
-    def scaled(self, factor: float) -> "Scene":
-        """Enlarge what orders hang on, masses by a factor cubed; meshes, base and matter stay behind."""
-        models = {name: replace(fit, seen=fit.seen * factor) for name, fit in self.models.items()}
-        return self._changed(
-            clouds=FrozenDict({name: frozen(points * factor) for name, points in self.clouds.items()}),
-            viewpoints=frozen(self.viewpoints * factor),
-            images=tuple(image.scaled(factor) for image in self.images),
-            masses=FrozenDict({name: mass * factor**3 for name, mass in self.masses.items()}),
-            models=FrozenDict(models),
-            meshes=FrozenDict({}),
-            robot_base=None,
-            matter=frozen(np.empty((0, 3))),
-        )
-
     def with_cloud(self, name: str, points: ArrayLike) -> "Scene":
         """Give an object a new cloud, or add one.
 
@@ -380,7 +366,7 @@ class Scene(ByValue):
         Raises:
             InvalidInput: The file cannot be written, or an object has the name of another of its arrays.
         """
-        from topple.topology.io.clouds import write_clouds
+        from topple.topology.io.write import write_clouds  # not before: `io` is of scenes
 
         kept = ("up", "viewpoints", "robot_base", "matter", "masses", "friction")
         about = {"fixed": sorted(self.fixed), **{key: getattr(self, key) for key in kept}}

@@ -16,6 +16,7 @@ from topple.topology.bodies.surfaces import carry_over, surfaces_of
 from topple.topology.bodies.tolerances import GRAIN
 from topple.topology.cloud import unit_of
 from topple.topology.evidence import Evidence
+from topple.topology.frame import enlarged
 from topple.topology.geometry.hull import Hull
 from topple.topology.geometry.samples import sampled
 from topple.topology.io.load import AnyScene, as_scene
@@ -101,7 +102,7 @@ class Situation:
         unit = unit_of(self.scene)
         if unit == 1.0:
             return self
-        return Situation(self.scene.scaled(1.0 / unit), self.relations, unit=unit)
+        return Situation(enlarged(self.scene, 1.0 / unit), self.relations, unit=unit)
 
     @property
     def movable(self) -> tuple[str, ...]:

@@ -171,7 +171,7 @@ CHANGES = (
         fault=False,
     ),
     Change(
-        "pairs by two loops", _DEPENDENCY,
+        "pairs by two loops", "planner/decide/disturbance.py",
         "    for first, then in combinations(statics.upright.movable, 2):\n"
         "        if (first, then) in hanging and (then, first) in hanging:",
         "    for then, first in combinations(statics.upright.movable, 2):\n"

@@ -26,11 +26,11 @@ from topple.benchmarks.truth.geometry import RelationLabels, relations_of
 from topple.benchmarks.truth.oracle import labels_of
 from topple.benchmarks.truth.resting import FRICTION, RestingScene
 from topple.planner.cli.console import print_text
-from topple.planner.formats.files import write_whole
 from topple.planner.simulate.lifts import set_friction
 from topple.robots.poses import pose_from
 from topple.robots.world.bodies import Body
 from topple.topology.errors import InvalidInput, ToppleError
+from topple.topology.files import write_whole
 from topple.topology.workers import WorkerPool
 
 FILE = Path(__file__).with_name("pool.npz")

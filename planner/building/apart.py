@@ -9,7 +9,8 @@ import networkx as nx
 from topple.planner.building.prefixes import Falling, Names, Prefixes, fewest_holds, in_units
 from topple.planner.building.standing import falling_in, meeting_in
 from topple.planner.decide.arrange import Apart, TakeApart
-from topple.planner.decide.dependency import DependencyGraph, fallen_without
+from topple.planner.decide.dependency import DependencyGraph
+from topple.planner.decide.disturbance import fallen_without
 from topple.planner.decide.hold import Hold, hands_for
 from topple.topology.situation import Situation
 from topple.topology.statics.rest import Statics

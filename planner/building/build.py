@@ -84,7 +84,8 @@ def build_order(scene: AnyScene | Situation, *, relations: "Relations | None" = 
         InvalidInput: The scene has no `up`, or hangs in the air with it and would stand with another; nothing
             in it can move.
     """
-    situation = Situation.of(scene, relations).sized
+    seen = Situation.of(scene, relations)
+    situation = seen.sized
     scene, statics = situation.scene, situation.statics
     if not scene.movable:
         raise InvalidInput("nothing in the scene can move: every object is fixed")
@@ -122,7 +123,7 @@ def build_order(scene: AnyScene | Situation, *, relations: "Relations | None" = 
         groups=tuple(groups),
         unresolved=(),
         risk=FrozenDict(_risks(steps, holds, chances)),
-        assumptions=(*scene.assumptions, *assumptions(scene, statics), *_unsteady(statics)),
+        assumptions=(*scene.assumptions, *assumptions(seen.scene, seen.statics), *_unsteady(statics)),
         explanation=_explained(steps, holds, groups, graph),
         chances=FrozenDict({(then, first): chance for (first, then), chance in chances.items()}),
         holds=tuple(holds),

@@ -6,8 +6,8 @@ from collections.abc import Callable, Sequence
 from functools import partial
 from typing import TYPE_CHECKING
 
-from topple.planner.formats.files import check_writable
 from topple.topology.errors import InvalidInput
+from topple.topology.files import check_writable
 
 if TYPE_CHECKING:
     from pathlib import Path

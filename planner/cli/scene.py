@@ -11,7 +11,7 @@ from topple.planner.cli.main import DONE
 from topple.planner.cli.options import scene_paths
 from topple.planner.cli.progress import Progress
 from topple.planner.cli.tables import print_assumptions
-from topple.planner.formats.files import check_writable
+from topple.topology.files import check_writable
 
 if TYPE_CHECKING:
     from topple.topology.scene import Scene
@@ -65,7 +65,7 @@ def _write(place: Any, scene: "Scene") -> None:
     """The scene as an `.npz` of clouds, thinned."""
     import io
 
-    from topple.planner.formats.files import write_whole
+    from topple.topology.files import write_whole
     from topple.topology.geometry.thin import thinned
 
     clouds: dict[str, Any] = {

@@ -10,8 +10,8 @@ from topple.planner.cli.main import DONE
 from topple.planner.cli.options import orderer_of, read_scene, rule_of, scene_paths
 from topple.planner.cli.progress import Progress
 from topple.planner.cli.tables import models_in, print_assumptions
-from topple.planner.formats.files import check_writable, write_whole
 from topple.topology.errors import InvalidInput
+from topple.topology.files import check_writable, write_whole
 
 if TYPE_CHECKING:
     from topple.planner.decide.arrange import Order

@@ -4,10 +4,8 @@ from collections.abc import Collection, Mapping
 from dataclasses import dataclass, field
 from statistics import fmean
 
+from topple.planner.decide.disturbance import Pair
 from topple.topology.values import ByValue
-
-Pair = tuple[str, str]
-"""(first, then): whether taking `then` moves `first`."""
 
 
 @dataclass(frozen=True, eq=False)

@@ -1,28 +1,25 @@
 """What must go first: a directed graph whose every edge has a reason and the relations it rests on."""
 
-from collections.abc import Collection, Iterable, Mapping, Sequence
+from collections.abc import Collection, Iterable, Mapping
 from dataclasses import dataclass, replace
 from functools import cache
-from itertools import combinations
 from typing import TYPE_CHECKING, Any
 
 import networkx as nx
 import numpy as np
 
+from topple.planner.decide.disturbance import disturbances, fallen_without
 from topple.planner.decide.rates import rates_for, way_found
-from topple.planner.decide.tolerances import BOARD, CLEARLY, PRESSED
+from topple.planner.decide.tolerances import PRESSED
 from topple.planner.tolerances import DISTURBED
 from topple.topology.arguments import checked_arguments
-from topple.topology.arrays import FloatArray, bounds
 from topple.topology.errors import InvalidInput, UnknownObject
 from topple.topology.evidence import Evidence
-from topple.topology.geometry.broadphase import near_both_ways
 from topple.topology.io.load import AnyScene
 from topple.topology.situation import Situation
 from topple.topology.sixim.table import Relation
 from topple.topology.statics.rest import Statics
-from topple.topology.statics.sweep import Overlap, overlap
-from topple.topology.statics.tolerances import SWEEP_CELL
+from topple.topology.statics.sweep import Overlap
 from topple.topology.values import ByValue, Word
 
 if TYPE_CHECKING:
@@ -48,9 +45,6 @@ REASONS = tuple(Reason)
 
 
 INSIDE = (Relation.WITHIN, Relation.PARTIAL_WITHIN)
-
-_Pair = tuple[str, str]
-"""What goes first, and what must wait."""
 
 
 @dataclass(frozen=True)
@@ -211,7 +205,7 @@ def dependencies(
     situation = Situation.of(scene, relations).sized
     statics, names = situation.statics, situation.movable
     touching = statics.touching
-    hanging, lost = _both_questions(situation)
+    hanging, lost = disturbances(situation)
     found = [_lifted(first, then, over, touching, situation) for (first, then), over in hanging.items()]
     found += [_falls(first, then, missing, touching) for (first, then), missing in lost.items()]
     # The reason with the wider margin is given; how far it is believed has been counted.
@@ -241,7 +235,7 @@ def ways_found(situation: Situation) -> dict[tuple[str, str], int]:
     Returns:
         (first, then) -> position in `topple.planner.decide.rates.Found`, for every pair that it finds.
     """
-    return _ways(*_both_questions(situation.sized))
+    return _ways(*disturbances(situation.sized))
 
 
 def _ways(
@@ -250,42 +244,6 @@ def _ways(
     """In which way each pair was found."""
     pushes = {pair: hanging[pair].evasion if pair in hanging else None for pair in (*hanging, *lost)}
     return {pair: way_found(push, pair in lost) for pair, push in pushes.items()}
-
-
-def _both_questions(situation: Situation) -> tuple[dict[_Pair, Overlap], dict[_Pair, float]]:
-    """What hangs over what, and what falls without what."""
-    hanging = _hanging(situation.statics)
-    return hanging, _falling_still(hanging, _lost(situation), situation.statics)
-
-
-def _falling_still(
-    hanging: Mapping[_Pair, Overlap], lost: Mapping[_Pair, float], statics: Statics
-) -> dict[_Pair, float]:
-    """What falls without something also once all is gone that has to go before that anyway.
-
-    Without one pier the bridge tips and throws the other over; but the bridge goes before either.
-    """
-    before: nx.DiGraph[str] = nx.DiGraph((*hanging, *lost))
-
-    @cache
-    def fallen(away: frozenset[str]) -> Collection[str]:
-        return fallen_without(statics, away).keys()
-
-    def still(first: str, then: str) -> bool:
-        others = nx.ancestors(before.subgraph(before.nodes - {first}), then)
-        return not others or first in fallen(frozenset({then, *others}))
-
-    return {pair: far for pair, far in lost.items() if pair in hanging or still(*pair)}
-
-
-def _lost(situation: Situation) -> dict[_Pair, float]:
-    """(first, then) -> by how much first falls without then, for those that do and hang together with it."""
-    return {
-        (first, then): missing
-        for then in situation.movable
-        for first, missing in fallen_without(situation.statics, [then]).items()
-        if situation.hang_together(first, then)
-    }
 
 
 def _evidence(edge: Dependency, swept: bool, situation: Situation) -> tuple[Evidence, ...]:
@@ -305,33 +263,6 @@ def _lies(edge: Dependency, situation: Situation) -> str:
     angles = np.sort(np.arctan2(around[:, 1], around[:, 0]))
     # inside an outline there is some of it in every half plane
     return "on" if np.diff(angles, append=angles[0] + 2 * np.pi).max() < np.pi else ""
-
-
-def fallen_without(statics: Statics, away: Collection[str], held: Collection[str] = ()) -> dict[str, float]:
-    """What falls once objects are gone.
-
-    Whole surfaces tell how far something falls; where half of a body is a guess, only that it may. That a
-    body falls once a weight is taken off it, or off what it carries, is believed where no forces hold it,
-    either: sparse feet tilt.
-
-    Args:
-        statics: The scene at rest.
-        away: Names taken out of it.
-        held: Names that a hand keeps still.
-
-    Returns:
-        name -> by how much more it falls than what just counts, or the share of its weight nothing holds.
-    """
-    if statics.sight is not None:
-        return statics.unsteady_without(away, held)
-    lost = {name: far - 1.0 for name, far in statics.fallen_without(away, held).items()}
-    touching = statics.touching
-    normals = {name: [touching[gone, name] for gone in away if (gone, name) in touching] for name in lost}
-    lowest = min((statics.weights[name].centre[2] for name in away), default=-np.inf)
-    below = {name for name in lost if not normals[name] and statics.weights[name].centre[2] < lowest}
-    freed = [name for name in lost if name in below or max(normals[name], default=0.0) < PRESSED]
-    unheld = statics.unsteady_without(away, held) if freed else {}
-    return {name: far for name, far in lost.items() if name not in freed or name in unheld}
 
 
 def with_fixture(graph: DependencyGraph, statics: Statics, clamped: Collection[str]) -> DependencyGraph:
@@ -359,38 +290,6 @@ def with_fixture(graph: DependencyGraph, statics: Statics, clamped: Collection[s
         if (edge.first, edge.then) in swept or edge.first not in kept(edge.then)
     ]
     return DependencyGraph(graph.names, tuple(left))
-
-
-def _hanging(statics: Statics) -> dict[tuple[str, str], Overlap]:
-    """(first, then) -> how first hangs over then, for those that a lift of then would push aside.
-
-    Where each of two objects seems to hang over the other, one of them often does so only by the surface that
-    was guessed for it, or by a few pixels on the wrong side of a mask's edge: what was seen then decides.
-    """
-    surfaces, seen = statics.surfaces, statics.upright.clouds
-    stands_at = {name: statics.upright.floor_under(surfaces[name]) for name in statics.upright.movable}
-    hanging: dict[tuple[str, str], Overlap] = {}
-    for first, then in _over_each_other(surfaces, statics.upright.movable):
-        if float(surfaces[then][:, 2].max()) < stands_at[first] - BOARD:
-            continue  # a board that never moves is between them
-        over = overlap(surfaces[first], surfaces[then])
-        if over is not None and over.evasion > DISTURBED:
-            hanging[first, then] = over
-    for first, then in combinations(statics.upright.movable, 2):
-        if (first, then) in hanging and (then, first) in hanging:
-            views = (overlap(seen[a], seen[b]) for a, b in ((first, then), (then, first)))
-            forth, back = (0.0 if view is None else view.area for view in views)
-            if back < CLEARLY * forth:
-                del hanging[then, first]
-            elif forth < CLEARLY * back:
-                del hanging[first, then]
-    return hanging
-
-
-def _over_each_other(surfaces: Mapping[str, FloatArray], names: Sequence[str]) -> list[tuple[str, str]]:
-    """Ordered pairs of the names whose boxes meet in plan, or nearly: no others hang over each other."""
-    plans = [(lower[:2], upper[:2]) for lower, upper in (bounds(surfaces[name]) for name in names)]
-    return [(names[i], names[j]) for i, j in near_both_ways(plans, 3 * SWEEP_CELL)]
 
 
 def _lifted(

@@ -13,7 +13,6 @@ from topple.planner.execution.demo_seeds import CAMERAS, default_seed
 from topple.planner.execution.look import Look, Observer, Relate
 from topple.planner.execution.loop import ClosedLoop
 from topple.planner.execution.two_arms import check_recording
-from topple.planner.formats.files import check_writable, make_folder, write_all, write_whole
 from topple.planner.formats.plan_format import plan_to_json
 from topple.planner.formats.run_record import INTERRUPTED, Document, RunRecord
 from topple.planner.planning.goal_task import GoalTask
@@ -33,6 +32,7 @@ from topple.robots.world.camera import Camera
 from topple.robots.world.film import filmed
 from topple.robots.world.recorded import recorded
 from topple.topology.arguments import checked_arguments
+from topple.topology.files import check_writable, make_folder, write_all, write_whole
 from topple.topology.workers import serve
 
 Progress = Callable[[str], None]

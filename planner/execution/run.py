@@ -9,7 +9,6 @@ from topple.planner.execution.look import Relate
 from topple.planner.execution.loop import ClosedLoop, Progress
 from topple.planner.execution.rehearsal import Rehearsal, Z
 from topple.planner.execution.two_arms import check_recording
-from topple.planner.formats.files import write_whole
 from topple.planner.formats.run_record import RunRecord
 from topple.planner.grasp.given import OwnGrasps, own_grasps
 from topple.planner.planning.goal_task import GoalTask
@@ -26,6 +25,7 @@ from topple.robots.world.recorded import recorded
 from topple.topology.arguments import checked_arguments
 from topple.topology.arrays import FloatArray
 from topple.topology.checks import as_pose
+from topple.topology.files import write_whole
 from topple.topology.io.load import AnyScene, as_scene
 from topple.topology.statics.gravity import check_up
 

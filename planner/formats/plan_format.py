@@ -10,7 +10,6 @@ import numpy as np
 
 from topple.planner.decide.goal import Action, PlaceRelation
 from topple.planner.fallbacks import Fallback
-from topple.planner.formats.files import write_whole
 from topple.planner.formats.plan_structs import FORMAT, FORMAT_VERSION, Matrix, PlanData
 from topple.planner.formats.verification import Verification
 from topple.planner.transfer.segments import KINDS
@@ -19,6 +18,7 @@ from topple.robots.arm.arm import Arm
 from topple.topology.arguments import checked_arguments
 from topple.topology.checks import as_pose
 from topple.topology.errors import InvalidInput
+from topple.topology.files import write_whole
 from topple.topology.io.limits import read_bytes
 from topple.topology.io.load import AnyScene, as_scene
 from topple.topology.io.strict_json import read_json

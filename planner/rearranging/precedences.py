@@ -117,7 +117,7 @@ def precedences(
     names = before.movable
     staying = tuple(name for name in names if name in staying)
     places = tuple(_places(before, surfaces, staying))
-    first_off = steadied(names, ((e.then, e.first) for e in removals), falling_in(before.statics)).edges
+    first_off = steadied(names, ((e.then, e.first) for e in removals), falling_in(before.sized.statics)).edges
     pairs: set[Pair] = {((Act.TAKE, b), (Act.TAKE, a)) for a, b in first_off}
     pairs |= {((Act.PUT, a), (Act.PUT, b)) for a, b in arrangement.first_down}
     pairs |= {((Act.TAKE, place.first), (Act.PUT, place.then)) for place in places}

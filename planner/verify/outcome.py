@@ -139,7 +139,7 @@ def _graph(situation: Situation, fixture: Collection[str]) -> "tuple[Dependency,
     if not fixture:
         return dependencies(situation).dependencies
     full = dependencies(situation, direct=False)
-    return with_fixture(full, situation.statics, fixture).reduced().dependencies
+    return with_fixture(full, situation.sized.statics, fixture).reduced().dependencies
 
 
 def check_actions(plan: PlanData, scene: Scene) -> Residual:
@@ -185,7 +185,7 @@ def _derived(plan: PlanData, situation: Situation, first: Mapping[str, int]) -> 
     for then in full.names:
         some = DependencyGraph(full.names, tuple(edge for edge in full.dependencies if edge.then == then))
         still = [name for name in plan.clamped if first.get(name, never) >= first.get(then, never)]
-        left += with_fixture(some, situation.statics, still).dependencies
+        left += with_fixture(some, situation.sized.statics, still).dependencies
     return DependencyGraph(full.names, tuple(left)).reduced().dependencies
 
 

@@ -6,8 +6,8 @@ from pathlib import Path
 import pytest
 
 from topple.planner.formats import files
-from topple.planner.formats.files import check_writable, write_all, write_whole
 from topple.topology.errors import InvalidInput
+from topple.topology.files import check_writable, write_all, write_whole
 
 
 def test_text_and_bytes_are_written_and_nothing_else_is_left(tmp_path: Path) -> None:

@@ -1,22 +1,14 @@
 """An `.npz` of clouds: one array (N, 3) per object under the object's name."""
 
-import io
-import json
 from collections.abc import Collection, Mapping
-from pathlib import Path
-from typing import Any
 
 import numpy as np
 
-from topple.topology.arrays import FloatArray
 from topple.topology.errors import InvalidInput
 from topple.topology.io.archive import Array
 from topple.topology.io.assemble import Parts
 from topple.topology.io.strict_json import read_json
-
-SPECIAL = ("up", "fixed", "viewpoints", "table_plane", "robot_base")
-_OWN = (*SPECIAL, "matter")
-_BY_NAME = {"masses": '{"mug": 0.35}', "friction": '{"mug": 0.6}'}
+from topple.topology.io.write import BY_NAME, OWN
 
 
 def parts_from_clouds(arrays: Mapping[str, Array]) -> Parts:
@@ -35,7 +27,7 @@ def parts_from_clouds(arrays: Mapping[str, Array]) -> Parts:
         InvalidInput: If `fixed` does not hold names, or `masses` or `friction` are neither text nor a cloud.
     """
     clouds = {
-        name: array for name, array in arrays.items() if name not in _OWN and array.dtype.kind not in "US"
+        name: array for name, array in arrays.items() if name not in OWN and array.dtype.kind not in "US"
     }
     masses, friction = (amounts_in(arrays, key) for key in ("masses", "friction"))
     if not clouds:
@@ -53,32 +45,8 @@ def parts_from_clouds(arrays: Mapping[str, Array]) -> Parts:
         matter=arrays.get("matter"),
         masses=masses,
         friction=friction,
-        notes=ignored(arrays, {*clouds, *_OWN, *_BY_NAME}),
+        notes=ignored(arrays, {*clouds, *OWN, *BY_NAME}),
     )
-
-
-def write_clouds(path: Path, clouds: Mapping[str, FloatArray], about: Mapping[str, Any]) -> None:
-    """Write a scene's file as `parts_from_clouds` takes it apart.
-
-    Args:
-        path: The file.
-        clouds: (N, 3) points in [m] by name.
-        about: Its other keys; what is None or empty is left out.
-
-    Raises:
-        InvalidInput: The file cannot be written, or an object has the name of one of the other keys.
-    """
-    if odd := sorted(clouds.keys() & {*_OWN, *_BY_NAME, "file", "allow_pickle"}):
-        raise InvalidInput(f"an object is called {odd[0]!r}, which a scene's file has for itself: rename it")
-    given = {key: value for key, value in about.items() if value is not None and len(value)}
-    texts = {key: json.dumps(dict(given[key])) for key in given.keys() & _BY_NAME.keys()}
-    arrays: dict[str, Any] = {**clouds, **given, **texts}
-    buffer = io.BytesIO()
-    np.savez_compressed(buffer, **arrays)
-    try:
-        path.write_bytes(buffer.getvalue())
-    except (OSError, ValueError) as error:
-        raise InvalidInput(f"{path}: cannot be written, {getattr(error, 'strerror', error)}") from error
 
 
 def amounts_in(arrays: Mapping[str, Array], key: str) -> object:
@@ -101,7 +69,7 @@ def amounts_in(arrays: Mapping[str, Array], key: str) -> object:
     if array.size != 1 or array.dtype.kind not in "US":
         raise InvalidInput(
             f"{key} is an array {array.shape} of {array.dtype}, which names no object: expected JSON text, "
-            f"{key}=json.dumps({_BY_NAME[key]})"
+            f"{key}=json.dumps({BY_NAME[key]})"
         )
     (text,) = names_in(array)
     return read_json(text, key)

@@ -12,8 +12,9 @@ from topple.topology.errors import InvalidInput
 from topple.topology.image import DepthImage, check_depth
 from topple.topology.io.archive import MASK_KEYS, STACK_KEY, Array
 from topple.topology.io.assemble import Parts, assemble
-from topple.topology.io.clouds import SPECIAL, amounts_in, ignored
+from topple.topology.io.clouds import amounts_in, ignored
 from topple.topology.io.labels import NAMING, fixed_labels, label_names, label_of_stack
+from topple.topology.io.write import SPECIAL
 from topple.topology.scene import Scene
 
 _KEYS = ("depth", "K", "rgb", "pose_camera_to_world", "masses", "friction")

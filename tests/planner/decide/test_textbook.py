@@ -10,6 +10,7 @@ from topple.benchmarks.truth.pool import pool
 from topple.benchmarks.truth.views import WIDE, seen
 from topple.topology import DepthImage, Scene
 from topple.topology.arrays import FloatArray
+from topple.topology.frame import enlarged
 from topple.topology.situation import Situation
 
 Block = tuple[tuple[float, float, float], tuple[float, float, float], float]
@@ -77,7 +78,7 @@ def test_pictures_are_enlarged_with_what_they_show() -> None:
         arrays["depth_0"].astype(float), arrays["K"], arrays["label_0"].astype(int), arrays["pose_0"], names
     )
     scene = Scene.from_images([image], fixed=["table"], up=(0, 0, 1))
-    small = Situation(scene.scaled(0.1))
+    small = Situation(enlarged(scene, 0.1))
     assert small.sized.unit == pytest.approx(0.1, rel=0.6)
     assert Situation(scene).sized.unit == 1.0
     places = np.concatenate([scene.clouds[name] for name in scene.movable])

@@ -60,7 +60,7 @@ def test_what_stands_on_a_target_goes_first_and_says_why() -> None:
     assert step is not None
     assert step.reason.startswith("it has to go before low")
     assert step.order.order == ("top", "low")
-    assert step.against == () and step.all_fallbacks == ()
+    assert step.all_fallbacks == ()
 
 
 def test_once_that_is_gone_the_target_is_freed_and_then_nothing_is_left() -> None:

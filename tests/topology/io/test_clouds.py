@@ -1,11 +1,13 @@
 """An .npz of clouds as a scene: its keys, what is assumed, and what is refused."""
 
+import tracemalloc
 import zipfile
 from pathlib import Path
 
 import numpy as np
 import pytest
 
+from topple.topology import Scene
 from topple.topology.errors import InvalidInput, UnknownObject
 from topple.topology.io import load_scene
 
@@ -243,3 +245,22 @@ def test_matter_is_no_object(tmp_path: Path) -> None:
     np.savez(tmp_path / "scene.npz", mug=BOX, matter=np.zeros((3, 2)))
     with pytest.raises(InvalidInput, match=r"scene\.npz: matter .*\(3, 2\)"):
         load_scene(tmp_path / "scene.npz")
+
+
+def test_masked_points_are_not_taken_for_points() -> None:
+    masked = np.ma.masked_array(BOX, mask=np.zeros(BOX.shape, dtype=bool))
+    assert Scene({"a": masked}).names == ("a",)
+    masked[3] = np.ma.masked
+    with pytest.raises(InvalidInput, match="masked entries"):
+        Scene({"a": masked})
+
+
+def test_a_table_under_objects_far_from_each_other_has_a_bounded_number_of_points(tmp_path: Path) -> None:
+    path = _save(tmp_path, a=BOX, b=BOX + np.array([9e7, 2e7, 0.0]), table_plane=[0.0, 0.0, 1.0, 0.0])
+    tracemalloc.start()
+    try:
+        with pytest.raises(InvalidInput, match="extends over"):
+            load_scene(path)
+        assert tracemalloc.get_traced_memory()[1] < 50e6
+    finally:
+        tracemalloc.stop()

@@ -175,7 +175,7 @@ def test_without_small_gicp_its_extra_is_named() -> None:
         "register((), (), ())"
     )
     done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=False)
-    assert "needs small_gicp: pip install 'small_gicp>=1.0'" in done.stderr.splitlines()[-1]
+    assert "needs small_gicp: pip install 'small-gicp>=1.0'" in done.stderr.splitlines()[-1]
 
 
 def test_what_no_mask_names_is_matter_of_the_merged_scene() -> None:
