@@ -5,7 +5,7 @@ from pathlib import Path
 
 import pytest
 
-from topple.planner.formats import files
+from topple.topology import files
 from topple.topology.errors import InvalidInput
 from topple.topology.files import check_writable, write_all, write_whole
 
