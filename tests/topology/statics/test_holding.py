@@ -6,7 +6,6 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from topple.benchmarks.clouds import brick_wall
 from topple.topology.statics.equilibrium import Weight, balance
 from topple.topology.statics.falling import _sunk
 from topple.topology.statics.holding import SMALL, deficits, is_held
@@ -29,7 +28,8 @@ def test_deficits_are_those_of_the_programme_whoever_is_gone(seed: int) -> None:
 
 @pytest.mark.parametrize("bricks", [15, 24])  # of the second some of what falls is asked about alone
 def test_falls_of_a_large_island_are_those_of_the_programme_whoever_is_gone(bricks: int) -> None:
-    statics = Statics.of(brick_wall(bricks, 0))
+    clouds = pytest.importorskip("topple.benchmarks.clouds", reason="the benches come with a checkout")
+    statics = Statics.of(clouds.brick_wall(bricks, 0))
     points = sum(len(contact.gaps) for contact in statics._catching)
     assert 6 * len(statics.weights) * 6 * points > SMALL  # none of it is solved one force at a time
     moving = 0
