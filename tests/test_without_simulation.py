@@ -85,7 +85,6 @@ def test_an_arm_of_ones_own_plans_ranks_and_is_exported(folder: Path) -> None:
         ("run", "scene.npz", "--target", "box"),
         ("order", "scene.npz", "--verify"),
         ("plan", "scene.npz", "--target", "box"),
-        ("bench", "run", "--quick"),
     ],
 )
 def test_what_needs_the_engine_says_so_in_one_line(folder: Path, command: tuple[str, ...]) -> None:
@@ -94,3 +93,9 @@ def test_what_needs_the_engine_says_so_in_one_line(folder: Path, command: tuple[
     assert said.splitlines()[-1].startswith("topple: ")
     assert "pip install 'pybullet" in said.splitlines()[-1]
     assert "Traceback" not in said
+
+
+@pytest.mark.skipif(find_spec("topple.benchmarks.clouds") is not None, reason="a checkout has the benches")
+def test_a_wheel_says_where_the_benches_are(folder: Path) -> None:
+    printed, said = _topple(folder, "bench", "run", "--quick", code=2)
+    assert printed == "" and "works in a checkout of topple alone" in said.splitlines()[-1]
