@@ -33,6 +33,9 @@ FEW = 20
 MANY = 400
 """Scenes of the pool on which a change is judged, drawn by its commit."""
 
+TAUGHT = 4
+"""Beyond those, every so manieth scene of a set teaches how likely what is found of a pair is true."""
+
 TABLE_LABEL = "1"
 """Label of the table in recorded frames."""
 
@@ -74,13 +77,24 @@ def drawn(commit: str) -> list[PoolScene]:
         commit: Its name; another commit draws other scenes, so that no set becomes what one works towards.
     """
     rng = np.random.default_rng(int(hashlib.sha256(commit.encode()).hexdigest()[:8], 16))
-    every = pool.pool()
+    taught = {scene.name for scene in training()}
+    every = [scene for scene in pool.pool() if scene.name not in taught]
     found: list[PoolScene] = []
     for which in SETS:
         own = [scene for scene in every if scene.set == which]
         count = min(len(own), round(MANY * len(own) / len(every)))
         found += [own[k] for k in sorted(rng.choice(len(own), count, replace=False))]
     return found
+
+
+def training() -> list[PoolScene]:
+    """Scenes that chances are fitted to: no version is judged on them."""
+    return [scene for which in SETS for scene in [s for s in pool.pool() if s.set == which][FEW::TAUGHT]]
+
+
+def table_of(scene: PoolScene) -> tuple[float, float]:
+    """Extents of the table [m] that a scene is looked at on."""
+    return views.WIDE if scene.seed % views.NARROW_EVERY else NARROW
 
 
 def pool_cases(
@@ -137,8 +151,7 @@ def _file(place: Path, scene: PoolScene, view: str, look: int) -> Path:
 
 def _rendered(place: Path, job: tuple[PoolScene, str, int]) -> Path:
     scene, view, look = job
-    narrow = scene.seed % views.NARROW_EVERY == 0
-    arrays = views.seen(scene.resting, VIEWS[view], look, NARROW if narrow else views.WIDE)
+    arrays = views.seen(scene.resting, VIEWS[view], look, table_of(scene))
     path = _file(place, scene, view, look)
     views.keep(arrays, path)
     return path

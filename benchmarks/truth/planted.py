@@ -108,9 +108,8 @@ CHANGES = (
         "return points @ self.normal + self.offset", "return points @ self.normal + self.offset + 0.005",
     ),
     Change(
-        "what falls is not asked", _DEPENDENCY,
-        "found += [_falls(first, then, missing, touching) for (first, then), missing in lost.items()]",
-        "lost = {}",
+        "what falls is not asked", "planner/decide/disturbance.py",
+        "falling[then].get(first, (False, 0.0)) if together else (False, 0.0)", "False, 0.0",
     ),
     Change(
         "a pixel is its mask's whatever its depth", "topology/views/borders.py",
@@ -160,22 +159,20 @@ CHANGES = (
         fault=False,
     ),
     Change(
-        "a share the other way round", _SWEEP,
-        "share=len(cells) / max(footprint, 1),", "share=1.0 / (max(footprint, 1) / len(cells)),",
+        "an area the other way round", _SWEEP,
+        "area=len(cells) * SWEEP_CELL**2", "area=SWEEP_CELL * (SWEEP_CELL * len(cells))",
         fault=False,
     ),
     Change(
         "edges in another order", _DEPENDENCY,
-        "graph = DependencyGraph(names, tuple(believed))",
-        "graph = DependencyGraph(names, tuple(sorted(believed, key=lambda e: (e.then, e.first))))",
+        "return DependencyGraph(names, tuple(edges)), chance",
+        "return DependencyGraph(names, tuple(sorted(edges, key=lambda e: (e.then, e.first)))), chance",
         fault=False,
     ),
     Change(
         "pairs by two loops", "planner/decide/disturbance.py",
-        "    for first, then in combinations(statics.upright.movable, 2):\n"
-        "        if (first, then) in hanging and (then, first) in hanging:",
-        "    for then, first in combinations(statics.upright.movable, 2):\n"
-        "        if (first, then) in hanging and (then, first) in hanging:",
+        "    for first, then in permutations(situation.movable, 2):",
+        "    for then, first in permutations(situation.movable, 2):",
         fault=False,
     ),
     Change(

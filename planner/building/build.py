@@ -13,8 +13,7 @@ from topple.planner.building.prefixes import Falling, Names, fewest_holds, in_un
 from topple.planner.building.standing import falling_in, meeting_in
 from topple.planner.decide.arrange import Order
 from topple.planner.decide.assumptions import assumptions
-from topple.planner.decide.chances import reasoned
-from topple.planner.decide.dependency import Dependency, DependencyGraph, Reason, dependencies
+from topple.planner.decide.dependency import Dependency, DependencyGraph, Reason, reasoned
 from topple.planner.decide.hold import Hold
 from topple.topology.arguments import checked_arguments
 from topple.topology.errors import InvalidInput
@@ -90,7 +89,7 @@ def build_order(scene: AnyScene | Situation, *, relations: "Relations | None" = 
     if not scene.movable:
         raise InvalidInput("nothing in the scene can move: every object is fixed")
     check_up(scene, statics)
-    full = dependencies(situation, direct=False)
+    full, chances = reasoned(situation)
     over = [(then, first) for first, then in full.swept()]
     meeting, falling = meeting_in(statics), falling_in(statics)
     low = {name: float(statics.surfaces[name][:, 2].min()) for name in scene.movable}
@@ -114,7 +113,6 @@ def build_order(scene: AnyScene | Situation, *, relations: "Relations | None" = 
     place = {name: k for k, name in enumerate(steps)}
     kept = tuple(Footing.of(e) for e in full.dependencies if place[e.then] < place[e.first])
     graph = DependencyGraph(full.names, kept).reduced()
-    chances = reasoned(full, statics, len(scene.viewpoints) or None)
     return BuildOrder(
         targets=(),
         order=tuple(steps),

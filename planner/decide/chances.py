@@ -1,30 +1,97 @@
-"""How likely each object has to go before each other one, before any simulation."""
+"""How likely taking one object moves another: what was found of a pair, weighed by how often it was true.
+
+The chance of a pair is the logistic function of a weighted sum of its `SIGNS`. The weights are fitted, by
+maximum likelihood, to scenes that were simulated, for each view, and no score is reported on these
+scenes. `chances.json` holds them; `python -m topple.benchmarks.chances` fits them anew.
+"""
 
 from collections.abc import Mapping
+from functools import cache
+from importlib.resources import files
+from itertools import permutations
 
+import msgspec
 import networkx as nx
+import numpy as np
+from scipy.special import expit
 
-from topple.planner.decide.dependency import DependencyGraph
-from topple.planner.decide.rates import rates_for
+from topple.planner.decide.disturbance import Disturbance, Pair
 from topple.planner.decide.tolerances import MEETING
+from topple.topology.arrays import FloatArray
+from topple.topology.confidence import view_of as by_cameras
+from topple.topology.scene import Scene
 from topple.topology.statics.rest import Statics
+from topple.topology.statics.sweep import Overlap
+
+SIGNS = (
+    "always", "meets", "falls", "hangs over", "seen to", "hung over", "unheld", "upward", "hooked", "depth",
+    "bottom", "top"
+)  # fmt: skip
+"""What is weighed of a pair: 1; what the two questions say; the logarithms of the areas in plan by which the
+one hangs over the other, with hidden sides and as seen, and by which the other hangs over it, in cm² and one
+more; the share of its weight that nothing carries without the other; how much the contact's normal points
+upward, and that times the logarithm of the area by which the other is seen to hang over it; by how many
+times 2 cm they lie in each other, up to 1.5; by how many times 5 cm bottom and top are higher, up to 2."""
 
 
-def standing(statics: Statics) -> Mapping[tuple[str, str], tuple[int, int]]:
-    """How objects stand to each other.
+def signs(asked: Mapping[Pair, Disturbance], surfaces: Mapping[str, FloatArray]) -> FloatArray:
+    """What is weighed of pairs.
+
+    Args:
+        asked: What was found of each.
+        surfaces: name -> (N, 3) upright surface points [m], with hidden sides.
+
+    Returns:
+        (pair, sign) as `SIGNS` has them, pairs as they were given.
+    """
+    ends = {name: np.array([body[:, 2].min(), body[:, 2].max()]) for name, body in surfaces.items()}
+    rows: list[tuple[float, ...]] = []
+    for (first, then), each in asked.items():
+        upward, back = max(each.up or 0.0, 0.0), asked.get((then, first))
+        over, seen = (_area(back.over), _area(back.seen)) if back else (0.0, 0.0)
+        higher = np.clip((ends[first] - ends[then]) / 0.05, -2.0, 2.0)
+        rows.append(
+            (1.0, each.meets, each.falls, _area(each.over), _area(each.seen), over, each.unheld, upward,
+             upward * seen, min(each.depth / 0.02, 1.5), *higher)
+        )  # fmt: skip
+    return np.array(rows, dtype=float).reshape(-1, len(SIGNS))
+
+
+def _area(over: Overlap | None) -> float:
+    return 0.0 if over is None else float(np.log1p(over.area / 1e-4))
+
+
+def chances(
+    asked: Mapping[Pair, Disturbance], surfaces: Mapping[str, FloatArray], view: str
+) -> dict[Pair, float]:
+    """How likely taking `then` moves `first`, of pairs of which something was found.
+
+    Args:
+        asked: What was found of each.
+        surfaces: name -> (N, 3) upright surface points [m], with hidden sides.
+        view: Of the scene, by `view_of`.
+
+    Returns:
+        (first, then) -> 0..1, before any simulation.
+    """
+    return dict(zip(asked, expit(signs(asked, surfaces) @ weights()[view]).tolist(), strict=True))
+
+
+def standing(statics: Statics) -> dict[Pair, tuple[int, int]]:
+    """How objects stand to each other, which says how often a dependency of theirs is overlooked.
 
     Args:
         statics: The scene at rest.
 
     Returns:
-        (first, then) -> row and column of `Overlooked`, for every ordered pair of movable objects.
+        (first, then) -> whether they touch (0), hang together through others (1) or neither (2); whether the
+        first one is the higher. For every ordered pair of movable objects.
     """
     names = statics.upright.movable
     meeting: nx.Graph[str] = nx.Graph()
     meeting.add_nodes_from(names)
-    movable = set(names)
     for contact in statics.contacts:
-        if {contact.a, contact.b} <= movable and contact.gaps.min() <= MEETING:
+        if {contact.a, contact.b} <= set(names) and contact.gaps.min() <= MEETING:
             meeting.add_edge(contact.a, contact.b)
     island = {name: i for i, part in enumerate(nx.connected_components(meeting)) for name in part}
     top = {name: float(statics.surfaces[name][:, 2].max()) for name in names}
@@ -33,23 +100,22 @@ def standing(statics: Statics) -> Mapping[tuple[str, str], tuple[int, int]]:
             0 if meeting.has_edge(first, then) else 1 if island[first] == island[then] else 2,
             int(top[first] > top[then]),
         )
-        for first in names
-        for then in names
-        if first != then
+        for first, then in permutations(names, 2)
     }
 
 
-def reasoned(graph: DependencyGraph, statics: Statics, cameras: int | None) -> dict[tuple[str, str], float]:
-    """Chance of every dependency before any simulation.
+def view_of(scene: Scene) -> str:
+    """What a scene was seen by: nothing that hid a side, one camera or several, with pictures or without."""
+    seen = by_cameras(len(scene.viewpoints))
+    return seen if scene.images or not len(scene.viewpoints) else f"{seen}, clouds"
 
-    Args:
-        graph: Dependencies by reasoning, with every edge, not reduced.
-        statics: The scene at rest.
-        cameras: How many cameras saw the scene; None for whole surfaces.
 
-    Returns:
-        (first, then) -> 0..1, for every ordered pair.
-    """
-    overlooked = rates_for(cameras).overlooked
-    chance = {pair: overlooked[row][column] for pair, (row, column) in standing(statics).items()}
-    return chance | {(edge.first, edge.then): edge.confidence for edge in graph.dependencies}
+class _Kept(msgspec.Struct):
+    weights: dict[str, tuple[float, ...]]
+
+
+@cache
+def weights() -> Mapping[str, tuple[float, ...]]:
+    """View -> the weight of each of `SIGNS`."""
+    kept = files("topple.planner.decide").joinpath("chances.json").read_bytes()
+    return msgspec.json.decode(kept, type=_Kept).weights

@@ -1,17 +1,23 @@
 """What must go first: a directed graph whose every edge has a reason and the relations it rests on."""
 
 from collections.abc import Collection, Iterable, Mapping
-from dataclasses import dataclass, replace
-from functools import cache
+from dataclasses import dataclass
+from functools import cache, partial
 from typing import TYPE_CHECKING, Any
 
 import networkx as nx
 import numpy as np
 
-from topple.planner.decide.disturbance import disturbances, fallen_without
-from topple.planner.decide.rates import rates_for, way_found
-from topple.planner.decide.tolerances import PRESSED
-from topple.planner.tolerances import DISTURBED
+from topple.planner.decide.chances import chances, standing, view_of
+from topple.planner.decide.disturbance import (
+    Disturbance,
+    Pair,
+    disturbances,
+    fallen_without,
+    falling_still,
+)
+from topple.planner.decide.rates import overlooked
+from topple.planner.decide.tolerances import COUNTS, PRESSED
 from topple.topology.arguments import checked_arguments
 from topple.topology.errors import InvalidInput, UnknownObject
 from topple.topology.evidence import Evidence
@@ -19,7 +25,6 @@ from topple.topology.io.load import AnyScene
 from topple.topology.situation import Situation
 from topple.topology.sixim.table import Relation
 from topple.topology.statics.rest import Statics
-from topple.topology.statics.sweep import Overlap
 from topple.topology.values import ByValue, Word
 
 if TYPE_CHECKING:
@@ -202,64 +207,77 @@ def dependencies(
     Raises:
         InvalidInput: The scene has no `up`.
     """
-    situation = Situation.of(scene, relations).sized
-    statics, names = situation.statics, situation.movable
-    touching = statics.touching
-    hanging, lost = disturbances(situation)
-    found = [_lifted(first, then, over, touching, situation) for (first, then), over in hanging.items()]
-    found += [_falls(first, then, missing, touching) for (first, then), missing in lost.items()]
-    # The reason with the wider margin is given; how far it is believed has been counted.
-    cameras = statics.upright.viewpoints
-    rates = rates_for(None if cameras is None else len(cameras)).found
-    ways = _ways(hanging, lost)
-    edges = DependencyGraph.of(names, found).dependencies
-    believed = [
-        replace(
-            edge,
-            confidence=rates[ways[edge.first, edge.then]],
-            evidence=_evidence(edge, (edge.first, edge.then) in hanging, situation),
-            lies=_lies(edge, situation),
-        )
-        for edge in edges
-    ]
-    graph = DependencyGraph(names, tuple(believed))
+    graph, _ = reasoned(Situation.of(scene, relations))
     return graph.reduced() if direct else graph
 
 
-def ways_found(situation: Situation) -> dict[tuple[str, str], int]:
-    """In which way reasoning finds its dependencies.
+def reasoned(situation: Situation) -> tuple[DependencyGraph, dict[Pair, float]]:
+    """Every dependency, direct or not, and how likely one holds of each ordered pair.
+
+    A dependency is what is likely enough, and what a question finds where surfaces are whole: from cameras
+    the surfaces are guesses, and so is by how much a lift misses a thing.
 
     Args:
-        situation: The scene.
+        situation: A scene that knows where up is.
 
     Returns:
-        (first, then) -> position in `topple.planner.decide.rates.Found`, for every pair that it finds.
+        The graph over the movable objects; (first, then) -> 0..1 before any simulation.
     """
-    return _ways(*disturbances(situation.sized))
+    situation = situation.sized
+    statics, names = situation.statics, situation.movable
+    whole = not len(situation.scene.viewpoints)
+    asked = disturbances(situation)
+    weighed = partial(chances, surfaces=statics.surfaces, view=view_of(situation.scene))
+    asked = falling_still(asked, _counting(asked, weighed(asked), whole), statics)
+    chance = weighed(asked)
+    edges = [_edge(pair, asked[pair], chance[pair], situation) for pair in _counting(asked, chance, whole)]
+    rates = overlooked(len(situation.scene.viewpoints))
+    told = {pair: rates[row][column] for pair, (row, column) in standing(statics).items()}
+    told |= {(edge.first, edge.then): edge.confidence for edge in edges}
+    return DependencyGraph(names, tuple(edges)), told
 
 
-def _ways(
-    hanging: Mapping[tuple[str, str], Overlap], lost: Mapping[tuple[str, str], float]
-) -> dict[tuple[str, str], int]:
-    """In which way each pair was found."""
-    pushes = {pair: hanging[pair].evasion if pair in hanging else None for pair in (*hanging, *lost)}
-    return {pair: way_found(push, pair in lost) for pair, push in pushes.items()}
+def _counting(asked: Mapping[Pair, Disturbance], chance: Mapping[Pair, float], whole: bool) -> list[Pair]:
+    """Pairs of which a dependency counts; of whole surfaces a question has to find it."""
+    return [
+        pair
+        for pair, found in asked.items()
+        if chance[pair] >= COUNTS and (not whole or found.meets or found.falls)
+    ]
 
 
-def _evidence(edge: Dependency, swept: bool, situation: Situation) -> tuple[Evidence, ...]:
-    """The relations that an edge rests on."""
-    chain = () if edge.reason is Reason.BLOCKING else situation.chain(edge.first, edge.then)
-    return (*chain, situation.swept(edge.then, edge.first)) if swept else chain
+def _edge(pair: Pair, found: Disturbance, chance: float, situation: Situation) -> Dependency:
+    """The dependency of a pair, with its reason and the relations it rests on."""
+    first, then = pair
+    inside = situation.relations.between(first, then).relation in INSIDE
+    reason = _reason(found, inside)
+    chain = () if reason is Reason.BLOCKING else situation.chain(first, then)
+    swept = (situation.swept(then, first),) if found.meets or not chain else ()
+    return Dependency(first, then, reason, chance, (*chain, *swept), _lies(pair, reason, inside, situation))
 
 
-def _lies(edge: Dependency, situation: Situation) -> str:
+def _reason(found: Disturbance, inside: bool) -> Reason:
+    """Why the one has to go before the other."""
+    if inside and found.meets:
+        return Reason.CONTAINED
+    if found.up is not None and found.up > 0.1:
+        return Reason.SUPPORTED if found.up > 0.7 else Reason.LEANING
+    if not found.falls:
+        return Reason.BLOCKING
+    if found.up is None:
+        return Reason.SUPPORTED
+    return Reason.COUNTERWEIGHT if found.up < PRESSED else Reason.LEANING
+
+
+def _lies(pair: Pair, reason: Reason, inside: bool, situation: Situation) -> str:
     """Whether what leans on something would be said to lie on it or in it: its middle is then over it."""
-    if edge.reason is not Reason.LEANING:
+    if reason is not Reason.LEANING:
         return ""
-    if situation.relations.between(edge.first, edge.then).relation in INSIDE:
+    if inside:
         return "in"
     surfaces = situation.statics.surfaces
-    around = surfaces[edge.then][:, :2] - surfaces[edge.first][:, :2].mean(axis=0)
+    first, then = pair
+    around = surfaces[then][:, :2] - surfaces[first][:, :2].mean(axis=0)
     angles = np.sort(np.arctan2(around[:, 1], around[:, 0]))
     # inside an outline there is some of it in every half plane
     return "on" if np.diff(angles, append=angles[0] + 2 * np.pi).max() < np.pi else ""
@@ -290,29 +308,3 @@ def with_fixture(graph: DependencyGraph, statics: Statics, clamped: Collection[s
         if (edge.first, edge.then) in swept or edge.first not in kept(edge.then)
     ]
     return DependencyGraph(graph.names, tuple(left))
-
-
-def _lifted(
-    first: str, then: str, over: Overlap, touching: Mapping[tuple[str, str], float], situation: Situation
-) -> Dependency:
-    """The edge for an object that hangs over another."""
-    confidence = float(np.clip(0.5 + (over.evasion - DISTURBED) / 0.04, 0.5, 0.99))
-    if situation.relations.between(first, then).relation in INSIDE:
-        return Dependency(first, then, Reason.CONTAINED, confidence)
-    up = touching.get((then, first))
-    if up is not None and up > 0.7:
-        return Dependency(first, then, Reason.SUPPORTED, confidence)
-    if up is not None and up > 0.1:
-        return Dependency(first, then, Reason.LEANING, confidence)
-    return Dependency(first, then, Reason.BLOCKING, confidence)
-
-
-def _falls(first: str, then: str, missing: float, touching: Mapping[tuple[str, str], float]) -> Dependency:
-    """The edge for an object that loses its equilibrium."""
-    confidence = float(np.clip(0.4 + missing / 2, 0.4, 0.95))
-    up = touching.get((then, first))
-    if up is not None and up < PRESSED:
-        return Dependency(first, then, Reason.COUNTERWEIGHT, confidence)
-    if up is not None and up < 0.7:
-        return Dependency(first, then, Reason.LEANING, confidence)
-    return Dependency(first, then, Reason.SUPPORTED, confidence)

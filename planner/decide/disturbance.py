@@ -1,47 +1,100 @@
-"""What a removal disturbs: what the lift meets, and what falls without what was taken."""
+"""What speaks for it that a removal disturbs: what the lift meets, and what falls without what was taken."""
 
 from collections.abc import Collection, Mapping, Sequence
+from dataclasses import dataclass, replace
 from functools import cache
-from itertools import combinations
+from itertools import permutations
 
 import networkx as nx
 import numpy as np
 
-from topple.planner.decide.tolerances import BOARD, CLEARLY, PRESSED
+from topple.planner.decide.tolerances import BOARD, PRESSED
 from topple.planner.tolerances import DISTURBED
 from topple.topology.arrays import FloatArray, bounds
 from topple.topology.geometry.broadphase import near_both_ways
 from topple.topology.situation import Situation
 from topple.topology.statics.rest import Statics
 from topple.topology.statics.sweep import Overlap, overlap
-from topple.topology.statics.tolerances import SWEEP_CELL
+from topple.topology.statics.tolerances import GUESSED, SWEEP_CELL
 
 Pair = tuple[str, str]
 """(first, then): whether taking `then` moves `first`."""
 
 
-def disturbances(situation: Situation) -> tuple[dict[Pair, Overlap], dict[Pair, float]]:
+@dataclass(frozen=True, slots=True)
+class Disturbance:
+    """What speaks for it that taking `then` moves `first`.
+
+    Attributes:
+        over: How `first` hangs over `then`, both with their hidden sides; None where it does not.
+        seen: The same of what was seen of them.
+        falls: Whether `first` falls without `then`.
+        unheld: Share of its weight that nothing carries without it, 0..1; 1 of what falls where surfaces are
+            whole.
+        up: Upward part of the mean contact normal from `then` into `first`; None where they do not touch.
+        depth: How deep [m] their completed surfaces lie in each other, of those that hang over each other.
+    """
+
+    over: Overlap | None
+    seen: Overlap | None
+    falls: bool
+    unheld: float
+    up: float | None
+    depth: float
+
+    @property
+    def meets(self) -> bool:
+        """Whether a lift of `then` pushes `first` by more than counts as disturbed."""
+        return self.over is not None and self.over.evasion > DISTURBED
+
+
+def disturbances(situation: Situation) -> dict[Pair, Disturbance]:
     """Ask of every pair whether the lift of the one meets the other, and whether that falls without it.
 
     Args:
         situation: The scene.
 
     Returns:
-        (first, then) -> how first hangs over then, for those that a lift of then would push aside; and by how
-        much first falls without then, for those that do and hang together with it.
+        What was found of those that hang together, or of which one lies over the other.
     """
-    hanging = _hanging(situation.statics)
-    return hanging, _falling_still(hanging, _lost(situation), situation.statics)
+    statics = situation.statics
+    seen, touching = statics.upright.clouds, statics.touching
+    over, falling = _hanging(statics), _falling(statics)
+    depth = {frozenset((each.a, each.b)): max(0.0, -float(each.gaps.min())) for each in statics.contacts}
+
+    def asked(first: str, then: str, together: bool) -> Disturbance:
+        hangs = over.get((first, then))
+        falls, unheld = falling[then].get(first, (False, 0.0)) if together else (False, 0.0)
+        return Disturbance(
+            hangs,
+            None if hangs is None else overlap(seen[first], seen[then]),
+            falls,
+            unheld,
+            touching.get((then, first)),
+            0.0 if hangs is None else depth.get(frozenset((first, then)), 0.0),
+        )
+
+    found: dict[Pair, Disturbance] = {}
+    for first, then in permutations(situation.movable, 2):
+        together = situation.hang_together(first, then)
+        if together or (first, then) in over:
+            found[first, then] = asked(first, then, together)
+    return found
 
 
-def _falling_still(
-    hanging: Mapping[Pair, Overlap], lost: Mapping[Pair, float], statics: Statics
-) -> dict[Pair, float]:
-    """What falls without something also once all is gone that has to go before that anyway.
+def falling_still(
+    asked: Mapping[Pair, Disturbance], edges: Collection[Pair], statics: Statics
+) -> dict[Pair, Disturbance]:
+    """What was asked, where that falls alone which would also once all is gone that goes before it anyway.
 
     Without one pier the bridge tips and throws the other over; but the bridge goes before either.
+
+    Args:
+        asked: What was found of pairs.
+        edges: Those of which it is believed.
+        statics: The scene at rest.
     """
-    before: nx.DiGraph[str] = nx.DiGraph((*hanging, *lost))
+    before: nx.DiGraph[str] = nx.DiGraph(list(edges))
 
     @cache
     def fallen(away: frozenset[str]) -> Collection[str]:
@@ -51,16 +104,21 @@ def _falling_still(
         others = nx.ancestors(before.subgraph(before.nodes - {first}), then)
         return not others or first in fallen(frozenset({then, *others}))
 
-    return {pair: far for pair, far in lost.items() if pair in hanging or still(*pair)}
+    thrown = [pair for pair in edges if not asked[pair].meets and not still(*pair)]
+    return {**asked} | {pair: replace(asked[pair], falls=False, unheld=0.0) for pair in thrown}
 
 
-def _lost(situation: Situation) -> dict[Pair, float]:
-    """(first, then) -> by how much first falls without then, for those that do and hang together with it."""
+def _falling(statics: Statics) -> dict[str, dict[str, tuple[bool, float]]]:
+    """Without `then`, by `first`: whether it falls, and the share of its weight that nothing carries."""
+    names = statics.upright.movable
+    if statics.sight is None:
+        return {then: dict.fromkeys(fallen_without(statics, [then]), (True, 1.0)) for then in names}
     return {
-        (first, then): missing
-        for then in situation.movable
-        for first, missing in fallen_without(situation.statics, [then]).items()
-        if situation.hang_together(first, then)
+        then: {
+            first: (missing > GUESSED, min(max(missing, 0.0), 1.0))
+            for first, missing in statics.unheld_without([then]).items()
+        }
+        for then in names
     }
 
 
@@ -91,30 +149,16 @@ def fallen_without(statics: Statics, away: Collection[str], held: Collection[str
     return {name: far for name, far in lost.items() if name not in freed or name in unheld}
 
 
-def _hanging(statics: Statics) -> dict[tuple[str, str], Overlap]:
-    """(first, then) -> how first hangs over then, for those that a lift of then would push aside.
-
-    Where each of two objects seems to hang over the other, one of them often does so only by the surface that
-    was guessed for it, or by a few pixels on the wrong side of a mask's edge: what was seen then decides.
-    """
-    surfaces, seen = statics.surfaces, statics.upright.clouds
-    stands_at = {name: statics.upright.floor_under(surfaces[name]) for name in statics.upright.movable}
-    hanging: dict[tuple[str, str], Overlap] = {}
-    for first, then in _over_each_other(surfaces, statics.upright.movable):
-        if float(surfaces[then][:, 2].max()) < stands_at[first] - BOARD:
-            continue  # a board that never moves is between them
-        over = overlap(surfaces[first], surfaces[then])
-        if over is not None and over.evasion > DISTURBED:
-            hanging[first, then] = over
-    for first, then in combinations(statics.upright.movable, 2):
-        if (first, then) in hanging and (then, first) in hanging:
-            views = (overlap(seen[a], seen[b]) for a, b in ((first, then), (then, first)))
-            forth, back = (0.0 if view is None else view.area for view in views)
-            if back < CLEARLY * forth:
-                del hanging[then, first]
-            elif forth < CLEARLY * back:
-                del hanging[first, then]
-    return hanging
+def _hanging(statics: Statics) -> dict[Pair, Overlap]:
+    """(first, then) -> how first hangs over then, where no board that never moves is between them."""
+    surfaces, movable = statics.surfaces, statics.upright.movable
+    stands_at = {name: statics.upright.floor_under(surfaces[name]) for name in movable}
+    return {
+        (first, then): over
+        for first, then in _over_each_other(surfaces, movable)
+        if float(surfaces[then][:, 2].max()) >= stands_at[first] - BOARD
+        and (over := overlap(surfaces[first], surfaces[then])) is not None
+    }
 
 
 def _over_each_other(surfaces: Mapping[str, FloatArray], names: Sequence[str]) -> list[tuple[str, str]]:

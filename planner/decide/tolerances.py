@@ -26,20 +26,17 @@ MEETING = 0.005
 
 # -- dependency
 
+COUNTS = 0.4
+"""Chance from which a dependency counts: what is overlooked falls, what is made up costs a removal."""
+
 PRESSED = -0.3
 """Upward part of a contact normal below which what is taken away lies on what is left."""
 
 BOARD = 0.01
 """What lies this far [m] below a top is under its board: thin things on it are not, despite noise."""
 
-CLEARLY = 0.25
-"""Two objects hook into each other over areas of like size; a share below this is what masks get wrong."""
-
 
 # -- rates
-
-WIDE = 0.02
-"""Push [m] by which a lift surely meets something: twice what counts as a move."""
 
 CERTAIN = 0.98
 """Reasoning is never believed more than this."""

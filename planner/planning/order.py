@@ -13,8 +13,7 @@ from topple.planner.building.apart import taking_apart
 from topple.planner.decide.arrange import Order, arrange
 from topple.planner.decide.assumptions import assumptions as assumed
 from topple.planner.decide.beliefs import Beliefs
-from topple.planner.decide.chances import reasoned
-from topple.planner.decide.dependency import DependencyGraph, dependencies, with_fixture
+from topple.planner.decide.dependency import DependencyGraph, dependencies, reasoned, with_fixture
 from topple.planner.planning.tolerances import REMOVAL_RISK, TOP
 from topple.topology.arguments import checked_arguments
 from topple.topology.arrays import FloatArray
@@ -98,9 +97,8 @@ def order(
     statics = sized.statics
     if check_gravity:
         check_up(sized.scene, statics)
-    full = dependencies(situation, direct=False)
+    full, chance = reasoned(situation)
     check_masks(situation, wanted, full)
-    chance = reasoned(full, statics, len(scene.viewpoints) or None)
     notes: dict[str, Any] = {}
     said = (*scene.assumptions, *assumed(scene, situation.statics))
     if verify:

@@ -10,7 +10,7 @@ import numpy as np
 
 from topple.planner.budget import check_budget, seconds_left
 from topple.planner.decide.dependency import Dependency, DependencyGraph, Reason
-from topple.planner.decide.rates import posterior, rates_for
+from topple.planner.decide.rates import likelihoods, posterior
 from topple.planner.simulate.lifts import Move, Stage, Trial
 from topple.planner.simulate.rebuild import rebuild
 from topple.planner.simulate.tolerances import FRICTIONS, NOISE, TRUSTED
@@ -170,11 +170,11 @@ def chances(
     Returns:
         (first, then) -> 0..1, for every ordered pair; from cameras no less than by reasoning.
     """
-    rates = rates_for(cameras)
     found: dict[tuple[str, str], float] = {}
     for pair, chance in prior.items():
         each = votes.moved.get(pair, ())
-        found[pair] = posterior(chance, sum(each), len(each), votes.steady(*pair), rates)
+        table = likelihoods(cameras, votes.steady(*pair))
+        found[pair] = posterior(chance, sum(each), len(each), table)
         if cameras is not None:
             # Bodies with guessed sides are completed so that they stand: that one stood is no news.
             found[pair] = max(found[pair], chance)

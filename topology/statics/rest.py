@@ -158,16 +158,16 @@ class Statics:
         far = {name: fall.beyond(before[name]) for name, fall in found.items()}
         return {name: share for name, share in far.items() if share > 1.0}
 
-    def unsteady_without(self, away: Collection[str], held: Collection[str] = ()) -> dict[str, float]:
-        """What does not stay where it is once some objects are gone.
+    def unheld_without(self, away: Collection[str], held: Collection[str] = ()) -> dict[str, float]:
+        """What forces hold less once some objects are gone.
 
         Args:
             away: Names taken out of the scene.
             held: Names that a hand keeps still: they carry others, and stay.
 
         Returns:
-            name -> share of its weight that nothing carries any more, only for those for which it
-            grew beyond `UNSTEADY` (`GUESSED` where hidden sides were completed).
+            name -> by how much the share of its weight grows that nothing carries, for all that hang together
+            with what is gone.
         """
         met = {name for c in self.contacts if c.a in away or c.b in away for name in (c.a, c.b)}
         contacts = [c for c in self.contacts if c.a not in away and c.b not in away]
@@ -176,12 +176,22 @@ class Statics:
         left = {name: weight for name, weight in self.weights.items() if name in moving}
         usable = within_reach([c for c in contacts if c.a in moving or c.b in moving], left)
         found = deficits(left, usable)
+        return {name: missing - self.unexplained.get(name, 0.0) for name, missing in found.items()}
+
+    def unsteady_without(self, away: Collection[str], held: Collection[str] = ()) -> dict[str, float]:
+        """What does not stay where it is once some objects are gone.
+
+        Args:
+            away: Names taken out of the scene.
+            held: Names that a hand keeps still: they carry others, and stay.
+
+        Returns:
+            name -> by how much the share of its weight grows that nothing carries, for those of which that is
+            more than `UNSTEADY` (`GUESSED` where hidden sides were completed).
+        """
         limit = UNSTEADY if self.sight is None else GUESSED
-        return {
-            name: missing
-            for name, missing in found.items()
-            if missing > self.unexplained.get(name, 0.0) + limit
-        }
+        found = self.unheld_without(away, held)
+        return {name: missing for name, missing in found.items() if missing > limit}
 
 
 def _closed(

@@ -21,14 +21,10 @@ class Overlap:
         evasion: How far [m] the upper object must be pushed sideways before it hangs over nothing
             of the other: what a lift would push it by, at least.
         area: Overlapping area in plan view [m²].
-        share: Overlapping share of the upper object's plan view, 0..1.
-        clearance: Smallest height [m] of the upper surface over the lower one.
     """
 
     evasion: float
     area: float
-    share: float
-    clearance: float
 
 
 @remembered(KEPT_PAIRS)
@@ -61,13 +57,7 @@ def overlap(upper: FloatArray, lower: FloatArray) -> Overlap | None:
     # Sideways escape: past the farthest lower point that is lower than what hangs over it.
     below = lower[lower[:, 2] < ceiling[above].max() - CLEAR][:, :2]
     reach = (below @ DIRECTIONS.T).max(axis=0) - (spots @ DIRECTIONS.T).min(axis=0)
-    footprint = _cells(upper)
-    return Overlap(
-        evasion=float(reach.min()),
-        area=len(cells) * SWEEP_CELL**2,
-        share=len(cells) / max(footprint, 1),
-        clearance=float(height[above].min()),
-    )
+    return Overlap(evasion=float(reach.min()), area=len(cells) * SWEEP_CELL**2)
 
 
 @remembered(KEPT_PAIRS)
@@ -102,13 +92,6 @@ def swept_matrix(swept: FloatArray, other: FloatArray) -> IntArray:
     inner, boundary = int(inside.sum()), int(on.sum())
     own = min(boundary, len(swept))
     return np.array([[0, own, len(swept) - own], [inner, boundary, len(other) - inner - boundary]])
-
-
-def _cells(points: FloatArray) -> int:
-    """How many cells of a plan view points lie in."""
-    cells = np.floor(points[:, :2] / SWEEP_CELL).astype(np.int64)
-    cells -= bounds(cells)[0]
-    return len(np.unique(cells[:, 0] * (cells[:, 1].max() + 1) + cells[:, 1]))
 
 
 def _plan(

@@ -1,8 +1,7 @@
 import numpy as np
 import pytest
 
-from topple.planner.decide.dependency import Dependency, DependencyGraph, dependencies, ways_found
-from topple.planner.decide.rates import rates_for, way_found
+from topple.planner.decide.dependency import Dependency, DependencyGraph, dependencies, reasoned
 from topple.robots import shapes
 from topple.topology import Scene, UnknownObject
 from topple.topology.arrays import FloatArray
@@ -50,24 +49,18 @@ def test_cycles_and_ancestors() -> None:
     assert graph.before("d") == frozenset()
 
 
-def test_what_both_questions_answer_yes_is_believed_most() -> None:
-    assert [way_found(0.05, falls=True), way_found(0.05, falls=False)] == [0, 1]
-    assert [way_found(0.012, falls=False), way_found(None, falls=True)] == [2, 3]
-    for rates in (rates_for(None), rates_for(1)):
-        assert rates.found[0] > rates.found[1] > max(rates.found[2:])
-
-
-def test_an_edge_is_believed_as_often_as_what_was_found_in_its_way_was_right() -> None:
+def test_an_edge_is_believed_as_the_chance_of_its_pair() -> None:
     rng = np.random.default_rng(0)
     low, top = shapes.box("low", (0.1, 0.1, 0.06)), shapes.box("top", (0.07, 0.07, 0.05))
     table = np.column_stack([rng.uniform(-0.3, 0.3, (3000, 2)), np.zeros(3000)])
     clouds = {"low": low.surface(2000, rng), "top": top.surface(2000, rng), "table": table}
     clouds["top"][:, 2] += 0.06
     scene = Scene(clouds, fixed=["table"], up=(0, 0, 1))
-    assert ways_found(Situation(scene)) == {("top", "low"): 0}
-    (edge,) = dependencies(scene).dependencies
+    graph, chance = reasoned(Situation(scene))
+    (edge,) = graph.dependencies
     assert (edge.first, edge.then, edge.reason) == ("top", "low", "supported")
-    assert edge.confidence == rates_for(None).found[0]
+    assert edge.confidence == chance["top", "low"] > 0.95
+    assert chance["low", "top"] < 0.1
 
 
 def _block(x: float, y: float, z: float, at: tuple[float, float, float]) -> FloatArray:

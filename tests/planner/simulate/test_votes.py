@@ -1,17 +1,20 @@
 """Dependencies checked in rebuilt worlds."""
 
+from itertools import permutations
+
 import numpy as np
 import pytest
 
-from topple.benchmarks.rates import Counts
+from topple.benchmarks.rates import counted, rates
 from topple.planner.budget import OutOfBudget
-from topple.planner.decide.chances import reasoned, standing
-from topple.planner.decide.dependency import Dependency, DependencyGraph
-from topple.planner.decide.rates import Rates, posterior, rates_for
+from topple.planner.decide.chances import standing
+from topple.planner.decide.dependency import Dependency, DependencyGraph, reasoned
+from topple.planner.decide.rates import likelihoods, posterior
 from topple.planner.planning.order import order
 from topple.planner.simulate.votes import Votes, ask, chances, confirmed
 from topple.robots import shapes
 from topple.topology.scene import Scene
+from topple.topology.situation import Situation
 from topple.topology.statics.rest import Statics
 
 NOTHING = DependencyGraph.of(("plate", "on", "beside"), ())
@@ -71,11 +74,10 @@ def test_a_budget_that_runs_out_is_a_failure_that_says_so_and_no_other_answer(sc
     assert order(scene, verify=True, budget=600.0).verified
 
 
-def test_an_edge_that_reasoning_made_up_is_dropped_and_one_it_overlooked_is_added(
-    statics: Statics, votes: Votes
-) -> None:
+def test_an_edge_that_reasoning_made_up_is_dropped_and_one_it_overlooked_is_added(votes: Votes) -> None:
     wrong = DependencyGraph.of(NOTHING.names, [Dependency("beside", "plate", "blocking", confidence=0.6)])
-    checked = confirmed(wrong, chances(reasoned(wrong, statics, None), votes, cameras=None), votes)
+    prior = dict.fromkeys(permutations(NOTHING.names, 2), 0.1) | {("beside", "plate"): 0.6}
+    checked = confirmed(wrong, chances(prior, votes, cameras=None), votes)
     assert {(edge.first, edge.then) for edge in checked.dependencies} == {("on", "plate")}
 
 
@@ -87,10 +89,10 @@ def test_bodies_that_sag_by_themselves_add_no_dependency() -> None:
     assert not confirmed(nothing, chance, sagging).dependencies
 
 
-@pytest.mark.parametrize("rates", [rates_for(None), rates_for(3), rates_for(1)])
-def test_more_trials_that_moved_make_a_dependency_likelier(rates: Rates) -> None:
+@pytest.mark.parametrize("cameras", [None, 3, 1])
+def test_more_trials_that_moved_make_a_dependency_likelier(cameras: int | None) -> None:
     for steady in (True, False):
-        chance = [posterior(0.5, moved, 3, steady, rates) for moved in range(4)]
+        chance = [posterior(0.5, moved, 3, likelihoods(cameras, steady)) for moved in range(4)]
         assert chance[0] < 0.5 < chance[3]
         assert chance[0] < chance[1] <= chance[3]
 
@@ -115,14 +117,6 @@ def test_that_bodies_with_guessed_sides_stand_refutes_nothing() -> None:
     assert not confirmed(graph, chances(prior, stood, cameras=None), stood).dependencies
 
 
-def test_of_things_that_touch_the_higher_is_likelier_to_depend_on_the_lower(statics: Statics) -> None:
-    assert standing(statics)["on", "plate"] == (0, 1)
-    assert standing(statics)["plate", "on"] == (0, 0)
-    assert standing(statics)["beside", "plate"] == (2, 1)
-    chance = reasoned(NOTHING, statics, None)
-    assert chance["on", "plate"] > chance["plate", "on"] > chance["beside", "plate"]
-
-
 def test_counted_rates_tell_what_happened_with_a_dependency_and_without(
     statics: Statics, votes: Votes
 ) -> None:
@@ -130,12 +124,18 @@ def test_counted_rates_tell_what_happened_with_a_dependency_and_without(
         then: {first: int((first, then) == ("on", "plate")) for first in NOTHING.names}
         for then in NOTHING.names
     }
-    ways = {("beside", "plate"): 3}
-    counts = Counts.of(labels, ways, votes, standing(statics))
-    assert counts.steady[3].tolist() == [1, 0] and counts.steady[0].tolist() == [0, 5]
-    assert counts.overlooked[0, 1].tolist() == [1, 0]
-    assert counts.found[3].tolist() == [0, 1]
-    rates = counts.rates([counts])
-    assert rates.found[3] == round(0.5 / 3, 3)
-    assert rates.steady[3] == (round(2.5 / 4, 3), round(0.5 / 12, 3))
-    assert sum(with_it for with_it, _ in rates.steady) == pytest.approx(1, abs=2e-3)
+    counts = counted(labels, votes, [("beside", "plate")], standing(statics))
+    trials, overlooked = counts
+    assert trials[0, 3].tolist() == [1, 0] and trials[0, 0].tolist() == [0, 5]
+    assert overlooked[0, 1].tolist() == [1, 0]
+    found = rates([counts, counts])
+    assert found["steady"][3] == [round(2.5 / 4, 3), round(0.5 / 12, 3)]
+    assert sum(with_it for with_it, _ in found["steady"]) == pytest.approx(1, abs=2e-3)
+    assert found["overlooked"][0][1] == round(2.5 / 3, 3)
+
+
+def test_of_things_that_touch_the_higher_is_likelier_to_depend_on_the_lower(scene: Scene) -> None:
+    stand = standing(Statics.of(scene))
+    assert (stand["on", "plate"], stand["plate", "on"], stand["beside", "plate"]) == ((0, 1), (0, 0), (2, 1))
+    _, chance = reasoned(Situation(scene))
+    assert chance["on", "plate"] > chance["plate", "on"] > chance["beside", "plate"]

@@ -1,0 +1,59 @@
+"""How likely taking one thing moves another."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from scipy.special import expit
+
+from topple.benchmarks.chances import fitted, given
+from topple.benchmarks.truth.cases import drawn, few, training
+from topple.planner.decide.chances import SIGNS, chances, view_of, weights
+from topple.planner.decide.disturbance import Disturbance
+from topple.topology.statics.sweep import Overlap
+
+HANGS = Overlap(evasion=0.03, area=0.002)
+FOUND = Disturbance(over=HANGS, seen=HANGS, falls=True, unheld=0.5, up=0.5, depth=0.0)
+
+
+def chance(found: Disturbance, view: str, height: float = 0.03) -> float:
+    block = np.array([[0.0, 0.0, 0.0], [0.0, 0.0, 0.05]])
+    bodies = {"a": block + np.array([0.0, 0.0, height]), "b": block}
+    return chances({("a", "b"): found}, bodies, view)["a", "b"]
+
+
+@pytest.mark.parametrize("view", weights())
+def test_every_sign_of_a_disturbance_makes_it_likelier(view: str) -> None:
+    weaker = (
+        replace(FOUND, over=None),
+        replace(FOUND, seen=None),
+        replace(FOUND, falls=False, unheld=0.1),
+        replace(FOUND, up=None),
+        replace(FOUND, depth=0.02),
+    )
+    assert all(chance(each, view) < chance(FOUND, view) for each in weaker)
+    assert chance(FOUND, view, -0.03) < chance(FOUND, view)
+
+
+def test_every_view_has_its_weights() -> None:
+    seen = {
+        view_of(given(training()[0], *view))
+        for view in ((0, True), (1, True), (1, False), (3, True), (3, False))
+    }
+    assert seen == set(weights())
+    assert all(len(each) == len(SIGNS) for each in weights().values())
+
+
+def test_the_fit_finds_the_weights_that_labels_were_drawn_with() -> None:
+    rng = np.random.default_rng(0)
+    true = np.array([-3.0, 0.8, 1.5, 2.0, -0.5, 1.0, 0.3, -2.0, 0.5, -0.7, 0.2, -0.4])
+    signs = np.column_stack([np.ones(40_000), rng.uniform(0, 2, (40_000, len(SIGNS) - 1))])
+    labels = (rng.random(len(signs)) < expit(signs @ true)).astype(float)
+    found = fitted([(signs[:9000], labels[:9000]), (signs[9000:], labels[9000:])])
+    assert np.allclose(found, true, atol=0.2)
+
+
+def test_no_version_is_judged_on_scenes_that_taught_chances() -> None:
+    taught = {scene.name for scene in training()}
+    assert taught.isdisjoint(scene.name for scene in few())
+    assert all(taught.isdisjoint(scene.name for scene in drawn(commit)) for commit in ("a2ac90c", "f65314a"))
