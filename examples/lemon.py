@@ -8,7 +8,7 @@ What has to leave the bowl first, and how much, nobody says: it follows from wha
 import sys
 
 from topple.planner import ClosedLoop, RunLimits
-from topple.robots import SimulatedArm, robot
+from topple.robots import arm_in, robot
 from topple.robots.scenarios import scenario_called
 
 
@@ -17,7 +17,7 @@ def main(seed: int = 2) -> int:
     with scenario_called("lemon", seed) as stage:  # a PyBullet world with a table, things and cameras
         loop = ClosedLoop.simulated(
             stage.world,
-            SimulatedArm(stage.world, robot("panda"), stage.pose_base_to_world),
+            arm_in(stage.world, robot("panda"), stage.pose_base_to_world),
             stage.cameras,
             "lemon within bowl",
             limits=RunLimits(attempts=2),

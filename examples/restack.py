@@ -8,7 +8,7 @@ import sys
 import numpy as np
 
 from topple.planner import Arrangement, ArrangementTask, ClosedLoop, Observer
-from topple.robots import SimulatedArm, robot
+from topple.robots import arm_in, robot
 from topple.robots.scenarios import scenario_called
 
 
@@ -19,7 +19,7 @@ def main(seed: int = 1) -> int:
         eyes = Observer(stage.finished, stage.cameras, np.random.default_rng(seed), stage.fixed)
         towers = Arrangement(eyes.look().scene)
         print("to build:", ", ".join(towers.built.order))
-        arm = SimulatedArm(stage.world, robot("panda"), stage.pose_base_to_world)
+        arm = arm_in(stage.world, robot("panda"), stage.pose_base_to_world)
         loop = ClosedLoop.simulated(
             stage.world, arm, stage.cameras, ArrangementTask(towers), seed=seed, wanted=stage.finished.poses()
         )

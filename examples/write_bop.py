@@ -1,8 +1,6 @@
 """What the cameras of the built-in dishes scene see, as a scene of a BOP dataset with its models.
 
-    python examples/write_bop.py bop && topple order bop/test/000001 --image 0
-
-The table is background, as in BOP.
+python examples/write_bop.py bop && topple order bop/test/000001 --image 0  # the table is background there
 """
 
 import json
@@ -13,13 +11,14 @@ import numpy as np
 import trimesh
 from PIL import Image
 
-from topple.robots import Camera, World
+from topple.robots import Camera
 from topple.robots.scenarios import scenario_called
+from topple.robots.world.physical_world import PhysicalWorld
 
 SCALE = 0.1  # [mm] of one step of the depth
 
 
-def write_bop(folder: Path, world: World, cameras: list[Camera], seed: int = 0) -> Path:
+def write_bop(folder: Path, world: PhysicalWorld, cameras: list[Camera], seed: int = 0) -> Path:
     """Write one image a camera and one model a movable body; returns the folder of the scene."""
     scene, names = folder / "test" / "000001", list(world.movable)
     for kind in ("depth", "rgb", "mask_visib", "../../models"):

@@ -8,6 +8,7 @@ if TYPE_CHECKING:
     from topple.robots.arm.gripper import ToolState
     from topple.robots.catalog import robot
     from topple.robots.driver import Driver
+    from topple.robots.engines import arm_in, new_world
     from topple.robots.scenarios.scenario import around
     from topple.robots.world.bodies import Body
     from topple.robots.world.camera import Camera
@@ -24,7 +25,9 @@ __all__ = [
     "SimulatedArm",
     "ToolState",
     "World",
+    "arm_in",
     "around",
+    "new_world",
     "robot",
     "scene_from_world",
 ]
@@ -35,6 +38,7 @@ __getattr__, __dir__ = lazy_names(
         "arm.gripper": "ToolState",
         "catalog": "robot",
         "driver": "Driver",
+        "engines": "arm_in new_world",
         "scenarios.scenario": "around",
         "world.bodies": "Body",
         "world.camera": "Camera",

@@ -99,23 +99,21 @@ def arm_in(
         q: (n,) joint values it has there; the arm's home, if not given.
 
     Raises:
-        InvalidInput: The world's engine does not simulate two arms.
+        InvalidInput: It is no such world, or its engine does not simulate two arms.
     """
-    if world.engine == MUJOCO and beside is not None:
-        raise InvalidInput(f"two arms act in a world on {BULLET} alone, found one on {MUJOCO}")
-    if world.engine == MUJOCO:
+    if getattr(world, "engine", None) == MUJOCO:
         from topple.robots.mujoco.acting import MujocoArm
         from topple.robots.mujoco.world import MujocoWorld
 
-        if isinstance(world, MujocoWorld):
-            return MujocoArm(world, arm, pose_base_to_world, q)
+        if beside is not None:
+            raise InvalidInput(f"two arms act in a world on {BULLET} alone, found one on {MUJOCO}")
+        assert isinstance(world, MujocoWorld)
+        return MujocoArm(world, arm, pose_base_to_world, q)
     from topple.robots.world.simulated_arm import SimulatedArm
-    from topple.robots.world.world import World
+    from topple.robots.world.world import in_bullet
 
-    if not isinstance(world, World):
-        raise InvalidInput(f"no arm is known for worlds of {world.engine!r}: expected one of {ENGINES}")
     other = beside if isinstance(beside, SimulatedArm) else None
-    return SimulatedArm(world, arm, pose_base_to_world, q, beside=other)
+    return SimulatedArm(in_bullet(world), arm, pose_base_to_world, q, beside=other)
 
 
 def fixture_in(world: "PhysicalWorld", names: "Collection[str]") -> "Fixture | None":

@@ -15,9 +15,11 @@ from topple.robots.world.acting_arm import ActingArm
 from topple.robots.world.touch import note_touch
 from topple.robots.world.vacuum import Vacuum
 from topple.robots.world.wrist import Wrist
+from topple.topology.arguments import checked_arguments
 from topple.topology.arrays import FloatArray
 
 
+@checked_arguments
 class MujocoArm(ActingArm):
     """An `ActingArm` at home in a world on MuJoCo; gains are those of `topple.robots.mujoco.tolerances`."""
 

@@ -239,6 +239,7 @@ def _give_back() -> None:
         trim(0)
 
 
+@checked_arguments
 def in_bullet(world: PhysicalWorld) -> World:
     """The same world, known to be PyBullet's.
 
