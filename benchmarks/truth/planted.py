@@ -165,8 +165,8 @@ CHANGES = (
     ),
     Change(
         "edges in another order", _DEPENDENCY,
-        "return DependencyGraph(names, tuple(edges)), chance",
-        "return DependencyGraph(names, tuple(sorted(edges, key=lambda e: (e.then, e.first)))), chance",
+        "return DependencyGraph(names, tuple(edges)), told",
+        "return DependencyGraph(names, tuple(sorted(edges, key=lambda e: (e.then, e.first)))), told",
         fault=False,
     ),
     Change(
