@@ -26,7 +26,7 @@ MEETING = 0.005
 
 # -- dependency
 
-COUNTS = 0.4
+COUNTS = 0.45
 """Chance from which a dependency counts: what is overlooked falls, what is made up costs a removal."""
 
 PRESSED = -0.3
