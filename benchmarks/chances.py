@@ -7,10 +7,9 @@ reasoning finds of each pair is weighed so that the labels of the simulation bec
 import argparse
 import warnings
 from collections.abc import Sequence
+from typing import Any
 
 import numpy as np
-from scipy.optimize import minimize
-from scipy.special import expit
 
 from topple.benchmarks.piles import Pile, observe
 from topple.benchmarks.truth.asked import scene_of
@@ -18,7 +17,7 @@ from topple.benchmarks.truth.cases import table_of, training
 from topple.benchmarks.truth.pool import PoolScene
 from topple.benchmarks.truth.views import VIEWS, seen
 from topple.planner.cli.console import print_json
-from topple.planner.decide.chances import SIGNS, signs, view_of
+from topple.planner.decide.chances import SIGNS, seen_by, signs
 from topple.planner.decide.disturbance import disturbances
 from topple.topology.arrays import FloatArray
 from topple.topology.errors import ToppleError
@@ -79,15 +78,11 @@ def fitted(found: Sequence[Counted]) -> list[float]:
     Args:
         found: What was counted, by scene.
     """
+    from sklearn.linear_model import LogisticRegression  # pyright: ignore[reportMissingImports]
+
     every, labels = (np.concatenate(each) for each in zip(*found, strict=True))
-
-    def loss(weights: FloatArray) -> tuple[float, FloatArray]:
-        sums, decayed = every @ weights, np.array([0.0, *weights[1:]])
-        cost = np.logaddexp(0.0, sums).sum() - labels @ sums + DECAY * decayed @ decayed
-        return float(cost), every.T @ (expit(sums) - labels) + 2 * DECAY * decayed
-
-    best = minimize(loss, np.zeros(every.shape[1]), jac=True, method="L-BFGS-B").x
-    return [round(float(weight), 3) for weight in best]
+    model: Any = LogisticRegression(C=0.5 / DECAY, tol=1e-8, max_iter=1000).fit(every[:, 1:], labels)
+    return [round(float(weight), 3) for weight in (model.intercept_[0], *model.coef_[0])]
 
 
 def _counted(job: tuple[PoolScene, tuple[int, bool]]) -> Counted:
@@ -106,7 +101,7 @@ def main() -> None:
     with opened(None) as workers:
         for view in views:
             found = list(workers.map(_counted, [(scene, view) for scene in scenes]))
-            weights[view_of(given(scenes[0], *view))] = fitted(found)
+            weights[seen_by(given(scenes[0], *view))] = fitted(found)
     print_json({"made_by": "python -m topple.benchmarks.chances", "scenes": len(scenes), "weights": weights})
 
 

@@ -13,9 +13,9 @@ import numpy as np
 from topple.benchmarks.piles import make_pile, observe, truth
 from topple.benchmarks.scores import Labels
 from topple.planner.cli.console import print_json
-from topple.planner.decide.chances import standing
 from topple.planner.decide.dependency import dependencies
 from topple.planner.decide.disturbance import Pair
+from topple.planner.decide.rates import standing
 from topple.planner.simulate.votes import Votes, ask
 from topple.topology.arrays import FloatArray
 from topple.topology.situation import Situation
@@ -26,7 +26,7 @@ FIRST_PILE = 7_300_000
 
 Counts = tuple[FloatArray, FloatArray]
 """(2, 4, 2) pairs by whether both bodies stood still by themselves or not and by how many of three trials
-moved, and (3, 2, 2) pairs of which reasoning found nothing, by `topple.planner.decide.chances.standing`; of
+moved, and (3, 2, 2) pairs of which reasoning found nothing, by `topple.planner.decide.rates.standing`; of
 each those with a dependency and those without."""
 
 

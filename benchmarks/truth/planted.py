@@ -109,7 +109,7 @@ CHANGES = (
     ),
     Change(
         "what falls is not asked", "planner/decide/disturbance.py",
-        "falling[then].get(first, (False, 0.0)) if together else (False, 0.0)", "False, 0.0",
+        "unheld[then].get(first, 0.0) if together else 0.0", "0.0",
     ),
     Change(
         "a pixel is its mask's whatever its depth", "topology/views/borders.py",
@@ -165,8 +165,8 @@ CHANGES = (
     ),
     Change(
         "edges in another order", _DEPENDENCY,
-        "return DependencyGraph(names, tuple(edges)), told",
-        "return DependencyGraph(names, tuple(sorted(edges, key=lambda e: (e.then, e.first)))), told",
+        "return DependencyGraph(situation.movable, tuple(edges)),",
+        "return DependencyGraph(situation.movable, tuple(sorted(edges, key=lambda e: (e.then, e.first)))),",
         fault=False,
     ),
     Change(

@@ -8,23 +8,19 @@ scenes. `chances.json` holds them; `python -m topple.benchmarks.chances` fits th
 from collections.abc import Mapping
 from functools import cache
 from importlib.resources import files
-from itertools import permutations
 
 import msgspec
-import networkx as nx
 import numpy as np
 from scipy.special import expit
 
 from topple.planner.decide.disturbance import Disturbance, Pair
-from topple.planner.decide.tolerances import MEETING
 from topple.topology.arrays import FloatArray
-from topple.topology.confidence import view_of as by_cameras
+from topple.topology.confidence import view_of
 from topple.topology.scene import Scene
-from topple.topology.statics.rest import Statics
 from topple.topology.statics.sweep import Overlap
 
 SIGNS = (
-    "always", "meets", "falls", "hangs over", "seen to", "hung over", "unheld", "upward", "hooked", "depth",
+    "always", "meets", "falls", "hangs over", "seen over", "hung over", "unheld", "upward", "hooked", "depth",
     "bottom", "top"
 )  # fmt: skip
 """What is weighed of a pair: 1; what the two questions say; the logarithms of the areas in plan by which the
@@ -69,7 +65,7 @@ def chances(
     Args:
         asked: What was found of each.
         surfaces: name -> (N, 3) upright surface points [m], with hidden sides.
-        view: Of the scene, by `view_of`.
+        view: Of the scene, by `seen_by`.
 
     Returns:
         (first, then) -> 0..1, before any simulation.
@@ -77,37 +73,10 @@ def chances(
     return dict(zip(asked, expit(signs(asked, surfaces) @ weights()[view]).tolist(), strict=True))
 
 
-def standing(statics: Statics) -> dict[Pair, tuple[int, int]]:
-    """How objects stand to each other, which says how often a dependency of theirs is overlooked.
-
-    Args:
-        statics: The scene at rest.
-
-    Returns:
-        (first, then) -> whether they touch (0), hang together through others (1) or neither (2); whether the
-        first one is the higher. For every ordered pair of movable objects.
-    """
-    names = statics.upright.movable
-    meeting: nx.Graph[str] = nx.Graph()
-    meeting.add_nodes_from(names)
-    for contact in statics.contacts:
-        if {contact.a, contact.b} <= set(names) and contact.gaps.min() <= MEETING:
-            meeting.add_edge(contact.a, contact.b)
-    island = {name: i for i, part in enumerate(nx.connected_components(meeting)) for name in part}
-    top = {name: float(statics.surfaces[name][:, 2].max()) for name in names}
-    return {
-        (first, then): (
-            0 if meeting.has_edge(first, then) else 1 if island[first] == island[then] else 2,
-            int(top[first] > top[then]),
-        )
-        for first, then in permutations(names, 2)
-    }
-
-
-def view_of(scene: Scene) -> str:
+def seen_by(scene: Scene) -> str:
     """What a scene was seen by: nothing that hid a side, one camera or several, with pictures or without."""
-    seen = by_cameras(len(scene.viewpoints))
-    return seen if scene.images or not len(scene.viewpoints) else f"{seen}, clouds"
+    view = view_of(len(scene.viewpoints))
+    return view if scene.images or not len(scene.viewpoints) else f"{view}, clouds"
 
 
 class _Kept(msgspec.Struct):

@@ -8,13 +8,13 @@ from typing import TYPE_CHECKING, Any
 import networkx as nx
 import numpy as np
 
-from topple.planner.decide.chances import chances, standing, view_of
+from topple.planner.decide.chances import chances, seen_by
 from topple.planner.decide.disturbance import (
     Disturbance,
     Pair,
     disturbances,
     fallen_without,
-    falling_still,
+    without_cascades,
 )
 from topple.planner.decide.rates import overlooked
 from topple.planner.decide.tolerances import COUNTS, PRESSED
@@ -224,25 +224,22 @@ def reasoned(situation: Situation) -> tuple[DependencyGraph, dict[Pair, float]]:
         The graph over the movable objects; (first, then) -> 0..1 before any simulation.
     """
     situation = situation.sized
-    statics, names = situation.statics, situation.movable
-    whole = not len(situation.scene.viewpoints)
+    statics, cameras = situation.statics, len(situation.scene.viewpoints)
     asked = disturbances(situation)
-    weighed = partial(chances, surfaces=statics.surfaces, view=view_of(situation.scene))
-    asked = falling_still(asked, _counting(asked, weighed(asked), whole), statics)
+    weighed = partial(chances, surfaces=statics.surfaces, view=seen_by(situation.scene))
+    asked = without_cascades(asked, _counting(asked, weighed(asked), cameras), statics)
     chance = weighed(asked)
-    edges = [_edge(pair, asked[pair], chance[pair], situation) for pair in _counting(asked, chance, whole)]
-    rates = overlooked(len(situation.scene.viewpoints))
-    told = {pair: rates[row][column] for pair, (row, column) in standing(statics).items()}
-    told |= {(edge.first, edge.then): edge.confidence for edge in edges}
-    return DependencyGraph(names, tuple(edges)), told
+    edges = [_edge(pair, asked[pair], chance[pair], situation) for pair in _counting(asked, chance, cameras)]
+    told = {(edge.first, edge.then): edge.confidence for edge in edges}
+    return DependencyGraph(situation.movable, tuple(edges)), overlooked(statics, cameras) | told
 
 
-def _counting(asked: Mapping[Pair, Disturbance], chance: Mapping[Pair, float], whole: bool) -> list[Pair]:
+def _counting(asked: Mapping[Pair, Disturbance], chance: Mapping[Pair, float], cameras: int) -> list[Pair]:
     """Pairs of which a dependency counts; of whole surfaces a question has to find it."""
     return [
         pair
         for pair, found in asked.items()
-        if chance[pair] >= COUNTS and (not whole or found.meets or found.falls)
+        if chance[pair] >= COUNTS and (cameras or found.meets or found.falls)
     ]
 
 

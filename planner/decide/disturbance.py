@@ -28,16 +28,14 @@ class Disturbance:
     Attributes:
         over: How `first` hangs over `then`, both with their hidden sides; None where it does not.
         seen: The same of what was seen of them.
-        falls: Whether `first` falls without `then`.
-        unheld: Share of its weight that nothing carries without it, 0..1; 1 of what falls where surfaces are
-            whole.
+        unheld: Share of its weight that nothing carries without `then`, 0..1; where surfaces are whole, 1 of
+            what falls.
         up: Upward part of the mean contact normal from `then` into `first`; None where they do not touch.
         depth: How deep [m] their completed surfaces lie in each other, of those that hang over each other.
     """
 
     over: Overlap | None
     seen: Overlap | None
-    falls: bool
     unheld: float
     up: float | None
     depth: float
@@ -46,6 +44,11 @@ class Disturbance:
     def meets(self) -> bool:
         """Whether a lift of `then` pushes `first` by more than counts as disturbed."""
         return self.over is not None and self.over.evasion > DISTURBED
+
+    @property
+    def falls(self) -> bool:
+        """Whether `first` falls without `then`."""
+        return self.unheld > GUESSED
 
 
 def disturbances(situation: Situation) -> dict[Pair, Disturbance]:
@@ -59,33 +62,26 @@ def disturbances(situation: Situation) -> dict[Pair, Disturbance]:
     """
     statics = situation.statics
     seen, touching = statics.upright.clouds, statics.touching
-    over, falling = _hanging(statics), _falling(statics)
+    over, unheld = _hanging(statics), _unheld(statics)
     depth = {frozenset((each.a, each.b)): max(0.0, -float(each.gaps.min())) for each in statics.contacts}
-
-    def asked(first: str, then: str, together: bool) -> Disturbance:
-        hangs = over.get((first, then))
-        falls, unheld = falling[then].get(first, (False, 0.0)) if together else (False, 0.0)
-        return Disturbance(
-            hangs,
-            None if hangs is None else overlap(seen[first], seen[then]),
-            falls,
-            unheld,
-            touching.get((then, first)),
-            0.0 if hangs is None else depth.get(frozenset((first, then)), 0.0),
-        )
-
     found: dict[Pair, Disturbance] = {}
     for first, then in permutations(situation.movable, 2):
-        together = situation.hang_together(first, then)
-        if together or (first, then) in over:
-            found[first, then] = asked(first, then, together)
+        hangs, together = over.get((first, then)), situation.hang_together(first, then)
+        if hangs is not None or together:
+            found[first, then] = Disturbance(
+                hangs,
+                None if hangs is None else overlap(seen[first], seen[then]),
+                unheld[then].get(first, 0.0) if together else 0.0,
+                touching.get((then, first)),
+                0.0 if hangs is None else depth.get(frozenset((first, then)), 0.0),
+            )
     return found
 
 
-def falling_still(
+def without_cascades(
     asked: Mapping[Pair, Disturbance], edges: Collection[Pair], statics: Statics
 ) -> dict[Pair, Disturbance]:
-    """What was asked, where that falls alone which would also once all is gone that goes before it anyway.
+    """What was found, less the falls of what would stand once all is gone that goes before it anyway.
 
     Without one pier the bridge tips and throws the other over; but the bridge goes before either.
 
@@ -105,19 +101,16 @@ def falling_still(
         return not others or first in fallen(frozenset({then, *others}))
 
     thrown = [pair for pair in edges if not asked[pair].meets and not still(*pair)]
-    return {**asked} | {pair: replace(asked[pair], falls=False, unheld=0.0) for pair in thrown}
+    return {**asked} | {pair: replace(asked[pair], unheld=0.0) for pair in thrown}
 
 
-def _falling(statics: Statics) -> dict[str, dict[str, tuple[bool, float]]]:
-    """Without `then`, by `first`: whether it falls, and the share of its weight that nothing carries."""
+def _unheld(statics: Statics) -> dict[str, dict[str, float]]:
+    """Without `then`, by `first`: the share of its weight that nothing carries, as `Disturbance` has it."""
     names = statics.upright.movable
     if statics.sight is None:
-        return {then: dict.fromkeys(fallen_without(statics, [then]), (True, 1.0)) for then in names}
+        return {then: dict.fromkeys(fallen_without(statics, [then]), 1.0) for then in names}
     return {
-        then: {
-            first: (missing > GUESSED, min(max(missing, 0.0), 1.0))
-            for first, missing in statics.unheld_without([then]).items()
-        }
+        then: {first: min(max(more, 0.0), 1.0) for first, more in statics.unheld_without([then]).items()}
         for then in names
     }
 
@@ -161,7 +154,7 @@ def _hanging(statics: Statics) -> dict[Pair, Overlap]:
     }
 
 
-def _over_each_other(surfaces: Mapping[str, FloatArray], names: Sequence[str]) -> list[tuple[str, str]]:
+def _over_each_other(surfaces: Mapping[str, FloatArray], names: Sequence[str]) -> list[Pair]:
     """Ordered pairs of the names whose boxes meet in plan, or nearly: no others hang over each other."""
     plans = [(lower[:2], upper[:2]) for lower, upper in (bounds(surfaces[name]) for name in names)]
     return [(names[i], names[j]) for i, j in near_both_ways(plans, 3 * SWEEP_CELL)]

@@ -1,4 +1,4 @@
-"""How far simulated lifts are believed: rates of error measured on piles whose truth is known.
+"""What reasoning overlooks, and how far simulated lifts are believed: rates counted on piles of known truth.
 
 The odds that a dependency holds are multiplied by how much more often simulation says what it said where one
 holds than where none does (Bayes' rule with measured likelihoods). The three trials of a pair are not
@@ -15,35 +15,69 @@ them anew.
 from collections.abc import Mapping
 from functools import cache
 from importlib.resources import files
+from itertools import permutations
 from typing import TypedDict
 
 import msgspec
+import networkx as nx
 
-from topple.planner.decide.tolerances import CERTAIN
+from topple.planner.decide.disturbance import Pair
+from topple.planner.decide.tolerances import CERTAIN, MEETING
 from topple.topology.confidence import view_of
+from topple.topology.statics.rest import Statics
 
-Likelihoods = tuple[tuple[float, float], ...]
-"""For 0 to 3 of three trials in which it moved: how often that happens with a dependency, and without."""
+Rates = tuple[tuple[float, float], ...]
+"""For 0 to 3 of three trials in which it moved: how often that happens with a dependency, and without. For
+things as they stand to each other (`standing`): how often a dependency is overlooked if the first one is the
+lower, and if it is the higher."""
 
 
 class _Kept(TypedDict):
-    rates: dict[str, dict[str, Likelihoods]]
+    rates: dict[str, dict[str, Rates]]
 
 
-def overlooked(cameras: int) -> Likelihoods:
-    """How often a dependency holds where reasoning found none.
+def overlooked(statics: Statics, cameras: int) -> dict[Pair, float]:
+    """How likely a dependency holds where reasoning finds none.
 
     Args:
-        cameras: How many cameras saw the scene; 0 for whole surfaces.
+        statics: The scene at rest.
+        cameras: How many cameras saw it; 0 for whole surfaces.
 
     Returns:
-        For things that touch, that hang together through others, and that do neither: how often it does if
-        the first one is the lower, and if it is the higher of the two.
+        (first, then) -> 0..1 for every ordered pair of movable objects.
     """
-    return _counted()[view_of(cameras)]["overlooked"]
+    rates = _counted()[view_of(cameras)]["overlooked"]
+    return {pair: rates[row][column] for pair, (row, column) in standing(statics).items()}
 
 
-def likelihoods(cameras: int | None, steady: bool) -> Likelihoods:
+def standing(statics: Statics) -> dict[Pair, tuple[int, int]]:
+    """How objects stand to each other, which says how often a dependency of theirs is overlooked.
+
+    Args:
+        statics: The scene at rest.
+
+    Returns:
+        (first, then) -> whether they touch (0), hang together through others (1) or neither (2); whether the
+        first one is the higher. For every ordered pair of movable objects.
+    """
+    names = statics.upright.movable
+    meeting: nx.Graph[str] = nx.Graph()
+    meeting.add_nodes_from(names)
+    for contact in statics.contacts:
+        if {contact.a, contact.b} <= set(names) and contact.gaps.min() <= MEETING:
+            meeting.add_edge(contact.a, contact.b)
+    island = {name: i for i, part in enumerate(nx.connected_components(meeting)) for name in part}
+    top = {name: float(statics.surfaces[name][:, 2].max()) for name in names}
+    return {
+        (first, then): (
+            0 if meeting.has_edge(first, then) else 1 if island[first] == island[then] else 2,
+            int(top[first] > top[then]),
+        )
+        for first, then in permutations(names, 2)
+    }
+
+
+def likelihoods(cameras: int | None, steady: bool) -> Rates:
     """How often simulated lifts say what they say.
 
     Args:
@@ -54,12 +88,12 @@ def likelihoods(cameras: int | None, steady: bool) -> Likelihoods:
 
 
 @cache
-def _counted() -> Mapping[str, Mapping[str, Likelihoods]]:
+def _counted() -> Mapping[str, Mapping[str, Rates]]:
     kept = files("topple.planner.decide").joinpath("rates.json").read_bytes()
     return msgspec.json.decode(kept, type=_Kept)["rates"]
 
 
-def posterior(prior: float, moved: int, trials: int, table: Likelihoods) -> float:
+def posterior(prior: float, moved: int, trials: int, table: Rates) -> float:
     """Chance that a dependency holds after it was tried in simulation.
 
     Args:

@@ -18,12 +18,6 @@ LEAST = 1e-5
 """Volume [m³] of what is reckoned with at least: of thin things little more than a face may be seen."""
 
 
-# -- chances
-
-MEETING = 0.005
-"""Gap [m] up to which two surfaces count as one contact in a question of what would move."""
-
-
 # -- dependency
 
 COUNTS = 0.45
@@ -37,6 +31,9 @@ BOARD = 0.01
 
 
 # -- rates
+
+MEETING = 0.005
+"""Gap [m] up to which two surfaces count as one contact in a question of what would move."""
 
 CERTAIN = 0.98
 """Reasoning is never believed more than this."""

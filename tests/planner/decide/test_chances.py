@@ -8,12 +8,12 @@ from scipy.special import expit
 
 from topple.benchmarks.chances import fitted, given
 from topple.benchmarks.truth.cases import drawn, few, training
-from topple.planner.decide.chances import SIGNS, chances, view_of, weights
+from topple.planner.decide.chances import SIGNS, chances, seen_by, weights
 from topple.planner.decide.disturbance import Disturbance
 from topple.topology.statics.sweep import Overlap
 
 HANGS = Overlap(evasion=0.03, area=0.002)
-FOUND = Disturbance(over=HANGS, seen=HANGS, falls=True, unheld=0.5, up=0.5, depth=0.0)
+FOUND = Disturbance(over=HANGS, seen=HANGS, unheld=0.5, up=0.5, depth=0.0)
 
 
 def chance(found: Disturbance, view: str, height: float = 0.03) -> float:
@@ -27,7 +27,7 @@ def test_every_sign_of_a_disturbance_makes_it_likelier(view: str) -> None:
     weaker = (
         replace(FOUND, over=None),
         replace(FOUND, seen=None),
-        replace(FOUND, falls=False, unheld=0.1),
+        replace(FOUND, unheld=0.1),
         replace(FOUND, up=None),
         replace(FOUND, depth=0.02),
     )
@@ -37,7 +37,7 @@ def test_every_sign_of_a_disturbance_makes_it_likelier(view: str) -> None:
 
 def test_every_view_has_its_weights() -> None:
     seen = {
-        view_of(given(training()[0], *view))
+        seen_by(given(training()[0], *view))
         for view in ((0, True), (1, True), (1, False), (3, True), (3, False))
     }
     assert seen == set(weights())
@@ -45,6 +45,7 @@ def test_every_view_has_its_weights() -> None:
 
 
 def test_the_fit_finds_the_weights_that_labels_were_drawn_with() -> None:
+    pytest.importorskip("sklearn", reason="scikit-learn belongs to the bench extra")
     rng = np.random.default_rng(0)
     true = np.array([-3.0, 0.8, 1.5, 2.0, -0.5, 1.0, 0.3, -2.0, 0.5, -0.7, 0.2, -0.4])
     signs = np.column_stack([np.ones(40_000), rng.uniform(0, 2, (40_000, len(SIGNS) - 1))])

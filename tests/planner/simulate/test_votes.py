@@ -7,9 +7,8 @@ import pytest
 
 from topple.benchmarks.rates import counted, rates
 from topple.planner.budget import OutOfBudget
-from topple.planner.decide.chances import standing
 from topple.planner.decide.dependency import Dependency, DependencyGraph, reasoned
-from topple.planner.decide.rates import likelihoods, posterior
+from topple.planner.decide.rates import likelihoods, posterior, standing
 from topple.planner.planning.order import order
 from topple.planner.simulate.votes import Votes, ask, chances, confirmed
 from topple.robots import shapes
@@ -124,8 +123,7 @@ def test_counted_rates_tell_what_happened_with_a_dependency_and_without(
         then: {first: int((first, then) == ("on", "plate")) for first in NOTHING.names}
         for then in NOTHING.names
     }
-    counts = counted(labels, votes, [("beside", "plate")], standing(statics))
-    trials, overlooked = counts
+    counts = trials, overlooked = counted(labels, votes, [("beside", "plate")], standing(statics))
     assert trials[0, 3].tolist() == [1, 0] and trials[0, 0].tolist() == [0, 5]
     assert overlooked[0, 1].tolist() == [1, 0]
     found = rates([counts, counts])
