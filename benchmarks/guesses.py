@@ -7,9 +7,10 @@ from itertools import combinations
 import networkx as nx
 import numpy as np
 
-from topple.planner.planning.support_tree import support_tree
+from topple.benchmarks.contrasts.nine import nine
+from topple.benchmarks.contrasts.support_tree import support_tree
 from topple.topology.arrays import FloatArray
-from topple.topology.relations import Relations, relate
+from topple.topology.relations import relate
 from topple.topology.scene import Scene
 from topple.topology.sixim.table import Relation
 
@@ -41,7 +42,7 @@ def guesses() -> Mapping[str, Callable[[Scene, int], Guess]]:
         "top height": lambda scene, seed: top_height(scene),
         "AABB above": lambda scene, seed: box_above(scene),
         "plain 6IM + height": lambda scene, seed: naive(scene),
-        "9IM on solids + height": lambda scene, seed: nine(scene),
+        "9IM on solids + height": lambda scene, seed: by_nine(scene),
         "support tree": lambda scene, seed: by_support_tree(scene),
         "random": at_random,
     }
@@ -76,27 +77,27 @@ def box_above(scene: Scene) -> Guess:
 
 def naive(scene: Scene) -> Guess:
     """Of two objects that are not disjoint by the paper's rule, the one with the higher mean first."""
-    return _higher_first(scene, relate(scene, deviation=NAIVE_DEVIATION, plain=True))
+    relations = relate(scene, deviation=NAIVE_DEVIATION, plain=True)
+    return _higher_first(scene, {(pair.a, pair.b): pair.relation for pair in relations})
 
 
-def nine(scene: Scene) -> Guess:
+def by_nine(scene: Scene) -> Guess:
     """The same of two objects that are not disjoint by the 9-intersection model on complete solids."""
-    return _higher_first(scene, relate(scene, rule="9im"))
+    return _higher_first(scene, nine(scene))
 
 
 def by_support_tree(scene: Scene) -> Guess:
     """The highest level of the support tree first."""
-    found = support_tree(scene, scene.movable)
-    edges = found.graph.dependencies
-    return Guess(frozenset((edge.first, edge.then) for edge in edges), found.order, found.groups)
+    return Guess(*support_tree(scene))
 
 
-def _higher_first(scene: Scene, relations: Relations) -> Guess:
+def _higher_first(scene: Scene, relations: Mapping[tuple[str, str], Relation]) -> Guess:
     height = {name: float(cloud[:, 2].mean()) for name, cloud in scene.clouds.items()}
-    pairs: set[tuple[str, str]] = set()
-    for a, b in combinations(scene.movable, 2):
-        if relations.between(a, b).relation is not Relation.DISJOINT:
-            pairs.add((a, b) if height[a] > height[b] else (b, a))
+    pairs = {
+        (a, b) if height[a] > height[b] else (b, a)
+        for (a, b), relation in relations.items()
+        if relation is not Relation.DISJOINT and {a, b} <= set(scene.movable)
+    }
     return _in_order(scene, pairs)
 
 

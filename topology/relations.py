@@ -28,8 +28,6 @@ RULES: Table[Callable[[Scene, float | None], Rule]] = Table(
     {
         "robust": "topple.topology.rule.robust:robust",
         "plain": "topple.topology.sixim.fast.rule:plainly",
-        "9im": "topple.topology.nineim.rule:nine",
-        "features": "topple.topology.rule.features:features",
     },
 )
 """What makes each rule for a scene, by the rule's name; the deviation [m] is None where it is not given."""
@@ -87,7 +85,7 @@ def relate(
             hidden surfaces and hollow objects.
         most_objects: How many objects the scene may have, `MOST_OBJECTS` where None, since the work grows
             with the square of it; of the pairs `NEAR_EACH` times as many may be near each other.
-        rule: One of `RULES`: "robust", "plain", "9im", "features", or what another package adds.
+        rule: One of `RULES`: "robust", "plain", or what another package adds.
 
     Returns:
         One relation per unordered pair.

@@ -9,10 +9,11 @@ from itertools import combinations
 
 import numpy as np
 
+from topple.benchmarks.contrasts.features import support_features
+from topple.benchmarks.contrasts.nine import nine
 from topple.topology.arrays import FloatArray
 from topple.topology.cloud import clean, estimate_deviation
 from topple.topology.relations import relate
-from topple.topology.rule.features import support_features
 from topple.topology.scene import Scene
 from topple.topology.sixim.table import Relation, classify
 from topple.topology.tolerances import TOLERANCES
@@ -65,11 +66,6 @@ def plain(scene: Scene) -> Answer:
 def estimated(scene: Scene) -> Answer:
     """The paper's rule to the letter, at the deviation of the point clouds."""
     return {(pair.a, pair.b): pair.relation for pair in relate(scene, estimate_deviation(scene), plain=True)}
-
-
-def nine(scene: Scene) -> Answer:
-    """The 9-intersection model on complete solids: where noise leaves several relations possible, touch."""
-    return {(pair.a, pair.b): pair.relation for pair in relate(scene, rule="9im")}
 
 
 def boxes(scene: Scene) -> Answer:

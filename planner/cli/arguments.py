@@ -74,11 +74,11 @@ OPTIONS: dict[str, dict[str, Any]] = {
     # relations and orders
     "--rule": {
         "metavar": "NAME",
-        "help": "what relates: robust, plain, 9im, features or a plugin's (robust)",
+        "help": "what relates: robust, plain or a plugin's (robust)",
     },
     "--orderer": {
         "metavar": "NAME",
-        "help": "what orders: fewest, cautious, support-tree or a plugin's (fewest)",
+        "help": "what orders: fewest, cautious or a plugin's (fewest)",
     },
     "--max-objects": {
         "type": count,

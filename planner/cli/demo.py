@@ -21,7 +21,7 @@ _FILES = ("relations.json", "order.json", "plan.json", "run.json", "report.html"
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Add the options; see `topple.planner.cli.main`."""
     parser.add_argument("name", nargs="?", default="dishes", metavar="NAME", help="the scene (dishes)")
-    add(parser, "--orderer", help="what orders: fewest, cautious, support-tree or a plugin's (cautious)")
+    add(parser, "--orderer", help="what orders: fewest, cautious or a plugin's (cautious)")
     add(parser, "--rule", "--clamped", *COMMON, *SIMULATION)
     parser.set_defaults(seed=None)  # one of the scene's own that is known to succeed
     made_for = "panda, panda-suction, iiwa, xarm6 or FILE.urdf (the one the scene is made for)"

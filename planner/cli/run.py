@@ -16,7 +16,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Add the options; see `topple.planner.cli.main`."""
     add_scenes(parser)
     add_task(parser)
-    add(parser, "--orderer", help="what orders: fewest, cautious, support-tree or a plugin's (cautious)")
+    add(parser, "--orderer", help="what orders: fewest, cautious or a plugin's (cautious)")
     add(parser, "--second-base", "--clamped", "--rule", "--masks-as-they-are", *SIMULATION, *COMMON)
     parser.add_argument(
         "--shuffle-labels",

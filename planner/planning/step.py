@@ -232,12 +232,10 @@ ORDERERS: Table[Orderer] = Table(
     {
         "fewest": "topple.planner.planning.order:ordered",
         "cautious": "topple.planner.planning.order:cautious",
-        "support-tree": "topple.planner.planning.support_tree:support_tree",
     },
     Order,
 )
-"""By name: the fewest removals, as in plans, the least risk, as in runs, a support tree's
-reverse levels, and what other packages add."""
+"""By name: the fewest removals, as in plans, the least risk, as in runs, and what other packages add."""
 
 
 def ask(

@@ -73,9 +73,3 @@ REMOVAL_RISK = 0.05
 
 MOST_STEPS = 3
 """For each object: a plan that handles one more often goes in circles."""
-
-
-# -- support_tree
-
-SURE = 0.5
-"""Confidence of all that the tree says: it knows no degrees."""

@@ -6,6 +6,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from topple.benchmarks.contrasts.features import support_features
 from topple.benchmarks.paper import truth
 from topple.benchmarks.paper.case import Outcome, Task, judged, solve
 from topple.benchmarks.paper.columns import BOXES, ESTIMATED, LENIENT, NINE, PLAIN, SUPPORT, TOPPLE, boxes
@@ -16,7 +17,6 @@ from topple.benchmarks.paper.things import Things
 from topple.robots.scenarios.scenario import Unlucky
 from topple.robots.world.bodies import Body
 from topple.topology.io import load_scene
-from topple.topology.rule.features import support_features
 from topple.topology.scene import Scene
 from topple.topology.sixim.table import Relation
 

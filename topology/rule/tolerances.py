@@ -21,27 +21,6 @@ SETTLED = 0.95
 """Share of the facing places that must be settled: a stem or a foot takes a twentieth of an underside."""
 
 
-# -- features
-
-REACH = 0.008
-"""Distance [m] of points that may belong to a contact: spacing and noise of a depth camera, twice over."""
-
-SPACING = 0.004
-"""Clouds are thinned to about this [m]."""
-
-FEWEST = 4
-"""Points that make a contact."""
-
-CONTAINED = 0.3
-"""Share of a segment inside another's hull that makes it contained."""
-
-PARALLEL = 0.7
-"""Cosine of the angle of two surfaces up to which they face each other."""
-
-DROP = 0.08
-"""How far below [m] the support of a segment without one is looked for."""
-
-
 # -- inferred
 
 CLOSE = 0.02
@@ -50,18 +29,6 @@ CLOSE = 0.02
 
 FEW_IN_PLAN = 1000
 """Points of each holder that are looked at first: the middle of what stands is mostly well amid them."""
-
-
-# -- nineim.matrix
-
-SURFACE_SPACING = 0.004
-"""[m] of points on the surfaces: finer than the edge of any contact."""
-
-ACROSS = 40
-"""Points across the longest side of a part: what is small beside a table brings points of its own."""
-
-OWN = 1e-6
-"""[m] deeper than this in another part of the same solid a point is not on its surface."""
 
 
 # -- relate

@@ -55,7 +55,7 @@ def refused(argv: list[str], capsys: pytest.CaptureFixture[str]) -> bool:
     return code == 2
 
 
-@pytest.mark.parametrize("orderer", [[], ["--orderer", "cautious"], ["--orderer", "support-tree"]])
+@pytest.mark.parametrize("orderer", [[], ["--orderer", "cautious"]])
 def test_order(frame: str, orderer: list[str], capsys: pytest.CaptureFixture[str]) -> None:
     assert refused(["order", frame, *orderer, "--target", "ghost"], capsys)
     assert not refused(["order", frame, *orderer, "--target", "ghost", "--masks-as-they-are"], capsys)

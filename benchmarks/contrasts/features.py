@@ -7,7 +7,6 @@ inside the other, and what has no support gets the surface below it that is near
 own; theirs is learned from photographs.
 """
 
-from dataclasses import dataclass, replace
 from itertools import combinations
 
 import numpy as np
@@ -17,14 +16,28 @@ from topple.topology.arrays import FloatArray, IntArray
 from topple.topology.geometry.axes import perpendiculars
 from topple.topology.geometry.hull import Hull
 from topple.topology.geometry.thin import thinned
-from topple.topology.pair import PairRelation
-from topple.topology.relation_table import AnyTable
-from topple.topology.rule.tolerances import CONTAINED, DROP, FEWEST, PARALLEL, REACH, SPACING
 from topple.topology.scene import Scene
-from topple.topology.sixim.fast.rule import PlainCloud, PlainRule
 from topple.topology.sixim.table import Relation
 from topple.topology.statics.contact import local_normals
-from topple.topology.tolerances import NEIGHBOURS, TOLERANCES
+from topple.topology.tolerances import NEIGHBOURS
+
+REACH = 0.008
+"""Distance [m] of points that may belong to a contact: spacing and noise of a depth camera, twice over."""
+
+SPACING = 0.004
+"""Clouds are thinned to about this [m]."""
+
+FEWEST = 4
+"""Points that make a contact."""
+
+CONTAINED = 0.3
+"""Share of a segment inside another's hull that makes it contained."""
+
+PARALLEL = 0.7
+"""Cosine of the angle of two surfaces up to which they face each other."""
+
+DROP = 0.08
+"""How far below [m] the support of a segment without one is looked for."""
 
 
 def support_features(scene: Scene) -> dict[tuple[str, str], Relation]:
@@ -51,35 +64,6 @@ def support_features(scene: Scene) -> dict[tuple[str, str], Relation]:
         else:
             found[a, b] = Relation.DISJOINT
     return _with_tree(scene, found, points, up)
-
-
-@dataclass(frozen=True)
-class FeatureRule(PlainRule):
-    """Touch and containment by support features; every pair is told in the end, when all are known."""
-
-    def relate(self, a: PlainCloud, b: PlainCloud) -> PairRelation:
-        """The matrix and the gap of the paper's rule, which support features do not count."""
-        return replace(super().relate(a, b), relation=Relation.DISJOINT, kind=None)
-
-    def conclude(self, scene: Scene, relations: AnyTable) -> AnyTable:
-        """Say of every pair what its surfaces show, with a support for each object."""
-        near = dict(relations.near)
-        place = {name: number for number, name in enumerate(relations.objects)}
-        for (a, b), relation in support_features(scene).items():
-            pair = replace(relations.between(a, b), relation=relation, kind=None, reason="support features")
-            i, j = place[a], place[b]
-            near[min(i, j), max(i, j)] = pair if i < j else pair.converse
-        return replace(relations, near=near)
-
-
-def features(scene: Scene, deviation: float | None = None) -> FeatureRule:
-    """Relations by support features, as a rule beside those of the 6-intersection model.
-
-    Args:
-        scene: The scene.
-        deviation: Of the matrices [m], 0.002 where None; the relations have lengths of their own.
-    """
-    return FeatureRule(TOLERANCES.plain_deviation if deviation is None else deviation)
 
 
 def _inside(points: FloatArray, hull: Hull) -> float:

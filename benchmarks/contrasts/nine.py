@@ -1,19 +1,33 @@
-"""The nine intersections of two solids whose surfaces are known up to noise: true, false, or not to be told.
+"""The 9-intersection model on complete solids whose surfaces are known up to noise.
 
 Interior °, boundary ∂ and exterior ⁻ of one solid against those of the other, after Egenhofer and Franzosa,
 "Point-set topological spatial relations" (1991), on regular closed solids: between two of them eight are
-possible. A cell is true or false where it stays so however the surfaces move within the deviation.
+possible. A cell is true or false where it stays so however the surfaces move within the deviation, and open
+where it does not. It knows no partial within, and convex parts of a body fill part of its hollow.
 """
 
 from dataclasses import dataclass
 from functools import cached_property
+from itertools import combinations
 
 import numpy as np
 
-from topple.topology.arrays import FloatArray, IntArray
+from topple.topology.arrays import FloatArray
+from topple.topology.bodies.solids import parts_of, solids_of
+from topple.topology.cloud import estimate_deviation
 from topple.topology.geometry.hull import Hull
 from topple.topology.geometry.samples import sampled
-from topple.topology.rule.tolerances import ACROSS, OWN, SURFACE_SPACING
+from topple.topology.scene import Scene
+from topple.topology.sixim.table import Relation
+
+SURFACE_SPACING = 0.004
+"""[m] of points on the surfaces: finer than the edge of any contact."""
+
+ACROSS = 40
+"""Points across the longest side of a part: what is small beside a table brings points of its own."""
+
+OWN = 1e-6
+"""[m] deeper than this in another part of the same solid a point is not on its surface."""
 
 RELATIONS: dict[str, str] = {
     "disjoint": "FFTFFTTTT",
@@ -26,6 +40,43 @@ RELATIONS: dict[str, str] = {
     "equal": "TFFFTFFFT",
 }
 """The eight relations of solids, cells °°, °∂, °⁻, ∂°, ∂∂, ∂⁻, ⁻°, ⁻∂, ⁻⁻."""
+
+AS = {
+    "disjoint": Relation.DISJOINT,
+    "meet": Relation.TOUCH,
+    "overlap": Relation.CROSS,
+    "inside": Relation.WITHIN,
+    "covered by": Relation.WITHIN,
+    "contains": Relation.CONTAIN,
+    "covers": Relation.CONTAIN,
+    "equal": Relation.TOUCH,
+}
+"""The same in words of the 6-intersection model, which has coincident clouds touch."""
+
+
+def nine(scene: Scene) -> dict[tuple[str, str], Relation]:
+    """Relations by the nine intersections of complete bodies.
+
+    Args:
+        scene: Best with `up`: bodies are completed down to what carries them.
+
+    Returns:
+        (a, b) -> the relation of every pair; touch where noise leaves several open and that is among them,
+        since to meet is a single distance.
+    """
+    deviation = estimate_deviation(scene)
+    parts = (
+        solids_of(scene) if scene.up is not None else {n: parts_of(c, scene) for n, c in scene.clouds.items()}
+    )
+    solids = {name: Solid.of(name, parts.get(name, (cloud,))) for name, cloud in scene.clouds.items()}
+    return {(a, b): _told(solids[a], solids[b], deviation) for a, b in combinations(scene.names, 2)}
+
+
+def _told(a: "Solid", b: "Solid", deviation: float) -> Relation:
+    if (np.maximum(a.lower - b.upper, b.lower - a.upper) > deviation).any():
+        return Relation.DISJOINT
+    relations = [AS[name] for name in nine_intersections(a, b, deviation).possible] or [Relation.CROSS]
+    return Relation.TOUCH if Relation.TOUCH in relations else relations[0]
 
 
 @dataclass(frozen=True, eq=False)
@@ -67,11 +118,6 @@ class Solid:
             pieces.append(points[~np.any(inner, axis=0)] if inner else points)
         return np.concatenate(pieces)
 
-    @property
-    def size(self) -> int:
-        """Number of points on its surface."""
-        return len(self.surface)
-
     def distance(self, points: FloatArray, near: float) -> FloatArray:
         """Distance of points to it, negative inside.
 
@@ -95,15 +141,9 @@ class NineIntersections:
 
     Attributes:
         cells: Nine of T, F and ?, in the order of `RELATIONS`.
-        gap: Smallest distance of the surfaces [m], negative by the depth of overlap.
-        counts: ((inside, on, outside) of A's surface against B, and of B's against A), by the deviation.
-        deviation: How far the surfaces may be from where they are taken to be [m].
     """
 
     cells: str
-    gap: float
-    counts: tuple[tuple[int, int, int], tuple[int, int, int]]
-    deviation: float
 
     @property
     def possible(self) -> tuple[str, ...]:
@@ -112,17 +152,6 @@ class NineIntersections:
             name
             for name, mask in RELATIONS.items()
             if all(cell in ("?", wanted) for cell, wanted in zip(self.cells, mask, strict=True))
-        )
-
-    @property
-    def why_open(self) -> str | None:
-        """Why it cannot be told which relation holds; None where it can."""
-        if len(self.possible) == 1:
-            return None
-        where = f"{1e3 * abs(self.gap):.1f} mm {'apart' if self.gap > 0 else 'in each other'}"
-        return (
-            f"9IM cannot tell {' from '.join(self.possible)}: the surfaces are {where}, within the deviation "
-            f"of {1e3 * self.deviation:.1f} mm, and touch is a single distance"
         )
 
 
@@ -152,20 +181,10 @@ def nine_intersections(a: Solid, b: Solid, deviation: float) -> NineIntersection
     a_in, b_in = told(deep_a > d, free or out_b < -d), told(deep_b > d, free or out_a < -d)
     a_out, b_out = told(out_a > d, out_a < -d), told(out_b > d, out_b < -d)
     cells = "".join((interiors, b_in, a_out, a_in, boundaries, a_out, b_out, b_out, "T"))
-    return NineIntersections(cells, apart, (_counted(of_a, d), _counted(of_b, d)), d)
+    return NineIntersections(cells)
 
 
 def _alike(a: Solid, b: Solid) -> bool:
     """Whether two solids fill the same room: some middle of one is in the other."""
     middles = np.array([hull.vertices.mean(axis=0) for hull in a.hulls])
     return bool((b.distance(middles, 0.0) < 0.0).any())
-
-
-def _counted(distance: FloatArray, deviation: float) -> tuple[int, int, int]:
-    inside, outside = int((distance < -deviation).sum()), int((distance > deviation).sum())
-    return inside, len(distance) - inside - outside, outside
-
-
-def matrix_of(nine: NineIntersections) -> IntArray:
-    """The counts as (2, 3), where the 6-intersection model has its own."""
-    return np.array(nine.counts, dtype=np.int64)

@@ -1,0 +1,1 @@
+"""Other models of where things lie and what must go first, to compare with."""
