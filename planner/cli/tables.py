@@ -55,15 +55,15 @@ def print_order(title: str, document: Document, movable: int | None = None) -> N
         document: A `topple.order` document.
         movable: Number of objects that could be taken, where it is to be told.
     """
-    from topple.planner.report.words import holds_in_words, listed, order_in_words
+    from topple.planner.report.words import holds_in_words, how_sure, listed, order_in_words
 
     steps = order_in_words(document)
     targets, risk = document["targets"], document["risk"]
     count = f"{len(dict(steps))}" + (" objects" if movable is None else f" of {movable} movable objects")
     purpose = f"to free {listed(targets)}" if targets else "to clear everything"
     print_text(f"{title}: {purpose}, take {count} in this order")
-    rows = [(str(i), name, why, f"{risk.get(name, 0):.2f}") for i, (name, why) in enumerate(steps, start=1)]
-    print_table(("", "take", "because", "risk"), rows, right=(0, 3))
+    rows = [(str(i), name, why, how_sure(risk.get(name, 0))) for i, (name, why) in enumerate(steps, start=1)]
+    print_table(("", "take", "because", "how sure"), rows, right=(0,))
     if document["supports"]:
         print_text("", "What carries what:")
         rows = [_support(support) for support in document["supports"]]
@@ -99,14 +99,16 @@ def print_build(title: str, document: Document) -> None:
         title: What is built.
         document: A `topple.order` document of a build order.
     """
+    from topple.planner.report.words import how_sure
+
     names, risk = document["order"], document["risk"]
     print_text(f"{title}: to build it, put {len(names)} objects down in this order")
     reasons = [line.partition(": ")[2] for line in document["explanation"]]
     rows = [
-        (str(i), name, why, f"{risk.get(name, 0):.2f}")
+        (str(i), name, why, how_sure(risk.get(name, 0)))
         for i, (name, why) in enumerate(zip(names, reasons, strict=True), start=1)
     ]
-    print_table(("", "put down", "because", "risk"), rows, right=(0, 3))
+    print_table(("", "put down", "because", "how sure"), rows, right=(0,))
     holds = document["holds"]
     for hold in holds:
         since = "" if hold["since"] == hold["object"] else f" from when {hold['since']} is put down"

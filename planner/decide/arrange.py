@@ -52,7 +52,8 @@ class Order(ByValue):
         supports: What carries what.
         groups: Objects of one cycle that must be taken together or held.
         unresolved: What as many hands as there are cannot take apart; empty where nobody said how many.
-        risk: name -> chance, 0..1, that taking it at its turn moves something that is still there.
+        risk: name -> chance, 0..1, that taking it at its turn moves something that is still there. It ranks
+            steps; as a chance it is hardly better than how often steps move something at all (`calibrated`).
         access: With a robot, what bars the gripper's way: mappings with first, then, reason.
         assumptions: What was assumed and not seen, in sentences.
         explanation: One sentence per step.
@@ -130,6 +131,7 @@ class Order(ByValue):
             "fewest_holds_proven": self.proven,
             "unresolved": [list(cycle) for cycle in self.unresolved],
             "risk": {name: round(risk, 3) for name, risk in self.risk.items()},
+            "calibrated": False,
             "access": [dict(entry) for entry in self.access],
             "assumptions": list(self.assumptions),
             "explanation": list(self.explanation),

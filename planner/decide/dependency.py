@@ -214,8 +214,9 @@ def dependencies(
 def reasoned(situation: Situation) -> tuple[DependencyGraph, dict[Pair, float]]:
     """Every dependency, direct or not, and how likely one holds of each ordered pair.
 
-    A dependency is what is likely enough, and what a question finds where surfaces are whole: from cameras
-    the surfaces are guesses, and so is by how much a lift misses a thing.
+    A dependency is what is likely enough, and what a question finds where surfaces are whole. From cameras
+    the surfaces are guesses, and so is by how much a lift misses a thing: there it is enough that the one
+    lies on the other or was seen to hang over it. That it is higher up is none.
 
     Args:
         situation: A scene that knows where up is.
@@ -235,11 +236,11 @@ def reasoned(situation: Situation) -> tuple[DependencyGraph, dict[Pair, float]]:
 
 
 def _counting(asked: Mapping[Pair, Disturbance], chance: Mapping[Pair, float], cameras: int) -> list[Pair]:
-    """Pairs of which a dependency counts; of whole surfaces a question has to find it."""
+    """Pairs of which a dependency counts: a question finds it, or of half seen surfaces, what they show."""
     return [
         pair
         for pair, found in asked.items()
-        if chance[pair] >= COUNTS and (cameras or found.meets or found.falls)
+        if chance[pair] >= COUNTS and (found.meets or found.falls or (cameras > 0 and found.shows))
     ]
 
 

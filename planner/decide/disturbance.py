@@ -50,6 +50,11 @@ class Disturbance:
         """Whether `first` falls without `then`."""
         return self.unheld > GUESSED
 
+    @property
+    def shows(self) -> bool:
+        """Whether `first` lies on `then` or was seen to hang over it."""
+        return (self.up or 0.0) > 0.0 or self.seen is not None
+
 
 def disturbances(situation: Situation) -> dict[Pair, Disturbance]:
     """Ask of every pair whether the lift of the one meets the other, and whether that falls without it.

@@ -272,7 +272,7 @@ class ClosedLoop:
         again = second_look(wrist, self.robot, look.situation, chosen.order, self.seed)
         if again is None:
             return look, chosen, ()
-        said = f"A second look before taking {name}, at a risk of {chosen.order.risk[name]:.2f}."
+        said = f"A second look before taking {name}: that nothing else moves is not sure."
         self._say(said)
         look = self.perception.look(look.scene, (again[0],))
         return look, self._selector.choose(look, goal), (said,)

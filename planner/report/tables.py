@@ -7,11 +7,11 @@ from typing import Any
 
 from topple.planner.formats.verification import Verification
 from topple.planner.report.html import table
-from topple.planner.report.limits import LIMITS
 from topple.planner.report.palette import css, relation_colour
 from topple.planner.report.view import is_inferred
 from topple.planner.report.words import (
     holds_in_words,
+    how_sure,
     listed,
     millimetres,
     order_in_words,
@@ -111,8 +111,9 @@ def order_list(order: Document, index: Mapping[str, int]) -> str:
 
 
 def _risk(risk: float | None) -> str:
-    """The risk of a step where it is worth a word."""
-    return "" if risk is None or risk < LIMITS.risk else f' <span class="kind">risk {risk:.0%}</span>'
+    """How sure a step is, where that is worth a word."""
+    word = how_sure(risk or 0.0)
+    return "" if word == "sure" else f' <span class="kind">{word}</span>'
 
 
 def _certificates(order: Document, index: Mapping[str, int]) -> str:

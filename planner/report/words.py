@@ -56,6 +56,11 @@ def because(first: Sequence[str], reason: str, then: str = "it") -> str:
     return f"{listed(first)} {one if len(first) == 1 else several}".replace("{it}", then)
 
 
+def how_sure(risk: float) -> str:
+    """How sure it is that a step moves nothing else, as a word: risks are not good enough for figures."""
+    return "sure" if risk < LIMITS.sure else "likely" if risk < LIMITS.guess else "guess"
+
+
 def said(dependency: Mapping[str, Any]) -> str:
     """The reason of a dependency as a person would say it: what leans on a plate may be said to lie on it."""
     lies = {"on": "lying", "in": "contained"}
