@@ -228,15 +228,21 @@ def reasoned(situation: Situation) -> tuple[DependencyGraph, dict[Pair, float]]:
     statics, cameras = situation.statics, len(situation.scene.viewpoints)
     asked = disturbances(situation)
     weighed = partial(chances, surfaces=statics.surfaces, view=seen_by(situation.scene))
-    asked = without_cascades(asked, _counting(asked, weighed(asked), cameras), statics)
+    asked = without_cascades(asked, counting(asked, weighed(asked), cameras), statics)
     chance = weighed(asked)
-    edges = [_edge(pair, asked[pair], chance[pair], situation) for pair in _counting(asked, chance, cameras)]
+    edges = [_edge(pair, asked[pair], chance[pair], situation) for pair in counting(asked, chance, cameras)]
     told = {(edge.first, edge.then): edge.confidence for edge in edges}
     return DependencyGraph(situation.movable, tuple(edges)), overlooked(statics, cameras) | told
 
 
-def _counting(asked: Mapping[Pair, Disturbance], chance: Mapping[Pair, float], cameras: int) -> list[Pair]:
-    """Pairs of which a dependency counts: a question finds it, or of half seen surfaces, what they show."""
+def counting(asked: Mapping[Pair, Disturbance], chance: Mapping[Pair, float], cameras: int) -> list[Pair]:
+    """Pairs of which a dependency counts: a question finds it, or of half seen surfaces, what they show.
+
+    Args:
+        asked: What was found of pairs.
+        chance: How likely each makes a dependency.
+        cameras: How many cameras saw the scene; 0 for whole surfaces.
+    """
     return [
         pair
         for pair, found in asked.items()

@@ -9,6 +9,7 @@ from scipy.special import expit
 from topple.benchmarks.chances import fitted, given
 from topple.benchmarks.truth.cases import drawn, few, training
 from topple.planner.decide.chances import SIGNS, chances, seen_by, weights
+from topple.planner.decide.dependency import counting
 from topple.planner.decide.disturbance import Disturbance
 from topple.topology.statics.sweep import Overlap
 
@@ -33,6 +34,14 @@ def test_every_sign_of_a_disturbance_makes_it_likelier(view: str) -> None:
     )
     assert all(chance(each, view) < chance(FOUND, view) for each in weaker)
     assert chance(FOUND, view, -0.03) < chance(FOUND, view)
+
+
+def test_that_it_is_higher_up_shows_no_dependency() -> None:
+    beside = Disturbance(over=None, seen=None, unheld=0.0, up=None, depth=0.0)
+    asked = {("a", "b"): beside, ("b", "a"): replace(beside, up=0.8), ("a", "c"): replace(beside, seen=HANGS)}
+    assert counting(asked, dict.fromkeys(asked, 0.9), 1) == [("b", "a"), ("a", "c")]
+    assert counting(asked, dict.fromkeys(asked, 0.2), 1) == []
+    assert counting({**asked, ("b", "c"): FOUND}, dict.fromkeys((*asked, ("b", "c")), 0.9), 0) == [("b", "c")]
 
 
 def test_every_view_has_its_weights() -> None:
