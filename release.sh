@@ -18,7 +18,7 @@ for file in dist/*.whl dist/*.tar.gz; do
   rm -rf "$bare/venv"
   "${PYTHON:-python3.11}" -m venv "$bare/venv"
   "$bare/venv/bin/pip" install --quiet "$file"
-  [ "$(cd "$bare" && venv/bin/topple --version)" = "topple $version" ] || stop "$file installs another version"
+  [[ "$(cd "$bare" && venv/bin/topple --version)" = "topple $version, "* ]] || stop "$file installs another version"
   (cd "$bare" && venv/bin/topple --completion bash >/dev/null && venv/bin/topple demo tower --seed 0)
   echo "$file: installed and run"
 done

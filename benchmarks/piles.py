@@ -5,7 +5,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from topple.planner.simulate.lifts import Move, label, set_friction, take_away
+from topple.planner.simulate.lift import Move
+from topple.planner.simulate.lifts import label, set_friction, take_away
 from topple.planner.simulate.tolerances import FRICTIONS
 from topple.robots import shapes
 from topple.robots.engine import pybullet

@@ -6,6 +6,7 @@ import io
 import os
 import shutil
 import subprocess
+import sys
 import tarfile
 from dataclasses import dataclass
 from functools import cache
@@ -112,7 +113,7 @@ def git(*words: str) -> bytes | None:
 
 def _files(root: Path) -> list[Path]:
     found = [path for layer in LAYERS for path in (root / layer).rglob("*") if path.is_file()]
-    return [path for path in found if "__pycache__" not in path.parts]
+    return [path for path in found if "__pycache__" not in path.parts and path.suffix != ".so"]
 
 
 def _kept(root: Path, name: str, cache: Path) -> Version:
@@ -127,5 +128,7 @@ def _kept(root: Path, name: str, cache: Path) -> Version:
             shutil.copyfile(path, place)
         front = root / FRONT
         (package / "__init__.py").write_text(front.read_text() if front.is_file() else "")
+        if (kernels := package / "topology" / "kernels" / "build.py").is_file():
+            subprocess.run([sys.executable, str(kernels)], check=False)
         scratch.rename(version.folder)
     return version

@@ -16,7 +16,8 @@ from numpy.typing import NDArray
 from topple.benchmarks.piles import Pile, make_pile, observe
 from topple.planner.cli.console import print_json
 from topple.planner.decide.dependency import dependencies
-from topple.planner.simulate.lifts import Move, set_friction, take_away
+from topple.planner.simulate.lift import Move
+from topple.planner.simulate.lifts import set_friction, take_away
 from topple.robots.world.camera import Camera
 from topple.robots.world.world import World
 from topple.topology.errors import InvalidInput

@@ -1,52 +1,69 @@
-"""Order, plan and run in a PyBullet world that topple did not make.
+"""Order, plan and run in a world that topple did not make: of PyBullet, or of MuJoCo where that alone is.
 
 python examples/own_world.py
 """
 
-import pybullet
+from importlib.util import find_spec
+from typing import Any
+
+import numpy as np
 
 from topple.planner import order, plan, run
-from topple.robots import scene_from_world
+from topple.topology import Scene
+
+BOXES = {  # half sizes and middles [m], mass [kg], 0 for what never moves; the weight holds the plank
+    "table": ((0.50, 0.40, 0.02), (0.0, 0.0, -0.02), 0.0),
+    "block": ((0.05, 0.05, 0.05), (0.0, 0.0, 0.05), 1.0),
+    "plank": ((0.15, 0.04, 0.005), (0.09, 0.0, 0.105), 0.3),
+    "weight": ((0.03, 0.03, 0.03), (-0.03, 0.0, 0.14), 1.5),
+    "low": ((0.03, 0.03, 0.03), (0.05, 0.25, 0.03), 0.3),
+    "high": ((0.025, 0.025, 0.025), (0.05, 0.25, 0.085), 0.2),
+}
 
 
-def add_box(
-    client: int, size: tuple[float, float, float], place: tuple[float, float, float], mass: float
-) -> int:
-    """Put a box into the world; mass 0 never moves."""
-    half = [length / 2 for length in size]
-    shape = pybullet.createCollisionShape(pybullet.GEOM_BOX, halfExtents=half, physicsClientId=client)
-    return pybullet.createMultiBody(mass, shape, basePosition=place, physicsClientId=client)
+def seen_in_pybullet() -> Scene:
+    """Let it settle for two seconds in a world of PyBullet, whose surfaces topple samples."""
+    import pybullet as p
+
+    from topple.robots import scene_from_world
+
+    world, names = p.connect(p.DIRECT), dict[int, str]()
+    p.setGravity(0, 0, -9.81, physicsClientId=world)
+    for name, (half, place, mass) in BOXES.items():
+        shape = p.createCollisionShape(p.GEOM_BOX, halfExtents=half, physicsClientId=world)
+        names[p.createMultiBody(mass, shape, basePosition=place, physicsClientId=world)] = name
+    for _ in range(480):
+        p.stepSimulation(physicsClientId=world)
+    return scene_from_world(world, names=names)
 
 
-def main() -> None:
-    """Build a stack with a counterweight and let it settle; then free the block beside it."""
-    client = pybullet.connect(pybullet.DIRECT)
-    pybullet.setGravity(0, 0, -9.81, physicsClientId=client)
-    names = {
-        add_box(client, (1.00, 0.80, 0.04), (0.0, 0.0, -0.02), 0.0): "table",
-        add_box(client, (0.10, 0.10, 0.10), (0.0, 0.0, 0.05), 1.0): "block",
-        add_box(client, (0.30, 0.08, 0.01), (0.09, 0.0, 0.105), 0.3): "plank",
-        add_box(client, (0.06, 0.06, 0.06), (-0.03, 0.0, 0.14), 1.5): "weight",
-        add_box(client, (0.06, 0.06, 0.06), (0.05, 0.25, 0.03), 0.3): "low",
-        add_box(client, (0.05, 0.05, 0.05), (0.05, 0.25, 0.085), 0.2): "high",
-    }
-    for _ in range(480):  # two seconds
-        pybullet.stepSimulation(physicsClientId=client)
+def seen_in_mujoco() -> Scene:
+    """Let it settle in a world of MuJoCo, which says where the boxes are; their meshes give the points."""
+    import mujoco
+    import trimesh
 
-    scene = scene_from_world(client, names=names)
-    pybullet.disconnect(physicsClientId=client)
-    found = order(scene, ["block"])
-    print(f"never moves: {', '.join(sorted(scene.fixed))}")
-    for sentence in found.explanation:
-        print(sentence)
-    print(
-        f"reasons: {', '.join(f'{e.first} before {e.then} ({e.reason})' for e in found.graph.dependencies)}"
-    )
-    for step in plan(scene, ["low"], "panda").steps:
-        print(f"{step.action} {step.object}: {step.reason}")
-    record = run(scene, ["low"], "panda")  # the scene rebuilt in PyBullet, with an arm in it
-    print(f"{record.goal}: {'reached' if record.success else '; '.join(record.violations)}")
+    spec: Any = mujoco.MjSpec()
+    for name, (half, place, mass) in BOXES.items():
+        body = spec.worldbody.add_body(name=name, pos=place)
+        body.add_geom(type=mujoco.mjtGeom.mjGEOM_BOX, size=half, mass=mass)
+        if mass:
+            body.add_freejoint()
+    model, clouds = spec.compile(), {}
+    data: Any = mujoco.MjData(model)
+    mujoco.mj_step(model, data, 1000)
+    for name, (half, _, _) in BOXES.items():
+        points, _ = trimesh.sample.sample_surface(trimesh.creation.box(2.0 * np.array(half)), 20_000, seed=0)
+        clouds[name] = points @ data.body(name).xmat.reshape(3, 3).T + data.body(name).xpos
+    masses = {name: mass for name, (_, _, mass) in BOXES.items() if mass}
+    return Scene(clouds, ["table"], [0, 0, 1], masses=masses, friction=dict.fromkeys(BOXES, 1.0))
 
 
 if __name__ == "__main__":
-    main()
+    scene = seen_in_pybullet() if find_spec("pybullet") else seen_in_mujoco()
+    found = order(scene, ["block"])
+    print(f"never moves: {', '.join(scene.fixed)}", *found.explanation, sep="\n")
+    print("reasons:", *(f"{e.first} before {e.then} ({e.reason});" for e in found.graph.dependencies))
+    for step in plan(scene, ["low"], "panda").steps:
+        print(f"{step.action} {step.object}: {step.reason}")
+    record = run(scene, ["low"], "panda")  # the scene rebuilt in simulation, with an arm in it
+    print(f"{record.goal}: {'reached' if record.success else '; '.join(record.violations)}")

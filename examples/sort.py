@@ -6,17 +6,16 @@ python examples/sort.py [SEED]
 import sys
 
 import numpy as np
-import pybullet
 
 from topple.planner import ClosedLoop
-from topple.robots import Recording, SimulatedArm, robot
+from topple.robots import Recording, arm_in, robot
 from topple.robots.scenarios import scenario_called
 
 
 def main(seed: int = 2) -> int:
     """Sort, then read the recording: nothing jumps, and nothing but friction holds what is carried."""
     with scenario_called("sort", seed) as stage:
-        arm = SimulatedArm(stage.world, robot(stage.robot), stage.pose_base_to_world)
+        arm = arm_in(stage.world, robot(stage.robot), stage.pose_base_to_world)
         recording = Recording(arm)  # 60 samples a second of everything, from here on
         loop = ClosedLoop.simulated(stage.world, arm, stage.cameras, "sort", fixed=stage.fixed, seed=seed)
         record = loop.run()
@@ -27,7 +26,7 @@ def main(seed: int = 2) -> int:
         fastest = float((ways / np.diff(recording.times)).max())
         print(f"{name}: {ways.sum():.2f} m of way, at most {fastest:.2f} m/s, ends at {path[-1].round(2)}")
     tied = {kind.kind for sample in recording.constraints for kind in sample}
-    print(f"constraints: {'the gear of the fingers' if tied == {pybullet.JOINT_GEAR} else tied}")
+    print("constraints:", "the gear of the fingers" if tied == {"gear"} else tied)
     print(
         f"{len(recording.times)} samples of {recording.times[-1] - recording.times[0]:.0f} s; {record.goal}:"
     )

@@ -27,6 +27,7 @@ if TYPE_CHECKING:
     from topple.planner.rearranging.task import ArrangementTask, DescribedTask, RelatedTask, SameShapesTask
     from topple.planner.report.plan_page import plan_page
     from topple.planner.report.run_page import run_page
+    from topple.planner.stability.check import ObjectCheck, StabilityCheck, check
 
 __all__ = [
     "Arrangement",
@@ -40,6 +41,7 @@ __all__ = [
     "Hold",
     "Look",
     "NoSafePlan",
+    "ObjectCheck",
     "Observer",
     "Order",
     "Perception",
@@ -49,8 +51,10 @@ __all__ = [
     "RunLimits",
     "RunRecord",
     "SameShapesTask",
+    "StabilityCheck",
     "arrange",
     "build_order",
+    "check",
     "demo",
     "dependencies",
     "grasps_from_array",
@@ -73,6 +77,7 @@ __getattr__, __dir__ = lazy_names(
     __name__,
     {
         "building.build": "BuildOrder build_order",
+        "stability.check": "ObjectCheck StabilityCheck check",
         "decide.arrange": "Order arrange",
         "decide.dependency": "Dependency DependencyGraph dependencies",
         "decide.hold": "Hold",

@@ -18,7 +18,9 @@ if TYPE_CHECKING:
         Order,
         Plan,
         RunRecord,
+        StabilityCheck,
         build_order,
+        check,
         next_view,
         order,
         plan,
@@ -47,9 +49,11 @@ __all__ = [
     "Relations",
     "RunRecord",
     "Scene",
+    "StabilityCheck",
     "ToppleError",
     "__version__",
     "build_order",
+    "check",
     "load_scene",
     "next_view",
     "order",
@@ -68,7 +72,8 @@ _find, __dir__ = lazy_names(
     {
         "topology": "InvalidInput Relations Scene ToppleError load_scene relate scene_from_rgbd",
         "robots": "robot scene_from_world",
-        "planner": "NoSafePlan Order Plan RunRecord build_order next_view order plan rank_grasps "
+        "planner": "NoSafePlan Order Plan RunRecord StabilityCheck build_order check next_view order plan "
+        "rank_grasps "
         "rearrange run",
     },
 )

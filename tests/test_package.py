@@ -12,6 +12,7 @@ from packaging.requirements import Requirement
 import topple.planner
 import topple.robots
 from topple.topology.errors import DISTRIBUTION, InvalidInput, NotInstalled
+from topple.topology.kernels.compiled import path_in_words
 
 ROOT = Path(__file__).resolve().parents[1]
 PAGES = [ROOT / "README.md", ROOT / "CONTRIBUTING.md", *sorted((ROOT / "docs").rglob("*.md"))]
@@ -89,10 +90,15 @@ def test_every_public_name_of_the_front_door_is_there() -> None:
 
 
 def test_what_a_program_uses_is_listed_and_typed(tmp_path: Path) -> None:
-    for package in (topple, topple.topology, topple.robots, topple.planner):
+    packages = (topple, topple.topology, topple.robots, topple.planner)
+    for package in packages:
         assert set(package.__all__) <= set(dir(package))
+    modules = "".join(f"import {package.__name__}\n" for package in packages[1:])
+    names = [f"{package.__name__}.{name}" for package in packages for name in package.__all__]
+    assert len(names) >= 100
     program = tmp_path / "program.py"
-    program.write_text(PROGRAM, encoding="utf-8")
+    every = f"every: list[object] = [{', '.join(names)}]"
+    program.write_text(f"{modules}{PROGRAM}\n{every}\n", encoding="utf-8")
     source = ["--config-file", "", "--cache-dir", str(tmp_path), "--follow-imports", "silent"]
     for checker in (["mypy", "--strict", *source], ["pyright", "--pythonpath", sys.executable]):
         done = subprocess.run([sys.executable, "-m", *checker, str(program)], capture_output=True, text=True)
@@ -119,12 +125,15 @@ def test_plans_and_scenes_come_back_from_their_files(tmp_path: Path) -> None:
 
 def test_the_package_is_a_command() -> None:
     done = subprocess.run([sys.executable, "-m", "topple", "--version"], capture_output=True, text=True)
-    assert done.stdout == f"topple {topple.__version__}\n"
+    assert done.stdout == f"topple {topple.__version__}, {path_in_words()}\n"
 
 
 def test_the_front_door_is_light() -> None:
     heavy = "{'numpy', 'scipy', 'pybullet'}"
     assert _printed(f"import sys, topple; print(sorted({heavy} & set(sys.modules)))") == ("[]\n", "")
+    asked = "import sys, topple; topple.order, topple.relate, topple.load_scene"
+    heavy = "{'topple.robots', 'pybullet', 'trimesh', 'fcl', 'PIL'}"
+    assert _printed(f"{asked}; print(sorted({heavy} & set(sys.modules)))") == ("[]\n", "")
 
 
 def test_the_engine_comes_without_its_greeting() -> None:

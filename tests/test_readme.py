@@ -1,6 +1,7 @@
 """Every command and every Python block of the README and the pages runs, in their order, in one folder.
 
-The README's run in a bare shell as well, from the checkout on, where they set up and activate .venv.
+The README's run in a bare shell as well, from the checkout on, where they set up and activate .venv; with
+TOPPLE_BIN, in an environment that is set up already.
 """
 
 import os
@@ -75,6 +76,9 @@ def test_the_readme_works_line_by_line_in_a_bare_shell(tmp_path: Path) -> None:
     ]
     assert typed[0].startswith("make demo ") and len(typed) > 3
     path = os.pathsep.join(each for each in os.environ["PATH"].split(os.pathsep) if ".venv" not in each)
+    if "TOPPLE_BIN" in os.environ:
+        typed[0] = typed[0].replace("make demo", "topple demo").replace("source .venv/bin/activate", "true")
+        path = f"{os.environ['TOPPLE_BIN']}{os.pathsep}{path}"
     environment = {key: os.environ[key] for key in os.environ if key == "HOME" or key.startswith("PIP_")}
     done = subprocess.run(
         ["bash", "-euo", "pipefail", "-c", "".join(typed)],

@@ -12,6 +12,7 @@ if TYPE_CHECKING:
     from topple.topology.io import load_scene, load_sequence
     from topple.topology.io.assemble import Parts
     from topple.topology.io.coco import scene_from_coco
+    from topple.topology.io.mjcf import scene_from_mujoco
     from topple.topology.io.objects import scene_from_objects, scene_from_points
     from topple.topology.io.rgbd import scene_from_rgbd
     from topple.topology.merging.merge import MergedViews, merge_views
@@ -50,6 +51,7 @@ __all__ = [
     "relate",
     "relate_all",
     "scene_from_coco",
+    "scene_from_mujoco",
     "scene_from_objects",
     "scene_from_points",
     "scene_from_rgbd",
@@ -68,6 +70,7 @@ __getattr__, __dir__ = lazy_names(
         "model_fit": "ModelFit",
         "io.assemble": "Parts",
         "io.coco": "scene_from_coco",
+        "io.mjcf": "scene_from_mujoco",
         "io.objects": "scene_from_objects scene_from_points",
         "io.rgbd": "scene_from_rgbd",
         "merging.merge": "MergedViews merge_views",

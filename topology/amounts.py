@@ -1,13 +1,16 @@
-"""Masses and coefficients of friction by name, refused where they enter if they cannot be true."""
+"""Masses, their centres and friction by name, refused where they enter if they cannot be true."""
 
 from collections.abc import Iterable, Mapping
 from sys import float_info
 
 import numpy as np
+from numpy.typing import ArrayLike
 
+from topple.topology.arrays import FloatArray, bounds, frozen
+from topple.topology.checks import numeric
 from topple.topology.errors import InvalidInput, UnknownObject
 from topple.topology.statics.matter import ROUGHEST, SLIPPERIEST
-from topple.topology.tolerances import HEAVIEST
+from topple.topology.tolerances import CENTRE_OUTSIDE, HEAVIEST
 from topple.topology.values import FrozenDict
 
 
@@ -57,6 +60,44 @@ def as_friction(given: Mapping[str, float] | None, names: Iterable[str]) -> Mapp
                 f"{SLIPPERIEST:g} to {ROUGHEST:g}, mostly 0.2 to 1; neither an angle nor a percentage"
             )
     return friction
+
+
+def as_centres(
+    given: Mapping[str, ArrayLike] | None, clouds: Mapping[str, FloatArray]
+) -> Mapping[str, FloatArray]:
+    """Check the centres of mass of objects.
+
+    Args:
+        given: Place (3,) in [m] by name, in the frame of the clouds; None for none.
+        clouds: Points (N, 3) in [m] of the objects there are.
+
+    Returns:
+        The centres, read-only.
+
+    Raises:
+        InvalidInput: If one is no place, or far outside of its object; names the object.
+        UnknownObject: If a name is none of the objects.
+    """
+    checked: dict[str, FloatArray] = {}
+    for name, place in (given or {}).items():
+        if name not in clouds:
+            raise UnknownObject(name, clouds, role="object with a centre of mass")
+        centre = numeric(place, f"centre of mass of {name!r}")
+        if centre.shape != (3,) or not np.isfinite(centre).all():
+            raise InvalidInput(
+                f"centre of mass of {name!r} is {np.array2string(centre, threshold=6)}: expected three "
+                "finite numbers x, y, z in metres, in the frame of the clouds"
+            )
+        lower, upper = bounds(clouds[name])
+        slack = CENTRE_OUTSIDE * float(np.linalg.norm(upper - lower))
+        if (centre < lower - slack).any() or (centre > upper + slack).any():
+            raise InvalidInput(
+                f"centre of mass of {name!r} is {centre.round(4).tolist()}, outside of its points, which "
+                f"reach from {lower.round(4).tolist()} to {upper.round(4).tolist()}: expected it in [m] in "
+                "the frame of the clouds, not in the object's own"
+            )
+        checked[name] = frozen(centre)
+    return FrozenDict(checked)
 
 
 def _numbers(

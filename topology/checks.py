@@ -5,10 +5,10 @@ from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike
-from scipy.spatial import KDTree
 
 from topple.topology.arrays import FloatArray, bounds, frozen
 from topple.topology.errors import InvalidInput
+from topple.topology.kernels.neighbours import PointTree
 from topple.topology.tolerances import (
     DUPLICATE_NEAR,
     DUPLICATE_OFFSET,
@@ -326,7 +326,7 @@ def check_unit(movable: Mapping[str, FloatArray]) -> None:
 
 def duplicates(clouds: Mapping[str, FloatArray], fixed: Collection[str]) -> list[str]:
     """Sentences on things that are there under two names: copies, with noise or of a part."""
-    names, said, trees = list(clouds), list[str](), dict[int, KDTree]()
+    names, said, trees = list(clouds), list[str](), dict[int, PointTree]()
     low, high = np.array([bounds(cloud) for cloud in clouds.values()]).swapaxes(0, 1)
     least, most = low - DUPLICATE_NEAR, high + DUPLICATE_NEAR
     for a, name in enumerate(names):
@@ -337,8 +337,8 @@ def duplicates(clouds: Mapping[str, FloatArray], fixed: Collection[str]) -> list
             if b == a or {name, names[b]} <= set(fixed):
                 continue
             points = clouds[name][:: 1 + len(clouds[name]) // DUPLICATE_POINTS]
-            tree = trees[b] if b in trees else trees.setdefault(b, KDTree(clouds[names[b]]))
-            distance, nearest = map(np.asarray, tree.query(points))
+            tree = trees[b] if b in trees else trees.setdefault(b, PointTree(clouds[names[b]]))
+            distance, nearest = tree.query(points)
             near = distance <= DUPLICATE_NEAR
             if near.mean() < DUPLICATE_SHARE:
                 continue

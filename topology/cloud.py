@@ -3,10 +3,10 @@
 from collections.abc import Mapping
 
 import numpy as np
-from scipy.spatial import KDTree
 
 from topple.topology.arrays import FloatArray, middle_of
-from topple.topology.geometry.normals import patch_planes
+from topple.topology.kernels.neighbours import PointTree
+from topple.topology.kernels.planes import patch_planes
 from topple.topology.scene import Scene
 from topple.topology.tolerances import (
     MOST_STRAYS,
@@ -36,12 +36,12 @@ def noise_and_spacing(points: FloatArray) -> tuple[float, float]:
         offset = points - points[len(points) // 2]
         points = points[np.argpartition(np.einsum("ni,ni->n", offset, offset), REGION)[:REGION]]
     probes = points[:: -(-len(points) // PROBES)]
-    tree = KDTree(points)
+    tree = PointTree(points)
     distance, index = tree.query(probes, k=min(NEIGHBOURS, len(points)))
     least = patch_planes(points[index])[2][:, 0]
     # A plane through k points takes three degrees of freedom from their residuals.
-    noise = float(np.sqrt(np.median(least) / max(np.shape(index)[1] - 3, 1)))
-    return noise, float(np.median(np.asarray(distance)[:, 4]))
+    noise = float(np.sqrt(np.median(least) / max(index.shape[1] - 3, 1)))
+    return noise, float(np.median(distance[:, 4]))
 
 
 def estimate_deviation(scene: Scene | Mapping[str, FloatArray]) -> float:
@@ -91,8 +91,7 @@ def clean(points: FloatArray) -> FloatArray:
     """
     if len(points) < 30:
         return points
-    tree = KDTree(points, balanced_tree=False)  # the distances are the same, and found in 0.6 of the time
-    distance = tree.query(points, k=6)[0][:, -1]
+    distance = PointTree(points).query(points, k=6)[0][:, -1]
     usual = max(float(np.median(distance)), 2 * TOLERANCES.least_deviation)
     near = distance <= STRAY * usual
     return points[near] if np.count_nonzero(~near) <= MOST_STRAYS * len(points) else points

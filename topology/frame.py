@@ -26,6 +26,7 @@ def in_frame(scene: Scene, pose_scene_to_frame: FloatArray, up: FloatArray) -> S
         friction=scene.friction,
         models={name: fit.moved(pose_scene_to_frame) for name, fit in scene.models.items()},
         matter=transformed(scene.matter, pose_scene_to_frame),
+        centres={n: transformed(each[None], pose_scene_to_frame)[0] for n, each in scene.centres.items()},
     )
 
 
@@ -46,4 +47,5 @@ def enlarged(scene: Scene, factor: float) -> Scene:
         masses={name: mass * factor**3 for name, mass in scene.masses.items()},
         friction=scene.friction,
         models={name: replace(fit, seen=fit.seen * factor) for name, fit in scene.models.items()},
+        centres={name: centre * factor for name, centre in scene.centres.items()},
     )

@@ -86,6 +86,7 @@ def with_models(scene: Scene, folder: str | os.PathLike[str]) -> Scene:
         fits,
         scene.matter,
         scene.wrong_masks,
+        scene.centres,
     )
 
 

@@ -8,7 +8,7 @@ from typing import Literal, TypeVar
 import numpy as np
 from numpy.typing import ArrayLike
 
-from topple.topology.amounts import as_friction, as_masses
+from topple.topology.amounts import as_centres, as_friction, as_masses
 from topple.topology.arguments import checked_arguments
 from topple.topology.arrays import FloatArray, frozen
 from topple.topology.bodies.background import table_among, unnamed_among, without_bodies
@@ -59,6 +59,8 @@ class Scene(ByValue):
         models: How known models were laid onto what was seen of objects (`topple.topology.with_models`).
         matter: Points (N, 3) in [m], about 1 cm apart, of what is no object and in the way: walls, screens.
         wrong_masks: Masks of the images that are wrong in kind, where these were asked (`examined`).
+        centres: Centres of mass (3,) in [m] of the objects of which they are known; of any others the density
+            is taken as even.
     """
 
     clouds: Mapping[str, FloatArray]
@@ -74,6 +76,7 @@ class Scene(ByValue):
     models: Mapping[str, ModelFit]
     matter: FloatArray
     wrong_masks: tuple[WrongMask, ...]
+    centres: Mapping[str, FloatArray]
 
     def __init__(
         self,
@@ -90,6 +93,7 @@ class Scene(ByValue):
         models: Mapping[str, ModelFit] | None = None,
         matter: ArrayLike | None = None,
         wrong_masks: Iterable[WrongMask] = (),
+        centres: Mapping[str, ArrayLike] | None = None,
     ) -> None:
         """Check everything and keep read-only copies.
 
@@ -107,6 +111,7 @@ class Scene(ByValue):
             models: Fits of known models to objects that have a cloud.
             matter: Points (N, 3) in [m] of what is no object and in the way, about 1 cm apart.
             wrong_masks: Masks of the images that are wrong in kind.
+            centres: Centres of mass (3,) in [m], in the frame of the clouds, of objects that have a cloud.
 
         Raises:
             InvalidInput: If anything is not what it should be; names the object.
@@ -144,13 +149,15 @@ class Scene(ByValue):
         some = numeric([] if matter is None else matter, "matter")
         put(self, "matter", as_points(some, "matter") if some.size else frozen(np.empty((0, 3))))
         put(self, "wrong_masks", tuple(wrong_masks))
+        put(self, "centres", as_centres(centres, checked))
 
     def __reduce__(self) -> tuple[object, ...]:
         """Pickle by parts, so that a scene can go to another process."""
         clouds, fixed = dict(self.clouds), self._fixed_in_order()
         parts = (clouds, fixed, self.up, self.viewpoints, self.images, dict(self.meshes), self.robot_base)
         amounts = (dict(self.masses), dict(self.friction))
-        return (Scene, (*parts, self.assumptions, *amounts, dict(self.models), self.matter, self.wrong_masks))
+        seen = (dict(self.models), self.matter, self.wrong_masks)
+        return (Scene, (*parts, self.assumptions, *amounts, *seen, dict(self.centres)))
 
     def _repr_html_(self) -> str | None:
         """What a notebook shows."""
@@ -303,7 +310,8 @@ class Scene(ByValue):
         """Give an object a new cloud, or add one.
 
         Args:
-            name: The object; one already there keeps its place, mass and friction, and loses mesh and model.
+            name: The object; one already there keeps its place among the others, mass and friction, and loses
+                mesh, model and centre of mass.
             points: Its points (N, 3) in [m].
 
         Returns:
@@ -313,8 +321,8 @@ class Scene(ByValue):
             InvalidInput: If the cloud is not what it should be.
         """
         clouds = {**self.clouds, as_name(name): as_points(points, f"cloud {name!r}")}
-        meshes, models = _except(name, self.meshes), _except(name, self.models)
-        return self._changed(clouds=FrozenDict(clouds), meshes=meshes, models=models)
+        lost = {key: _except(name, getattr(self, key)) for key in ("meshes", "models", "centres")}
+        return self._changed(clouds=FrozenDict(clouds), **lost)
 
     def without(self, name: str) -> "Scene":
         """Take an object out of the scene.
@@ -334,19 +342,23 @@ class Scene(ByValue):
         clouds = {other: points for other, points in self.clouds.items() if other != name}
         if not clouds:
             raise InvalidInput(f"without {name!r} the scene has no objects: expected at least one")
-        named = ("meshes", "masses", "friction", "models")
+        named = ("meshes", "masses", "friction", "models", "centres")
         left = {key: _except(name, getattr(self, key)) for key in named}
         return self._changed(clouds=FrozenDict(clouds), fixed=self.fixed - {name}, **left)
 
     @checked_arguments
     def weighed(
-        self, masses: Mapping[str, float] | None = None, friction: Mapping[str, float] | None = None
+        self,
+        masses: Mapping[str, float] | None = None,
+        friction: Mapping[str, float] | None = None,
+        centres: Mapping[str, ArrayLike] | None = None,
     ) -> "Scene":
-        """Say how heavy and how rough objects are.
+        """Say how heavy and how rough objects are, and where their weight is.
 
         Args:
             masses: Masses in [kg], above 0, by name; they replace what was known of these objects.
             friction: Coulomb coefficients, 0 to 10, of their surfaces, by name.
+            centres: Centres of mass (3,) in [m] in the frame of the clouds, by name.
 
         Returns:
             A new scene; what is known of the other objects stays.
@@ -358,6 +370,7 @@ class Scene(ByValue):
         return self._changed(
             masses=FrozenDict({**self.masses, **as_masses(masses, self.clouds)}),
             friction=FrozenDict({**self.friction, **as_friction(friction, self.clouds)}),
+            centres=FrozenDict({**self.centres, **as_centres(centres, self.clouds)}),
         )
 
     def save(self, path: str | Path) -> None:
@@ -368,7 +381,7 @@ class Scene(ByValue):
         """
         from topple.topology.io.write import write_clouds  # not before: `io` is of scenes
 
-        kept = ("up", "viewpoints", "robot_base", "matter", "masses", "friction")
+        kept = ("up", "viewpoints", "robot_base", "matter", "masses", "friction", "centres")
         about = {"fixed": sorted(self.fixed), **{key: getattr(self, key) for key in kept}}
         write_clouds(Path(path), self.clouds, about)
 

@@ -18,6 +18,7 @@ from topple.topology.cloud import unit_of
 from topple.topology.evidence import Evidence
 from topple.topology.frame import enlarged
 from topple.topology.geometry.hull import Hull
+from topple.topology.geometry.rigid import transformed
 from topple.topology.geometry.samples import sampled
 from topple.topology.io.load import AnyScene, as_scene
 from topple.topology.relations import Relations, relate
@@ -169,9 +170,8 @@ class Situation:
         body = self.completed[name]
         cloud = np.vstack([self.scene.clouds[name], sampled(body, 2.0 * GRAIN)])
         bodies = {**self.solids, name: body}
-        return Situation(
-            self.scene.with_cloud(name, cloud), known_solids=bodies, known_completed=self.completed
-        )
+        scene = self.scene.with_cloud(name, cloud).weighed(centres=self.scene.centres)
+        return Situation(scene, known_solids=bodies, known_completed=self.completed)
 
     def moved(self, names: Collection[str], pose: FloatArray, more: FloatArray | None = None) -> "Situation":
         """The situation once objects were moved: they are rigid, and all else is where it was.
@@ -188,6 +188,8 @@ class Situation:
                 cloud, more = np.vstack([cloud, more]), None
                 del whole[name]
             scene = scene.with_cloud(name, moved((cloud,), pose)[0])
+            if name in self.scene.centres:
+                scene = scene.weighed(centres={name: transformed(self.scene.centres[name][None], pose)[0]})
         carry_over(scene, self.scene, whole)
         return Situation(scene, origin=Change(self, frozenset(names), pose))
 

@@ -64,6 +64,10 @@ far."""
 HEAVIEST = 1e6
 """Largest mass [kg]: of no object that an arm clears; products of it stay far from what float64 holds."""
 
+CENTRE_OUTSIDE = 0.5
+"""Share of an object's diagonal by which its centre of mass may be outside of the box around its points: most
+of it may not have been seen, but a place given in another frame is further off."""
+
 RIGID = 1e-3
 """How far a rotation may be from a rigid one: those stored as float32 or printed to four
 digits are off by less."""

@@ -36,6 +36,7 @@ class Upright:
         rest: Fixed name -> (M, 3) points of it that lie on no top [m].
         friction: name -> coefficient of its surface, where it has been tried.
         whole: Names of what is a known model, of which nothing is hidden.
+        centres: name -> (3,) centre of mass [m], where it is known.
     """
 
     rotation: FloatArray
@@ -47,6 +48,7 @@ class Upright:
     rest: Mapping[str, FloatArray]
     friction: Mapping[str, float] = field(default_factory=lambda: FrozenDict({}))
     whole: frozenset[str] = frozenset()
+    centres: Mapping[str, FloatArray] = field(default_factory=lambda: FrozenDict({}))
 
     @property
     def movable(self) -> tuple[str, ...]:
@@ -114,6 +116,7 @@ class Upright:
             rest=FrozenDict(rest),
             friction=scene.friction,
             whole=scene.whole,
+            centres=FrozenDict({name: rounded(rotation @ at) for name, at in scene.centres.items()}),
         )
 
 

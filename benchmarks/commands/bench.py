@@ -59,7 +59,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         nargs="?",
         metavar="NAME",
         help="relate, order, build, rearrange, motion, paper, run or demo (all of these, one by one), "
-        "or engines, reliability, speed or truth",
+        "or check, engines, reliability, speed or truth",
     )
     for option, metavar, purpose in _WITH_VALUES:
         parser.add_argument(option, metavar=metavar, help=purpose)

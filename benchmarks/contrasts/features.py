@@ -10,12 +10,12 @@ own; theirs is learned from photographs.
 from itertools import combinations
 
 import numpy as np
-from scipy.spatial import KDTree
 
 from topple.topology.arrays import FloatArray, IntArray
 from topple.topology.geometry.axes import perpendiculars
 from topple.topology.geometry.hull import Hull
 from topple.topology.geometry.thin import thinned
+from topple.topology.kernels.neighbours import PointTree
 from topple.topology.scene import Scene
 from topple.topology.sixim.table import Relation
 from topple.topology.statics.contact import local_normals
@@ -51,7 +51,7 @@ def support_features(scene: Scene) -> dict[tuple[str, str], Relation]:
     """
     up = np.array([0.0, 0.0, 1.0]) if scene.up is None else scene.up
     points = {name: thinned(cloud, SPACING) for name, cloud in scene.clouds.items()}
-    trees = {name: KDTree(cloud) for name, cloud in points.items()}
+    trees = {name: PointTree(cloud) for name, cloud in points.items()}
     hulls = {name: Hull.of(cloud) for name, cloud in points.items()}
     found: dict[tuple[str, str], Relation] = {}
     for a, b in combinations(scene.names, 2):
@@ -74,23 +74,23 @@ def _inside(points: FloatArray, hull: Hull) -> float:
     return float((hull.facet_distance(points[near]) < 0).sum()) / len(points) if near.any() else 0.0
 
 
-def _supports(a: FloatArray, tree_a: KDTree, b: FloatArray, tree_b: KDTree, up: FloatArray) -> bool:
+def _supports(a: FloatArray, tree_a: PointTree, b: FloatArray, tree_b: PointTree, up: FloatArray) -> bool:
     """Whether the surfaces meet face to face: from below or from the side."""
-    near_a = np.flatnonzero(np.asarray(tree_b.query(a, distance_upper_bound=REACH)[0]) < REACH)
-    near_b = np.flatnonzero(np.asarray(tree_a.query(b, distance_upper_bound=REACH)[0]) < REACH)
+    near_a = np.flatnonzero(tree_b.query(a, distance_upper_bound=REACH)[0] < REACH)
+    near_b = np.flatnonzero(tree_a.query(b, distance_upper_bound=REACH)[0] < REACH)
     if min(len(near_a), len(near_b)) < FEWEST:
         return False
     normal_a, normal_b = _normals(a, tree_a, near_a), _normals(b, tree_b, near_b)
-    partner = np.asarray(KDTree(b[near_b]).query(a[near_a])[1])
+    partner = PointTree(b[near_b]).query(a[near_a])[1]
     facing = np.abs(np.einsum("ni,ni->n", normal_a, normal_b[partner])) >= PARALLEL
     below = np.abs(normal_a @ up) >= PARALLEL
     below |= np.abs(normal_b[partner] @ up) >= PARALLEL
     return bool((facing | below).sum() >= FEWEST)
 
 
-def _normals(points: FloatArray, tree: KDTree, chosen: IntArray) -> FloatArray:
-    groups = np.asarray(tree.query(points[chosen], k=min(NEIGHBOURS, len(points)))[1])
-    return local_normals(points, groups.reshape(len(chosen), -1).tolist())[0]
+def _normals(points: FloatArray, tree: PointTree, chosen: IntArray) -> FloatArray:
+    groups = tree.query(points[chosen], k=min(NEIGHBOURS, len(points)))[1]
+    return local_normals(points, list(groups.reshape(len(chosen), -1)))[0]
 
 
 def _with_tree(
@@ -115,8 +115,8 @@ def _carries(other: str, name: str, points: dict[str, FloatArray], up: FloatArra
 def _drop(above: FloatArray, below: FloatArray, up: FloatArray) -> float:
     """How far a thing would fall onto another [m], infinite where that is not under it."""
     across = np.stack(perpendiculars(up), axis=1)
-    distance, index = KDTree(below @ across).query(above @ across, distance_upper_bound=2 * SPACING)
-    under = np.asarray(distance) < np.inf
-    fall = (above @ up)[under] - (below @ up)[np.asarray(index)[under]]
+    distance, index = PointTree(below @ across).query(above @ across, distance_upper_bound=2 * SPACING)
+    under = distance < np.inf
+    fall = (above @ up)[under] - (below @ up)[index[under]]
     fall = fall[fall > -REACH]
     return float(fall.min()) if len(fall) else np.inf

@@ -11,6 +11,7 @@ import numpy as np
 from topple.benchmarks.episodes import Ending, Episode
 from topple.benchmarks.fuzz.oracle import wrong_numbers
 from topple.benchmarks.fuzz.reader import Parts, Reader
+from topple.benchmarks.fuzz.recordings import RECORDINGS
 from topple.benchmarks.fuzz.scenes import SCENES, cloud, npy
 from topple.benchmarks.journal import Journal
 from topple.benchmarks.versions import code_key
@@ -187,6 +188,7 @@ def _read_goal(path: Path) -> Goal:
 
 READERS = (
     *SCENES,
+    *RECORDINGS,
     Reader("relations json", _relations, _read_relations, _wrong_relations, "relations.json"),
     Reader("plan json", _plan, lambda path: plan_from_json(read_bytes(path, "it")), _wrong_plan, "plan.json"),
     Reader("grasps, poses", _poses, read_grasps, _wrong_grasps, "grasps.npy"),

@@ -7,7 +7,8 @@ import numpy as np
 from numpy.typing import ArrayLike
 from scipy.spatial.transform import Rotation
 
-from topple.planner.simulate.lifts import move_between, set_friction
+from topple.planner.simulate.lift import move_between
+from topple.planner.simulate.lifts import set_friction
 from topple.robots.poses import angle_between
 from topple.robots.world.bodies import Body
 from topple.robots.world.physical_world import Physics

@@ -7,7 +7,6 @@ import networkx as nx
 
 from topple.planner.building.prefixes import Falling, Names, aside
 from topple.planner.building.tolerances import OFF_CENTRE
-from topple.robots.world.bodies import Body
 from topple.topology.arrays import FloatArray
 from topple.topology.bodies.complete import is_hollow
 from topple.topology.statics.equilibrium import Weight
@@ -58,9 +57,11 @@ def meeting_in(statics: Statics) -> "nx.Graph[str]":
 
 
 def _centre(name: str, statics: Statics) -> FloatArray:
-    """(3,) centre of mass [m]: that of the hull of a solid, that of the surface of a hollow thing."""
-    if is_hollow(statics.upright.clouds[name], statics.sight):
+    """(3,) centre of mass [m]: as given, else that of a solid's hull, of the surface of a hollow thing."""
+    if name in statics.upright.centres or is_hollow(statics.upright.clouds[name], statics.sight):
         return statics.weights[name].centre
+    from topple.robots.world.bodies import Body  # an order that names no hands asks for none
+
     return Body.of(name, [statics.surfaces[name]], mass=1.0).centre_of_mass
 
 

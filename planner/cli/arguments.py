@@ -55,6 +55,7 @@ OPTIONS: dict[str, dict[str, Any]] = {
         "metavar": "N",
         "help": "which image of a BOP scene or frame of a recording (its first)",
     },
+    "--keyframe": {"metavar": "NAME", "help": "name or number of a keyframe of an MJCF scene (initial)"},
     "--models": {
         "nargs": "?",
         "const": True,
@@ -180,7 +181,7 @@ OPTIONS: dict[str, dict[str, Any]] = {
 }
 
 COMMON = ("--max-mb", "--allow-outside", "--fixed", "--up", "--seed", "--json", "--version")
-FORMATS = ("--view", "--image", "--models", "--depth", "--info", "--labels")
+FORMATS = ("--view", "--image", "--keyframe", "--models", "--depth", "--info", "--labels")
 GRIPPER = ("--gripper", "--srdf", "--group")
 SEEN_ROBOT = (*GRIPPER, "--base", "--joints")
 SIMULATION = ("--cameras", "--mask-noise", "--wrist-camera", "--ahead", "--engine", "--video", "--rerun")

@@ -26,6 +26,7 @@ DONE, NO_SAFE_PLAN, WRONG_USE, CRASHED, INTERRUPTED = 0, 1, 2, 70, 130
 COMMANDS = {
     "relate": "decide how every two objects lie to each other",
     "order": "say in which order to take things, and why",
+    "check": "say whether a scene stands, what holds what up, and by how much",
     "plan": "plan grasps, placements and motions of the whole sequence",
     "run": "rebuild a scene in simulation and do it with an arm, looking again after every action",
     "robot": "say what was understood of an arm, and try its reach, its kinematics and a grasp in simulation",
@@ -84,8 +85,9 @@ class ShowVersion(argparse.Action):
         from importlib.metadata import version
 
         from topple.topology.errors import DISTRIBUTION
+        from topple.topology.kernels.compiled import path_in_words
 
-        sys.stdout.write(f"topple {version(DISTRIBUTION)}\n")
+        sys.stdout.write(f"topple {version(DISTRIBUTION)}, {path_in_words()}\n")
         parser.exit(DONE)
 
 
@@ -187,7 +189,7 @@ def _parser(chosen: str | None) -> tuple[Parser, dict[str, Parser]]:
         description="Which object in the clutter to take next, and why that is safe.",
         epilog=_EPILOG,
     )
-    parser.add_argument("--version", action=ShowVersion, nargs=0, help="print the version and leave")
+    parser.add_argument("--version", action=ShowVersion, nargs=0, help="print version and kernels, and leave")
     shells = ("bash", "zsh", "fish")
     parser.add_argument(
         "--completion",

@@ -1,38 +1,33 @@
 """Ideal hands: they take and put without touching anything else, and what still moves, moves of itself."""
 
+from collections.abc import Mapping
+
 import numpy as np
 
 from topple.planner.environment.tolerances import CLEARANCE, FALLEN, NEAR, SETTLE
-from topple.planner.simulate.lifts import Move, move_between, take_away
+from topple.planner.simulate.lift import lift, move_between
 from topple.planner.tolerances import DISTURBED, TURNED
-from topple.robots.world.world import World
+from topple.robots.world.physical_world import PhysicalWorld
 from topple.topology.arrays import FloatArray
 
 
-def take(world: World, name: str) -> tuple[str, ...]:
+def take(world: PhysicalWorld, name: str) -> tuple[str, ...]:
     """Lift an object straight up and out of the world.
 
     Args:
-        world: At rest; it goes on from where the lift left it.
+        world: At rest; it goes on from where everything comes to lie.
         name: What is taken.
 
     Returns:
         The others that were disturbed: moved by more than 1 cm or turned by more than 10 degrees.
     """
-    poses: dict[str, FloatArray] = {}
-
-    def keep(world: World) -> None:
-        poses.update(world.poses())
-
-    moves = take_away(world, name, watch=keep)
+    before = world.poses()
+    lift(world, name)
     world.remove(name)
-    for other in moves:
-        world.place(other, poses[other])
-    _come_to_rest(world)
-    return _disturbed(moves)
+    return _disturbed(world, name, before)
 
 
-def put(world: World, name: str, where: str) -> tuple[str, ...]:
+def put(world: PhysicalWorld, name: str, where: str) -> tuple[str, ...]:
     """Let an object go over the middle of another one, as low as what lies there allows.
 
     Args:
@@ -53,23 +48,16 @@ def put(world: World, name: str, where: str) -> tuple[str, ...]:
     pose[:3, 3] += middle - own.mean(axis=0)
     pose[2, 3] = before[name][2, 3] + top + CLEARANCE - float(own[:, 2].min())
     world.place(name, pose)
-    _come_to_rest(world)
-    after = world.poses()
-    moves = {
-        other: move_between(world, other, pose, after[other])
-        for other, pose in before.items()
-        if other != name and other in after
-    }
-    return (*_disturbed(moves), *(other for other in before if other not in after))
+    return _disturbed(world, name, before)
 
 
-def _come_to_rest(world: World) -> None:
-    """Wait, and take out what fell off the table."""
+def _disturbed(world: PhysicalWorld, name: str, before: Mapping[str, FloatArray]) -> tuple[str, ...]:
+    """Wait until all is at rest, take out what fell off the table, and name what else was disturbed."""
     world.settle(SETTLE)
-    for name, pose in world.poses().items():
+    after, turned = world.poses(), float(np.degrees(TURNED))
+    others = [other for other in before if other != name]
+    found = [o for o in others if move_between(world, o, before[o], after[o]).beyond(DISTURBED, turned)]
+    for other, pose in after.items():
         if pose[2, 3] < FALLEN:
-            world.remove(name)
-
-
-def _disturbed(moves: dict[str, Move]) -> tuple[str, ...]:
-    return tuple(name for name, move in moves.items() if move.beyond(DISTURBED, float(np.degrees(TURNED))))
+            world.remove(other)
+    return tuple(found)

@@ -15,7 +15,6 @@ from topple.planner.environment.view import Observation, seen, space_of
 from topple.planner.execution.attained import truly_unmet
 from topple.planner.execution.look import Observer
 from topple.robots.scenarios import Scenario, scenario_called
-from topple.robots.world.world import in_bullet
 from topple.topology.errors import InvalidInput
 from topple.topology.geometry.rigid import transformed
 from topple.topology.scene import Scene
@@ -128,9 +127,9 @@ class Picking(gymnasium.Env[Observation, np.int64]):
         if allowed:
             place = next((place for place in self._goal.places if place.object == name), None)
             if place is not None:
-                disturbed = put(in_bullet(stage.world), name, place.where)
+                disturbed = put(stage.world, name, place.where)
             else:
-                disturbed = take(in_bullet(stage.world), name)
+                disturbed = take(stage.world, name)
                 self._taken.add(name)
             self._situation = self._looked()
             self._shown = self._observation()

@@ -5,12 +5,12 @@ from dataclasses import replace
 
 import numpy as np
 from scipy.optimize import linear_sum_assignment
-from scipy.spatial import KDTree
 
 from topple.planner.execution.tolerances import ELSEWHERE, GONE, LIKENESS, SEEN_THROUGH, SPACING, STAYED
 from topple.topology.arrays import BoolArray, FloatArray
 from topple.topology.geometry.thin import thinned
 from topple.topology.image import DepthImage
+from topple.topology.kernels.neighbours import PointTree
 from topple.topology.scene import Scene
 
 
@@ -95,7 +95,7 @@ def middle(cloud: FloatArray) -> FloatArray:
 
 def apart(seen: FloatArray, remembered: FloatArray) -> float:
     """Distance between two clouds in [m]: the mean of the median ways from one to the other and back."""
-    there, back = KDTree(remembered).query(seen)[0], KDTree(seen).query(remembered)[0]
+    there, back = PointTree(remembered).query(seen)[0], PointTree(seen).query(remembered)[0]
     return float(np.median(there) + np.median(back)) / 2.0
 
 

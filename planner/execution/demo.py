@@ -30,7 +30,7 @@ from topple.robots.scenarios import SCENARIOS, Scenario, scenario_called
 from topple.robots.world.acting_arm import ActingArm
 from topple.robots.world.camera import Camera
 from topple.robots.world.film import filmed
-from topple.robots.world.recorded import recorded
+from topple.robots.world.recording import Recording
 from topple.topology.arguments import checked_arguments
 from topple.topology.files import check_writable, make_folder, write_all, write_whole
 from topple.topology.workers import serve
@@ -110,7 +110,7 @@ def demo(
             task = (first.scene, loop.task, robot)
             asked = {"base": base, "orderer": orderer, "relations": relate, "clamped": fixture, "seed": seed}
             planned = None if two else other.apply_async(plan, task, asked)
-            recording = recorded(acting, RERUN_RATE) if rerun is not None else None
+            recording = Recording(acting, RERUN_RATE) if rerun is not None else None
             with filmed(video, acting, stage.cameras[0]):
                 record = loop.run(first)
             try:

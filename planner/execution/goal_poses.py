@@ -3,13 +3,13 @@
 from collections.abc import Iterator, Mapping
 
 import numpy as np
-from scipy.spatial import KDTree
 from scipy.spatial.transform import Rotation
 
 from topple.planner.execution.tolerances import ITSELF, POINTS, ROUGH
 from topple.planner.tolerances import STEPS_ROUND
 from topple.robots.world.physical_world import PhysicalWorld
 from topple.topology.arrays import FloatArray
+from topple.topology.kernels.neighbours import PointTree
 
 
 def off_goal_poses(
@@ -53,7 +53,7 @@ def off_goal_pose(world: PhysicalWorld, name: str, wanted: FloatArray, up: Float
     centre = np.append(body.centre_of_mass, 1.0)
     way = float(np.linalg.norm(((wanted - now) @ centre)[:3]))
     surface = body.surface(POINTS, np.random.default_rng(0)) - body.centre_of_mass
-    tree, some = KDTree(surface), surface[:: POINTS // 300]
+    tree, some = PointTree(surface), surface[:: POINTS // 300]
     spacing = float(np.quantile(tree.query(some, k=2)[0][:, 1], 0.98))
     near = max(ITSELF * spacing, ROUGH if body.kind == "cloud" else 0.0)
     relative = Rotation.from_matrix(now[:3, :3].T @ wanted[:3, :3])

@@ -229,10 +229,10 @@ def _moved(now: FloatArray, before: FloatArray) -> bool:
 
     An object of which other sides are seen now has not moved.
     """
-    from scipy.spatial import KDTree
+    from topple.topology.kernels.neighbours import PointTree
 
-    away = np.quantile(KDTree(before).query(now)[0], 0.9)
-    back = np.quantile(KDTree(now).query(before)[0], 0.9)
+    away = np.quantile(PointTree(before).query(now)[0], 0.9)
+    back = np.quantile(PointTree(now).query(before)[0], 0.9)
     return bool(min(away, back) > MOVED)
 
 

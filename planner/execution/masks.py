@@ -5,13 +5,13 @@ from dataclasses import replace
 
 import numpy as np
 from scipy.optimize import linear_sum_assignment
-from scipy.spatial import KDTree
 
 from topple.planner.execution.associate import apart, middle
 from topple.planner.execution.tolerances import AGAIN, ALIKE, MOVED, PIECE, SEAM, STAYED, SWAPPED
 from topple.topology.arrays import FloatArray
 from topple.topology.geometry.hull import Hull
 from topple.topology.image import DepthImage
+from topple.topology.kernels.neighbours import PointTree
 from topple.topology.scene import Scene
 
 
@@ -94,8 +94,8 @@ def _is_piece(piece: FloatArray, rest: Sequence[FloatArray], whole: FloatArray) 
     if np.linalg.norm(shift) > STAYED:
         return False
     there = whole + shift
-    seen = KDTree(there).query(piece, distance_upper_bound=SEAM)[0] < SEAM
+    seen = PointTree(there).query(piece, distance_upper_bound=SEAM)[0] < SEAM
     at_its_end = np.abs(Hull.of(there).signed_distance(piece)) < SEAM
     on = (seen | at_its_end).mean()
-    covered = (KDTree(piece).query(there, distance_upper_bound=SEAM)[0] < SEAM).mean()
+    covered = (PointTree(piece).query(there, distance_upper_bound=SEAM)[0] < SEAM).mean()
     return bool(on > ALIKE and seen.mean() > AGAIN and covered > PIECE)

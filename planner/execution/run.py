@@ -21,7 +21,7 @@ from topple.robots.catalog import robot as robot_named
 from topple.robots.catalog.own_arm import check_tool
 from topple.robots.engines import DEFAULT_ENGINE, arm_in, playing_on
 from topple.robots.world.film import filmed
-from topple.robots.world.recorded import recorded
+from topple.robots.world.recording import Recording
 from topple.topology.arguments import checked_arguments
 from topple.topology.arrays import FloatArray
 from topple.topology.checks import as_pose
@@ -126,7 +126,7 @@ def run(
             second=None if there is None else arm_in(stage.world, arm, there, acting),
             fixture=stage.fixture,
         )
-        recording = recorded(acting, RERUN_RATE) if rerun is not None else None
+        recording = Recording(acting, RERUN_RATE) if rerun is not None else None
         with filmed(video, acting, stage.cameras[0]):
             record = loop.run()
         kept = fixture_assumptions(fixture)

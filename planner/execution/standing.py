@@ -4,7 +4,6 @@ from collections.abc import Sequence
 from functools import lru_cache
 
 import numpy as np
-from scipy.spatial import KDTree
 
 from topple.planner.execution.tolerances import (
     ARM_FEWEST,
@@ -23,6 +22,7 @@ from topple.topology.bodies.solids import up_of
 from topple.topology.geometry.samples import sampled_with_normals
 from topple.topology.geometry.thin import thinned
 from topple.topology.image import DepthImage
+from topple.topology.kernels.neighbours import PointTree
 from topple.topology.scene import Scene
 
 
@@ -46,11 +46,11 @@ def shift_of(robot: Driver, images: Sequence[DepthImage], scene: Scene) -> Float
         return None
     points = thinned(unclaimed, ARM_SPACING)
     surface, normals = _surface(robot, [image.viewpoint for image in images])
-    tree = KDTree(surface)
+    tree = PointTree(surface)
     points = points[tree.query(points, distance_upper_bound=ARM_NEAR)[0] < ARM_NEAR]
     if len(points) == 0:
         return None
-    things = KDTree(np.concatenate(list(scene.clouds.values())), balanced_tree=False)
+    things = PointTree(np.concatenate(list(scene.clouds.values())))
     points = points[things.query(points)[0] > BESIDE]
     if len(points) < ARM_FEWEST:
         return None

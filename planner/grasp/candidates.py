@@ -88,7 +88,7 @@ def grasp_candidates(
     around = surroundings(name, scene, up, tolerances)
     surface = surface_in(name, situation, around, tolerances)
     mass, friction = scene.masses.get(name), scene.friction.get(name)
-    surface = replace(surface, mass=mass)
+    surface = replace(surface, mass=mass, centre=scene.centres.get(name, surface.centre))
     if friction is not None:  # pads of rubber have a coefficient of 1, and the product is the object's own
         tolerances = replace(tolerances, friction=friction)
     dropped = Dropped() if dropped is None else dropped

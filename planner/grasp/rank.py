@@ -9,7 +9,6 @@ from itertools import zip_longest
 from typing import Any
 
 import numpy as np
-from scipy.spatial import KDTree
 
 from topple.planner.decide.dependency import DependencyGraph, dependencies
 from topple.planner.grasp.foreign import ForeignGrasps, grasps_from_array, read_grasps
@@ -26,6 +25,7 @@ from topple.topology.arrays import FloatArray
 from topple.topology.checks import as_pose
 from topple.topology.errors import InvalidInput, UnknownObject
 from topple.topology.io.load import AnyScene, as_scene
+from topple.topology.kernels.neighbours import PointTree
 from topple.topology.scene import Scene
 from topple.topology.situation import Situation
 from topple.topology.statics.gravity import check_up
@@ -146,10 +146,10 @@ def camera_frame(scene: Scene, grasps: ForeignGrasps) -> FloatArray | None:
     """
     if not len(grasps) or not scene.movable:
         return None
-    tree = KDTree(np.concatenate([scene.clouds[name] for name in scene.movable]))
+    tree = PointTree(np.concatenate([scene.clouds[name] for name in scene.movable]))
     frames = [np.eye(4), *(image.pose_camera_to_world for image in scene.images)]
     places = [(frame @ grasps.poses_tool_to_source[:SOME])[:, :3, 3] for frame in frames]
-    near = [int((np.asarray(tree.query(some)[0]) <= HAND_REACH).sum()) for some in places]
+    near = [int((tree.query(some)[0] <= HAND_REACH).sum()) for some in places]
     return frames[int(np.argmax(near))] if max(near) > near[0] else None
 
 
@@ -242,7 +242,7 @@ def _check(grasps: Sequence[Grasp], scene: Scene, arm: Arm | None) -> None:
         if arm is not None and grasp.tool not in arm.tools:
             raise InvalidInput(f"{arm.name} has no {grasp.tool}: it has {', '.join(arm.tools)}")
     places = poses_of(grasps)[:, :3, 3]
-    trees = {name: KDTree(scene.clouds[name]) for name in scene.movable}
+    trees = {name: PointTree(scene.clouds[name]) for name in scene.movable}
     away = dict.fromkeys(trees, np.inf)
     for first in range(0, len(places), SOME):  # the first few are near enough, or none is
         for name, tree in trees.items():

@@ -4,7 +4,6 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
-from scipy.spatial import KDTree
 
 from topple.planner.grasp.surroundings import Surroundings
 from topple.planner.grasp.tolerances import GRASP_TOLERANCES, GraspTolerances
@@ -12,6 +11,7 @@ from topple.topology.arrays import BoolArray, FloatArray
 from topple.topology.geometry.samples import sampled_with_normals, volume_and_centre
 from topple.topology.geometry.thin import voxel_means
 from topple.topology.image import DepthImage
+from topple.topology.kernels.neighbours import PointTree
 from topple.topology.situation import Situation
 
 
@@ -56,7 +56,7 @@ def fitted_normals(
     count = min(most, len(points))
     if count < 3:
         return np.tile(np.broadcast_to(toward, (len(points), 3)), 1), np.zeros(len(points))
-    distances, index = KDTree(points).query(points, k=count)
+    distances, index = PointTree(points).query(points, k=count)
     weights = (distances <= radius).astype(np.float64)
     weights[:, : min(least, count)] = 1.0
     near = points[index]
@@ -139,7 +139,7 @@ def _hidden(
     points, normals = sampled_with_normals(solid, tolerances.hidden_spacing)
     if len(points) == 0:
         return points, normals
-    distance, _ = KDTree(seen).query(points, distance_upper_bound=tolerances.hidden_gap)
+    distance, _ = PointTree(seen).query(points, distance_upper_bound=tolerances.hidden_gap)
     unseen = np.isinf(distance)
     occluders = seen if others is None else np.vstack([seen, others])
     pictures = images if len(images) == len(viewpoints) else [None] * len(viewpoints)
@@ -153,7 +153,7 @@ def _shadowed(points: FloatArray, occluders: FloatArray, viewpoint: FloatArray, 
     """Which points a camera cannot see because an occluder stands within `gap` of the ray, nearer to it."""
     rays, seen = points - viewpoint, occluders - viewpoint
     far, near = np.linalg.norm(rays, axis=1), np.linalg.norm(seen, axis=1)
-    tree = KDTree(seen / near[:, None])
+    tree = PointTree(seen / near[:, None])
     angle = gap / float(np.median(far))
     _, index = tree.query(rays / far[:, None], k=min(8, len(occluders)), distance_upper_bound=angle)
     index = index.reshape(len(points), -1)

@@ -3,7 +3,6 @@
 from collections.abc import Sequence
 
 import numpy as np
-from scipy.spatial import KDTree
 
 from topple.planner.motion.collision import Checker
 from topple.planner.placement.free_space import FreeSpace, free_spaces
@@ -16,6 +15,7 @@ from topple.topology.bodies.tops import lowest_in_use, tops_of
 from topple.topology.errors import ToppleError
 from topple.topology.geometry.axes import level_axes
 from topple.topology.geometry.thin import voxel_means
+from topple.topology.kernels.neighbours import PointTree
 from topple.topology.scene import Scene
 from topple.topology.situation import Situation
 
@@ -102,7 +102,7 @@ def _standing(
             higher = [top.points for top in found.tops if top.height > level + STEP]
             cloud = np.vstack([*higher, found.rest[found.rest @ up > level + STEP]])
         things.append(voxel_means(cloud, 0.01, ahead=0.0) @ axes.T)
-    tree = KDTree(np.vstack([*things, scene.matter @ axes.T]))
+    tree = PointTree(np.vstack([*things, scene.matter @ axes.T]))
     return [pose for pose in poses if tree.query(axes @ pose[:3, 3])[0] > FOOT]
 
 

@@ -44,7 +44,9 @@ class Drops:
             mass, friction = (None, FRICTION) if scene is None else (
                 scene.masses.get(which), scene.friction.get(which, FRICTION)
             )  # fmt: skip
-            return Body.of(which, bodies[which], mass=mass, friction=friction)
+            made = Body.of(which, bodies[which], mass=mass, friction=friction)
+            known = scene is not None and which in scene.centres
+            return replace(made, centre_of_mass=scene.centres[which]) if scene and known else made
 
         self.name, self._level = name, _levelling(up)
         self._world = rehearsal_world()

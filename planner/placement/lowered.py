@@ -8,11 +8,11 @@ from topple.planner.placement.resting import PLACEMENT_TOLERANCES
 from topple.planner.placement.stacking import heights_of, underside
 from topple.planner.placement.tolerances import CELL, CONTACT, SKIN
 from topple.topology.arrays import FloatArray, IntArray
-from topple.topology.bodies.solids import hull_vertices
+from topple.topology.bodies.solids import centre_in, hull_vertices
 from topple.topology.bodies.tops import tops_of
 from topple.topology.geometry.axes import level_axes
 from topple.topology.geometry.rigid import transformed
-from topple.topology.geometry.samples import centre_of_mass, sampled
+from topple.topology.geometry.samples import sampled
 from topple.topology.geometry.sides import inset
 from topple.topology.geometry.thin import voxel_means
 from topple.topology.scene import Scene
@@ -57,7 +57,7 @@ def _down(name: str, situation: Situation, pose: FloatArray) -> Placement | None
     released[:3, 3] += (drop - least) * up
     if below in scene.fixed:
         return Placement(released, 1.0, "where it shall be", drop)
-    centre = pose[:3, :3] @ centre_of_mass(scene.clouds[name], solids[name]) + pose[:3, 3]
+    centre = pose[:3, :3] @ centre_in(scene, name, solids[name]) + pose[:3, 3]
     around = scene.clouds[below]
     sunk = float((around @ up).max() - (body @ up).min()) + least > CONTACT
     inside = sunk and inset(around @ axes.T, (axes @ centre)[None])[0] > 0.0

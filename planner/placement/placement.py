@@ -102,7 +102,7 @@ def placements(
     if name not in scene.clouds:
         raise UnknownObject(name, scene.names)
     cloud, parts = scene.clouds[name], situation.solids[name]
-    rests = resting_poses(cloud, parts, up, tolerances)
+    rests = resting_poses(cloud, parts, up, tolerances, scene.centres.get(name))
     tall = max(float(np.ptp(cloud @ (rest.rotation.T @ up))) for rest in rests)
     spaces = free_spaces(
         situation, leave_out={name}, avoid=avoid, remaining=remaining, tall=tall, tolerances=tolerances

@@ -78,6 +78,7 @@ def resting_poses(
     parts: Sequence[FloatArray],
     up: FloatArray,
     tolerances: PlacementTolerances = PLACEMENT_TOLERANCES,
+    centre: FloatArray | None = None,
 ) -> list[Rest]:
     """The faces an object can stand on: flat ones before rounds it could roll on, then the least turn first.
 
@@ -86,6 +87,7 @@ def resting_poses(
         parts: Its convex parts [m].
         up: (3,) unit vector.
         tolerances: What counts as one face and as steady.
+        centre: (3,) centre of mass [m] where it is known; else the density is taken as even.
 
     Returns:
         Resting poses, those that cannot roll before those that can; one near the attitude it has is among
@@ -93,7 +95,7 @@ def resting_poses(
     """
     few = voxel_means(cloud, 0.004, ahead=0.0)
     corners = hull_vertices(np.vstack([few, *parts]))
-    centre = centre_of_mass(cloud, parts)
+    centre = centre_of_mass(cloud, parts) if centre is None else centre
     found: list[Rest] = []
     flats = _flat_sides(few)
     for number, down in enumerate([*flats, *_face_normals(corners, up)]):

@@ -16,11 +16,11 @@ from topple.planner.placement.resting import (
 )
 from topple.planner.placement.tolerances import CELL, CONTACT, GAPS, HEADINGS, INSET, SPOT, YAWS
 from topple.topology.arrays import FloatArray, IntArray
-from topple.topology.bodies.solids import hull_vertices
+from topple.topology.bodies.solids import centre_in, hull_vertices
 from topple.topology.bodies.tops import tops_of
 from topple.topology.errors import UnknownObject
 from topple.topology.geometry.axes import level_axes
-from topple.topology.geometry.samples import centre_of_mass, sampled
+from topple.topology.geometry.samples import sampled
 from topple.topology.geometry.sides import inset
 from topple.topology.geometry.thin import voxel_means
 from topple.topology.scene import Scene
@@ -97,9 +97,9 @@ def placements_on(
     offsets = np.stack(np.meshgrid(steps, steps), axis=-1).reshape(-1, 2) * (high - low)
     target = list(scene.names).index(where)
     body = np.vstack([voxel_means(scene.clouds[name], CELL, ahead=0.0), sampled(solids[name], CELL)])
-    centre = centre_of_mass(scene.clouds[name], solids[name])
+    centre = centre_in(scene, name, solids[name])
     found: list[Placement] = []
-    for rest in resting_poses(scene.clouds[name], solids[name], up, tolerances):
+    for rest in resting_poses(scene.clouds[name], solids[name], up, tolerances, scene.centres.get(name)):
         for k in range(YAWS):
             rotation = about(up, 2.0 * np.pi * k / YAWS) @ rest.rotation
             turned = (body - centre) @ rotation.T

@@ -4,7 +4,6 @@ from collections.abc import Callable, Collection
 from dataclasses import dataclass, replace
 
 import numpy as np
-from scipy.spatial import KDTree
 
 from topple.planner.decide.arrange import Order
 from topple.planner.decide.goal import Action
@@ -22,6 +21,7 @@ from topple.robots.arm.gripper import ToolName
 from topple.topology.arrays import FloatArray
 from topple.topology.bodies.solids import Solids
 from topple.topology.errors import InvalidInput
+from topple.topology.kernels.neighbours import PointTree
 from topple.topology.situation import Situation
 
 FIRST, SECOND = "the first arm's", "the second arm's"
@@ -132,7 +132,7 @@ class HoldPlanner:
         points = surface_points(holder.arm, holder.pose_base_to_world, q)
         found: list[_Choice] = []
         for state, own in zip(grips.states, points, strict=True):
-            tree = KDTree(own)
+            tree = PointTree(own)
             room = min(_apart(tree, other) for other in taken)
             found.append(_Choice(grips, state, taker, holder, room))
         return found
@@ -183,7 +183,7 @@ class HoldPlanner:
         return SECOND if station is self.context.second else FIRST
 
 
-def _apart(tree: KDTree, states: FloatArray) -> float:
+def _apart(tree: PointTree, states: FloatArray) -> float:
     """How far [m] an arm in its states (m, P, 3) is from the other's points on average, `APART` at most."""
     if len(states) == 0:
         return 0.0

@@ -5,7 +5,6 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
-from scipy.spatial import KDTree
 
 from topple.planner.decide.arrange import Order
 from topple.planner.planning.order import order as order_of
@@ -25,6 +24,7 @@ from topple.topology.arguments import checked_arguments
 from topple.topology.arrays import BoolArray, FloatArray, IntArray, bounds
 from topple.topology.checks import as_points
 from topple.topology.io.load import AnyScene
+from topple.topology.kernels.neighbours import PointTree
 from topple.topology.situation import Situation
 from topple.topology.values import ByValue
 
@@ -198,8 +198,8 @@ def _questions(situation: Situation, found: Order) -> list[_Question]:
             pair = (min(first, then), max(first, then))
             doubts[pair] = doubts.get(pair, 0.0) + chance * (1.0 - chance)
     surfaces, seen = situation.surfaces, situation.statics.upright.clouds
-    trees = {name: KDTree(surfaces[name]) for pair in doubts for name in pair}
-    views = {name: KDTree(seen[name]) for name in trees}
+    trees = {name: PointTree(surfaces[name]) for pair in doubts for name in pair}
+    views = {name: PointTree(seen[name]) for name in trees}
     asked: list[_Question] = []
     for (a, b), doubt in sorted(doubts.items()):
         near = _meeting(a, b, surfaces, trees)
@@ -213,12 +213,12 @@ def _questions(situation: Situation, found: Order) -> list[_Question]:
 
 
 def _meeting(
-    a: str, b: str, surfaces: Mapping[str, FloatArray], trees: Mapping[str, KDTree]
+    a: str, b: str, surfaces: Mapping[str, FloatArray], trees: Mapping[str, PointTree]
 ) -> FloatArray | None:
     """(N, 3) places of two surfaces where they may meet; None where they are nowhere close."""
     parts: list[FloatArray] = []
     for one, other in ((a, b), (b, a)):
-        gaps = np.asarray(trees[other].query(surfaces[one], distance_upper_bound=MEETING_GAP)[0])
+        gaps = trees[other].query(surfaces[one], distance_upper_bound=MEETING_GAP)[0]
         parts.append(surfaces[one][gaps < MEETING_GAP])
     places = np.concatenate(parts)
     return places if len(places) else None

@@ -95,4 +95,5 @@ def _renamed(scene: Scene, names: Mapping[str, str]) -> Scene:
         friction={name_of(name): value for name, value in scene.friction.items()},
         models={name_of(name): fit for name, fit in scene.models.items()},
         matter=scene.matter,
+        centres={name_of(name): centre for name, centre in scene.centres.items()},
     )

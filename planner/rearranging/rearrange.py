@@ -5,7 +5,6 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any, overload
 
 import numpy as np
-from scipy.spatial import KDTree
 
 from topple.planner.budget import bounded
 from topple.planner.decide.dependency import Dependency
@@ -20,6 +19,7 @@ from topple.topology.arguments import checked_arguments
 from topple.topology.arrays import FloatArray
 from topple.topology.errors import InvalidInput
 from topple.topology.io.load import AnyScene
+from topple.topology.kernels.neighbours import PointTree
 from topple.topology.situation import Situation
 from topple.topology.statics.support import Support
 from topple.topology.values import ByValue
@@ -204,5 +204,5 @@ def _aligned(goal: Situation, start: Situation) -> Mapping[str, FloatArray]:
 
 def _same(a: FloatArray, b: FloatArray) -> bool:
     """Whether a thing is where it was, but for what does not count as a move."""
-    far = max(float(np.quantile(KDTree(one).query(other)[0], 0.95)) for one, other in ((a, b), (b, a)))
+    far = max(float(np.quantile(PointTree(one).query(other)[0], 0.95)) for one, other in ((a, b), (b, a)))
     return far < DISTURBED and float(np.linalg.norm(a.mean(axis=0) - b.mean(axis=0))) < DISTURBED

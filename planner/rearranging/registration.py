@@ -5,7 +5,6 @@ from dataclasses import dataclass
 from itertools import permutations, product
 
 import numpy as np
-from scipy.spatial import KDTree
 from scipy.spatial.transform import Rotation
 
 from topple.planner.placement.resting import about
@@ -33,6 +32,7 @@ from topple.robots.poses import inverse
 from topple.topology.arrays import BoolArray, FloatArray, frozen
 from topple.topology.geometry.rigid import transformed, turned_to
 from topple.topology.geometry.thin import voxel_means
+from topple.topology.kernels.neighbours import PointTree
 
 
 @dataclass(frozen=True, eq=False)
@@ -100,7 +100,7 @@ def turns(surface: FloatArray, up: FloatArray) -> list[float]:
         up: (3,) unit vector.
     """
     centred = surface - (surface.min(axis=0) + surface.max(axis=0)) / 2.0
-    tree, points = KDTree(centred), _few(centred)
+    tree, points = PointTree(centred), _few(centred)
 
     def off(angle: float) -> float:
         return float(np.quantile(tree.query(points @ about(up, angle).T)[0], ALL_BUT_STRAYS))
@@ -185,11 +185,11 @@ class _Pair:
 
     def __init__(self, a: FloatArray, b: FloatArray, up: FloatArray) -> None:
         self._a, self._b, self._up = a, b, up
-        self._near_a, self._near_b = KDTree(a), KDTree(b)
+        self._near_a, self._near_b = PointTree(a), PointTree(b)
         self.spacing = float(np.mean([np.median(t.query(t.data, k=2)[0][:, 1]) for t in self._trees]))
 
     @property
-    def _trees(self) -> Sequence[KDTree]:
+    def _trees(self) -> Sequence[PointTree]:
         return self._near_a, self._near_b
 
     def attempts(self) -> Iterable[FloatArray]:
@@ -207,8 +207,8 @@ class _Pair:
 
     def _matched(self, pose: FloatArray) -> tuple[FloatArray, FloatArray]:
         """Points of the first cloud and those of the second that they are next to, from either side."""
-        there, nearest = map(np.asarray, self._near_b.query(transformed(self._a, pose)))
-        back, own = map(np.asarray, self._near_a.query((self._b - pose[:3, 3]) @ pose[:3, :3]))
+        there, nearest = self._near_b.query(transformed(self._a, pose))
+        back, own = self._near_a.query((self._b - pose[:3, 3]) @ pose[:3, :3])
         here, over = _near(there), _near(back)
         a = np.vstack([self._a[here], self._a[own[over]]])
         return a, np.vstack([self._b[nearest[here]], self._b[over]])

@@ -6,7 +6,6 @@ from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
-from scipy.spatial import KDTree
 
 from topple.planner.report.limits import LIMITS
 from topple.planner.report.palette import Colour, css, ink_on, object_colours
@@ -14,8 +13,9 @@ from topple.topology.arrays import FloatArray, IntArray
 from topple.topology.bodies.surfaces import whole_surfaces
 from topple.topology.cloud import clean
 from topple.topology.geometry.hull import Hull
-from topple.topology.geometry.normals import patch_planes
 from topple.topology.geometry.thin import voxel_means
+from topple.topology.kernels.neighbours import PointTree
+from topple.topology.kernels.planes import patch_planes
 from topple.topology.scene import Scene
 
 
@@ -137,7 +137,7 @@ def _drawn(
     seen = clean(_thinned(cloud, share))
     points = seen
     if whole is not None and len(whole):
-        hidden = whole[np.asarray(KDTree(cloud).query(whole)[0]) > LIMITS.guessed]
+        hidden = whole[PointTree(cloud).query(whole)[0] > LIMITS.guessed]
         points = np.concatenate([seen, _thinned(hidden, share)]) if len(hidden) else seen
     corners, edges = hull_outline(cloud)
     centre = cloud.mean(axis=0)
@@ -159,8 +159,8 @@ def _spacing_and_normals(points: FloatArray) -> tuple[float, FloatArray]:
     near = min(LIMITS.normal, len(points))
     if near < 3:
         return 0.003, np.tile([0.0, 0.0, 1.0], (len(points), 1))
-    distance, neighbours = KDTree(points).query(points, k=near)
-    spacing = float(np.clip(np.median(np.asarray(distance)[:, min(3, near - 1)]), 5e-4, 0.02))
+    distance, neighbours = PointTree(points).query(points, k=near)
+    spacing = float(np.clip(np.median(distance[:, min(3, near - 1)]), 5e-4, 0.02))
     return spacing, patch_planes(points[np.asarray(neighbours)])[1]
 
 

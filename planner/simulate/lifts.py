@@ -6,31 +6,14 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from topple.planner.simulate.tolerances import DOWNWARD, LIFT, SETTLE, SLOW, SPEED, STILL, WATCHED
+from topple.planner.simulate.lift import Move, lift, move_between
+from topple.planner.simulate.tolerances import SETTLE, SLOW, STILL, WATCHED
 from topple.robots.engine import pybullet
-from topple.robots.poses import angle_between
 from topple.robots.world.world import World
 from topple.topology.arrays import FloatArray
 
 if TYPE_CHECKING:
     from topple.planner.simulate.rebuild import Rebuilt
-
-
-@dataclass(frozen=True)
-class Move:
-    """How far something moved.
-
-    Attributes:
-        distance: Displacement of the centre of mass [m].
-        angle: Turn [rad].
-    """
-
-    distance: float
-    angle: float
-
-    def beyond(self, distance: float, degrees: float) -> bool:
-        """Whether it moved further than a distance [m] or turned by more than some degrees."""
-        return self.distance > distance or self.angle > np.radians(degrees)
 
 
 def take_away(
@@ -59,19 +42,8 @@ def take_away(
     kept = world.snapshot()
     before = world.poses() if before is None else before
     number = world.ids[name]
-    position, turn = pybullet.getBasePositionAndOrientation(number, physicsClientId=client)
-    steps = round(LIFT / SPEED / world.time_step)
-    for step in range(1, steps + 1):
-        height = position[2] + step * SPEED * world.time_step
-        pybullet.resetBasePositionAndOrientation(
-            number, (position[0], position[1], height), turn, physicsClientId=client
-        )
-        pybullet.resetBaseVelocity(number, (0, 0, SPEED), (0, 0, 0), physicsClientId=client)
-        world.step()
-        if watch is not None:
-            watch(world)
-        if step % 12 == 0 and (_is_clear(world, name) or _is_stopped(world, name)):
-            break  # the rest of the way meets nothing, or a board bars it
+    lift(world, name, watch)
+    turn = pybullet.getBasePositionAndOrientation(number, physicsClientId=client)[1]
     # Out of reach of everything, where it falls for as long as the others settle.
     pybullet.resetBasePositionAndOrientation(number, (0, 0, 1e3), turn, physicsClientId=client)
     for _ in range(round(seconds / world.time_step / 24)):
@@ -87,39 +59,6 @@ def take_away(
     return {other: move_between(world, other, pose, after[other]) for other, pose in others.items()}
 
 
-def move_between(world: World, name: str, before: FloatArray, after: FloatArray) -> Move:
-    """How far a body got from one pose (4, 4) to another.
-
-    Args:
-        world: Its world.
-        name: The body.
-        before: pose_body_to_world.
-        after: The same later.
-    """
-    shift = _centre(world, name, after) - _centre(world, name, before)
-    return Move(float(np.linalg.norm(shift)), angle_between(before, after))
-
-
-def _is_clear(world: World, name: str) -> bool:
-    """Whether a body is above everything else."""
-    bottom = pybullet.getAABB(world.ids[name], physicsClientId=world.client)[0][2]
-    tops = [
-        pybullet.getAABB(number, physicsClientId=world.client)[1][2]
-        for other, number in world.ids.items()
-        if other != name
-    ]
-    return bool(bottom > max(tops, default=-np.inf) + 0.005)
-
-
-def _is_stopped(world: World, name: str) -> bool:
-    """Whether a body has come up against something fixed above it."""
-    for other in sorted(world.fixed):
-        met = pybullet.getContactPoints(world.ids[name], world.ids[other], physicsClientId=world.client) or ()
-        if any(point[7][2] < -DOWNWARD for point in met):
-            return True
-    return False
-
-
 def _at_rest(world: World, lifted: str) -> bool:
     """Whether nothing moves but the lifted body."""
     for name in world.movable:
@@ -128,11 +67,6 @@ def _at_rest(world: World, lifted: str) -> bool:
             if np.linalg.norm(linear) > STILL or np.linalg.norm(angular) > 10 * STILL:
                 return False
     return True
-
-
-def _centre(world: World, name: str, pose: FloatArray) -> FloatArray:
-    """Centre of mass of a body in the world [m]."""
-    return np.asarray(pose[:3, :3] @ world.body(name).centre_of_mass + pose[:3, 3])
 
 
 @dataclass(frozen=True)

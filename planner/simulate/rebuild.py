@@ -1,6 +1,6 @@
 """Bodies for simulation from a scene at rest: what was seen, completed, and fitted to stay at rest."""
 
-from collections.abc import Mapping
+from collections.abc import Collection, Mapping
 from dataclasses import dataclass, field, replace
 from typing import TYPE_CHECKING
 
@@ -91,11 +91,12 @@ def rebuild(statics: Statics, jitter: float = 0.0, seed: int = 0) -> Rebuilt:
     lowest = {name: float(upright.clouds[name][:, 2].min()) for name in shapes}
     seats: dict[str, Seat] = {}
     for name in sorted(shapes, key=lowest.__getitem__):
-        centre = _centre(shapes[name], statics, name)
+        centre = upright.centres[name] if name in upright.centres else _centre(shapes[name], statics, name)
         seats[name] = seat(name, shapes, grounds, upright.floor, centre, statics.sight)
     masses = {name: statics.weights[name].mass for name in shapes}
     hidden = statics.sight is not None  # else the mass is where the shape has it
-    centres = balanced(seats, masses) if hidden else {name: each.centre for name, each in seats.items()}
+    centres = {name: each.centre for name, each in seats.items()}
+    centres = {**(balanced(seats, masses) if hidden else centres), **_known(upright, shapes)}
     part(shapes)
     bodies: dict[str, Body] = {}
     poses: dict[str, FloatArray] = {}
@@ -114,6 +115,11 @@ def rebuild(statics: Statics, jitter: float = 0.0, seed: int = 0) -> Rebuilt:
     if largest in friction:  # what the floor's height is of
         friction[FLOOR] = friction[largest]
     return Rebuilt(movable, tuple(bodies[name] for name in grounds), poses, upright.floor, friction)
+
+
+def _known(upright: Upright, names: Collection[str]) -> dict[str, FloatArray]:
+    """Centres of mass (3,) [m] that are known and so not fitted."""
+    return {name: centre for name, centre in upright.centres.items() if name in names}
 
 
 def _shape(name: str, statics: Statics) -> Shape:

@@ -1,6 +1,6 @@
 """Thresholds of simulate, each with its unit and reason, by the module that asks them."""
 
-# -- lifts
+# -- lift
 
 SPEED = 0.08
 """Speed of the straight lift [m/s]."""
@@ -8,11 +8,17 @@ SPEED = 0.08
 LIFT = 0.25
 """Height of the straight lift [m]."""
 
-SETTLE = 1.0
-"""Time [s] that what was disturbed gets to come to rest before it is looked at."""
+HIGHER = 0.005
+"""Height [m] over everything else at which the rest of the way meets nothing."""
 
 DOWNWARD = 0.7
 """Contact normals steeper than 45 degrees come from something above."""
+
+
+# -- lifts
+
+SETTLE = 1.0
+"""Time [s] that what was disturbed gets to come to rest before it is looked at."""
 
 STILL = 5e-4
 """Speed [m/s] (ten times as many [rad/s] for turns) below which nothing will move a centimetre any more."""

@@ -11,7 +11,8 @@ import numpy as np
 from topple.planner.budget import check_budget, seconds_left
 from topple.planner.decide.dependency import Dependency, DependencyGraph, Reason
 from topple.planner.decide.rates import likelihoods, posterior
-from topple.planner.simulate.lifts import Move, Stage, Trial
+from topple.planner.simulate.lift import Move
+from topple.planner.simulate.lifts import Stage, Trial
 from topple.planner.simulate.rebuild import rebuild
 from topple.planner.simulate.tolerances import FRICTIONS, NOISE, TRUSTED
 from topple.topology.statics.rest import Statics

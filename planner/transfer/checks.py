@@ -60,11 +60,14 @@ class Checks:
 
         A weight that is guessed is off by a factor of two, so nothing is refused for it.
         """
-        masses = self.scene.masses
+        masses, known = self.scene.masses, self.scene.centres
         bodies = {name: self.bodies[name] for name in (self.name, *self.riding) if name in masses}
         if not bodies:
             return 0.0, np.zeros(3)
-        centres = [volume_and_centre(np.vstack(parts), parts)[1] for parts in bodies.values()]
+        centres = [
+            known[name] if name in known else volume_and_centre(np.vstack(parts), parts)[1]
+            for name, parts in bodies.items()
+        ]
         weights = [masses[name] for name in bodies]
         return sum(weights), np.average(centres, axis=0, weights=weights)
 

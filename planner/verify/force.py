@@ -41,6 +41,7 @@ class ForceCheck:
         self._base_up = np.array(plan.pose_base_to_world)[:3, :3].T @ self._up
         self._masses: Mapping[str, float] = {} if scene is None else scene.masses
         self._friction: Mapping[str, float] = {} if scene is None else scene.friction
+        self._centres: Mapping[str, FloatArray] = {} if scene is None else scene.centres
         self.loads: dict[int, float] = {}
         """By index of a step, the share of what pads or cup resist; above 1 what is held slips or turns."""
         self.guessed: dict[int, str] = {}
@@ -59,6 +60,8 @@ class ForceCheck:
             name: weight_of(volume, self._masses.get(name)) / GRAVITY for name, (volume, _) in lumps.items()
         }
         centres = {name: centre for name, (_, centre) in lumps.items()}
+        for name in centres.keys() & self._centres.keys():
+            (centres[name],) = moved([self._centres[name][None]], to_pads @ piece.held[name])[0]
         asked = self._strain(piece, known, centres)
         self.torques.note(asked.share, f"{piece.where}: {asked}", piece.index)
         if known != likely and (asked := self._strain(piece, likely, centres)).share > 1.0:

@@ -4,7 +4,6 @@ from collections.abc import Collection, Mapping, Sequence
 from typing import TYPE_CHECKING
 
 import numpy as np
-from scipy.spatial import KDTree
 
 from topple.planner.decide.goal import Action, parse_goal
 from topple.planner.decide.tolerances import LIKELY
@@ -18,6 +17,7 @@ from topple.topology.arrays import FloatArray
 from topple.topology.bodies.solids import moved
 from topple.topology.geometry.rigid import transformed
 from topple.topology.geometry.samples import sampled
+from topple.topology.kernels.neighbours import PointTree
 from topple.topology.scene import Scene
 from topple.topology.situation import Situation
 
@@ -243,6 +243,6 @@ def check_poses(plan: PlanData, poses: Mapping[str, FloatArray]) -> Residual:
     for name, wanted in plan.poses.items():
         surface = sampled(wholes[name], SURFACE)
         here, there = (moved((surface,), pose)[0] for pose in (poses[name], np.array(wanted)))
-        ways = (KDTree(one).query(other)[0].max() for one, other in ((here, there), (there, here)))
+        ways = (PointTree(one).query(other)[0].max() for one, other in ((here, there), (there, here)))
         worst.note(float(max(ways)), name)
     return worst.residual()

@@ -14,7 +14,7 @@ from topple.robots.poses import inverse, pose_from, position_and_quaternion
 from topple.robots.tolerances import TOLERANCES
 from topple.robots.world.bodies import Body
 from topple.robots.world.camera import Camera, Rendered
-from topple.robots.world.physical_world import Contact, PhysicalWorld, Physics
+from topple.robots.world.physical_world import Constraint, Contact, PhysicalWorld, Physics
 from topple.topology.arrays import FloatArray
 from topple.topology.errors import InvalidInput
 
@@ -98,19 +98,19 @@ class MujocoWorld(PhysicalWorld):
         x, y, z, qw, qx, qy, qz = self._compiled[1].qpos[at : at + 7].tolist()
         return pose_from((x, y, z), (qx, qy, qz, qw))
 
-    def place(self, name: str, pose_body_to_world: FloatArray) -> None:
-        """Set a body down somewhere at rest: for building scenes, not for acting in them."""
+    def place(self, name: str, pose_body_to_world: FloatArray, rising: float = 0.0) -> None:
+        """Set a body somewhere; see `PhysicalWorld.place`."""
         self._number(name)
         if name in self._fixed or self._compiled is None:
             self._keep()
             body, _, fixed = self._blueprint.bodies[name]
             self._blueprint.bodies[name] = (body, np.array(pose_body_to_world, dtype=float), fixed)
-            self._speeds[name] = np.zeros(6)
+            self._speeds[name] = np.array([0.0, 0.0, rising, 0.0, 0.0, 0.0])
             return
         position, (x, y, z, w) = position_and_quaternion(pose_body_to_world)
         at, speed = self._address(name)
         self._compiled[1].qpos[at : at + 7] = [*position, w, x, y, z]
-        self._compiled[1].qvel[speed : speed + 6] = 0.0
+        self._compiled[1].qvel[speed : speed + 6] = [0.0, 0.0, rising, 0.0, 0.0, 0.0]
 
     def step(self, count: int = 1) -> None:
         """Advance the simulation by `count` time steps."""
@@ -137,6 +137,16 @@ class MujocoWorld(PhysicalWorld):
             if not (a.robot or b.robot) and a.owner and b.owner and distance <= TOLERANCES.contact:
                 found.append(Contact(a.owner, b.owner, point, normal, force, distance))
         return found
+
+    def constraints(self) -> tuple[Constraint, ...]:
+        """Everything that ties bodies together."""
+        arm = self._blueprint.arm
+        jaw = None if arm is None else arm[0].jaw
+        gears = () if jaw is None else jaw.joints[1:]
+        ties = [("gear", "robot", "robot") for _ in gears]
+        held = self._blueprint.welds
+        ties += [("fixed", "world" if link is None else "robot", name) for name, link in held]
+        return tuple(Constraint(*tie, np.inf) for tie in ties)
 
     def touches(self) -> list[tuple[Shape, Shape, FloatArray, FloatArray, float, float]]:
         """Contacts of the last step: shapes a and b, point, normal from b to a, force [N], distance [m]."""

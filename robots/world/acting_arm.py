@@ -61,6 +61,11 @@ class ActingArm(ABC):
     # -- what it senses
 
     @property
+    def joint_names(self) -> tuple[str, ...]:
+        """Of the arm's joints, then of its hand's."""
+        return (*self.arm.joints, *self._hand_values())
+
+    @property
     def q(self) -> FloatArray:
         """(n,) measured joint values in [rad]."""
         return self.joint_positions(self.arm.joints)

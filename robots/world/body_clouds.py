@@ -4,7 +4,7 @@ from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
-from scipy.spatial import ConvexHull, KDTree, QhullError
+from scipy.spatial import ConvexHull, QhullError
 
 from topple.robots.collision.convex import hull_of, reduced
 from topple.robots.world.tolerances import (
@@ -22,8 +22,9 @@ from topple.robots.world.tolerances import (
     WALL,
 )
 from topple.topology.arrays import BoolArray, FloatArray, IntArray
-from topple.topology.geometry.normals import patch_planes
 from topple.topology.geometry.sides import beyond, sides_of
+from topple.topology.kernels.neighbours import PointTree
+from topple.topology.kernels.planes import patch_planes
 
 
 @dataclass(frozen=True, eq=False)
@@ -75,12 +76,12 @@ def shell(points: FloatArray, seen: FloatArray, viewpoints: FloatArray | None) -
     Returns:
         Pieces of about `PIECE`, at least `WALL` thick where one side was seen.
     """
-    own = KDTree(seen).query(points)[0] == 0.0 if len(seen) else np.zeros(len(points), dtype=np.bool_)
+    own = PointTree(seen).query(points)[0] == 0.0 if len(seen) else np.zeros(len(points), dtype=np.bool_)
     points = smoothed(points) if viewpoints is None else _smoothed_sheet(points, own, viewpoints)
-    tree = KDTree(points)
+    tree = PointTree(points)
     pieces: list[Piece] = []
     for split in _split(points, own, viewpoints):
-        around = np.unique(np.concatenate(tree.query_ball_point(points[split], SHARED)).astype(np.int64))
+        around = np.unique(np.concatenate(tree.query_ball_point(points[split], SHARED)))
         mine = points[around[own[around]]]
         pieces.append(Piece(_corners(_thickened(points[around], mine, viewpoints)), mine))
     return pieces
@@ -121,7 +122,7 @@ def _smoothed_sheet(points: FloatArray, seen: BoolArray, viewpoints: FloatArray)
     sheet = points[seen]
     if len(sheet) < SHEET:
         return points
-    patches = sheet[KDTree(sheet).query(points, k=SHEET)[1]]
+    patches = sheet[PointTree(sheet).query(points, k=SHEET)[1]]
     middles, normals, _ = patch_planes(patches)
     away = np.abs(np.einsum("pki,pi->pk", patches - middles[:, None], normals))
     nearest = np.argsort(away, axis=1)[:, : round(STRAYS * SHEET), None]
@@ -136,7 +137,7 @@ def smoothed(points: FloatArray) -> FloatArray:
     """Points (N, 3) [m], each one moved onto the plane through its neighbours: noise goes, faces stay."""
     if len(points) < SMOOTHED:
         return points
-    middles, normals, squares = patch_planes(points[KDTree(points).query(points, k=SMOOTHED)[1]])
+    middles, normals, squares = patch_planes(points[PointTree(points).query(points, k=SMOOTHED)[1]])
     off = np.einsum("pi,pi->p", points - middles, normals) * (squares[:, 0] < ONE_PLANE * squares[:, 1])
     return points - off[:, None] * normals
 

@@ -54,6 +54,23 @@ class Contact:
     distance: float
 
 
+@dataclass(frozen=True)
+class Constraint:
+    """What ties two bodies together but their contacts.
+
+    Attributes:
+        kind: "gear" for fingers that move together, "fixed" for what is held as it is.
+        parent: Name of one body; "robot" for an arm, "world" for what stands still.
+        child: Name of the other.
+        max_force: What it holds at most in [N]; infinite where the engine sets no limit.
+    """
+
+    kind: str
+    parent: str
+    child: str
+    max_force: float
+
+
 class PhysicalWorld(ABC):
     """A simulation of its own, to be used with `with`; z is up.
 
@@ -173,8 +190,8 @@ class PhysicalWorld(ABC):
         return tuple(transformed(part, pose) for part in self._bodies[name].parts)
 
     @abstractmethod
-    def place(self, name: str, pose_body_to_world: FloatArray) -> None:
-        """Set a body down somewhere at rest: for building scenes, not for acting in them."""
+    def place(self, name: str, pose_body_to_world: FloatArray, rising: float = 0.0) -> None:
+        """Set a body somewhere, at rest or rising at a speed [m/s]: for building scenes, not for acting."""
 
     @abstractmethod
     def step(self, count: int = 1) -> None:
@@ -213,6 +230,10 @@ class PhysicalWorld(ABC):
     @abstractmethod
     def contacts(self) -> list[Contact]:
         """Everything that touched in the last step, robots and the floor left out."""
+
+    @abstractmethod
+    def constraints(self) -> tuple[Constraint, ...]:
+        """Everything that ties bodies together."""
 
     @abstractmethod
     def rendered(self, camera: Camera) -> Rendered:

@@ -14,6 +14,7 @@ from topple.robots.tolerances import TOLERANCES
 from topple.robots.world.bodies import Body
 from topple.robots.world.camera import Camera, Rendered
 from topple.robots.world.physical_world import (
+    Constraint,
     Contact,
     PhysicalWorld,
     Physics,
@@ -136,14 +137,14 @@ class World(PhysicalWorld):
         found: Any = pybullet.getBasePositionAndOrientation(self._number(name), physicsClientId=self.client)
         return pose_from(*found) @ self._body_to_inertial[name]
 
-    def place(self, name: str, pose_body_to_world: FloatArray) -> None:
-        """Set a body down somewhere at rest: for building scenes, not for acting in them."""
+    def place(self, name: str, pose_body_to_world: FloatArray, rising: float = 0.0) -> None:
+        """Set a body somewhere; see `PhysicalWorld.place`."""
         number = self._number(name)
         pose = pose_body_to_world @ self._inertial[name]
         pybullet.resetBasePositionAndOrientation(
             number, *position_and_quaternion(pose), physicsClientId=self.client
         )
-        pybullet.resetBaseVelocity(number, [0, 0, 0], [0, 0, 0], physicsClientId=self.client)
+        pybullet.resetBaseVelocity(number, [0, 0, rising], [0, 0, 0], physicsClientId=self.client)
 
     def step(self, count: int = 1) -> None:
         """Advance the simulation by `count` time steps."""
@@ -172,6 +173,21 @@ class World(PhysicalWorld):
                     Contact(a, b, np.array(point[6]), np.array(point[7]), float(point[9]), float(point[8]))
                 )
         return found
+
+    def constraints(self) -> tuple[Constraint, ...]:
+        """Everything that ties bodies together."""
+        count: int = pybullet.getNumConstraints(physicsClientId=self.client)
+        found: list[Constraint] = []
+        for k in range(count):
+            number = pybullet.getConstraintUniqueId(k, physicsClientId=self.client)
+            info: Any = pybullet.getConstraintInfo(number, physicsClientId=self.client)
+            parent, child = (
+                "robot" if body in self.robots else self._names.get(body, "world")
+                for body in (info[0], info[2])
+            )
+            kind = "gear" if info[4] == pybullet.JOINT_GEAR else "fixed"
+            found.append(Constraint(kind, parent, child, float(info[10])))
+        return tuple(found)
 
     def snapshot(self) -> Snapshot:
         """Keep the state of the simulation, for `restore`."""

@@ -17,7 +17,7 @@ from topple.robots.world.simulated_arm import SimulatedArm
 from topple.robots.world.world import World
 
 FASTEST = 2.0  # [m/s] a fall of 20 cm; the tool moves at less than 1 m/s
-GEAR, FIXED = pybullet.JOINT_GEAR, pybullet.JOINT_FIXED
+GEAR, FIXED = "gear", "fixed"
 
 
 @dataclass

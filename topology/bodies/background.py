@@ -4,7 +4,6 @@ from collections.abc import Iterable, Iterator, Mapping, Sequence
 
 import numpy as np
 from scipy import ndimage
-from scipy.spatial import KDTree
 
 from topple.topology.arrays import BoolArray, FloatArray, bounds, within_corners
 from topple.topology.bodies.matter import surface_of
@@ -30,6 +29,7 @@ from topple.topology.geometry.plane import TABLE, fit_plane, table_by_name
 from topple.topology.geometry.sides import beyond, joggled_sides
 from topple.topology.geometry.thin import cell_keys, voxel_means
 from topple.topology.geometry.tolerances import ON_PLANE
+from topple.topology.kernels.neighbours import PointTree
 from topple.topology.values import free_name
 
 
@@ -190,7 +190,7 @@ def _above_lowest(
 
 def _near(some: FloatArray, points: FloatArray, reach: float) -> BoolArray:
     """Which points (N, d) lie within a reach [m] of some (M, d)."""
-    return np.isfinite(np.asarray(KDTree(some).query(points, distance_upper_bound=reach)[0]))
+    return np.isfinite(PointTree(some).query(points, distance_upper_bound=reach)[0])
 
 
 def _elsewhere_masked(
@@ -201,10 +201,10 @@ def _elsewhere_masked(
     They have surface in common with what is known of it; another thing has next to none with what it touches.
     """
     known = {name: voxel_means(cloud, SAME / 2) for name, cloud in movable.items()}
-    tree = KDTree(np.concatenate(list(known.values())))
+    tree = PointTree(np.concatenate(list(known.values())))
     whose = np.repeat(np.arange(len(known)), [len(cloud) for cloud in known.values()])
     for piece in pieces_of(voxel_means(points, LINKED / 3)):
-        distance, nearest = map(np.asarray, tree.query(piece))
+        distance, nearest = tree.query(piece)
         common = np.bincount(whose[nearest[distance < SAME / 2]], minlength=len(known))
         if common.max() > IN_COMMON * len(piece):
             yield list(known)[int(common.argmax())], piece

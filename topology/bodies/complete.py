@@ -5,7 +5,7 @@ from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
-from scipy.spatial import ConvexHull, Delaunay, KDTree, QhullError
+from scipy.spatial import ConvexHull, Delaunay, QhullError
 
 from topple.topology.arrays import FloatArray, bounds, lengths
 from topple.topology.bodies.tolerances import (
@@ -21,11 +21,12 @@ from topple.topology.bodies.tolerances import (
     TILE,
 )
 from topple.topology.geometry.axes import perpendiculars
-from topple.topology.geometry.normals import patch_planes
 from topple.topology.geometry.outline import least_rectangle
 from topple.topology.geometry.round import Fit, fits_of, flattest_side, round_body
 from topple.topology.geometry.sides import beyond, sides_of
 from topple.topology.geometry.thin import cell_keys, voxel_means
+from topple.topology.kernels.neighbours import PointTree
+from topple.topology.kernels.planes import patch_planes
 from topple.topology.remembered import remembered
 from topple.topology.tolerances import VOXEL
 from topple.topology.upright import Upright
@@ -90,9 +91,9 @@ class _Seen:
         return _least_box(self)
 
     @cached_property
-    def tree(self) -> KDTree:
+    def tree(self) -> PointTree:
         """Search tree of the points."""
-        return KDTree(self.points)
+        return PointTree(self.points)
 
     @cached_property
     def normals(self) -> FloatArray:
@@ -152,7 +153,7 @@ def complete_body(points: FloatArray, sight: FreeSpace | None, floor: float = -n
     mirrored = _turned(points, box) if hollow else 2 * box.centre - points
     extra = [_believable(mirrored, [seen.tree], sight)]
     known = np.concatenate([points, extra[0]])
-    trees = [seen.tree, KDTree(extra[0])] if len(extra[0]) else [seen.tree]
+    trees = [seen.tree, PointTree(extra[0])] if len(extra[0]) else [seen.tree]
     if hollow:
         extra.append(_believable(_roof(known), trees, sight))
     hull = hull_of(known)
@@ -232,7 +233,7 @@ def _turned(points: FloatArray, box: Box) -> FloatArray:
 
 def _believable(
     guess: FloatArray,
-    known: Sequence[KDTree],
+    known: Sequence[PointTree],
     sight: FreeSpace | None,
     partly: bool = False,
     refuted: float = REFUTED,
@@ -277,7 +278,7 @@ def _roof(points: FloatArray) -> FloatArray:
         return points[:0]
     lower, upper = bounds(tops[:, :2])
     cells = _grid(lower, upper)
-    taken = KDTree(tops[:, :2]).query(cells)[0] < 2 * VOXEL
+    taken = PointTree(tops[:, :2]).query(cells)[0] < 2 * VOXEL
     cells = _over(tops[:, :2], cells[~taken])
     heights = _interpolated(tops, cells)
     inside = np.isfinite(heights)

@@ -11,7 +11,6 @@ from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
-from scipy.spatial import KDTree
 from scipy.spatial.transform import Rotation
 
 from topple.topology.arrays import BoolArray, FloatArray, IntArray, lengths
@@ -33,6 +32,7 @@ from topple.topology.bodies.tolerances import (
     TRIMMED,
 )
 from topple.topology.geometry.axes import perpendiculars
+from topple.topology.kernels.neighbours import PointTree
 from topple.topology.model_fit import ModelFit
 
 Excluded = Callable[[FloatArray], BoolArray]
@@ -89,10 +89,10 @@ class _Search:
         self._model, self._excluded = model, excluded
         self._middle = (model.points.min(axis=0) + model.points.max(axis=0)) / 2.0
         self._points = model.points - self._middle
-        self._near = KDTree(self._points)
+        self._near = PointTree(self._points)
         self._some = self._points[rng.permutation(len(self._points))]
         self._seen = seen[rng.permutation(len(seen))]
-        self._near_seen = KDTree(self._seen)
+        self._near_seen = PointTree(self._seen)
 
     def starts(self, towards: FloatArray | None) -> FloatArray:
         """Every orientation, the model's front and its outline about where those of the seen points are."""
@@ -221,7 +221,7 @@ class _Search:
         """Which of the model's points cannot be where poses put them, and the seen points nearest to each."""
         there = _applied(np.asarray(np.linalg.inv(to_model), dtype=np.float64), points)
         flat = there.reshape(-1, 3)
-        nearest = self._seen[np.asarray(self._near_seen.query(flat)[1])].reshape(there.shape)
+        nearest = self._seen[self._near_seen.query(flat)[1]].reshape(there.shape)
         turned = nearest @ to_model[:, :3, :3].transpose(0, 2, 1) + to_model[:, None, :3, 3]
         return self._excluded(flat).reshape(there.shape[:2]), turned
 

@@ -9,7 +9,6 @@ again and again.
 from dataclasses import dataclass
 
 import numpy as np
-from scipy.spatial import KDTree
 
 from topple.topology.arrays import BoolArray, FloatArray
 from topple.topology.bodies.tolerances import (
@@ -22,6 +21,7 @@ from topple.topology.bodies.tolerances import (
 )
 from topple.topology.geometry.hull import Hull
 from topple.topology.geometry.thin import spacing_of, thinned
+from topple.topology.kernels.neighbours import PointTree
 
 
 @dataclass(frozen=True, eq=False)
@@ -99,7 +99,7 @@ class _Judge:
         places = places[~self._in_section(places, normals[face], cuts, sparse)]
         if len(places) < FACE_SAMPLES // 16:
             return 0.0
-        distance = np.asarray(KDTree(points).query(places)[0]) - 2 * self.spacing * sparse
+        distance = PointTree(points).query(places)[0] - 2 * self.spacing * sparse
         return max(0.0, float(np.quantile(distance, 0.9)))
 
     def _in_section(

@@ -3,11 +3,8 @@
 from collections.abc import Sequence
 
 import numpy as np
-from scipy.sparse import coo_matrix
-from scipy.sparse.csgraph import connected_components
-from scipy.spatial import KDTree
 
-from topple.topology.arrays import BoolArray, FloatArray, IntArray
+from topple.topology.arrays import BoolArray, FloatArray
 from topple.topology.bodies.parts import convex_parts
 from topple.topology.bodies.tolerances import (
     AROUND,
@@ -24,6 +21,8 @@ from topple.topology.bodies.tolerances import (
 )
 from topple.topology.geometry.sides import beyond, joggled_sides
 from topple.topology.geometry.thin import spacing_of
+from topple.topology.kernels.neighbours import PointTree
+from topple.topology.kernels.pieces import pieces_of_links
 
 
 def plates_of(
@@ -75,10 +74,10 @@ def _patches(cloud: FloatArray, parts: Sequence[FloatArray], reach: float) -> li
 
 def _largest_plane(points: FloatArray, rng: np.random.Generator, around: float) -> BoolArray:
     """Which points lie in the plane with most points, looked for at some and what is around them [m]."""
-    tree = KDTree(points)
+    tree = PointTree(points)
     best = np.zeros(len(points), dtype=np.bool_)
     for index in rng.permutation(len(points))[:TRIES]:
-        near = points[tree.query_ball_point(points[index], around)]
+        near = points[tree.query_ball_point(points[index : index + 1], around)[0]]
         if len(near) < PLATES_FEWEST:
             continue
         flat = _beside(points, near)
@@ -126,8 +125,5 @@ def _connected(points: FloatArray, reach: float) -> list[FloatArray]:
     """(N, 3) points [m] as those that hang together, each within reach of another."""
     if len(points) == 0:
         return []
-    pairs = KDTree(points).query_pairs(reach, output_type="ndarray")
-    links = coo_matrix((np.ones(len(pairs)), (pairs[:, 0], pairs[:, 1])), shape=(len(points),) * 2)
-    count, which = connected_components(links, directed=False)
-    number: IntArray = np.asarray(which)
-    return [points[number == k] for k in range(count)]
+    number = pieces_of_links(PointTree(points).query_pairs(reach), len(points))
+    return [points[number == k] for k in range(int(number.max()) + 1)]

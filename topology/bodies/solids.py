@@ -4,7 +4,7 @@ import hashlib
 from collections.abc import Callable, Mapping, Sequence
 
 import numpy as np
-from scipy.spatial import ConvexHull, KDTree, QhullError
+from scipy.spatial import ConvexHull, QhullError
 
 from topple.topology.arrays import BoolArray, FloatArray, rounded
 from topple.topology.bodies.matter import MATTER, plates_along
@@ -26,8 +26,10 @@ from topple.topology.bodies.tops import Top, tops_of
 from topple.topology.errors import InvalidInput
 from topple.topology.geometry.axes import level_axes
 from topple.topology.geometry.rigid import transformed
+from topple.topology.geometry.samples import centre_of_mass
 from topple.topology.geometry.sides import beyond, sides_of
 from topple.topology.geometry.thin import spacing_of, voxel_means
+from topple.topology.kernels.neighbours import PointTree
 from topple.topology.scene import Scene
 from topple.topology.tolerances import DEPTH_NOISE
 
@@ -86,6 +88,12 @@ def solids_of(scene: Scene) -> dict[str, tuple[FloatArray, ...]]:
         eyes = scene.viewpoints if len(scene.viewpoints) else scene.matter.mean(axis=0)[None] + SKY * up
         found[MATTER] = _remembered(scene.matter, eyes.tobytes(), lambda: plates_along(scene.matter, eyes))
     return found
+
+
+def centre_in(scene: Scene, name: str, parts: Sequence[FloatArray]) -> FloatArray:
+    """(3,) centre of mass of an object [m]: as the scene gives it, else that of its convex parts."""
+    known = scene.centres.get(name)
+    return centre_of_mass(scene.clouds[name], parts) if known is None else known
 
 
 def standing_parts(name: str, scene: Scene) -> tuple[FloatArray, ...]:
@@ -174,7 +182,7 @@ def _extents(top: Top, seen: FloatArray, spacing: float, up: FloatArray) -> Sequ
     if len(below):
         level = np.stack(level_axes(up), axis=1)
         reach = max(LINKED, spacing) + LINKED
-        below = below[np.asarray(KDTree(top.points @ level).query(below @ level)[0]) > reach]
+        below = below[PointTree(top.points @ level).query(below @ level)[0] > reach]
     if not pieces_of(voxel_means(below, 2 * GRAIN, ahead=0.0), spacing):
         return (top.points,)
     sky = top.points.mean(axis=0)[None] + SKY * up

@@ -11,9 +11,9 @@ from scipy.spatial import ConvexHull, QhullError
 from topple.topology.arrays import BoolArray, FloatArray, bounds, lengths
 from topple.topology.geometry.axes import level_axes
 from topple.topology.geometry.hull import Hull
-from topple.topology.geometry.round import sphere_through
 from topple.topology.geometry.sides import beyond, sides_of
 from topple.topology.geometry.tolerances import FEWEST, INSIDE, OPENED, ROUND
+from topple.topology.kernels.spheres import sphere_through
 
 CORNERS = np.arange(24) * (2 * np.pi / 24)
 """Directions in which a circle gets a corner: its area is a hundredth too small."""

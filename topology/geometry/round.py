@@ -5,7 +5,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from topple.topology.arrays import BoolArray, FloatArray, lengths, middle_of, sum_of_rows
+from topple.topology.arrays import BoolArray, FloatArray, lengths, middle_of
 from topple.topology.geometry.axes import perpendiculars
 from topple.topology.geometry.tolerances import (
     BELOW_FLOOR,
@@ -19,12 +19,10 @@ from topple.topology.geometry.tolerances import (
     STRAY,
     STRETCHES,
 )
+from topple.topology.kernels.spheres import sphere_nearest
 
-ROUNDS = 12
-"""Steps of least squares: a fit of half a ball is still after five."""
-
-STILL = 1e-8
-"""Step [m] of a fit that changes nothing any more: less than what a float32 cloud tells."""
+FITTED = 10.0 * LARGEST_RADIUS
+"""Radius [m] of a fit that is on its way to none."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -181,11 +179,11 @@ def _ball(points: FloatArray, axis: FloatArray, stretch: float) -> Spheroid | No
     if len(points) < 12:
         return None
     squeezed = _squeezed(points, axis, stretch)
-    fit = _sphere(squeezed)
+    fit = sphere_nearest(squeezed, FITTED)
     if fit is None:
         return None
     off = np.abs(lengths(squeezed - fit[0]) - fit[1])
-    fit = _sphere(squeezed[off <= np.quantile(off, 1.0 - STRAY)])
+    fit = sphere_nearest(squeezed[off <= np.quantile(off, 1.0 - STRAY)], FITTED)
     if fit is None or fit[1] * stretch > LARGEST_RADIUS:
         return None
     centre, radius = fit
@@ -195,55 +193,6 @@ def _ball(points: FloatArray, axis: FloatArray, stretch: float) -> Spheroid | No
     depth = 1.0 - float(np.quantile(rays @ towards, STRAY))
     centre = _squeezed(centre[None], axis, 1.0 / stretch)[0]
     return Spheroid(centre, radius, axis, stretch) if depth > LEAST_CAP else None
-
-
-def sphere_through(points: FloatArray) -> tuple[FloatArray, float] | None:
-    """The sphere through points, by least squares of the squared distances: a linear problem.
-
-    Args:
-        points: (N, d) points [m]; a circle for d = 2.
-
-    Returns:
-        (d,) centre and radius [m]; None where the points lie in a plane (on a line).
-    """
-    size = points.shape[1]
-    middle = middle_of(points)
-    local = points - middle
-    # |p|^2 = 2 c.p + r^2 - |c|^2 is linear in c and in what remains.
-    system = np.column_stack([2.0 * local, np.ones(len(local))])
-    solution, _, rank, _ = np.linalg.lstsq(system, sum_of_rows(local * local), rcond=None)
-    if rank <= size:
-        return None
-    centre = solution[:size]
-    return centre + middle, float(np.sqrt(max(solution[size] + centre @ centre, 1e-12)))
-
-
-def _sphere(points: FloatArray) -> tuple[FloatArray, float] | None:
-    """(d,) centre and radius of the sphere nearest to points (N, d), by least squares of the distances."""
-    first = sphere_through(points)
-    if first is None:
-        return None
-    size = points.shape[1]
-    middle = middle_of(points)
-    centre, radius = first[0] - middle, first[1]
-    columns = np.ascontiguousarray((points - middle).T)  # an axis at a time takes half as long
-    system = np.ones((len(points), size + 1))
-    for _ in range(ROUNDS):
-        rays = columns - centre[:, None]
-        squares = rays * rays
-        far = squares[0] + squares[2] if size == 3 else squares[0]
-        far = np.maximum(np.sqrt(far + squares[1]), 1e-9)
-        system[:, :size] = (rays / far).T
-        try:
-            step = np.linalg.solve(system.T @ system, system.T @ (far - radius))
-        except np.linalg.LinAlgError:
-            return None  # all rays alike: so little of a round is seen that any radius fits
-        centre, radius = centre + step[:size], radius + float(step[size])
-        if not np.isfinite(radius) or abs(radius) > 10.0 * LARGEST_RADIUS:
-            return None
-        if np.abs(step).max() < STILL:
-            break
-    return (centre + middle, radius) if radius > 0.0 else None
 
 
 def _cylinders(points: FloatArray, normals: FloatArray) -> list[Cylinder]:
@@ -268,7 +217,7 @@ def _cylinder(points: FloatArray, axis: FloatArray) -> Cylinder | None:
     side = np.abs(along - (low + high) / 2.0) < half - min(0.004, 0.2 * half)  # what is no end
     circle = None
     for _ in range(4):
-        circle = _sphere(flat[side])
+        circle = sphere_nearest(flat[side], FITTED)
         if circle is None:
             return None
         off = np.abs(lengths(flat - circle[0]) - circle[1])

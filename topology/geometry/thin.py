@@ -1,12 +1,13 @@
 """Clouds thinned to one point per voxel: the first that lies in it, or the mean of all that do."""
 
 import numpy as np
-from scipy.spatial import KDTree
 
 from topple.topology.arguments import checked_arguments
 from topple.topology.arrays import FloatArray, IntArray, bounds
 from topple.topology.errors import InvalidInput
 from topple.topology.geometry.tolerances import BEFORE, ENOUGH, MANY
+from topple.topology.kernels.cells import cells_of
+from topple.topology.kernels.neighbours import PointTree
 
 
 def cell_keys(
@@ -33,24 +34,6 @@ def cell_keys(
     return keys
 
 
-def sorted_cells(keys: IntArray) -> tuple[IntArray, IntArray]:
-    """Sort the numbers of cells.
-
-    Args:
-        keys: (N,) numbers of cells, N >= 1, none below 0.
-
-    Returns:
-        (N,) numbers rising, and (N,) the places they had: within a cell rising as well.
-    """
-    count = len(keys)
-    if int(keys.max()) >= np.iinfo(np.int64).max // count - 1:  # too large for what follows
-        places = np.argsort(keys, kind="stable")
-        return keys[places], places
-    # cell and place in one number: these are sorted in a fifth of the time that their places take
-    cells, places = np.divmod(np.sort(keys * count + np.arange(count)), count)
-    return cells, places
-
-
 @checked_arguments
 def thinned(points: FloatArray, spacing: float) -> FloatArray:
     """Keep one point per cubic cell, the one that comes first.
@@ -71,9 +54,9 @@ def thinned(points: FloatArray, spacing: float) -> FloatArray:
         )
     if len(points) == 0:
         return points
-    cells, places = sorted_cells(cell_keys(points, *bounds(points), spacing))
-    first = np.concatenate([[True], cells[1:] != cells[:-1]])
-    return points[np.sort(places[first])]
+    lower, upper = bounds(points)
+    cells = cells_of(points, lower - BEFORE, upper, spacing)
+    return points[np.sort(cells.order[cells.starts[:-1]])]
 
 
 def voxel_means(points: FloatArray, spacing: float, ahead: float = BEFORE, fewest: int = 1) -> FloatArray:
@@ -90,10 +73,9 @@ def voxel_means(points: FloatArray, spacing: float, ahead: float = BEFORE, fewes
     """
     if len(points) == 0:
         return points
-    keys = cell_keys(points, *bounds(points), spacing, ahead)
-    _, inverse, counts = np.unique(keys, return_inverse=True, return_counts=True)
-    sums = np.stack([np.bincount(inverse, weights=points[:, k]) for k in range(3)], axis=1)
-    return (sums / counts[:, None])[counts >= fewest]
+    lower, upper = bounds(points)
+    cells = cells_of(points, lower - ahead, upper, spacing)
+    return cells.means()[cells.sizes >= fewest]
 
 
 def spacing_of(points: FloatArray) -> float:
@@ -107,5 +89,5 @@ def spacing_of(points: FloatArray) -> float:
     """
     some = points[:: max(1, len(points) // MANY)]
     asked = some[:: max(1, len(some) // ENOUGH)]
-    near = np.asarray(KDTree(some).query(asked, k=min(5, len(some)))[0])
+    near = PointTree(some).query(asked, k=min(5, len(some)))[0]
     return float(np.median(near.reshape(len(asked), -1)[:, -1]))

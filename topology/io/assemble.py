@@ -47,6 +47,7 @@ class Parts:
         notes: Sentences on what was assumed.
         masses: Mass in [kg] by name, or None; checked as a whole with the scene.
         friction: Coefficient of friction by name, or None.
+        centres: Centre of mass (3,) in [m] by name, or None.
     """
 
     clouds: dict[str, ArrayLike]
@@ -62,6 +63,7 @@ class Parts:
     notes: list[str] = field(default_factory=list[str])
     masses: Any = None
     friction: Any = None
+    centres: Any = None
 
 
 def assemble(
@@ -104,7 +106,7 @@ def assemble(
         clouds, all_fixed, up, parts.viewpoints, parts.images, parts.meshes, parts.robot_base, notes,
         matter=parts.matter,
     )  # fmt: skip
-    scene = scene.weighed(parts.masses, parts.friction).upright()
+    scene = scene.weighed(parts.masses, parts.friction, parts.centres).upright()
     return scene.examined(parts.background, robot(scene) if callable(robot) else robot)
 
 

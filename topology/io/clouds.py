@@ -17,19 +17,20 @@ def parts_from_clouds(arrays: Mapping[str, Array]) -> Parts:
     Args:
         arrays: The file's arrays: points (N, 3) in [m] per object; optional `up` (3,), `fixed`
             (names), `viewpoints` (k, 3), `table_plane` (4,), `robot_base` (4, 4), `matter` (N, 3), what is
-            in the way and no object, and as JSON text, which no cloud is, `masses` {name: kg} and
-            `friction` {name: coefficient}.
+            in the way and no object, and as JSON text, which no cloud is, `masses` {name: kg},
+            `friction` {name: coefficient} and `centres` {name: [x, y, z]} of mass [m].
 
     Returns:
         What the file says. Other text is a note, not an object, and is left out.
 
     Raises:
-        InvalidInput: If `fixed` does not hold names, or `masses` or `friction` are neither text nor a cloud.
+        InvalidInput: If `fixed` does not hold names, or `masses`, `friction` or `centres` are no text and
+            no cloud.
     """
     clouds = {
         name: array for name, array in arrays.items() if name not in OWN and array.dtype.kind not in "US"
     }
-    masses, friction = (amounts_in(arrays, key) for key in ("masses", "friction"))
+    masses, friction, centres = (amounts_in(arrays, key) for key in ("masses", "friction", "centres"))
     if not clouds:
         raise InvalidInput(
             f"no clouds found among the arrays {sorted(arrays)}: expected points (N, 3) under each object's "
@@ -45,6 +46,7 @@ def parts_from_clouds(arrays: Mapping[str, Array]) -> Parts:
         matter=arrays.get("matter"),
         masses=masses,
         friction=friction,
+        centres=centres,
         notes=ignored(arrays, {*clouds, *OWN, *BY_NAME}),
     )
 
@@ -54,7 +56,7 @@ def amounts_in(arrays: Mapping[str, Array], key: str) -> object:
 
     Args:
         arrays: The file's arrays.
-        key: `masses` or `friction`.
+        key: `masses`, `friction` or `centres`.
 
     Returns:
         What the text says, not yet checked; None where there is none. An array (N, 3) of numbers is the cloud

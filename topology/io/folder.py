@@ -20,7 +20,10 @@ from topple.topology.io.tolerances import MOST_LISTED
 from topple.topology.mesh import Mesh
 
 _DESCRIPTION = "scene.json"
-_KEYS = ("up", "fixed", "viewpoints", "table_plane", "robot_base", "poses", "files", "masses", "friction")
+_KEYS = (
+    *("up", "fixed", "viewpoints", "table_plane", "robot_base", "poses", "files"),
+    *("masses", "friction", "centres"),
+)
 _SILENT_KEYS = ("format", "format_version", "name", "comment")
 
 
@@ -32,11 +35,12 @@ def reads(path: Path) -> bool:
 def read(path: Path) -> Parts:
     """Read every object of a folder.
 
-    Each cloud (`.ply`, `.pcd`, or a text: `.xyz`, `.txt`, `.csv`, `.pts`, `.asc`) or mesh (`.obj`, `.stl`,
-    `.ply`, `.glb`) is an object named as the file. `scene.json` may give `files` {name: file} to name files
-    otherwise or use one twice, `poses` {name: 4x4 object to world}, `masses` {name: kg}, `friction`
-    {name: coefficient}, and `up`, `fixed`, `viewpoints`, `table_plane`, `robot_base`. What is in the folder
-    and no cloud or mesh, a text with a matrix or a trajectory too, is named in a note.
+    Each cloud (`.ply`, `.pcd`, or a text: `.xyz`, `.txt`, `.csv`, `.pts`, `.asc`) or mesh (`.obj`,
+    `.stl`, `.ply`, `.glb`) is an object named as the file. `scene.json` may give `files` {name: file} to
+    name files otherwise or use one twice, `poses` {name: 4x4 object to world}, `masses` {name: kg},
+    `friction` {name: coefficient}, `centres` {name: [x, y, z]} of mass in the world, and `up`, `fixed`,
+    `viewpoints`, `table_plane`, `robot_base`. What is in the folder and no cloud or mesh, a text with a
+    matrix or a trajectory too, is named in a note.
 
     Args:
         path: The folder.
@@ -71,6 +75,7 @@ def read(path: Path) -> Parts:
         ],
         masses=described.get("masses"),
         friction=described.get("friction"),
+        centres=described.get("centres"),
     )
     parts.notes += _unused(path, files.values())
     for name, file in files.items():

@@ -126,6 +126,11 @@ def read_text(path: Path, what: str) -> str:
         raise InvalidInput(f"{what} is no text: {error}") from error
 
 
+def allowed() -> int:
+    """Bytes that a file may unpack to."""
+    return _most.get()
+
+
 def check_size(size: int, what: str) -> None:
     """Refuse what would unpack to more than is allowed.
 

@@ -5,14 +5,14 @@ from collections.abc import Collection
 from pathlib import Path
 
 import numpy as np
-from scipy.spatial import KDTree
 
 from topple.topology.arrays import lengths
 from topple.topology.bodies.model_registration import Model
 from topple.topology.errors import InvalidInput
-from topple.topology.geometry.normals import patch_planes
 from topple.topology.io.geometry import SUFFIXES, Geometry, read_geometry, spread_over
 from topple.topology.io.text import TEXTS
+from topple.topology.kernels.neighbours import PointTree
+from topple.topology.kernels.planes import patch_planes
 from topple.topology.tolerances import LARGEST_HELD, NEIGHBOURS
 
 _MESHES = ("mesh", "textured", "nontextured", "textured_simple", "model")
@@ -88,7 +88,7 @@ def read_model(name: str, file: Path) -> tuple[Model, Geometry]:
             "metres, so scale it (millimetres: * 0.001)"
         )
     if faces is None:
-        patches = points[np.asarray(KDTree(points).query(points, k=min(NEIGHBOURS, len(points)))[1])]
+        patches = points[PointTree(points).query(points, k=min(NEIGHBOURS, len(points)))[1]]
         return Model(name, points, patch_planes(patches)[1]), geometry
     spread, on = spread_over(vertices, faces)
     first, second, third = (vertices[faces[on, corner]] for corner in range(3))

@@ -34,6 +34,7 @@ def scene_from_objects(
     robot_base: Any = None,
     masses: Mapping[str, float] | None = None,
     friction: Mapping[str, float] | None = None,
+    centres: Mapping[str, ArrayLike] | None = None,
 ) -> Scene:
     """Make a scene of clouds and meshes of any of these libraries, none of which is imported.
 
@@ -49,6 +50,7 @@ def scene_from_objects(
         robot_base: Pose of the robot's base, as one of `poses`.
         masses: In [kg] by name.
         friction: Coefficients by name.
+        centres: Centres of mass (3,) in [m] by name, in the world.
 
     Returns:
         The scene.
@@ -71,7 +73,7 @@ def scene_from_objects(
         told = ", ".join(f"{what} in {frame}" for what, frame in frames.items())
         raise InvalidInput(f"poses are in different frames: {told}; expected one frame for all")
     fixed = as_names(fixed)
-    parts = Parts({}, fixed, up, viewpoints, masses=masses, friction=friction)
+    parts = Parts({}, fixed, up, viewpoints, masses=masses, friction=friction, centres=centres)
     if robot_base is not None:
         parts.robot_base = pose_of(robot_base, "robot_base")
     for name, thing in objects.items():

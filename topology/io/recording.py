@@ -9,6 +9,7 @@ from typing import Any
 from topple.topology.errors import InvalidInput, NotInstalled
 from topple.topology.io.limits import opened
 from topple.topology.io.tolerances import LONGEST_DEFINITION
+from topple.topology.io.unpack import bounded, check_chunks
 
 _UNREAD = re.compile(r"//[^\n]*|/\*[\s\S]*?\*/|'[^'\n]*'" + r'|"(?:[^"\\]|\\.)*"')
 """Text and comments of a definition."""
@@ -42,9 +43,10 @@ def recording(path: Path) -> Generator[Any, None, None]:
     try:
         reader = AnyReader([path], default_typestore=get_typestore(Stores.ROS2_HUMBLE))
         for part in reader.readers:
-            with part:
+            with bounded(reader.readers), part:
                 _check_definitions(part.connections)
-        with reader:
+        with bounded(reader.readers), reader:
+            check_chunks(reader.readers)
             yield reader
     except (InvalidInput, GeneratorExit):
         raise

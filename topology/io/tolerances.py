@@ -99,3 +99,12 @@ UNIT_ROW = 1e-3
 
 VALUE_BYTES = 48
 """What is held of a value of JSON or of a word: a number, or half of a list, and its place in one."""
+
+
+# -- mjcf
+
+AROUND = 1.0
+"""[m] by which a plane without an end goes on beyond what stands on it."""
+
+ROUND_SIDES = 48
+"""Sides that round primitives get: those of 3 cm are off by 0.07 mm."""

@@ -14,7 +14,7 @@ from topple.topology.files import write_whole
 
 SPECIAL = ("up", "fixed", "viewpoints", "table_plane", "robot_base")
 OWN = (*SPECIAL, "matter")
-BY_NAME = {"masses": '{"mug": 0.35}', "friction": '{"mug": 0.6}'}
+BY_NAME = {"masses": '{"mug": 0.35}', "friction": '{"mug": 0.6}', "centres": '{"mug": [0.1, 0.2, 0.3]}'}
 
 
 def write_clouds(path: Path, clouds: Mapping[str, FloatArray], about: Mapping[str, Any]) -> None:
@@ -31,7 +31,9 @@ def write_clouds(path: Path, clouds: Mapping[str, FloatArray], about: Mapping[st
     if odd := sorted(clouds.keys() & {*OWN, *BY_NAME, "file", "allow_pickle"}):
         raise InvalidInput(f"an object is called {odd[0]!r}, which a scene's file has for itself: rename it")
     given = {key: value for key, value in about.items() if value is not None and len(value)}
-    texts = {key: json.dumps(dict(given[key])) for key in given.keys() & BY_NAME.keys()}
+    texts = {
+        key: json.dumps(dict(given[key]), default=np.ndarray.tolist) for key in given.keys() & BY_NAME.keys()
+    }
     arrays: dict[str, Any] = {**clouds, **given, **texts}
     buffer = io.BytesIO()
     np.savez_compressed(buffer, **arrays)

@@ -7,7 +7,6 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike
 from scipy.optimize import linear_sum_assignment
-from scipy.spatial import KDTree
 
 from topple.topology.arguments import checked_arguments
 from topple.topology.arrays import FloatArray, IntArray, bounds
@@ -15,6 +14,7 @@ from topple.topology.errors import InvalidInput
 from topple.topology.geometry.plane import TABLE, table_by_name
 from topple.topology.geometry.thin import cell_keys
 from topple.topology.image import DepthImage
+from topple.topology.kernels.neighbours import PointTree
 from topple.topology.merging.ground import Ground, ground_of
 from topple.topology.merging.register import Registration, register
 from topple.topology.merging.segments import outliers, segmented
@@ -247,13 +247,13 @@ def _matched(
     """The object that each label of a view is, by the share of its surface that was seen before."""
     before = objects[: part.start]
     known = np.unique(before[before >= 0])
-    trees = [KDTree(cells.points[np.unique(cells.cell[: part.start][before == k])]) for k in known]
+    trees = [PointTree(cells.points[np.unique(cells.cell[: part.start][before == k])]) for k in known]
     share = np.zeros((len(own), len(known)))
     for row, label in enumerate(own):
         seen = cells.points[np.unique(cells.cell[part][labels == label])]
         for column, tree in enumerate(trees):
-            near = np.asarray(tree.query(seen, distance_upper_bound=TOLERANCES.link)[0])
-            share[row, column] = np.isfinite(near).sum() / min(len(seen), tree.n)
+            near = tree.query(seen, distance_upper_bound=TOLERANCES.link)[0]
+            share[row, column] = np.isfinite(near).sum() / min(len(seen), len(tree.data))
     pairs = zip(*linear_sum_assignment(-share), strict=True)
     names = list(own)
     return {names[r]: int(known[c]) for r, c in pairs if share[r, c] >= TOLERANCES.shared}

@@ -1,12 +1,11 @@
 """What stands on the ground without masks, cut into objects where it bends inwards; and its outliers."""
 
 import numpy as np
-from scipy.sparse import coo_matrix
-from scipy.sparse.csgraph import connected_components
-from scipy.spatial import KDTree
 
 from topple.topology.arrays import BoolArray, FloatArray, IntArray
-from topple.topology.geometry.normals import patch_planes
+from topple.topology.kernels.neighbours import PointTree
+from topple.topology.kernels.pieces import pieces_of_links
+from topple.topology.kernels.planes import patch_planes
 from topple.topology.merging.tolerances import TOLERANCES
 
 
@@ -19,7 +18,7 @@ def outliers(points: FloatArray) -> BoolArray:
     count = min(TOLERANCES.near, len(points))
     if count < 2:
         return np.zeros(len(points), dtype=np.bool_)
-    distance = np.asarray(KDTree(points).query(points, k=count)[0])[:, 1:].mean(axis=1)
+    distance = PointTree(points).query(points, k=count)[0][:, 1:].mean(axis=1)
     return distance > distance.mean() + TOLERANCES.spread * distance.std()
 
 
@@ -38,11 +37,11 @@ def segmented(points: FloatArray, eyes: FloatArray) -> IntArray:
     none = np.full(len(points), -1, dtype=np.int64)
     if len(points) < TOLERANCES.smallest:
         return none
-    tree = KDTree(points)
-    patches = np.asarray(tree.query(points, k=min(TOLERANCES.near, len(points)))[1])
+    tree = PointTree(points)
+    patches = tree.query(points, k=min(TOLERANCES.near, len(points)))[1]
     normals = patch_planes(points[patches])[1]
     normals *= np.where(np.einsum("ni,ni->n", normals, eyes - points) < 0.0, -1.0, 1.0)[:, None]
-    a, b = tree.query_pairs(TOLERANCES.link, output_type="ndarray").T
+    a, b = tree.query_pairs(TOLERANCES.link).T
     along = points[b] - points[a]
     along /= np.linalg.norm(along, axis=1)[:, None]
     bend = np.einsum("ei,ei->e", normals[b] - normals[a], along)  # above 0 outwards
@@ -51,8 +50,7 @@ def segmented(points: FloatArray, eyes: FloatArray) -> IntArray:
     bent = np.bincount(np.concatenate([a[inwards], b[inwards]]), minlength=len(points))
     crease = bent > TOLERANCES.crease * np.maximum(linked, 1)
     kept = ~inwards & ~crease[a] & ~crease[b]
-    graph = coo_matrix((np.ones(int(kept.sum())), (a[kept], b[kept])), shape=(len(points), len(points)))
-    parts = np.asarray(connected_components(graph, directed=False)[1])
+    parts = pieces_of_links(np.stack([a[kept], b[kept]], axis=1), len(points))
     sizes = np.bincount(parts)
     ranked = [part for part in np.argsort(-sizes, kind="stable") if sizes[part] >= TOLERANCES.smallest]
     if not ranked:
@@ -65,7 +63,7 @@ def segmented(points: FloatArray, eyes: FloatArray) -> IntArray:
 def _with_crumbs(points: FloatArray, segment: IntArray) -> IntArray:
     """Points of creases and crumbs go to the segment that is nearest."""
     loose = segment < 0
-    distance, nearest = KDTree(points[~loose]).query(points[loose], distance_upper_bound=TOLERANCES.link)
+    distance, nearest = PointTree(points[~loose]).query(points[loose], distance_upper_bound=TOLERANCES.link)
     found = segment[loose]
     near = np.isfinite(distance)
     found[near] = segment[~loose][np.asarray(nearest)[near]]

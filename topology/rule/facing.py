@@ -61,11 +61,11 @@ def _across(a: SurfaceCloud, b: SurfaceCloud) -> tuple[FloatArray, FloatArray, F
     aside = (length <= DEPTH_NOISE) | (b.hull.facet_distance(ends) > DEPTH_NOISE)
     if aside.any():
         distance, index = b.tree.query(places[aside])
-        ends[aside], length[aside] = b.coarse[np.asarray(index)], np.asarray(distance)
+        ends[aside], length[aside] = b.coarse[index], distance
     return places, ends, length
 
 
 def _seen(a: SurfaceCloud, places: FloatArray, towards: FloatArray, sight: FreeSpace) -> BoolArray:
     """Which places of a hull have a surface near them that some camera sees from the side it faces."""
-    covered = np.asarray(a.tree.query(places)[0]) <= max(COVERED * a.spacing, DEPTH_NOISE)
+    covered = a.tree.query(places)[0] <= max(COVERED * a.spacing, DEPTH_NOISE)
     return covered & sight.facing(places, towards - places)

@@ -11,11 +11,11 @@ from collections.abc import Collection
 from dataclasses import dataclass, field, replace
 
 import numpy as np
-from scipy.spatial import KDTree
 
 from topple.topology.arrays import BoolArray, FloatArray, IntArray, middle_of, within_corners
 from topple.topology.cloud import estimate_deviation
 from topple.topology.confidence import Evidence, confidence
+from topple.topology.kernels.neighbours import PointTree
 from topple.topology.pair import PairRelation
 from topple.topology.relation_table import AnyTable, box_distance
 from topple.topology.rule.cavity import roofed, surrounded
@@ -137,7 +137,7 @@ class RobustRule:
             held |= walled
         inside[chosen[held]] = True
         if step > 1:  # the points between follow the nearest one that was looked at
-            nearest = KDTree(a.coarse[chosen]).query(a.coarse[candidates])[1]
+            nearest = PointTree(a.coarse[chosen]).query(a.coarse[candidates])[1]
             inside[candidates] = held[nearest]
         return inside
 

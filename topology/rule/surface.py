@@ -4,15 +4,16 @@ from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
-from scipy.sparse import coo_matrix
-from scipy.sparse.csgraph import connected_components
-from scipy.spatial import KDTree
 
 from topple.topology.arrays import BoolArray, FloatArray, IntArray, bounds, lengths, middle_of
 from topple.topology.geometry.axes import own_axes
 from topple.topology.geometry.hull import Hull
-from topple.topology.geometry.normals import patch_planes
-from topple.topology.geometry.thin import cell_keys, sorted_cells
+from topple.topology.geometry.thin import cell_keys
+from topple.topology.geometry.tolerances import BEFORE
+from topple.topology.kernels.cells import Cells, cells_of, turned_bounds
+from topple.topology.kernels.neighbours import PointTree
+from topple.topology.kernels.pieces import pieces_of_links
+from topple.topology.kernels.planes import patch_planes
 from topple.topology.rule.tolerances import (
     AROUND,
     BESIDE,
@@ -55,7 +56,7 @@ class SurfaceCloud:
     coarse: FloatArray
     cell: float
     dropped: int
-    tree: KDTree
+    tree: PointTree
     spacing: float
 
     @staticmethod
@@ -66,13 +67,11 @@ class SurfaceCloud:
             name: Name of the object.
             cloud: (N, 3) points [m].
         """
-        order, starts, cell = _cells(cloud)
-        points = cloud[order]
-        sizes = np.diff(starts)
-        coarse = np.add.reduceat(points, starts[:-1], axis=0) / sizes[:, None]
-        tree = KDTree(coarse)
+        cells, cell = _cells(cloud)
+        points, starts, sizes, coarse = cloud[cells.order], cells.starts, cells.sizes, cells.means()
+        tree = PointTree(coarse)
         kept = _well_connected(tree, sizes, cell)
-        tree = tree if kept.all() else KDTree(coarse[kept])
+        tree = tree if kept.all() else PointTree(coarse[kept])
         main, fourth = _main_pieces(tree)
         kept[kept] = main
         dropped = len(points) - int(sizes[kept].sum())
@@ -80,8 +79,8 @@ class SurfaceCloud:
             points, sizes, coarse = points[np.repeat(kept, sizes)], sizes[kept], coarse[kept]
             starts = np.concatenate([[0], np.cumsum(sizes)])
             if not main.all():
-                tree = KDTree(coarse)
-                fourth = _neighbours(tree, 4)[0][:, -1]
+                tree = PointTree(coarse)
+                fourth = tree.query(tree.data, 5)[0][:, -1]
         return SurfaceCloud(name, points, starts, coarse, cell, dropped, tree, float(np.median(fourth)))
 
     @cached_property
@@ -115,25 +114,22 @@ class SurfaceCloud:
         return self.points[first + np.arange(len(first))]
 
 
-def _cells(cloud: FloatArray) -> tuple[IntArray, IntArray, float]:
-    """Order of the points by cell, where each cell starts, and the cell's edge; cells lie along the cloud."""
+def _cells(cloud: FloatArray) -> tuple[Cells, float]:
+    """The points by cell, and the edge [m] of the cells, 0 where each holds one; they lie along the cloud."""
     if len(cloud) <= COARSE:
-        return np.arange(len(cloud)), np.arange(len(cloud) + 1), 0.0
-    local = (cloud - cloud[0]) @ own_axes(cloud).T
-    lower, upper = bounds(local)
+        return Cells(cloud, np.arange(len(cloud)), np.arange(len(cloud) + 1)), 0.0
+    turn = own_axes(cloud)
+    lower, upper = turned_bounds(cloud, turn)
     extent = upper - lower
     cell = max(float(extent.max()), 1e-9) / 40
     # Cells of a surface go with the inverse square of their edge: one look at a part settles the edge.
-    probe = local[:: -(-len(cloud) // (8 * COARSE))]
+    probe = (cloud[:: -(-len(cloud) // (8 * COARSE))] - cloud[0]) @ turn.T
     occupied = len(np.unique(cell_keys(probe, lower, upper, cell)))
     cell = min(float(np.clip(cell * (occupied / COARSE) ** 0.5, cell / 6, 2 * cell)), LARGEST_CELL)
-    keys = cell_keys(local, lower, upper, cell)
-    ordered, order = sorted_cells(keys)
-    starts = np.flatnonzero(np.concatenate([[True], ordered[1:] != ordered[:-1]]))
-    return order, np.append(starts, len(cloud)), cell
+    return cells_of(cloud, lower - BEFORE, upper, cell, turn), cell
 
 
-def _well_connected(tree: KDTree, sizes: IntArray, cell: float) -> BoolArray:
+def _well_connected(tree: PointTree, sizes: IntArray, cell: float) -> BoolArray:
     """Which cells are filled like a surface, or lie beside one that is.
 
     At a mask's edge pixels show the neighbour, or hang in the air between the two: lines of cells that hold
@@ -142,41 +138,29 @@ def _well_connected(tree: KDTree, sizes: IntArray, cell: float) -> BoolArray:
     kept = np.ones(len(sizes), dtype=np.bool_)
     if cell == 0:
         return kept
-    pairs = tree.query_pairs(AROUND * cell, output_type="ndarray")
-    around = sizes.astype(np.float64)
-    for one, other in ((0, 1), (1, 0)):
-        around += np.bincount(pairs[:, one], weights=sizes[pairs[:, other]], minlength=len(sizes))
+    around = tree.sums_around(sizes.astype(np.float64), AROUND * cell)
     core = around >= FILLED * np.median(around)
     if core.any() and not core.all():
         coarse = np.asarray(tree.data)
-        kept[~core] = np.asarray(KDTree(coarse[core]).query(coarse[~core])[0]) <= BESIDE * cell
+        kept[~core] = PointTree(coarse[core]).query(coarse[~core])[0] <= BESIDE * cell
     return kept
 
 
-def _neighbours(tree: KDTree, count: int) -> tuple[FloatArray, IntArray]:
-    """(N, count + 1) distances of the points of a tree to themselves and their neighbours, and their rows."""
-    distance, index = tree.query(tree.data, k=count + 1)
-    return np.asarray(distance), np.asarray(index)
-
-
-def _main_pieces(tree: KDTree) -> tuple[BoolArray, FloatArray]:
+def _main_pieces(tree: PointTree) -> tuple[BoolArray, FloatArray]:
     """Which points belong to a piece of the cloud that is no stray: large enough a share of the whole.
 
     Also the distance of each to its fourth neighbour [m], of few points 0.
     """
     coarse = np.asarray(tree.data)
     if len(coarse) < 30:
-        fourth = _neighbours(tree, 4)[0][:, -1] if len(coarse) >= 5 else np.zeros(len(coarse))
+        fourth = tree.query(tree.data, 5)[0][:, -1] if len(coarse) >= 5 else np.zeros(len(coarse))
         return np.ones(len(coarse), dtype=np.bool_), fourth
-    distance, index = _neighbours(tree, LINKS)
+    distance, index = tree.query(tree.data, LINKS + 1)
     limit = BREAK * float(np.median(distance[:, 4]))
     rows = np.repeat(np.arange(len(coarse)), LINKS)
     linked = (distance[:, 1:] <= limit).ravel()
-    graph = coo_matrix(
-        (np.ones(int(linked.sum())), (rows[linked], index[:, 1:].ravel()[linked])),
-        shape=(len(coarse), len(coarse)),
-    )
-    labels = connected_components(graph, directed=False)[1]
+    links = np.stack([rows[linked], index[:, 1:].ravel()[linked]], axis=1)
+    labels = pieces_of_links(links, len(coarse))
     sizes = np.bincount(labels)
     stray = sizes < min(TOLERANCES.stray_share * len(coarse), sizes.max())
     for label in np.flatnonzero(stray & (sizes >= FEW)):
@@ -244,7 +228,7 @@ def closest(a: SurfaceCloud, b: SurfaceCloud) -> Closest:
     near_b = distances(b.coarse, a, limit)
     fine_a, about_a = _fine(a, near_a, limit)
     fine_b, about_b = _fine(b, near_b, limit)
-    tree_a, tree_b = KDTree(fine_a), KDTree(fine_b)
+    tree_a, tree_b = PointTree(fine_a), PointTree(fine_b)
     fine_a = _nearest(fine_a, about_a, tree_b)
     fine_b = _nearest(fine_b, about_b, tree_a)
     rank = min(8, 1 + min(len(a.points), len(b.points)) // 60)  # so many strays may come closer
@@ -261,7 +245,7 @@ def closest(a: SurfaceCloud, b: SurfaceCloud) -> Closest:
 def _far(a: SurfaceCloud, b: SurfaceCloud, of_a: Reaching) -> Closest:
     """The nearest mean points: how they lie in their cells hardly lengthens a distance of many cells."""
     chosen = np.argsort(of_a.distances, kind="stable")[:64]
-    feet = b.coarse[np.asarray(b.tree.query(a.coarse[chosen])[1])]
+    feet = b.coarse[b.tree.query(a.coarse[chosen])[1]]
     pairs = np.stack([a.coarse[chosen], feet], axis=1)
     return Closest(float(of_a.distances[chosen[0]]), pairs, of_a, None)
 
@@ -277,16 +261,16 @@ def distances(points: FloatArray, other: SurfaceCloud, limit: float) -> FloatArr
     Returns:
         (N,) distances [m], infinite beyond the limit.
     """
-    chosen = np.flatnonzero(within_box(points, other.tree.mins, other.tree.maxes, limit))
+    chosen = np.flatnonzero(within_box(points, *other.tree.box, limit))
     distance = np.full(len(points), np.inf)
     if len(chosen):
         within = np.nextafter(limit, np.inf)  # the search leaves out its bound itself
         tree = _around(other, points[chosen], limit)
-        distance[chosen] = np.asarray(tree.query(points[chosen], distance_upper_bound=within)[0])
+        distance[chosen] = tree.query(points[chosen], distance_upper_bound=within)[0]
     return distance
 
 
-def _around(surface: SurfaceCloud, points: FloatArray, limit: float) -> KDTree:
+def _around(surface: SurfaceCloud, points: FloatArray, limit: float) -> PointTree:
     """A search tree that has all mean points of a surface which are within a limit of points.
 
     From the middle of a room all of its walls are equally far, and a search tree of them goes through them
@@ -294,7 +278,7 @@ def _around(surface: SurfaceCloud, points: FloatArray, limit: float) -> KDTree:
     """
     near = within_box(surface.coarse, *bounds(points), limit)
     few = 0 < np.count_nonzero(near) < CROPPED * surface.size
-    return KDTree(surface.coarse[near]) if few else surface.tree
+    return PointTree(surface.coarse[near]) if few else surface.tree
 
 
 def within_box(points: FloatArray, lower: FloatArray, upper: FloatArray, limit: float) -> BoolArray:
@@ -331,7 +315,7 @@ def _fine(surface: SurfaceCloud, near: FloatArray, limit: float) -> tuple[FloatA
     return _at_most(surface.rows_of(cells), FINE), _at_most(about, FINE)
 
 
-def _nearest(points: FloatArray, about: FloatArray, tree: KDTree) -> FloatArray:
+def _nearest(points: FloatArray, about: FloatArray, tree: PointTree) -> FloatArray:
     """The points nearest to the samples of a surface: where the surfaces are closest, one of them is.
 
     Those whose cells are nearest bound how far the others may be: most are not searched for.
@@ -340,17 +324,16 @@ def _nearest(points: FloatArray, about: FloatArray, tree: KDTree) -> FloatArray:
         return points
     likely = np.argpartition(about, CANDIDATES)[:CANDIDATES]
     bound = float(np.max(tree.query(points[likely])[0]))
-    distance = np.asarray(tree.query(points, distance_upper_bound=np.nextafter(bound, np.inf))[0])
+    distance = tree.query(points, distance_upper_bound=np.nextafter(bound, np.inf))[0]
     return points[np.sort(np.argpartition(distance, CANDIDATES)[:CANDIDATES])]
 
 
-def _to_surface(points: FloatArray, tree: KDTree) -> tuple[FloatArray, FloatArray]:
+def _to_surface(points: FloatArray, tree: PointTree) -> tuple[FloatArray, FloatArray]:
     """(N,) distances of points to the surface that samples show, and the (N, 3) nearest samples."""
     surface = np.asarray(tree.data)
     count = min(PATCH, len(surface))
     distance, index = tree.query(points, k=count)
-    distance = np.asarray(distance).reshape(len(points), count)
-    index = np.asarray(index).reshape(len(points), count)
+    distance, index = distance.reshape(len(points), count), index.reshape(len(points), count)
     nearest = surface[index[:, 0]]
     if count < 3:
         return distance[:, 0], nearest

@@ -4,7 +4,6 @@ from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
-from scipy.spatial import KDTree
 
 from topple.topology.arrays import (
     BoolArray,
@@ -18,6 +17,7 @@ from topple.topology.arrays import (
 from topple.topology.bodies.tolerances import KEPT_BODIES
 from topple.topology.geometry.broadphase import near_pairs
 from topple.topology.geometry.thin import cell_keys, voxel_means
+from topple.topology.kernels.neighbours import PointTree
 from topple.topology.remembered import remembered
 from topple.topology.statics.grounds import Plane, planes_and_rest
 from topple.topology.statics.matter import friction_between
@@ -149,7 +149,7 @@ def closed(upright: Upright, surfaces: Mapping[str, FloatArray], a: str, b: str)
         The patch, marked as inferred; nothing where neither can move.
     """
     rests, moves = (b, a) if b in upright.fixed else (a, b)
-    distance, nearest = KDTree(surfaces[rests]).query(surfaces[moves])
+    distance, nearest = PointTree(surfaces[rests]).query(surfaces[moves])
     closest = int(np.argmin(distance))
     shift = surfaces[rests][np.asarray(nearest)[closest]] - surfaces[moves][closest]
     together = {a: surfaces[a], b: surfaces[b], moves: surfaces[moves] + shift}
@@ -216,8 +216,8 @@ def _on_plane(ground: str, plane: Plane, name: str, points: FloatArray, reach: f
     feet = low[_first_of_cells(low, TOLERANCES.footprint)]
     # Only undersides say how the body stands: the inner side of a thin wall would blur the normal.
     sole = _lowest(points[over & (heights < SOLE)], 2 * VOXEL)
-    around = KDTree(sole).query_ball_point(feet, 1.5 * TOLERANCES.patch)
-    normals, rough = local_normals(sole, list(around))
+    around = PointTree(sole).query_ball_point(feet, 1.5 * TOLERANCES.patch)
+    normals, rough = local_normals(sole, around)
     leaning = np.arccos(np.minimum(1.0, np.abs(normals @ plane.normal)))
     turns = np.where(rough < TOLERANCES.smooth, leaning, 0.0)
     return Contact(ground, name, feet, np.tile(plane.normal, (len(feet), 1)), plane.heights(feet), turns)
@@ -245,7 +245,7 @@ def _between(a: str, b: str, first: FloatArray, second: FloatArray, reach: float
     return _meeting_at(a, b, first, second, candidates, reach) if len(candidates) else None
 
 
-_tree_of = remembered(KEPT_BODIES)(KDTree)
+_tree_of = remembered(KEPT_BODIES)(PointTree)
 
 
 @remembered(KEPT_PAIRS)
@@ -253,8 +253,7 @@ def _meeting_at(
     a: str, b: str, first: FloatArray, second: FloatArray, candidates: FloatArray, reach: float
 ) -> Contact | None:
     """Contact of two clouds of which some points (C, 3) of the second may be near the first."""
-    answer = _tree_of(first).query(candidates, distance_upper_bound=reach)
-    distances, nearest = np.asarray(answer[0]), np.asarray(answer[1])
+    distances, nearest = _tree_of(first).query(candidates, distance_upper_bound=reach)
     close = np.isfinite(distances)
     if not close.any():
         return None
@@ -267,8 +266,8 @@ def _patch(
     a: str, b: str, spots: FloatArray, first: FloatArray, second: FloatArray, reach: float
 ) -> Contact | None:
     """Normals and gaps at the spots: taken from the flatter of the two surfaces there."""
-    around_a: list[list[int]] = list(_tree_of(first).query_ball_point(spots, TOLERANCES.patch))
-    around_b: list[list[int]] = list(_tree_of(second).query_ball_point(spots, TOLERANCES.patch))
+    around_a = _tree_of(first).query_ball_point(spots, TOLERANCES.patch)
+    around_b = _tree_of(second).query_ball_point(spots, TOLERANCES.patch)
     normals_a, spreads_a = local_normals(first, around_a)
     normals_b, spreads_b = local_normals(second, around_b)
     known = np.flatnonzero(np.isfinite(spreads_a) & np.isfinite(spreads_b))
@@ -309,9 +308,9 @@ class _Groups:
     counts: IntArray
 
     @staticmethod
-    def of(points: FloatArray, groups: Sequence[Sequence[int]]) -> "_Groups":
+    def of(points: FloatArray, groups: Sequence[IntArray]) -> "_Groups":
         """The points of groups of positions."""
-        members = np.concatenate([np.asarray(group, dtype=np.int64) for group in groups])
+        members = np.concatenate(groups)
         return _Groups(points[members], np.array([len(group) for group in groups]))
 
     @property
@@ -333,12 +332,12 @@ class _Groups:
         return along[ranked[self._starts + 1]]
 
 
-def local_normals(points: FloatArray, groups: Sequence[Sequence[int]]) -> tuple[FloatArray, FloatArray]:
+def local_normals(points: FloatArray, groups: Sequence[IntArray]) -> tuple[FloatArray, FloatArray]:
     """Planes through groups of points.
 
     Args:
         points: (N, 3) points [m].
-        groups: k lists of indices into the points.
+        groups: k arrays of indices into the points.
 
     Returns:
         (k, 3) unit normals and (k,) spreads [m] across the planes; straight up and infinite for groups
@@ -350,7 +349,7 @@ def local_normals(points: FloatArray, groups: Sequence[Sequence[int]]) -> tuple[
     whole = np.flatnonzero(sizes >= 3)
     if len(whole) == 0:
         return normals, spreads
-    members = points[np.concatenate([np.asarray(g, dtype=np.int64) for g in groups if len(g) >= 3])]
+    members = points[np.concatenate([g for g in groups if len(g) >= 3])]
     counts = sizes[whole]
     starts = np.concatenate([[0], np.cumsum(counts)[:-1]])
     means = np.add.reduceat(members, starts) / counts[:, None]

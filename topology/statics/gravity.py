@@ -5,11 +5,11 @@ from dataclasses import replace
 from operator import is_
 
 import numpy as np
-from scipy.spatial import KDTree
 
 from topple.topology.arrays import FloatArray, bounds, sum_of_rows
 from topple.topology.errors import InvalidInput
 from topple.topology.geometry.plane import up_from_fixed
+from topple.topology.kernels.neighbours import PointTree
 from topple.topology.scene import Scene
 from topple.topology.statics.contact import Contact, find_contacts
 from topple.topology.statics.holding import deficits
@@ -138,7 +138,7 @@ def _pushing(contact: Contact, surfaces: Mapping[str, FloatArray], statics: Stat
 
 def _around(points: FloatArray, surface: FloatArray) -> FloatArray:
     """Middles of the ten points of a surface that are nearest to each of some points."""
-    nearest = np.asarray(KDTree(surface).query(points, k=min(10, len(surface)))[1])
+    nearest = PointTree(surface).query(points, k=min(10, len(surface)))[1]
     return surface[nearest.reshape(len(points), -1)].mean(axis=1)
 
 

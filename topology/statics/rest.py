@@ -5,7 +5,6 @@ from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
-from scipy.spatial import KDTree
 
 from topple.topology.arrays import BoolArray, FloatArray, bounds, middle_of
 from topple.topology.bodies.surfaces import surfaces_of
@@ -13,6 +12,7 @@ from topple.topology.bodies.tolerances import KEPT_BODIES
 from topple.topology.geometry.axes import around
 from topple.topology.geometry.sides import hull_volume
 from topple.topology.geometry.thin import voxel_means
+from topple.topology.kernels.neighbours import PointTree
 from topple.topology.relation_table import RelationTable
 from topple.topology.remembered import remembered
 from topple.topology.scene import Scene
@@ -91,7 +91,10 @@ class Statics:
         contacts = find_contacts(upright, surfaces, among=meeting)
         if relations is not None:
             contacts += tuple(_closed(relations, upright, surfaces, contacts))
-        weights = {name: weigh(surfaces[name], scene.masses.get(name)) for name in upright.movable}
+        weights = {
+            name: weigh(surfaces[name], scene.masses.get(name), upright.centres.get(name))
+            for name in upright.movable
+        }
         unexplained = deficits(weights, within_reach(contacts, weights))
         wanting = [name for name, missing in unexplained.items() if missing > UNSTEADY]
         if wanting:
@@ -209,18 +212,19 @@ def _closed(
 
 
 @remembered(KEPT_BODIES)
-def weigh(points: FloatArray, mass: float | None = None) -> Weight:
-    """Guess weight and centre of mass of a body from its surface.
+def weigh(points: FloatArray, mass: float | None = None, centre: FloatArray | None = None) -> Weight:
+    """Guess weight and centre of mass of a body from its surface, as far as they are not known.
 
     Args:
         points: (N, 3) evenly spread surface points [m].
-        mass: In [kg] where it is known; its density is taken as even.
+        mass: In [kg] where it is known.
+        centre: (3,) centre of mass [m] where it is known; else the density is taken as even.
 
     Returns:
         The weight. A mass not given is `DENSITY` times a volume: the hull's for solid things, the surface
         times a wall for hollow ones, whichever is less.
     """
-    centre = middle_of(points)
+    centre = middle_of(points) if centre is None else centre
     if mass is not None:
         return Weight(1e3 * mass / DENSITY, centre, LEVER)
     volume = volume_around(points)
@@ -253,7 +257,7 @@ def within_reach(contacts: Collection[Contact], movable: Collection[str]) -> lis
         for name in (contact.a, contact.b):
             if name in touching and len(near):
                 touching[name].append(near)
-    pivots = {name: KDTree(np.concatenate(near)) if near else None for name, near in touching.items()}
+    pivots = {name: PointTree(np.concatenate(near)) if near else None for name, near in touching.items()}
     usable: list[Contact] = []
     for contact in contacts:
         level = contact.turns <= ROLL
@@ -265,7 +269,7 @@ def within_reach(contacts: Collection[Contact], movable: Collection[str]) -> lis
             if pivot is None:
                 keep |= (contact.gaps <= TOLERANCES.catch) & level
                 continue
-            arms = np.asarray(pivot.query(contact.points)[0])
+            arms = pivot.query(contact.points)[0]
             keep |= (
                 (contact.gaps <= TOLERANCES.tight + TILT * arms) & (contact.gaps <= TOLERANCES.search) & level
             )

@@ -114,6 +114,25 @@ FRICTION = 0.5
 0.3 and 0.7."""
 
 
+# -- mesh_contact
+
+ON_FACE = 1e-6
+"""Share of a triangle's sides by which a point may be beyond them and over it: rounding."""
+
+LIKE_NEAREST = 6e-4
+"""Gap [m] beyond the least one around at which a round body still touches: facets are as far from round. A
+ball of 3 cm then stands on nothing steeper than 12 degrees."""
+
+NEAREST_WITHIN = 0.2
+"""Of the smaller body's size is how far around a point others are asked for the least gap."""
+
+FACING = float(np.radians(2.0))
+"""Angle [rad] between surfaces up to which they are parallel, and carry wherever their gap is none."""
+
+PATCH_CORNERS = 16
+"""Corners that are kept of a flat patch: of a round foot they leave out 2 % of its radius."""
+
+
 # -- rest
 
 GUESSED = 0.3

@@ -11,10 +11,10 @@ from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
-from scipy.spatial import KDTree
 
 from topple.topology.arrays import BoolArray, FloatArray, lengths
 from topple.topology.image import DepthImage
+from topple.topology.kernels.neighbours import PointTree
 from topple.topology.views.tolerances import MARGIN, WIDTH, WITNESSES
 
 
@@ -23,14 +23,14 @@ class _Rays:
     """Directions in which a camera has points before it, and how far away they are [m]."""
 
     centre: FloatArray
-    directions: KDTree
+    directions: PointTree
     ranges: FloatArray
 
     @staticmethod
     def of(points: FloatArray, centre: FloatArray) -> "_Rays":
         rays = points - centre
         ranges = lengths(rays)
-        return _Rays(centre, KDTree(rays / np.maximum(ranges, 1e-12)[:, None]), ranges)
+        return _Rays(centre, PointTree(rays / np.maximum(ranges, 1e-12)[:, None]), ranges)
 
     def past(self, places: FloatArray, any_of: bool = False) -> FloatArray:
         """(N,) how much further than places (N, 3) all or any witnesses reach [m], NaN where too few are."""

@@ -263,7 +263,9 @@ def test_a_page_takes_a_table_between_its_marks(tmp_path: Path, capsys: pytest.C
 
 def test_tables_in_the_pages_are_of_benches_and_have_rows() -> None:
     pages = "".join(path.read_text() for path in (Path(__file__).parents[3] / "benchmarks").glob("*.md"))
-    pages += (Path(__file__).parents[3] / "docs/results.md").read_text()
+    pages += "".join(
+        (Path(__file__).parents[3] / f"docs/{name}.md").read_text() for name in ("results", "scenes")
+    )
     marks = r"<!-- table of topple bench (\w+)(?: --part \w+)? -->\n(.*?)\n<!-- end of table -->"
     marked = re.findall(marks, pages, re.DOTALL)
     assert len(marked) == pages.count("<!-- table of") == pages.count("<!-- end of table -->")

@@ -1,6 +1,7 @@
 import numpy as np
 
-from topple.planner.simulate.lifts import Move, label, take_away
+from topple.planner.simulate.lift import Move
+from topple.planner.simulate.lifts import label, take_away
 from topple.robots import shapes
 from topple.robots.world.world import World
 

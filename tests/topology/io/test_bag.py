@@ -352,4 +352,4 @@ def test_without_rosbags_its_extra_is_named(run: Path) -> None:
     )
     done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=False)
     assert done.returncode == 2
-    assert "recordings of ROS need rosbags: pip install 'rosbags>=0.10'" in done.stderr
+    assert "recordings of ROS need rosbags: pip install 'rosbags>=0.11.9'" in done.stderr

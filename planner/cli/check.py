@@ -1,0 +1,103 @@
+"""`topple check`: whether a scene stands, and what holds what up."""
+
+import argparse
+from functools import partial
+from typing import Any
+
+from topple.planner.cli.arguments import COMMON, add, add_jobs, add_kept, add_scenes
+from topple.planner.cli.console import print_json, print_table, print_text
+from topple.planner.cli.main import DONE, NO_SAFE_PLAN
+from topple.planner.cli.many import Kept, for_each_scene, kept_in
+from topple.planner.cli.options import Reading, scene_paths
+from topple.planner.cli.progress import Progress
+from topple.planner.cli.tables import models_in, print_assumptions
+
+
+def add_arguments(parser: argparse.ArgumentParser) -> None:
+    """Add the options; see `topple.planner.cli.main`."""
+    add_jobs(parser)
+    add_kept(parser)
+    add_scenes(parser, "SCENE...")
+    add(parser, *COMMON)
+    parser.add_argument(
+        "--no-margins", action="store_true", help="verdicts alone, without forces and margins: sooner"
+    )
+    parser.add_argument(
+        "--mend",
+        metavar="FILE",
+        help="write the least shifts, under 5 mm, that make one scene stand there, as poses (JSON)",
+    )
+
+
+def execute(args: argparse.Namespace) -> int:
+    """Check every scene; 1 where something does not stand, 2 where a scene cannot be read."""
+    paths = scene_paths(args, many=args.mend is None)  # which may be among the names of --fixed
+    if args.mend is not None:
+        return _mend(Reading.of(args), paths[0], args.mend, args.json)
+    work = partial(_document, Reading.of(args), not args.no_margins)
+    with kept_in(args, _code) as kept, Progress("check") as progress:
+        return for_each_scene(args, work, partial(_show, args.json, kept), progress, kept=kept)
+
+
+def _document(reading: Reading, margins: bool, path: str) -> dict[str, Any]:
+    from topple.planner.stability.check import check
+
+    scene = reading.scene(path)
+    return {**check(scene, margins=margins).to_json(), **models_in(scene)}
+
+
+def _mend(reading: Reading, path: str, output: str, as_json: bool) -> int:
+    """Write how a scene is mended; 1 where something does not stand then either."""
+    import json
+
+    from topple.planner.stability.mend import mend
+    from topple.topology.files import check_writable, write_whole
+
+    place = check_writable(output)
+    found = mend(reading.scene(path))
+    document = found.to_json()
+    write_whole(place, json.dumps(document, indent=1) + "\n")
+    if as_json:
+        print_json({"scene": path, **document})
+    else:
+        told = [f"{name} {mm:.2g} mm" for name, mm in document["millimetres"].items()]
+        left = [f"{name} {verdict}" for name, verdict in document["left"].items()]
+        print_text(f"{path}: {'; '.join(told) or 'nothing'} moved, as {output} says")
+        print_text("everything stands then" if not left else f"not mended: {', '.join(left)}")
+    return DONE if not found.left else NO_SAFE_PLAN
+
+
+def _code(document: Any) -> int:
+    return DONE if document["stands"] else NO_SAFE_PLAN
+
+
+def _show(as_json: bool, kept: Kept | None, path: str, document: dict[str, Any]) -> int:
+    if kept is not None:
+        kept.add({"scene": path, **document})
+    elif as_json:
+        print_json({"scene": path, **document})
+    else:
+        print_text(f"{path}: {document['verdict']}")
+        cells = [_cells(each) for each in document["objects"]]
+        headings = ("object", "verdict", "carried by", "centre mm", "tilt °", "push N", "falls with it")
+        print_table(headings, cells, right=(3, 4, 5))
+        print_assumptions(document["assumptions"])
+    return _code(document)
+
+
+def _cells(found: dict[str, Any]) -> tuple[str, ...]:
+    """The row of an object."""
+    margins = found.get("margins", {})
+    carried = ", ".join(f"{each['object']} {each['newton']:.3g} N" for each in found.get("carried_by", ()))
+    far = f" {found['mm']:.2g} mm" if "mm" in found else ""
+    others = f" ({', '.join(found['others'])})" if found.get("others") and not found["stands"] else ""
+    return (
+        found["object"],
+        found["verdict"] + far + others,
+        carried + (" by friction" if found.get("by_friction") else ""),
+        *(f"{margins[key]:.3g}" if key in margins else "" for key in _MARGINS),
+        ", ".join(found.get("falls_with", ())),
+    )
+
+
+_MARGINS = ("centre_mm", "tilt_degrees", "push_newton")

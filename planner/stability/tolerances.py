@@ -1,0 +1,95 @@
+"""Thresholds of the check of a scene, each with its unit and reason."""
+
+import numpy as np
+
+# -- footing
+
+TOUCHES = 0.0013
+"""Gap [m] up to which two meshes touch: PyBullet leaves a millimetre between what is at rest."""
+
+SINKS = 0.0018
+"""Depth [m] to which meshes at rest reach into each other: soft contacts of simulators do, under a load."""
+
+DEEPEST = 0.02
+"""Depth [m] up to which one is measured: beyond it a pose is plainly wrong, and how much helps nobody."""
+
+CLOUD_TOUCHES = 0.0015
+"""Gap [m] between flat faces of clouds up to which they touch, besides twice the noise."""
+
+CLOUD_SINKS = 0.002
+"""Depth [m] of one flat face of a cloud in another from which it is in it, besides twice the noise."""
+
+CLOUD_EDGE = 0.001
+"""[m] by which the edge of a face of a cloud is off, besides twice the noise: half the points' spacing."""
+
+
+# -- faces
+
+ALIKE = float(np.cos(np.radians(20.0)))
+"""Cosine of the angle within which normals of a patch are of one face."""
+
+LEVEL = float(np.cos(np.radians(10.0)))
+"""Cosine of the angle to up within which a face is level: on slopes the gaps of clouds say less."""
+
+LOWEST = 0.01
+"""Share of the points of a cloud that may be lower than it reaches: strays."""
+
+ROUND = 3e-4
+"""Distance [m] between the quartiles of a face's points, besides the noise, from which it is round."""
+
+FLAT_SHARE = 0.5
+"""Share of the points of a patch that have to be of one face for it to be flat."""
+
+FACE_BAND = 0.012
+"""[m] along the normal within which points may be of a face: how far faces in each other are looked for."""
+
+FACE_CELL = 0.008
+"""Edge [m] of the cells in which two faces are held against each other: a few points of each."""
+
+FACE_CELLS = 3
+"""Cells that say how far they are apart: fewer are an edge."""
+
+FACE_EVEN = 0.002
+"""Spread [m] of these gaps up to which faces lie on each other."""
+
+ON_PLANE = 0.0015
+"""[m] from a face, besides twice the noise, within which points are of it."""
+
+BESIDES = 0.2
+"""Upward part of a contact's normal from which it carries: nearer to level it is leant on."""
+
+# -- verdicts
+
+EXACT = 1e-3
+"""Share of its weight that may be missing of the forces on an exact mesh: 0.03 mm beyond its support."""
+
+GRIPPING = 10.0
+"""Coefficient of friction of what cannot slide: it falls for where its weight is."""
+
+ROLLS_FROM = 1e-6
+"""Shift [m] of the centre of mass below which none was found that would make a body stand."""
+
+# -- margins
+
+WAYS = 8
+"""Level directions in which a margin is looked for; between them its outline is taken to be straight."""
+
+FARTHEST = 1.0
+"""Largest margin [m] that is told: further than any object of a table is wide."""
+
+STEEPEST = 20.0
+"""Largest slope that is tried, tangent of 87 degrees: what stands on it is held."""
+
+STRONGEST = 100.0
+"""Largest push that is tried, in weights of the object: what withstands it is wedged."""
+
+# -- mend
+
+LEAST_MOVE = 0.005
+"""Longest shift [m] by which a scene is mended: further is another scene."""
+
+MENDS_BY = 0.0005
+"""[m] further than the edge that a weight is brought: what just stands falls at a touch."""
+
+MENDING_ROUNDS = 6
+"""Shifts one after the other: what one brings down onto another one may tip there."""

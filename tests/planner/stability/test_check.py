@@ -1,0 +1,210 @@
+"""What stands, tips, slides, floats, falls and is in each other: from meshes of any size, and clouds."""
+
+import json
+from collections.abc import Mapping
+from pathlib import Path
+
+import numpy as np
+import pytest
+from scipy.spatial.transform import Rotation
+
+import topple
+from topple.benchmarks.check import SPOILS, cases
+from topple.benchmarks.truth.designed import designed
+from topple.planner.cli.main import main
+from topple.planner.stability.check import StabilityCheck, check
+from topple.robots.collision.convex import hull_of
+from topple.robots.world.bodies import joined
+from topple.testing import assert_stands
+from topple.topology import InvalidInput, Mesh, Scene
+from topple.topology.geometry.rigid import transformed
+from topple.topology.io.geometry import sampled_mesh
+
+CUBE = np.array([[x, y, z] for x in (-0.5, 0.5) for y in (-0.5, 0.5) for z in (-0.5, 0.5)])
+FACES = hull_of(CUBE)[1]
+
+
+def box(
+    size: tuple[float, float, float], at: tuple[float, float, float], pitch: float = 0.0, yaw: float = 0.0
+) -> Mesh:
+    turn = Rotation.from_euler("yz", [pitch, yaw])
+    return Mesh(turn.apply(hull_of(CUBE)[0] * size) + np.array(at), FACES)
+
+
+TABLE = box((1.0, 1.0, 0.04), (0, 0, -0.02))
+BOOK = box((0.2, 0.15, 0.03), (0, 0, 0.015))
+
+
+def scene(meshes: Mapping[str, Mesh], fixed: tuple[str, ...] = ("table",), **given: object) -> Scene:
+    every = {"table": TABLE, **meshes}
+    clouds = {name: sampled_mesh(mesh.vertices, mesh.faces) for name, mesh in every.items()}
+    return Scene(clouds, fixed, (0, 0, 1), meshes=every, **given)  # type: ignore[arg-type]
+
+
+def verdicts(found: StabilityCheck) -> dict[str, str]:
+    return {name: str(each.verdict) for name, each in found.objects.items()}
+
+
+@pytest.mark.parametrize("size", [0.1, 1.0, 10.0])
+def test_a_mug_two_millimetres_beyond_the_edge_tips_and_before_it_stands(size: float) -> None:
+    """Of objects of 1 cm, of the size of hands, and of 1 m; turned, too."""
+    turn = Rotation.from_euler("xyz", [0.4, -0.7, 1.1]).as_matrix()
+
+    def with_mug_at(x: float) -> Scene:
+        meshes = {"table": TABLE, "book": BOOK, "mug": box((0.08, 0.08, 0.1), (x, 0, 0.08))}
+        large = {name: Mesh(mesh.vertices * size @ turn.T, mesh.faces) for name, mesh in meshes.items()}
+        clouds = {name: sampled_mesh(mesh.vertices, mesh.faces) for name, mesh in large.items()}
+        return Scene(clouds, ["table"], turn @ [0, 0, 1], meshes=large)
+
+    found = check(with_mug_at(0.1 + 0.002 / size))
+    assert found.exact
+    assert verdicts(found) == {"book": "stands", "mug": "tips"}
+    assert found.sentence() == "1 of 2 stand; mug tips over the edge of book, 2 mm beyond"
+    found = check(with_mug_at(0.1 - 0.002 / size))
+    assert found.stands
+    mug = found.objects["mug"]
+    assert mug.margins is not None
+    assert mug.margins.centre == pytest.approx(0.002, abs=1e-5)
+    assert mug.margins.tilt == pytest.approx(np.arctan(0.002 / (0.05 * size)), rel=0.01)
+
+
+def test_margins_are_those_of_a_block_by_hand() -> None:
+    found = check(scene({"block": box((0.08, 0.06, 0.2), (0, 0, 0.1))}, masses={"block": 2.0}))
+    (block,) = found.objects.values()
+    assert block.margins is not None
+    assert block.margins.centre == pytest.approx(0.03, abs=1e-4)
+    assert np.degrees(block.margins.tilt) == pytest.approx(np.degrees(np.arctan(0.03 / 0.1)), abs=0.05)
+    assert block.margins.push == pytest.approx(2.0 * 9.81 * 0.03 / 0.2, rel=0.01)
+    (carry,) = block.carried_by
+    assert carry.name == "table"
+    assert carry.force == pytest.approx(2.0 * 9.81, rel=1e-6)
+    assert not block.by_friction
+
+
+def test_a_counterweight_holds_and_what_falls_without_it_is_said() -> None:
+    meshes = {
+        "block": box((0.12, 0.12, 0.2), (0, 0, 0.1)),
+        "plank": box((0.3, 0.08, 0.01), (0.1, 0, 0.205)),
+        "cube": box((0.04, 0.04, 0.04), (-0.02, 0, 0.23)),
+    }
+    masses = {"block": 1.0, "plank": 0.3, "cube": 1.5}
+    found = check(scene(meshes, masses=masses))
+    assert found.stands
+    assert found.objects["cube"].falls_with == ("plank",)
+    assert set(found.objects["block"].falls_with) == {"plank", "cube"}
+    light = check(scene(meshes, masses={**masses, "cube": 0.1}))
+    assert verdicts(light) == {"block": "stands", "plank": "tips", "cube": "falls"}
+    held = check(scene({n: meshes[n] for n in ("block", "plank")}, centres={"plank": (0.03, 0, 0.205)}))
+    assert held.stands, "its weight is said to be over the block"
+
+
+def test_a_chain_is_told_by_what_fails_first() -> None:
+    stack = {
+        "low": box((0.1, 0.1, 0.1), (0, 0, 0.055)),
+        "high": box((0.1, 0.1, 0.1), (0.03, 0, 0.155)),
+        "beside": box((0.05, 0.05, 0.05), (0.3, 0, 0.025)),
+    }
+    found = check(scene(stack))
+    assert verdicts(found) == {"low": "floats", "high": "falls", "beside": "stands"}
+    assert found.objects["low"].amount == pytest.approx(0.005, abs=1e-6)
+    assert found.objects["high"].others == ("low",)
+    sunk = check(scene({**stack, "low": box((0.1, 0.1, 0.1), (0, 0, 0.047))}))
+    assert verdicts(sunk)["low"] == "penetrates"
+    assert sunk.objects["low"].others == ("table",)
+    assert sunk.objects["low"].amount == pytest.approx(0.003, abs=1e-5)
+    assert verdicts(sunk)["high"] == "floats"
+
+
+def test_a_load_that_tips_its_carrier_falls_with_it() -> None:
+    meshes = {
+        "foot": box((0.04, 0.1, 0.1), (0, 0, 0.05)),
+        "board": box((0.2, 0.1, 0.02), (0.019, 0, 0.11)),
+        "load": box((0.05, 0.05, 0.05), (0.09, 0, 0.145)),
+    }
+    found = check(scene(meshes, masses={"foot": 1.0, "board": 0.1, "load": 1.0}))
+    assert verdicts(found) == {"foot": "stands", "board": "tips", "load": "falls"}
+
+
+@pytest.mark.parametrize(("degrees", "verdict"), [(22.0, "stands"), (29.0, "slides"), (75.0, "tips")])
+def test_friction_holds_on_a_slope_up_to_its_angle(degrees: float, verdict: str) -> None:
+    angle = np.radians(degrees)
+    up = np.array([np.sin(angle), 0, np.cos(angle)])
+    place = 0.03 * up + [0, 0, 0.3]
+    meshes = {
+        "ramp": box((0.4, 0.3, 0.02), (0, 0, 0.3), angle),
+        "block": box((0.06, 0.06, 0.04), (place[0], place[1], place[2]), angle),
+    }
+    found = check(scene(meshes, ("table", "ramp")))
+    assert verdicts(found) == {"block": verdict}
+    assert found.objects["block"].by_friction == (verdict == "stands")
+
+
+def test_pybullet_scenes_at_rest_stand() -> None:
+    tried = 0
+    for seed in range(9000, 9006):
+        _, resting = designed(seed)
+        meshes = {
+            body.name: Mesh(transformed(whole.vertices, resting.poses[body.name]), whole.faces)
+            for body in resting.bodies
+            if (whole := joined([hull_of(part) for part in body.parts]))
+        }
+        found = check(scene(meshes, ("table", *resting.fixed)), margins=False)
+        assert found.stands, f"{seed}: {found.sentence()}"
+        tried += len(found.objects)
+    assert tried > 20
+
+
+def test_every_spoilt_scene_of_blocks_is_told() -> None:
+    tried = 0
+    for case in cases("blocks", 1, 1):
+        found = verdicts(check(case.scene, margins=False))
+        if "1 mm" not in case.spoil:
+            assert found == dict(case.truth), case.spoil
+            tried += 1
+    assert tried == len(SPOILS) - 2
+
+
+def test_clouds_stand_within_their_noise_and_float_beyond_it() -> None:
+    rng = np.random.default_rng(0)
+    for height, verdict in ((0.0, "stands"), (0.02, "floats")):
+        exact = scene({"book": BOOK, "mug": box((0.08, 0.08, 0.1), (0.02, 0, 0.08 + height))})
+        clouds = {name: cloud + rng.normal(0, 5e-4, cloud.shape) for name, cloud in exact.clouds.items()}
+        found = check(Scene(clouds, ["table"], (0, 0, 1)), margins=height == 0.0)
+        assert not found.exact
+        assert verdicts(found) == {"book": "stands", "mug": verdict}
+
+
+def test_the_command_says_it_in_its_first_line_and_its_exit_code(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    codes = {}
+    for offset in (0.104, 0.08):
+        folder = tmp_path / str(offset)
+        folder.mkdir()
+        for name, mesh in (
+            ("table", TABLE),
+            ("book", BOOK),
+            ("mug", box((0.08, 0.08, 0.1), (offset, 0, 0.08))),
+        ):
+            lines = [f"v {x} {y} {z}" for x, y, z in mesh.vertices.tolist()]
+            lines += [f"f {a + 1} {b + 1} {c + 1}" for a, b, c in mesh.faces.tolist()]
+            (folder / f"{name}.obj").write_text("\n".join(lines))
+        codes[offset] = main(["check", str(folder), "--fixed", "table", "--up", "0", "0", "1", "--json"])
+        document = json.loads(capsys.readouterr().out)
+        assert document["stands"] == (offset == 0.08)
+        assert ("margins" in document["objects"][1]) == document["stands"]
+    assert codes == {0.104: 1, 0.08: 0}
+    assert main(["check", str(tmp_path / "0.104"), "--up", "0", "0", "1"]) == 1
+    first = capsys.readouterr().out.splitlines()[0]
+    assert first.endswith("1 of 2 stand; mug tips over the edge of book, 4 mm beyond")
+    assert main(["check", str(tmp_path / "nowhere.npz")]) == 2
+    with pytest.raises(AssertionError, match="mug tips over the edge of book, 4 mm beyond"):
+        assert_stands(topple.load_scene(tmp_path / "0.104", fixed="table", up=(0, 0, 1)))
+    assert_stands(topple.load_scene(tmp_path / "0.08", fixed="table", up=(0, 0, 1)))
+
+
+def test_what_cannot_be_checked_is_refused() -> None:
+    with pytest.raises(InvalidInput, match="nothing in the scene can move"):
+        check(scene({}))
+    with pytest.raises(InvalidInput, match="does not say where up is"):
+        check(Scene({"mug": CUBE}))

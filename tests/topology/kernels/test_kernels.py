@@ -1,0 +1,190 @@
+import subprocess
+import sys
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from topple.topology.arrays import bounds
+from topple.topology.kernels import build, compiled
+from topple.topology.kernels.cells import cells_of, turned_bounds
+from topple.topology.kernels.neighbours import PointTree
+from topple.topology.kernels.pieces import pieces_of_links
+from topple.topology.kernels.planes import patch_planes
+from topple.topology.kernels.spheres import sphere_nearest
+
+pytestmark = pytest.mark.skipif(compiled.kernels() is None, reason="no kernels were compiled here")
+
+RNG = np.random.default_rng(0)
+BALL = RNG.normal(size=(3000, 3))
+CLOUDS = {
+    "one": RNG.normal(size=(1, 3)),
+    "few": RNG.normal(size=(3, 3)),
+    "a leaf and one": RNG.normal(size=(17, 3)),
+    "coincident": np.ones((40, 3)),
+    "on a line": np.outer(np.linspace(0, 1, 300), [1.0, 2.0, 3.0]),
+    "in a plane": RNG.normal(size=(500, 3)) * [1.0, 1.0, 0.0],
+    "far away": RNG.normal(size=(200, 3)) * 1e-3 + 1e3,
+    "with a stray": np.concatenate([RNG.normal(size=(900, 3)) * 0.01, [[50.0, 0.0, 0.0]]]),
+    "grid": np.stack(np.meshgrid(*[np.arange(12.0)] * 3), axis=-1).reshape(-1, 3),
+    "on a ball": BALL / np.linalg.norm(BALL, axis=1, keepdims=True),
+    "in two axes": RNG.normal(size=(700, 2)),
+}
+
+
+@pytest.fixture
+def twins(monkeypatch):
+    """A tree by the kernels and one by their twin, of the same points."""
+
+    def of(points):
+        monkeypatch.delenv(compiled.VARIABLE, raising=False)
+        ours = PointTree(points)
+        monkeypatch.setenv(compiled.VARIABLE, "numpy")
+        return ours, PointTree(points)
+
+    return of
+
+
+@pytest.mark.parametrize("name", CLOUDS)
+@pytest.mark.parametrize("k", [1, 5, 12])
+def test_neighbours_are_as_far_as_those_of_scipy(twins, name, k):
+    points = CLOUDS[name]
+    ours, twin = twins(points)
+    spread = max(float(np.ptp(points)), 1e-3)
+    places = np.concatenate([points, points[:50] + RNG.normal(size=points[:50].shape) * spread])
+    for bound in (np.inf, 0.3 * spread, 0.0):
+        distances, rows = ours.query(places, k, bound)
+        expected, _ = twin.query(places, k, bound)
+        assert np.array_equal(distances, expected)
+        there = rows < len(points)
+        assert np.array_equal(there, np.isfinite(distances))
+        asked = np.broadcast_to(places[:, None] if k > 1 else places, (*rows.shape, points.shape[1]))
+        away = asked[there] - points[rows[there]]
+        assert np.allclose(np.linalg.norm(away, axis=-1), distances[there], rtol=1e-14, atol=0)
+
+
+def test_of_equally_near_points_the_first_of_the_cloud_counts():
+    points = np.repeat(CLOUDS["grid"], 3, axis=0)
+    assert np.array_equal(PointTree(points).query(points)[1], np.arange(len(points)) // 3 * 3)
+    assert np.array_equal(PointTree(np.zeros((90, 3))).query(np.zeros((2, 3)), 4)[1], [[0, 1, 2, 3]] * 2)
+
+
+@pytest.mark.parametrize("name", CLOUDS)
+def test_what_is_within_a_radius_is_what_scipy_finds(twins, name):
+    points = CLOUDS[name]
+    ours, twin = twins(points)
+    radius = 0.21 * max(float(np.ptp(points)), 1e-3)
+    found, expected = (tree.query_ball_point(points[::7], radius) for tree in (ours, twin))
+    assert len(found) == len(points[::7]) > 0
+    assert all(np.array_equal(one, other) for one, other in zip(found, expected, strict=True))
+    pairs, others = (tree.query_pairs(radius) for tree in (ours, twin))
+    assert sorted(map(tuple, pairs.tolist())) == sorted(map(tuple, others.tolist()))
+    weights = RNG.integers(1, 9, len(points)).astype(float)
+    assert np.array_equal(ours.sums_around(weights, radius), twin.sums_around(weights, radius))
+
+
+def test_pieces_are_numbered_by_their_first_rows(monkeypatch):
+    for count in (1, 2, 50, 2000):
+        links = RNG.integers(0, count, (count // 2, 2))
+        monkeypatch.delenv(compiled.VARIABLE, raising=False)
+        ours = pieces_of_links(links, count)
+        monkeypatch.setenv(compiled.VARIABLE, "numpy")
+        assert np.array_equal(ours, pieces_of_links(links, count))
+    assert ours.max() > 500
+
+
+def test_nothing_is_near_where_there_is_nothing(twins):
+    for tree in twins(np.empty((0, 3))):
+        distances, rows = tree.query(np.zeros((2, 3)), 3)
+        assert np.isinf(distances).all() and (rows == 0).all()
+        assert [len(found) for found in tree.query_ball_point(np.zeros((2, 3)), 1.0)] == [0, 0]
+        assert len(tree.query_pairs(1.0)) == 0
+    for tree in twins(np.zeros((4, 3))):
+        assert tree.query(np.empty((0, 3)), 2)[0].shape == (0, 2)
+        assert tree.query(np.ones(3))[0] == np.sqrt(3)
+
+
+@pytest.mark.parametrize("axes", [2, 3])
+def test_spheres_are_those_of_least_squares(monkeypatch, axes):
+    found = 0
+    for count in (4, 5, 30, 257, 2000):
+        for _ in range(20):
+            rays = RNG.normal(size=(count, axes))
+            rays[:, 0] = np.abs(rays[:, 0])
+            rays /= np.linalg.norm(rays, axis=1, keepdims=True)
+            points = RNG.uniform(-1, 1, axes) + RNG.uniform(0.01, 0.3) * rays
+            points += RNG.normal(scale=1e-3, size=points.shape)
+            monkeypatch.delenv(compiled.VARIABLE, raising=False)
+            ours = sphere_nearest(points, 2.5)
+            monkeypatch.setenv(compiled.VARIABLE, "numpy")
+            twin = sphere_nearest(points, 2.5)
+            assert (ours is None) == (twin is None)
+            if ours is not None and twin is not None:
+                found += 1
+                assert np.abs(ours[0] - twin[0]).max() < 1e-7 > abs(ours[1] - twin[1])
+    assert found > 80
+
+
+@pytest.mark.parametrize("name", [name for name in CLOUDS if name != "in two axes"])
+def test_cells_hold_the_same_points_and_have_the_same_means(monkeypatch, name):
+    points = CLOUDS[name]
+    turn, edge = np.linalg.qr(RNG.normal(size=(3, 3)))[0], 0.1 * max(float(np.ptp(points)), 1e-3)
+    found = []
+    for path in ("", "numpy"):
+        monkeypatch.setenv(compiled.VARIABLE, path)
+        lower, upper = bounds(points)
+        cells = cells_of(points, lower - 1e-9, upper, edge)
+        least, most = turned_bounds(points, turn)
+        turned = cells_of(points, least - 1e-9, most, edge, turn)
+        found.append((cells, cells.means(), np.concatenate([least, most]), turned))
+    (ours, means, corners, turned), (twin, expected, others, other) = found
+    assert np.array_equal(ours.order, twin.order) and np.array_equal(ours.starts, twin.starts)
+    assert np.array_equal(means, expected) and ours.sizes.sum() == len(points) > 0
+    assert np.abs(corners - others).max() <= 1e-14 * (float(np.abs(points - points[0]).max()) + 1e-12)
+    assert abs(len(turned.starts) - len(other.starts)) <= 0.02 * len(points)  # on an edge rounding decides
+
+
+@pytest.mark.parametrize("size", [1, 2, 3, 8, 40])
+def test_planes_are_those_of_eigenvectors(monkeypatch, size):
+    scales = RNG.choice([0.0, 1e-4, 1.0], (30, 1, 1, 3))
+    patches = (RNG.normal(size=(30, 200, size, 3)) * scales).reshape(-1, size, 3)
+    found = []
+    for path in ("", "numpy"):
+        monkeypatch.setenv(compiled.VARIABLE, path)
+        found.append(patch_planes(patches))
+    (middles, normals, squares), (others, axes, expected) = found
+    largest = expected[:, 2:] + 1e-300
+    assert np.abs(middles - others).max() < 1e-15 * (size + 1)
+    assert (np.abs(squares - expected) <= 1e-14 * size * largest).all()
+    assert np.allclose(np.linalg.norm(normals, axis=1), 1.0, rtol=0, atol=1e-14)
+    told = expected[:, 1] - expected[:, 0] > 1e-3 * largest[:, 0]  # one direction is the least
+    assert size < 3 or told.sum() > 100
+    assert (np.abs(np.einsum("pk,pk->p", normals, axes))[told] > 1 - 1e-10).all()
+
+
+@pytest.mark.parametrize("name", ["one", "coincident", "on a line", "in a plane"])
+@pytest.mark.parametrize("path", ["", "numpy"])
+def test_what_is_flat_has_no_sphere(monkeypatch, name, path):
+    monkeypatch.setenv(compiled.VARIABLE, path)
+    assert sphere_nearest(CLOUDS[name], 2.5) is None
+
+
+@pytest.mark.slow
+def test_kernels_stay_within_their_memory(tmp_path):
+    """The tests above under the address and undefined-behaviour sanitizers."""
+    library = tmp_path / build.library().name
+    why = build.build(("-fsanitize=address,undefined", "-fno-sanitize-recover=all", "-g", "-O1"), library)
+    asked = [str(build.compiler()), "-print-file-name=libasan.so"]
+    asan = subprocess.run(asked, capture_output=True, text=True)
+    if why is not None or not Path(asan.stdout.strip()).is_absolute():
+        pytest.skip(f"no sanitizers here: {why or 'no libasan'}")
+    code = (
+        "import sys, pytest\n"
+        "from topple.topology.kernels import compiled\n"
+        f"compiled.library = lambda: __import__('pathlib').Path({str(library)!r})\n"
+        f"sys.exit(pytest.main([{__file__!r}, '-qm', 'not slow', '-pno:cacheprovider', '-Wignore']))"
+    )
+    settings = {"LD_PRELOAD": asan.stdout.strip(), "ASAN_OPTIONS": "detect_leaks=0", "PATH": "/usr/bin:/bin"}
+    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, env=settings)
+    assert done.returncode == 0, done.stdout[-2000:] + done.stderr[-2000:]
+    assert "passed" in done.stdout

@@ -1,0 +1,65 @@
+"""The library of compiled kernels, where there is one; the numpy twins run elsewhere."""
+
+import ctypes
+import os
+from functools import cache
+from typing import TYPE_CHECKING, Any
+
+from topple.topology.kernels.build import library
+
+if TYPE_CHECKING:
+    from numpy.typing import NDArray
+
+VARIABLE = "TOPPLE_KERNELS"
+"""Environment variable: `numpy` lets the twins run although there is a library."""
+
+_ARRAY, _COUNT, _NUMBER = ctypes.c_void_p, ctypes.c_int64, ctypes.c_double
+_SIGNATURES = {
+    "tree_sizes": (None, _COUNT, _ARRAY, _ARRAY),
+    "tree_build": (None, _ARRAY, _COUNT, _ARRAY, _ARRAY),
+    "tree_nearest": (
+        None, _ARRAY, _ARRAY, _COUNT, _ARRAY, _ARRAY, _COUNT, _COUNT, _NUMBER, _ARRAY, _ARRAY,
+    ),
+    "tree_within": (_COUNT, _ARRAY, _ARRAY, _COUNT, _ARRAY, _COUNT, _NUMBER, _ARRAY, _ARRAY, _COUNT),
+    "tree_sums": (None, _ARRAY, _ARRAY, _COUNT, _ARRAY, _NUMBER, _ARRAY, _ARRAY),
+    "pieces_of_links": (None, _ARRAY, _COUNT, _COUNT, _ARRAY),
+    "cells_bounds": (None, _ARRAY, _COUNT, _ARRAY, _ARRAY),
+    "cells_sort": (_COUNT, _ARRAY, _COUNT, _ARRAY, _ARRAY, _ARRAY, _NUMBER, _ARRAY, _ARRAY),
+    "cells_means": (None, _ARRAY, _ARRAY, _ARRAY, _COUNT, _ARRAY),
+    "planes_of_patches": (None, _ARRAY, _COUNT, _COUNT, _ARRAY, _ARRAY, _ARRAY),
+    "sphere_nearest": (_COUNT, _ARRAY, _COUNT, _COUNT, _COUNT, _NUMBER, _NUMBER, _ARRAY),
+}  # fmt: skip
+"""Name of a kernel -> what it gives and takes."""
+
+
+def kernels() -> ctypes.CDLL | None:
+    """The compiled kernels, which let other threads run; None where the twins are to run."""
+    return None if os.environ.get(VARIABLE) == "numpy" else _loaded()
+
+
+@cache
+def _loaded() -> ctypes.CDLL | None:
+    path = library()
+    if not path.exists():
+        return None
+    try:
+        found = ctypes.CDLL(str(path))
+    except OSError:  # of another platform
+        return None
+    for name, (given, *taken) in _SIGNATURES.items():
+        kernel = getattr(found, name)
+        kernel.restype, kernel.argtypes = given, taken
+    return found
+
+
+def address(array: "NDArray[Any]") -> int:
+    """Where the numbers of an array lie, which is C-contiguous and held by the caller meanwhile."""
+    return array.__array_interface__["data"][0]
+
+
+def path_in_words() -> str:
+    """Which path runs, for `topple --version`."""
+    if kernels() is not None:
+        return "compiled kernels"
+    why = f"{VARIABLE}=numpy" if _loaded() else "none compiled: python -m topple.topology.kernels.build"
+    return f"numpy twins of the kernels ({why})"
