@@ -6,10 +6,8 @@ python examples/own_world.py
 from importlib.util import find_spec
 from typing import Any
 
-import numpy as np
-
 from topple.planner import order, plan, run
-from topple.topology import Scene
+from topple.topology import Scene, scene_from_mujoco
 
 BOXES = {  # half sizes and middles [m], mass [kg], 0 for what never moves; the weight holds the plank
     "table": ((0.50, 0.40, 0.02), (0.0, 0.0, -0.02), 0.0),
@@ -28,19 +26,17 @@ def seen_in_pybullet() -> Scene:
     from topple.robots import scene_from_world
 
     world, names = p.connect(p.DIRECT), dict[int, str]()
-    p.setGravity(0, 0, -9.81, physicsClientId=world)
+    p.setGravity(0, 0, -9.81)
     for name, (half, place, mass) in BOXES.items():
-        shape = p.createCollisionShape(p.GEOM_BOX, halfExtents=half, physicsClientId=world)
-        names[p.createMultiBody(mass, shape, basePosition=place, physicsClientId=world)] = name
+        names[p.createMultiBody(mass, p.createCollisionShape(p.GEOM_BOX, halfExtents=half), -1, place)] = name
     for _ in range(480):
-        p.stepSimulation(physicsClientId=world)
+        p.stepSimulation()
     return scene_from_world(world, names=names)
 
 
 def seen_in_mujoco() -> Scene:
-    """Let it settle in a world of MuJoCo, which says where the boxes are; their meshes give the points."""
+    """Let it settle for two seconds in a world of MuJoCo, likewise."""
     import mujoco
-    import trimesh
 
     spec: Any = mujoco.MjSpec()
     for name, (half, place, mass) in BOXES.items():
@@ -48,22 +44,16 @@ def seen_in_mujoco() -> Scene:
         body.add_geom(type=mujoco.mjtGeom.mjGEOM_BOX, size=half, mass=mass)
         if mass:
             body.add_freejoint()
-    model, clouds = spec.compile(), {}
-    data: Any = mujoco.MjData(model)
-    mujoco.mj_step(model, data, 1000)
-    for name, (half, _, _) in BOXES.items():
-        points, _ = trimesh.sample.sample_surface(trimesh.creation.box(2.0 * np.array(half)), 20_000, seed=0)
-        clouds[name] = points @ data.body(name).xmat.reshape(3, 3).T + data.body(name).xpos
-    masses = {name: mass for name, (_, _, mass) in BOXES.items() if mass}
-    return Scene(clouds, ["table"], [0, 0, 1], masses=masses, friction=dict.fromkeys(BOXES, 1.0))
+    model = spec.compile()
+    mujoco.mj_step(model, data := mujoco.MjData(model), 1000)
+    return scene_from_mujoco(model, data)
 
 
 if __name__ == "__main__":
     scene = seen_in_pybullet() if find_spec("pybullet") else seen_in_mujoco()
     found = order(scene, ["block"])
     print(f"never moves: {', '.join(scene.fixed)}", *found.explanation, sep="\n")
-    print("reasons:", *(f"{e.first} before {e.then} ({e.reason});" for e in found.graph.dependencies))
-    for step in plan(scene, ["low"], "panda").steps:
-        print(f"{step.action} {step.object}: {step.reason}")
+    print(*(f"{e.first} before {e.then}: {e.reason}" for e in found.graph.dependencies), sep="\n")
+    print(*(f"{s.action} {s.object}: {s.reason}" for s in plan(scene, ["low"], "panda").steps), sep="\n")
     record = run(scene, ["low"], "panda")  # the scene rebuilt in simulation, with an arm in it
     print(f"{record.goal}: {'reached' if record.success else '; '.join(record.violations)}")

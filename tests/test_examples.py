@@ -37,7 +37,7 @@ def _output(folder: Path, script: str, *arguments: str) -> list[str]:
 def test_every_example_is_tested_and_short() -> None:
     assert sorted(path.name for path in EXAMPLES.glob("*.py")) == sorted(SCRIPTS)
     for script in SCRIPTS:
-        assert len((EXAMPLES / script).read_text(encoding="utf-8").splitlines()) < 70, script
+        assert len((EXAMPLES / script).read_text(encoding="utf-8").splitlines()) < 60, script
 
 
 def test_examples_name_no_engine_but_those_that_need_it() -> None:

@@ -1,10 +1,14 @@
-"""A scene in another frame, or of another size."""
+"""A scene in another frame, of another size, or with objects elsewhere."""
 
+from collections.abc import Mapping
 from dataclasses import replace
+
+import numpy as np
 
 from topple.topology.arrays import FloatArray
 from topple.topology.cloud import clean
 from topple.topology.geometry.rigid import transformed
+from topple.topology.mesh import Mesh
 from topple.topology.scene import Scene
 
 
@@ -48,4 +52,27 @@ def enlarged(scene: Scene, factor: float) -> Scene:
         friction=scene.friction,
         models={name: replace(fit, seen=fit.seen * factor) for name, fit in scene.models.items()},
         centres={name: centre * factor for name, centre in scene.centres.items()},
+    )
+
+
+def shifted(scene: Scene, shifts: Mapping[str, FloatArray]) -> Scene:
+    """Give a scene of whole surfaces with some objects elsewhere, their meshes and centres with them.
+
+    Args:
+        scene: The scene, which no camera saw.
+        shifts: name -> (3,) how far, in the scene's frame [m].
+    """
+    places = {name: shifts.get(name, np.zeros(3)) for name in scene.names}
+    return Scene(
+        {name: cloud + places[name] for name, cloud in scene.clouds.items()},
+        [name for name in scene.names if name in scene.fixed],
+        scene.up,
+        meshes={n: Mesh(mesh.vertices + places[n], mesh.faces) for n, mesh in scene.meshes.items()},
+        robot_base=scene.robot_base,
+        assumptions=scene.assumptions,
+        masses=scene.masses,
+        friction=scene.friction,
+        models=scene.models,
+        matter=scene.matter,
+        centres={name: centre + places[name] for name, centre in scene.centres.items()},
     )

@@ -7,7 +7,7 @@ from typing import Any
 from topple.planner.cli.arguments import COMMON, add, add_jobs, add_kept, add_scenes
 from topple.planner.cli.console import print_json, print_table, print_text
 from topple.planner.cli.main import DONE, NO_SAFE_PLAN
-from topple.planner.cli.many import Kept, for_each_scene, kept_in
+from topple.planner.cli.many import Kept, for_each_scene, kept_in, stored
 from topple.planner.cli.options import Reading, scene_paths
 from topple.planner.cli.progress import Progress
 from topple.planner.cli.tables import models_in, print_assumptions
@@ -72,11 +72,7 @@ def _code(document: Any) -> int:
 
 
 def _show(as_json: bool, kept: Kept | None, path: str, document: dict[str, Any]) -> int:
-    if kept is not None:
-        kept.add({"scene": path, **document})
-    elif as_json:
-        print_json({"scene": path, **document})
-    else:
+    if not stored(as_json, kept, path, document):
         print_text(f"{path}: {document['verdict']}")
         cells = [_cells(each) for each in document["objects"]]
         headings = ("object", "verdict", "carried by", "centre mm", "tilt °", "push N", "falls with it")

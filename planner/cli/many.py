@@ -9,7 +9,7 @@ from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, TypeVar
 
-from topple.planner.cli.console import complain, print_text
+from topple.planner.cli.console import complain, print_json, print_text
 from topple.planner.cli.main import NO_SAFE_PLAN, WRONG_USE
 from topple.planner.cli.options import scene_paths
 from topple.planner.cli.progress import Progress
@@ -149,6 +149,26 @@ class Kept(JsonLines):
         """Append the answer to a scene; see `JsonLines.add`."""
         super().add({**entry, "asked": self._asked})
         self.codes[entry["scene"]] = self._code_of(entry)
+
+
+def stored(as_json: bool, kept: Kept | None, path: str, document: Mapping[str, Any]) -> bool:
+    """Store the answer to a scene in the file of `-o`, or print it as JSON with `--json`.
+
+    Args:
+        as_json: Whether JSON is asked for.
+        kept: The file, if there is one.
+        path: Of the scene.
+        document: The answer.
+
+    Returns:
+        Whether that was done; else it is to be shown in words.
+    """
+    answer = {"scene": path, **document}
+    if kept is not None:
+        kept.add(answer)
+    elif as_json:
+        print_json(answer)
+    return as_json or kept is not None
 
 
 @contextmanager

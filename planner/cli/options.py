@@ -19,15 +19,7 @@ if TYPE_CHECKING:
     from topple.topology.scene import Scene
 
 _SCENE_SUFFIXES = (".npz", ".npy")
-_OF_FORMATS = (
-    "image",
-    "keyframe",
-    "models",
-    "depth",
-    "info",
-    "labels",
-    "view",
-)  # options that one format of scenes has
+_OF_FORMATS = ("image", "keyframe", "models", "depth", "info", "labels", "view")  # of one format each
 _LISTS = ("fixed", "target", "clamped")  # options that take one name after the other
 
 

@@ -16,9 +16,9 @@ from topple.planner.cli.arguments import (
     add_scenes,
     count,
 )
-from topple.planner.cli.console import complain, print_json
+from topple.planner.cli.console import complain
 from topple.planner.cli.main import DONE, NO_SAFE_PLAN
-from topple.planner.cli.many import Kept, for_each_scene, kept_in
+from topple.planner.cli.many import Kept, for_each_scene, kept_in, stored
 from topple.planner.cli.options import Reading, finished, orderer_of, rule_of, scene_paths
 from topple.planner.cli.progress import Progress
 from topple.planner.cli.robot_options import arm_of
@@ -203,24 +203,23 @@ def _code(counted: bool, document: Mapping[str, Any]) -> int:
     return NO_SAFE_PLAN if lacking else DONE
 
 
-def _show(
-    as_json: bool, kept: Kept | None, code: Callable[[Mapping[str, Any]], int], path: str, answer: _Answer
-) -> int:
-    if kept is not None:
-        kept.add({"scene": path, **answer.document})
-    elif as_json:
-        print_json({"scene": path, **answer.document})
-    elif answer.document.get("build"):
+def _print(path: str, answer: _Answer) -> None:
+    if answer.document.get("build"):
         print_build(path, answer.document)
-        print_assumptions(answer.document["assumptions"])
     elif "moves" in answer.document:
         print_moves(path, answer.document)
-        print_assumptions(answer.document["assumptions"])
     else:
         print_order(path, answer.document, answer.movable)
         if "next_view" in answer.document:
             print_next_view(answer.document["next_view"])
-        print_assumptions(answer.document["assumptions"])
+    print_assumptions(answer.document["assumptions"])
+
+
+def _show(
+    as_json: bool, kept: Kept | None, code: Callable[[Mapping[str, Any]], int], path: str, answer: _Answer
+) -> int:
+    if not stored(as_json, kept, path, answer.document):
+        _print(path, answer)
     for words in answer.certificate:
         complain(f"{path}: no safe order: each has to go first, {words}")
     if code(answer.document) != DONE and not answer.certificate:

@@ -5,9 +5,8 @@ from functools import partial
 from typing import Any
 
 from topple.planner.cli.arguments import COMMON, SEEN_ROBOT, add, add_jobs, add_kept, add_scenes
-from topple.planner.cli.console import print_json
 from topple.planner.cli.main import DONE
-from topple.planner.cli.many import Kept, for_each_scene, kept_in
+from topple.planner.cli.many import Kept, for_each_scene, kept_in, stored
 from topple.planner.cli.options import Reading, rule_of, scene_paths
 from topple.planner.cli.progress import Progress
 from topple.planner.cli.tables import models_in, print_assumptions, print_relations
@@ -63,11 +62,7 @@ def _document(reading: Reading, options: dict[str, Any], all_pairs: bool, path: 
 
 
 def _show(as_json: bool, kept: Kept | None, path: str, document: dict[str, Any]) -> int:
-    if kept is not None:
-        kept.add({"scene": path, **document})
-    elif as_json:
-        print_json({"scene": path, **document})
-    else:
+    if not stored(as_json, kept, path, document):
         print_relations(path, document)
         print_assumptions(document["assumptions"])
     return DONE

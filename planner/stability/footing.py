@@ -5,7 +5,6 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from topple.planner.stability.faces import faces_of
 from topple.planner.stability.tolerances import (
     BESIDES,
     CLOUD_EDGE,
@@ -25,9 +24,10 @@ from topple.topology.scene import Scene
 from topple.topology.situation import Situation
 from topple.topology.statics.contact import Contact
 from topple.topology.statics.equilibrium import Weight
+from topple.topology.statics.faces import faces_of
 from topple.topology.statics.grounds import planes_and_rest
 from topple.topology.statics.matter import friction_between
-from topple.topology.statics.mesh_contact import Solid, depth, drop, mesh_contact
+from topple.topology.statics.mesh_contact import Polyhedron, depth, drop, mesh_contact
 from topple.topology.statics.rest import within_reach
 from topple.topology.statics.tolerances import DENSITY, GUESSED, LEVER, UNSTEADY
 from topple.topology.upright import Upright
@@ -72,13 +72,14 @@ class Footing:
         if any(name not in scene.meshes or name in scene.models for name in scene.movable):
             return _of_clouds(situation)
         upright = Upright.of(scene)
-        solids = {name: _solid(name, scene, upright) for name in scene.names}
+        solids = {name: _polyhedron(name, scene, upright) for name in scene.names}
         known = {name: solid for name, solid in solids.items() if solid is not None}
         return (
-            _of_solids(scene, known, upright.rotation) if len(known) == len(solids) else _of_clouds(situation)
+            _of_meshes(scene, known, upright.rotation) if len(known) == len(solids) else _of_clouds(situation)
         )
 
-    def carries(self, contact: Contact, name: str) -> bool:
+    @staticmethod
+    def carries(contact: Contact, name: str) -> bool:
         """Whether a contact pushes one of its two bodies up, somewhere."""
         rising = contact.normals[:, 2] if contact.b == name else -contact.normals[:, 2]
         return bool(rising.max() > BESIDES)
@@ -90,10 +91,10 @@ class Footing:
         return list(dict.fromkeys(c.a if c.b == name else c.b for c in rising))
 
 
-def _solid(name: str, scene: Scene, upright: Upright) -> Solid | None:
+def _polyhedron(name: str, scene: Scene, upright: Upright) -> Polyhedron | None:
     """The mesh of an object, a wide board for a flat table without one; None for other clouds."""
     if name in scene.meshes and name not in scene.models:
-        return Solid.of(scene.meshes[name], upright.rotation, scene.clouds[name])
+        return Polyhedron.of(scene.meshes[name], upright.rotation, scene.clouds[name])
     planes, rest = planes_and_rest(upright, name)
     if len(planes) != 1 or len(rest):
         return None
@@ -102,10 +103,12 @@ def _solid(name: str, scene: Scene, upright: Upright) -> Solid | None:
     level = np.array([[x, y], [u, y], [u, v], [x, v]])
     heights = -(level @ plane.normal[:2] + plane.offset) / plane.normal[2]
     corners = np.column_stack([level, heights]) @ upright.rotation
-    return Solid.of(Mesh(corners, np.array([[0, 1, 2], [0, 2, 3]])), upright.rotation, scene.clouds[name])
+    return Polyhedron.of(
+        Mesh(corners, np.array([[0, 1, 2], [0, 2, 3]])), upright.rotation, scene.clouds[name]
+    )
 
 
-def _of_solids(scene: Scene, solids: Mapping[str, Solid], rotation: FloatArray) -> Footing:
+def _of_meshes(scene: Scene, solids: Mapping[str, Polyhedron], rotation: FloatArray) -> Footing:
     weights: dict[str, Weight] = {}
     for name in scene.movable:
         volume, centre = solids[name].volume_and_centre
@@ -133,13 +136,13 @@ def _of_solids(scene: Scene, solids: Mapping[str, Solid], rotation: FloatArray) 
     return replace(footing, drops=drops)
 
 
-def _rising(a: str, b: str, scene: Scene, solids: Mapping[str, Solid]) -> tuple[str, str]:
+def _rising(a: str, b: str, scene: Scene, solids: Mapping[str, Polyhedron]) -> tuple[str, str]:
     """Two names, what is fixed or lower first."""
     one, other = sorted((a, b), key=lambda n: (n not in scene.fixed, float(solids[n].vertices[:, 2].mean())))
     return one, other
 
 
-def _drops(name: str, solids: Mapping[str, Solid]) -> dict[str, float]:
+def _drops(name: str, solids: Mapping[str, Polyhedron]) -> dict[str, float]:
     """How far an object is above others [m], where it is above them."""
     (lower, upper), found = solids[name].box, dict[str, float]()
     for other, solid in solids.items():

@@ -152,7 +152,7 @@ class Island:
         """What carries each object."""
         footing, found = self._footing, {name: list[Carry]() for name in self.names}
         loads = balance(self.weights, self.contacts).loads
-        newton = footing.unit**3 * GRAVITY * self._footing_mass
+        newton = footing.unit**3 * GRAVITY * self._density
         for contact, load in zip(self.contacts, loads, strict=True):
             force = float(load.sum())
             if force <= 1e-6 * min(w.litres for w in self.weights.values()):
@@ -165,8 +165,8 @@ class Island:
         return {name: tuple(some) for name, some in found.items()}
 
     @property
-    def _footing_mass(self) -> float:
-        """What a litre of matter weighs [kg]."""
+    def _density(self) -> float:
+        """Mass of a litre [kg]: the same of all, as weights are in litres of one matter."""
         first = next(iter(self.weights.values()))
         return first.mass / first.litres
 

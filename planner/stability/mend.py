@@ -13,8 +13,8 @@ from topple.planner.stability.verdicts import STANDING, Finding, Verdict, find_v
 from topple.topology.arguments import checked_arguments
 from topple.topology.arrays import FloatArray
 from topple.topology.errors import InvalidInput
+from topple.topology.frame import shifted
 from topple.topology.io.load import AnyScene, as_scene
-from topple.topology.mesh import Mesh
 from topple.topology.scene import Scene
 from topple.topology.situation import Situation
 
@@ -80,7 +80,7 @@ def mend(scene: AnyScene) -> Mended:
         if not added:
             break
         shifts |= added
-        best = _shifted(found, shifts)
+        best = shifted(found, shifts)
     left = {n: each.verdict for n, each in find_verdicts(Footing.of(Situation.of(best))).items()}
     return Mended(shifts, {n: verdict for n, verdict in left.items() if verdict not in STANDING}, best)
 
@@ -114,24 +114,3 @@ def _with_load(name: str, footing: Footing) -> list[str]:
         carried = (n for n in footing.weights if low in footing.carriers(n, footing.contacts))
         found += [each for each in carried if each not in found]
     return found
-
-
-def _shifted(scene: Scene, shifts: Mapping[str, FloatArray]) -> Scene:
-    """The scene with some objects elsewhere."""
-
-    def there(name: str, points: FloatArray) -> FloatArray:
-        return points + shifts[name] if name in shifts else points
-
-    return Scene(
-        {name: there(name, cloud) for name, cloud in scene.clouds.items()},
-        [name for name in scene.names if name in scene.fixed],
-        scene.up,
-        meshes={n: Mesh(there(n, mesh.vertices), mesh.faces) for n, mesh in scene.meshes.items()},
-        robot_base=scene.robot_base,
-        assumptions=scene.assumptions,
-        masses=scene.masses,
-        friction=scene.friction,
-        models=scene.models,
-        matter=scene.matter,
-        centres={name: there(name, centre) for name, centre in scene.centres.items()},
-    )

@@ -1,7 +1,5 @@
 """Thresholds of the check of a scene, each with its unit and reason."""
 
-import numpy as np
-
 # -- footing
 
 TOUCHES = 0.0013
@@ -21,39 +19,6 @@ CLOUD_SINKS = 0.002
 
 CLOUD_EDGE = 0.001
 """[m] by which the edge of a face of a cloud is off, besides twice the noise: half the points' spacing."""
-
-
-# -- faces
-
-ALIKE = float(np.cos(np.radians(20.0)))
-"""Cosine of the angle within which normals of a patch are of one face."""
-
-LEVEL = float(np.cos(np.radians(10.0)))
-"""Cosine of the angle to up within which a face is level: on slopes the gaps of clouds say less."""
-
-LOWEST = 0.01
-"""Share of the points of a cloud that may be lower than it reaches: strays."""
-
-ROUND = 3e-4
-"""Distance [m] between the quartiles of a face's points, besides the noise, from which it is round."""
-
-FLAT_SHARE = 0.5
-"""Share of the points of a patch that have to be of one face for it to be flat."""
-
-FACE_BAND = 0.012
-"""[m] along the normal within which points may be of a face: how far faces in each other are looked for."""
-
-FACE_CELL = 0.008
-"""Edge [m] of the cells in which two faces are held against each other: a few points of each."""
-
-FACE_CELLS = 3
-"""Cells that say how far they are apart: fewer are an edge."""
-
-FACE_EVEN = 0.002
-"""Spread [m] of these gaps up to which faces lie on each other."""
-
-ON_PLANE = 0.0015
-"""[m] from a face, besides twice the noise, within which points are of it."""
 
 BESIDES = 0.2
 """Upward part of a contact's normal from which it carries: nearer to level it is leant on."""

@@ -13,13 +13,14 @@ from scipy.spatial import KDTree
 from topple.topology.arrays import BoolArray, FloatArray, IntArray, bounds
 from topple.topology.geometry.axes import around, perpendiculars
 from topple.topology.geometry.samples import volume_and_centre
+from topple.topology.kernels.neighbours import PointTree
 from topple.topology.mesh import Mesh
 from topple.topology.statics.contact import Contact
 from topple.topology.statics.tolerances import FACING, LIKE_NEAREST, NEAREST_WITHIN, ON_FACE, PATCH_CORNERS
 
 
 @dataclass(frozen=True, eq=False)
-class Solid:
+class Polyhedron:
     """A body as its mesh.
 
     Attributes:
@@ -33,7 +34,7 @@ class Solid:
     samples: FloatArray = field(repr=False)
 
     @staticmethod
-    def of(mesh: Mesh, rotation: FloatArray, samples: FloatArray) -> "Solid":
+    def of(mesh: Mesh, rotation: FloatArray, samples: FloatArray) -> "Polyhedron":
         """Weld a mesh and turn it upright.
 
         Args:
@@ -48,8 +49,10 @@ class Solid:
         corners = places[first][faces]
         sides = np.linalg.norm(np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0]), axis=1)
         faces = faces[sides > grain**2]
-        solid = Solid(places[first], faces, samples @ rotation.T)
-        return solid if solid.signed_volume >= 0 else Solid(solid.vertices, faces[:, ::-1], solid.samples)
+        solid = Polyhedron(places[first], faces, samples @ rotation.T)
+        return (
+            solid if solid.signed_volume >= 0 else Polyhedron(solid.vertices, faces[:, ::-1], solid.samples)
+        )
 
     @cached_property
     def corners(self) -> FloatArray:
@@ -137,7 +140,7 @@ class _Hits:
 
 
 def mesh_contact(
-    names: tuple[str, str], a: Solid, b: Solid, touch: float, sunk: float, friction: float
+    names: tuple[str, str], a: Polyhedron, b: Polyhedron, touch: float, sunk: float, friction: float
 ) -> Contact | None:
     """Find where two meshes touch.
 
@@ -175,7 +178,7 @@ def mesh_contact(
 
 def _level(hits: _Hits, radius: float) -> BoolArray:
     """Which points carry: the nearest ones around, and those where the surfaces are parallel."""
-    around_each = KDTree(hits.points).query_ball_point(hits.points, radius)
+    around_each = PointTree(hits.points).query_ball_point(hits.points, radius)
     least = np.array([hits.gaps[near].min() for near in around_each])
     return np.asarray((hits.gaps <= least + LIKE_NEAREST) | (hits.turns <= FACING))
 
@@ -198,7 +201,7 @@ def _near(points: FloatArray, middles: FloatArray, radii: FloatArray) -> tuple[I
     """Pairs of a point and a ball around a middle that holds it."""
     if len(points) == 0 or len(middles) == 0:
         return np.zeros(0, dtype=np.int64), np.zeros(0, dtype=np.int64)
-    found = KDTree(points).query_ball_point(middles, radii)
+    found = KDTree(points).query_ball_point(middles, radii)  # each ball has a radius of its own
     counts = [len(each) for each in found]
     return np.concatenate([np.asarray(each, dtype=np.int64) for each in found]), np.repeat(
         np.arange(len(middles)), counts
@@ -210,7 +213,7 @@ def _inside(points: FloatArray, box: tuple[FloatArray, FloatArray]) -> BoolArray
 
 
 def _over_faces(
-    points: FloatArray, solid: Solid, reach: float, box: tuple[FloatArray, FloatArray]
+    points: FloatArray, solid: Polyhedron, reach: float, box: tuple[FloatArray, FloatArray]
 ) -> tuple[IntArray, IntArray, FloatArray]:
     """Points over or under faces: which (K,), over which faces (K,), and heights (K,) above them [m]."""
     low, high = solid.corners.min(axis=1), solid.corners.max(axis=1)
@@ -230,7 +233,7 @@ def _over_faces(
     return point[over], faces[face[over]], heights[over]
 
 
-def _on_faces(a: Solid, b: Solid, reach: float, box: tuple[FloatArray, FloatArray]) -> _Hits:
+def _on_faces(a: Polyhedron, b: Polyhedron, reach: float, box: tuple[FloatArray, FloatArray]) -> _Hits:
     """Vertices of a on faces of b, the nearest face for each; normals out of b."""
     vertices = np.flatnonzero(_inside(a.vertices, box))
     point, face, heights = _over_faces(a.vertices[vertices], b, reach, box)
@@ -242,7 +245,7 @@ def _on_faces(a: Solid, b: Solid, reach: float, box: tuple[FloatArray, FloatArra
     return _Hits(a.vertices[which[order]], normals[order], heights[order], turns[order])
 
 
-def _across(a: Solid, b: Solid, reach: float, box: tuple[FloatArray, FloatArray]) -> _Hits:
+def _across(a: Polyhedron, b: Polyhedron, reach: float, box: tuple[FloatArray, FloatArray]) -> _Hits:
     """Where edges of a pass edges of b."""
     (one, out_of_a), (other, out_of_b) = (
         tuple(part[_crosses(solid.edges[0], box)] for part in solid.edges) for solid in (a, b)
@@ -292,7 +295,7 @@ def _between(sides: FloatArray, normals: FloatArray) -> BoolArray:
     return np.asarray(np.einsum("ij,ij->i", normals, middle) >= limit - 1e-3)
 
 
-def depth(a: Solid, b: Solid, deepest: float) -> float:
+def depth(a: Polyhedron, b: Polyhedron, deepest: float) -> float:
     """How deep the surface of either of two bodies is in the other [m], at most `deepest`; 0 where apart.
 
     Args:
@@ -308,7 +311,7 @@ def depth(a: Solid, b: Solid, deepest: float) -> float:
     return max(_sunk(a, b, deepest, (lower, upper)), _sunk(b, a, deepest, (lower, upper)))
 
 
-def _sunk(a: Solid, b: Solid, deepest: float, box: tuple[FloatArray, FloatArray]) -> float:
+def _sunk(a: Polyhedron, b: Polyhedron, deepest: float, box: tuple[FloatArray, FloatArray]) -> float:
     """How deep points of a are in b."""
     points = np.concatenate([a.vertices, a.samples])
     points = points[_inside(points, box)]
@@ -322,12 +325,12 @@ def _sunk(a: Solid, b: Solid, deepest: float, box: tuple[FloatArray, FloatArray]
     if len(inside) == 0:
         return 0.0
     # a side further off than the surface is not the one that the point is behind
-    nearest = KDTree(np.concatenate([b.samples, b.vertices])).query(points[point[inside]])[0]
+    nearest = PointTree(np.concatenate([b.samples, b.vertices])).query(points[point[inside]])[0]
     deep = -heights[inside]
     return float(deep[deep <= nearest + 1e-9].max(initial=0.0))
 
 
-def _encloses(solid: Solid, point: FloatArray) -> bool:
+def _encloses(solid: Polyhedron, point: FloatArray) -> bool:
     """Whether the faces go around a point (3,), by the solid angle that they fill."""
     arms = solid.corners - point
     lengths = np.linalg.norm(arms, axis=2)
@@ -336,7 +339,7 @@ def _encloses(solid: Solid, point: FloatArray) -> bool:
     return bool(abs(angles.sum()) > np.pi)
 
 
-def drop(upper: Solid, lower: Solid) -> float:
+def drop(upper: Polyhedron, lower: Polyhedron) -> float:
     """How far a body can be let down straight until it meets another one [m]; inf where it passes that.
 
     Args:

@@ -180,3 +180,36 @@ SWEEP_CELL = 0.004
 
 CLEAR = 0.004
 """A surface this much [m] higher than another is above it and not beside it: noise and spacing."""
+
+
+# -- faces
+
+SAME_FACE = float(np.cos(np.radians(20.0)))
+"""Cosine of the angle within which normals of a patch are of one face."""
+
+LEVEL_FACE = float(np.cos(np.radians(10.0)))
+"""Cosine of the angle to up within which a face is level: on slopes the gaps of clouds say less."""
+
+LOWEST_SHARE = 0.01
+"""Share of the points of a cloud that may be lower than it reaches: strays."""
+
+ROUND_FACE = 3e-4
+"""Distance [m] between the quartiles of a face's points, besides the noise, from which it is round."""
+
+FLAT_SHARE = 0.5
+"""Share of the points of a patch that have to be of one face for it to be flat."""
+
+FACE_BAND = 0.012
+"""[m] along the normal within which points may be of a face: how far faces in each other are looked for."""
+
+FACE_CELL = 0.008
+"""Edge [m] of the cells in which two faces are held against each other: a few points of each."""
+
+FACE_CELLS = 3
+"""Cells that say how far they are apart: fewer are an edge."""
+
+FACE_EVEN = 0.002
+"""Spread [m] of these gaps up to which faces lie on each other."""
+
+ON_FACE_PLANE = 0.0015
+"""[m] from a face, besides twice the noise, within which points are of it."""

@@ -10,22 +10,22 @@ from dataclasses import dataclass, replace
 import numpy as np
 from scipy.spatial import ConvexHull, QhullError
 
-from topple.planner.stability.tolerances import (
-    ALIKE,
+from topple.topology.arrays import FloatArray
+from topple.topology.geometry.axes import perpendiculars
+from topple.topology.statics.contact import Contact
+from topple.topology.statics.grounds import planes_and_rest
+from topple.topology.statics.tolerances import (
     FACE_BAND,
     FACE_CELL,
     FACE_CELLS,
     FACE_EVEN,
     FLAT_SHARE,
-    LEVEL,
-    LOWEST,
-    ON_PLANE,
-    ROUND,
+    LEVEL_FACE,
+    LOWEST_SHARE,
+    ON_FACE_PLANE,
+    ROUND_FACE,
+    SAME_FACE,
 )
-from topple.topology.arrays import FloatArray
-from topple.topology.geometry.axes import perpendiculars
-from topple.topology.statics.contact import Contact
-from topple.topology.statics.grounds import planes_and_rest
 from topple.topology.upright import Upright
 
 
@@ -60,7 +60,7 @@ def faces_of(
     planes = planes_and_rest(upright, contact.a)[0] if found is None and contact.a in upright.fixed else ()
     if len(planes) != 1 or planes[0].ends:
         return found
-    lowest = float(np.quantile(planes[0].heights(clouds[contact.b]), LOWEST))
+    lowest = float(np.quantile(planes[0].heights(clouds[contact.b]), LOWEST_SHARE))
     return Faces(contact, lowest)
 
 
@@ -68,13 +68,13 @@ def _flat_faces(
     contact: Contact, clouds: Mapping[str, FloatArray], upright: Upright, noise: float
 ) -> Faces | None:
     """The same of flat faces alone."""
-    alike = contact.normals @ contact.normals.T > ALIKE
+    alike = contact.normals @ contact.normals.T > SAME_FACE
     best = int(alike.sum(axis=1).argmax())
     if alike[best].mean() < FLAT_SHARE:
         return None
     normal = contact.normals[alike[best]].mean(axis=0)
     normal /= np.linalg.norm(normal)
-    if abs(normal[2]) < LEVEL:
+    if abs(normal[2]) < LEVEL_FACE:
         return None
     middle = contact.points[alike[best]].mean(axis=0)
     planes = planes_and_rest(upright, contact.a)[0] if contact.a in upright.fixed else ()
@@ -122,7 +122,7 @@ def _gaps(first: FloatArray, second: FloatArray) -> FloatArray:
     keys = [each[:, 0] * (1 << 20) + each[:, 1] for each in cells]
     for key in np.intersect1d(keys[0], keys[1]):
         low, high = first[keys[0] == key, 2], second[keys[1] == key, 2]
-        top, bottom = low[low > low.max() - ON_PLANE], high[high < high.min() + ON_PLANE]
+        top, bottom = low[low > low.max() - ON_FACE_PLANE], high[high < high.min() + ON_FACE_PLANE]
         found.append(float(np.median(bottom) - np.median(top)))
     return np.array(found)
 
@@ -130,19 +130,21 @@ def _gaps(first: FloatArray, second: FloatArray) -> FloatArray:
 def _face(local: FloatArray, noise: float, side: float) -> FloatArray | None:
     """(N, 2) points of the outer face of a cloud on one side; None of what is round there."""
     heights = side * local[:, 2]
-    level = np.quantile(heights, 0.5) if np.ptp(heights) < ON_PLANE else _most_at(heights)
-    near = np.abs(heights - level) < ON_PLANE + 2 * noise
+    level = np.quantile(heights, 0.5) if np.ptp(heights) < ON_FACE_PLANE else _most_at(heights)
+    near = np.abs(heights - level) < ON_FACE_PLANE + 2 * noise
     spread = float(np.subtract(*np.quantile(heights[near], (0.75, 0.25))))
     return (
-        local[near, :2] if spread < 1.35 * noise + ROUND else None
+        local[near, :2] if spread < 1.35 * noise + ROUND_FACE else None
     )  # the quartiles of noise are so far apart
 
 
 def _most_at(heights: FloatArray) -> float:
     """The height at which most points are [m]."""
-    counts, edges = np.histogram(heights, bins=np.arange(-FACE_BAND, FACE_BAND + ON_PLANE, ON_PLANE))
+    counts, edges = np.histogram(
+        heights, bins=np.arange(-FACE_BAND, FACE_BAND + ON_FACE_PLANE, ON_FACE_PLANE)
+    )
     most = int(counts.argmax())
-    inside = (heights >= edges[most] - ON_PLANE) & (heights < edges[most + 1] + ON_PLANE)
+    inside = (heights >= edges[most] - ON_FACE_PLANE) & (heights < edges[most + 1] + ON_FACE_PLANE)
     return float(np.median(heights[inside]))
 
 
