@@ -7,6 +7,10 @@ from topple.topology.pair import PairRelation
 from topple.topology.sixim.table import Relation
 
 
+Pixel = tuple[int, int, int]
+"""Camera, from 1, row and column."""
+
+
 @dataclass(frozen=True)
 class Evidence:
     """A relation of two objects, as they lie or as one of them is lifted.
@@ -19,6 +23,8 @@ class Evidence:
             how far the other has to be pushed aside.
         observed: Whether the cameras saw it; else it was inferred.
         swept: Whether `a` is taken with all that it passes as it is lifted straight up.
+        pixels: (camera, row, column) of the pictures that show it, a place in each, cameras from 1; empty
+            where it was inferred, and where the pictures are not known.
     """
 
     a: str
@@ -27,15 +33,17 @@ class Evidence:
     gap: float
     observed: bool
     swept: bool = False
+    pixels: tuple[Pixel, ...] = ()
 
     @staticmethod
-    def of(pair: PairRelation) -> "Evidence":
+    def of(pair: PairRelation, pixels: tuple[Pixel, ...] = ()) -> "Evidence":
         """The evidence a pair is, as it lies."""
-        return Evidence(pair.a, pair.b, pair.relation, float(pair.gap), pair.observed and not pair.inferred)
+        seen = pair.observed and not pair.inferred
+        return Evidence(pair.a, pair.b, pair.relation, float(pair.gap), seen, pixels=pixels if seen else ())
 
     def to_json(self) -> dict[str, Any]:
         """The evidence as the JSON of `topple order` has it."""
-        return {
+        document = {
             "a": self.a,
             "b": self.b,
             "relation": str(self.relation),
@@ -43,11 +51,13 @@ class Evidence:
             "observed": self.observed,
             "swept": self.swept,
         }
+        return document | ({"pixels": [list(each) for each in self.pixels]} if self.pixels else {})
 
     def __str__(self) -> str:
         """In words, without the names."""
         if self.swept:
-            return f"lifted, {self.a} would {_MEETS.get(self.relation, 'pass')} it"
+            guess = "" if self.observed else ", inferred"
+            return f"lifted, {self.a} would {_MEETS.get(self.relation, 'pass')} it{guess}"
         if not self.observed:
             return f"{self.relation}, inferred"
         return f"{self.relation}, {_apart(self.gap)}, observed"

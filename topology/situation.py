@@ -15,7 +15,7 @@ from topple.topology.bodies.solids import Solids, moved, solids_of, up_of
 from topple.topology.bodies.surfaces import carry_over, surfaces_of
 from topple.topology.bodies.tolerances import GRAIN
 from topple.topology.cloud import unit_of
-from topple.topology.evidence import Evidence
+from topple.topology.evidence import Evidence, Pixel
 from topple.topology.frame import enlarged
 from topple.topology.geometry.hull import Hull
 from topple.topology.geometry.rigid import transformed
@@ -28,6 +28,7 @@ from topple.topology.statics.contact import Contact
 from topple.topology.statics.rest import Statics
 from topple.topology.statics.support import Support, supports
 from topple.topology.statics.sweep import overlap, swept_matrix
+from topple.topology.statics.tolerances import SHOWN
 
 
 @dataclass(frozen=True, eq=False)
@@ -229,8 +230,10 @@ class Situation:
         return bodies.sight.shown(places @ bodies.upright.rotation.T, slack)
 
     def between(self, a: str, b: str) -> Evidence:
-        """The relation of two objects as they lie."""
-        return Evidence.of(self.relations.between(a, b))
+        """The relation of two objects as they lie, and where the pictures show it."""
+        patches = [each for each in self.contacts if {each.a, each.b} == {a, b} and not each.inferred]
+        places = np.concatenate([each.points for each in patches]) if patches else np.empty((0, 3))
+        return Evidence.of(self.relations.between(a, b), self._shown(places, {a, b}))
 
     def swept(self, name: str, other: str) -> Evidence:
         """The relation of an object, with all that it passes as it is lifted straight up, to another one.
@@ -240,10 +243,23 @@ class Situation:
             other: What may be in its way.
         """
         body, met = self.surfaces[name], self.surfaces[other]
-        over = overlap(met, body)
+        over, clouds = overlap(met, body), self.statics.upright.clouds
         gap = self.relations.between(name, other).gap if over is None else -over.evasion * self.unit
-        seen = self.relations.between(name, other).observed
-        return Evidence(name, other, classify(swept_matrix(body, met)), gap, seen, swept=True)
+        seen = overlap(clouds[other], clouds[name])
+        pixels = () if seen is None else self._shown(seen.places, {other})
+        relation = classify(swept_matrix(body, met))
+        return Evidence(name, other, relation, gap, seen is not None, swept=True, pixels=pixels)
+
+    def _shown(self, places: FloatArray, names: Collection[str]) -> tuple[Pixel, ...]:
+        """Where pictures show one of upright places (N, 3) [m] as surface of an object named, one in each."""
+        places = places @ self.statics.upright.rotation
+        pixels: list[Pixel] = []
+        for camera, image in enumerate(self.scene.images, 1):
+            labels = image.labels_at(places, SHOWN)
+            rows, columns, *_ = image.pixels_of(places)
+            shown = [i for i, label in enumerate(labels) if label and image.name_of(label) in names]
+            pixels += [(camera, int(rows[i]), int(columns[i])) for i in shown[:1]]
+        return tuple(pixels)
 
     def hang_together(self, a: str, b: str) -> bool:
         """Whether two movable objects are in contact, or each with others that are."""

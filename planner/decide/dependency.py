@@ -17,7 +17,7 @@ from topple.planner.decide.disturbance import (
     without_cascades,
 )
 from topple.planner.decide.rates import overlooked
-from topple.planner.decide.tolerances import COUNTS, PRESSED
+from topple.planner.decide.tolerances import COUNTS, PRESSED, RESTS
 from topple.topology.arguments import checked_arguments
 from topple.topology.errors import InvalidInput, UnknownObject
 from topple.topology.evidence import Evidence
@@ -265,7 +265,7 @@ def _reason(found: Disturbance, inside: bool) -> Reason:
     if inside and found.meets:
         return Reason.CONTAINED
     if found.up is not None and found.up > 0.1:
-        return Reason.SUPPORTED if found.up > 0.7 else Reason.LEANING
+        return Reason.SUPPORTED if found.up > RESTS else Reason.LEANING
     if not found.falls:
         return Reason.BLOCKING
     if found.up is None:

@@ -23,6 +23,12 @@ LEAST = 1e-5
 COUNTS = 0.45
 """Chance from which a dependency counts: what is overlooked falls, what is made up costs a removal."""
 
+HOLD_EACH_OTHER = 0.8
+"""Chance that either of two falls without the other where several cameras say so of both: 4 of 4, and one."""
+
+RESTS = 0.7
+"""Upward part of a contact normal above which the upper body rests on the lower one: 45 degrees."""
+
 PRESSED = -0.3
 """Upward part of a contact normal below which what is taken away lies on what is left."""
 

@@ -10,11 +10,15 @@ import numpy as np
 import pytest
 from scipy.spatial.transform import Rotation
 
+from topple.benchmarks.chances import given
+from topple.benchmarks.truth.cases import training
 from topple.planner import order
 from topple.planner.decide.dependency import dependencies
+from topple.robots.scenarios import scenario_called
 from topple.robots.shapes import bowl, box, plate, spoon
 from topple.topology import InvalidInput, Relation, Relations, Scene, UnknownObject, relate
 from topple.topology.situation import Situation
+from topple.topology.statics.sweep import overlap
 
 sys.path.insert(0, str(Path(__file__).parent))
 from made import pile, seen
@@ -104,6 +108,35 @@ def test_every_edge_says_what_it_rests_on(laid: Scene) -> None:
     assert edges["ball", "bowl"]["reason"] == "contained"
     assert "within" in {each["relation"] for each in edges["ball", "bowl"]["evidence"]}
     assert any("(touch, 0." in line and "observed)" in line for line in found["explanation"])
+
+
+def test_what_cameras_show_of_an_edge_is_told_by_the_pixel() -> None:
+    with scenario_called("dishes", 0) as stage:
+        images = [camera.look(stage.world, np.random.default_rng(0)) for camera in stage.cameras]
+    scene = Scene.from_images(images, up=(0, 0, 1))
+    edges = order(scene, "plate").to_json()["dependencies"]
+    assert len(edges) >= 3
+    for edge in edges:
+        shown = [each for each in edge["evidence"] if "pixels" in each]
+        assert shown, edge
+        for each in shown:
+            assert each["observed"]
+            for camera, row, column in each["pixels"]:
+                image = images[camera - 1]
+                assert image.name_of(int(image.borders.owner[row, column])) in (each["a"], each["b"])
+
+
+def test_an_overhang_that_only_a_hidden_side_has_is_inferred() -> None:
+    told: set[bool] = set()
+    for each in training()[:3]:
+        scene = given(each, 1, True)
+        situation = Situation(scene)
+        swept = [e for edge in dependencies(situation).dependencies for e in edge.evidence if e.swept]
+        clouds = situation.statics.upright.clouds
+        assert all(e.observed == (overlap(clouds[e.b], clouds[e.a]) is not None) for e in swept)
+        assert all(e.observed != str(e).endswith(", inferred") for e in swept)
+        told |= {e.observed for e in swept}
+    assert told == {True, False}
 
 
 def test_what_a_lift_meets_is_a_relation_of_the_swept_body(laid: Scene) -> None:

@@ -8,7 +8,7 @@ from scipy.ndimage import maximum_filter
 from topple.topology.arrays import FloatArray, IntArray, bounds
 from topple.topology.geometry.axes import around
 from topple.topology.remembered import remembered
-from topple.topology.statics.tolerances import CLEAR, KEPT_PAIRS, LIFT, SWEEP_CELL
+from topple.topology.statics.tolerances import CLEAR, KEPT_PAIRS, LIFT, PLACES, SWEEP_CELL
 
 DIRECTIONS = around(24)
 
@@ -21,10 +21,12 @@ class Overlap:
         evasion: How far [m] the upper object must be pushed sideways before it hangs over nothing
             of the other: what a lift would push it by, at least.
         area: Overlapping area in plan view [m²].
+        places: (k, 3) some upright places [m] of the upper surface where it does.
     """
 
     evasion: float
     area: float
+    places: FloatArray
 
 
 @remembered(KEPT_PAIRS)
@@ -57,7 +59,9 @@ def overlap(upper: FloatArray, lower: FloatArray) -> Overlap | None:
     # Sideways escape: past the farthest lower point that is lower than what hangs over it.
     below = lower[lower[:, 2] < ceiling[above].max() - CLEAR][:, :2]
     reach = (below @ DIRECTIONS.T).max(axis=0) - (spots @ DIRECTIONS.T).min(axis=0)
-    return Overlap(evasion=float(reach.min()), area=len(cells) * SWEEP_CELL**2)
+    some = slice(None, None, len(cells) // PLACES + 1)
+    places = np.column_stack([spots, ceiling[above]])[some]
+    return Overlap(evasion=float(reach.min()), area=len(cells) * SWEEP_CELL**2, places=places)
 
 
 @remembered(KEPT_PAIRS)

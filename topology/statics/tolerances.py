@@ -175,6 +175,12 @@ KEPT_PAIRS = 1000
 LIFT = 0.25
 """Height of the lift [m]: what is higher than this above an object is not met."""
 
+PLACES = 16
+"""Places that are kept of where one body hangs over another, spread over all of them."""
+
+SHOWN = 0.01
+"""A picture shows a place if what it saw there is this near in depth [m]."""
+
 SWEEP_CELL = 0.004
 """Edge [m] of the cells of a plan view: one thinned sample per cell of a horizontal surface."""
 

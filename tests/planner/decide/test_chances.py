@@ -13,7 +13,7 @@ from topple.planner.decide.dependency import counting
 from topple.planner.decide.disturbance import Disturbance
 from topple.topology.statics.sweep import Overlap
 
-HANGS = Overlap(evasion=0.03, area=0.002)
+HANGS = Overlap(evasion=0.03, area=0.002, places=np.zeros((1, 3)))
 FOUND = Disturbance(over=HANGS, seen=HANGS, unheld=0.5, up=0.5, depth=0.0)
 
 
@@ -42,6 +42,21 @@ def test_that_it_is_higher_up_shows_no_dependency() -> None:
     assert counting(asked, dict.fromkeys(asked, 0.9), 1) == [("b", "a"), ("a", "c")]
     assert counting(asked, dict.fromkeys(asked, 0.2), 1) == []
     assert counting({**asked, ("b", "c"): FOUND}, dict.fromkeys((*asked, ("b", "c")), 0.9), 0) == [("b", "c")]
+
+
+def test_what_falls_either_way_holds_each_other_if_several_cameras_say_so() -> None:
+    leans = Disturbance(over=None, seen=None, unheld=0.4, up=0.1, depth=0.0)
+    asked = {("a", "b"): leans, ("b", "a"): replace(leans, up=-0.1)}
+    ends = dict.fromkeys("ab", np.array([[0.0, 0.0, 0.0], [0.0, 0.0, 0.1]]))
+
+    def counted(view: str, found: dict[tuple[str, str], Disturbance]) -> list[tuple[str, str]]:
+        return counting(found, chances(found, ends, view), 3)
+
+    assert counted("several", asked) == counted("several, clouds", asked) == list(asked)
+    assert counted("one", asked) == []  # one camera sees half of either
+    stands, rests = replace(leans, unheld=0.0), replace(leans, up=-0.9)
+    assert counted("several", {**asked, ("a", "b"): stands}) == []
+    assert ("b", "a") not in counted("several", {("a", "b"): replace(leans, up=0.9), ("b", "a"): rests})
 
 
 def test_every_view_has_its_weights() -> None:
