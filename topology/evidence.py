@@ -6,7 +6,6 @@ from typing import Any
 from topple.topology.pair import PairRelation
 from topple.topology.sixim.table import Relation
 
-
 Pixel = tuple[int, int, int]
 """Camera, from 1, row and column."""
 
