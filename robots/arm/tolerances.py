@@ -137,6 +137,9 @@ LONGEST = 1e3
 LONGEST_MESH = 20.0
 """Farthest vertex of a mesh [m]: no link is as long, and in millimetres a link is a hundred long."""
 
+LIKELY_DEGREES = (38.0, 720.0)
+"""Limits [rad] of a revolute joint that are taken for degrees: six turns and more, which no wrist makes."""
+
 FULL_TURN = 2 * math.pi
 """How far [rad] a continuous joint may turn either way: cables and hoses allow no more."""
 

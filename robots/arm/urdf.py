@@ -17,7 +17,7 @@ from scipy.spatial import QhullError
 
 from topple.robots.arm.elements import number, numbers, origin_of
 from topple.robots.arm.shapes import geometry_parts, missing_meshes
-from topple.robots.arm.tolerances import FULL_TURN, LONGEST, MOST_BODIES
+from topple.robots.arm.tolerances import FULL_TURN, LIKELY_DEGREES, LONGEST, MOST_BODIES
 from topple.robots.collision.convex import hull_of
 from topple.topology.arrays import FloatArray, frozen
 from topple.topology.errors import InvalidInput
@@ -320,6 +320,16 @@ def _read_joint(element: ElementTree.Element, path: Path) -> Joint:
     bounds = {} if limit is None else dict(limit.attrib)
     lower = -FULL_TURN if turns else number(bounds.get("lower"), 0.0, where)
     upper = FULL_TURN if turns else number(bounds.get("upper"), 0.0, where)
+    if lower > upper:
+        raise InvalidInput(
+            f"{where}: its lower limit {lower:g} is above its upper limit {upper:g}: exchange them"
+        )
+    if kind == "revolute" and LIKELY_DEGREES[0] < max(abs(lower), abs(upper)) <= LIKELY_DEGREES[1]:
+        raise InvalidInput(
+            f"{where} has limits of {lower:g} and {upper:g}, which are radians in a URDF: for degrees "
+            f"expected {np.radians(lower):.4g} and {np.radians(upper):.4g}; "
+            "a joint that turns on and on is 'continuous'"
+        )
     return Joint(
         name,
         kind,

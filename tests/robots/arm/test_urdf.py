@@ -11,6 +11,10 @@ from topple.robots.catalog import robot
 from topple.topology.errors import InvalidInput
 
 SPHERE = '<link name="{}"><collision><geometry><sphere radius="{}"/></geometry></collision></link>'
+LIMITED = (
+    '<link name="a"/><link name="b"/><joint name="j" type="{}"><parent link="a"/><child link="b"/>'
+    '<limit lower="{}" upper="{}" velocity="1" effort="1"/></joint>'
+)
 TURNING = '<joint name="{}" type="continuous"><parent link="{}"/><child link="{}"/></joint>'
 
 
@@ -33,6 +37,8 @@ TURNING = '<joint name="{}" type="continuous"><parent link="{}"/><child link="{}
             + TURNING.format("j", "b", "c"),
             "there are two of joint 'j'",
         ),
+        (LIMITED.format("prismatic", 0.04, 0), r"'j': its lower limit 0.04 is above its upper limit 0: exch"),
+        (LIMITED.format("revolute", -170, 170), r"for degrees expected -2.967 and 2.967; a joint that turns"),
     ],
 )
 def test_it_is_refused(tmp_path: Path, body: str, words: str) -> None:
