@@ -12,6 +12,7 @@ from topple.robots.arm.compose import composed
 from topple.robots.arm.gripper import ParallelJaw, SuctionCup, Tool, ToolName, ToolState
 from topple.robots.arm.gripper_file import Cup, Gripper, Jaw
 from topple.robots.catalog.data import data_path, panda_file
+from topple.robots.catalog.described import DESCRIPTIONS, described
 from topple.robots.catalog.own_arm import arm_from_file
 from topple.robots.hands.suction_hand import CUP_JOINT, CUP_LINK, PANDA_CUP, panda_with_cup
 from topple.robots.hands.wsg50 import wsg50_fingers, wsg50_xml
@@ -54,10 +55,11 @@ def robot(
     """An arm by name or from a URDF file.
 
     Args:
-        name: One of `names()`, or the path of a URDF.
+        name: One of `names()`, the path of a URDF, or the name of one that an installed package of
+            descriptions ships, see `topple.robots.catalog.described`: `ur5e`.
         gripper: With a URDF: a gripper file (TOML), or what it would hold, see
-            `topple.robots.arm.gripper_file`; or the URDF of a hand to mount, or `wsg50`. A parallel jaw of
-            the URDF is recognised where it is not named here.
+            `topple.robots.arm.gripper_file`; or the URDF of a hand to mount, by its path or name, or
+            `wsg50`. A parallel jaw of the URDF is recognised where it is not named here.
         srdf: With a URDF: the SRDF that says which joints are the arm; found beside it where not given.
         group: The SRDF's group that is the arm, where there are several.
 
@@ -74,10 +76,12 @@ def robot(
         if srdf is not None or group is not None:
             raise InvalidInput(f"{name} is known whole: an SRDF goes with the path of a .urdf file")
         return _by_name(str(name))
-    if str(name).endswith((".urdf", ".xml")):
-        return arm_from_file(name, gripper, srdf=srdf, group=group)
+    path = name if str(name).endswith((".urdf", ".xml")) else described(str(name))
+    if path is not None:
+        return arm_from_file(path, gripper, srdf=srdf, group=group)
     raise InvalidInput(
-        f"unknown robot {str(name)!r}: expected {', '.join(ROBOTS)} or the path of a .urdf file"
+        f"unknown robot {str(name)!r}: expected {', '.join(ROBOTS)}, the path of a .urdf file, or the "
+        f"name of one that {' or '.join(DESCRIPTIONS)} ships (extra `arms`)"
     )
 
 

@@ -31,6 +31,7 @@ from topple.robots.arm.torques import springs
 from topple.robots.arm.tree import Tree
 from topple.robots.arm.urdf import Model, model_of, urdf_root
 from topple.robots.catalog.data import data_path
+from topple.robots.catalog.described import described
 from topple.robots.collision.convex import hull_of
 from topple.robots.hands.fingers import Fingers, find_fingers, palm_of, rigid_groups
 from topple.robots.hands.jaws import measured_jaw
@@ -51,9 +52,9 @@ def arm_from_file(
 
     Args:
         path: The URDF.
-        gripper: A gripper file or what it would hold, the URDF of a hand, or `wsg50`. Where it says nothing
-            of a jaw one is recognised: two fingers at the end of the arm that close on each other, driven by
-            one joint which others mimic, or by two sliding joints.
+        gripper: A gripper file or what it would hold, the URDF of a hand, its name, or `wsg50`. Where it
+            says nothing of a jaw one is recognised: two fingers at the end of the arm that close on each
+            other, driven by one joint which others mimic, or by two sliding joints.
         srdf: Says which joints are the arm and which links are not checked against each other; the file of
             the same name beside the URDF, or in the folder `srdf` or `config` there, where not given.
         group: Name of the SRDF's group that is the arm, where it has several.
@@ -222,6 +223,8 @@ def _gripper(gripper: str | Path | Gripper | Jaw | Cup | None) -> tuple[Gripper,
     if str(gripper) == WSG50 or (isinstance(gripper, str | Path) and str(gripper).endswith(".urdf")):
         return Gripper(hand=Hand(urdf=str(gripper))), str(gripper)
     if isinstance(gripper, str | Path):
+        if (hand := described(str(gripper))) is not None:
+            return Gripper(hand=Hand(urdf=str(hand))), str(gripper)
         return read_gripper(gripper), str(gripper)
     if isinstance(gripper, Jaw):
         gripper = Gripper(jaw=gripper)

@@ -73,3 +73,15 @@ def test_the_cup_passes_between_open_fingers() -> None:
     sides = sorted([extent("panda_leftfinger"), extent("panda_rightfinger")])
     assert sides[0][1] < cup_low - 0.01
     assert sides[1][0] > cup_high + 0.01
+
+
+def test_an_arm_and_a_hand_come_by_the_names_of_urdfs_that_packages_ship() -> None:
+    airo = pytest.importorskip("airo_models", reason="airo-models belongs to the arms extra")
+    named = robot("ur5e", "robotiq_2f_85")
+    by_path = robot(airo.get_urdf_path("ur5e"), airo.get_urdf_path("robotiq_2f_85"))
+    assert named.joints == by_path.joints and len(named.joints) == 6
+    (tool,) = named.tools.values()
+    assert tool.gripper.max_opening == pytest.approx(0.086, abs=0.002)
+    for wrong in ("ur99", "../ur5e", "ur5*"):
+        with pytest.raises(InvalidInput, match=r"unknown robot .*airo-models or example-robot-data"):
+            robot(wrong)
