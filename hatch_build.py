@@ -10,6 +10,7 @@ from hatchling.builders.hooks.plugin.interface import BuildHookInterface
 FRONT = {
     "planner/topple.py": "__init__.py",
     "planner/testing.py": "testing.py",
+    "planner/stability/predicates.py": "predicates.py",
     "planner/cli/__main__.py": "__main__.py",
     "planner/py.typed": "py.typed",
 }

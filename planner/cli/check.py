@@ -23,6 +23,11 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         "--no-margins", action="store_true", help="verdicts alone, without forces and margins: sooner"
     )
     parser.add_argument(
+        "--play",
+        action="store_true",
+        help="also let time start in simulation, and show where what moves is not what statics says",
+    )
+    parser.add_argument(
         "--mend",
         metavar="FILE",
         help="write the least shifts, under 5 mm, that make one scene stand there, as poses (JSON)",
@@ -34,16 +39,23 @@ def execute(args: argparse.Namespace) -> int:
     paths = scene_paths(args, many=args.mend is None)  # which may be among the names of --fixed
     if args.mend is not None:
         return _mend(Reading.of(args), paths[0], args.mend, args.json)
-    work = partial(_document, Reading.of(args), not args.no_margins)
+    work = partial(_document, Reading.of(args), not args.no_margins, args.play)
     with kept_in(args, _code) as kept, Progress("check") as progress:
         return for_each_scene(args, work, partial(_show, args.json, kept), progress, kept=kept)
 
 
-def _document(reading: Reading, margins: bool, path: str) -> dict[str, Any]:
+def _document(reading: Reading, margins: bool, played: bool, path: str) -> dict[str, Any]:
     from topple.planner.stability.check import check
+    from topple.topology.situation import Situation
 
-    scene = reading.scene(path)
-    return {**check(scene, margins=margins).to_json(), **models_in(scene)}
+    situation = Situation.of(reading.scene(path))
+    found = check(situation, margins=margins)
+    document = {**found.to_json(), **models_in(situation.scene)}
+    if played:
+        from topple.planner.simulate.play import play
+
+        document["played"] = play(situation, found).to_json()
+    return document
 
 
 def _mend(reading: Reading, path: str, output: str, as_json: bool) -> int:
@@ -75,7 +87,11 @@ def _show(as_json: bool, kept: Kept | None, path: str, document: dict[str, Any])
     if not stored(as_json, kept, path, document):
         print_text(f"{path}: {document['verdict']}")
         cells = [_cells(each) for each in document["objects"]]
-        headings = ("object", "verdict", "carried by", "centre mm", "tilt °", "push N", "falls with it")
+        headings = ["object", "verdict", "carried by", "centre mm", "tilt °", "push N", "falls with it"]
+        if "played" in document:
+            _show_played(document["played"], path)
+            headings.append(f"moved on {document['played']['engine']}")
+            cells = [(*row, _moved(document["played"], row[0])) for row in cells]
         print_table(headings, cells, right=(3, 4, 5))
         print_assumptions(document["assumptions"])
     return _code(document)
@@ -94,6 +110,20 @@ def _cells(found: dict[str, Any]) -> tuple[str, ...]:
         *(f"{margins[key]:.3g}" if key in margins else "" for key in _MARGINS),
         ", ".join(found.get("falls_with", ())),
     )
+
+
+def _show_played(played: dict[str, Any], path: str) -> None:
+    """The line that says whether simulation agrees."""
+    other = played["disagreeing"]
+    told = f"otherwise: {', '.join(other)}" if other else "the same of all that is not in each other"
+    print_text(f"{path}: {played['seconds']:g} s on {played['engine']} say {told}")
+
+
+def _moved(played: dict[str, Any], name: str) -> str:
+    """How far an object got in simulation, marked where statics says otherwise."""
+    moved = played["moved"][name]
+    mark = " !" if name in played["disagreeing"] else ""
+    return f"{moved['mm']:.3g} mm, {moved['degrees']:.2g}°{mark}"
 
 
 _MARGINS = ("centre_mm", "tilt_degrees", "push_newton")

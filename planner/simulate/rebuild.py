@@ -83,8 +83,8 @@ def rebuild(statics: Statics, jitter: float = 0.0, seed: int = 0) -> Rebuilt:
     """
     upright = statics.upright
     rng = np.random.default_rng(seed)
-    shapes = {name: _moved(_shape(name, statics), rng.normal(0.0, jitter, 3)) for name in upright.movable}
-    grounds = {name: _ground(upright, name) for name in upright.fixed}
+    shapes = {name: _moved(shape_of(name, statics), rng.normal(0.0, jitter, 3)) for name in upright.movable}
+    grounds = {name: ground_of(upright, name, upright.floor) for name in upright.fixed}
     grounds = {name: shape for name, shape in grounds.items() if shape}
     shapes = {name: floor_cut(shape, upright.floor) for name, shape in shapes.items()}
     part({**shapes, **grounds})
@@ -122,7 +122,7 @@ def _known(upright: Upright, names: Collection[str]) -> dict[str, FloatArray]:
     return {name: centre for name, centre in upright.centres.items() if name in names}
 
 
-def _shape(name: str, statics: Statics) -> Shape:
+def shape_of(name: str, statics: Statics) -> Shape:
     """The pieces of a body: thin ones where it is hollow, or where other things are in its hull."""
     surface, seen = statics.surfaces[name], statics.upright.clouds[name]
     whole = name in statics.upright.whole
@@ -154,18 +154,18 @@ def _centre(shape: Shape, statics: Statics, name: str) -> FloatArray:
     return Body.of(name, [shape[0].corners], mass=1.0).centre_of_mass
 
 
-def _ground(upright: Upright, name: str) -> Shape:
-    """Pieces of something fixed: boards under its tops and a shell of the rest; none for the floor itself."""
+def ground_of(upright: Upright, name: str, floor: float) -> Shape:
+    """Pieces of something fixed: boards under its tops and a shell of the rest; none of the floor."""
     planes, rest = planes_and_rest(upright, name)
     if not planes:
         return shell(rest, rest, None)
     surfaces = upright.tops[name] if planes[0].ends else (upright.clouds[name],)
     pieces: Shape = []
     for surface in surfaces:
-        if abs(float(np.median(surface[:, 2])) - upright.floor) >= SLAB / 2:
+        if abs(float(np.median(surface[:, 2])) - floor) >= SLAB / 2:
             slab = np.concatenate([surface, surface - np.array([0.0, 0.0, SLAB])])
             pieces.append(Piece(slab[ConvexHull(slab).vertices], surface))
-    sides = rest[rest[:, 2] > upright.floor + SLAB / 2]
+    sides = rest[rest[:, 2] > floor + SLAB / 2]
     for piece in pieces:
         sides = sides[(sides @ piece.planes[:, :3].T + piece.planes[:, 3]).max(axis=1) > EDGE]
     return [*pieces, *(shell(sides, sides, None) if len(sides) >= FEWEST else ())]

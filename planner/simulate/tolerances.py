@@ -94,3 +94,17 @@ NOISE = (0.0003, 0.001)
 
 STEPS = (0.006, 0.012, 0.025, 0.05)
 """Further gaps [m] that are closed under a hidden underside until the weight lies over what carries it."""
+
+# -- play
+
+PLAYED = 2.0
+"""[s] of simulated time: what tips from rest, by a millimetre, is down after one."""
+
+STAYS, STAYS_TURNED = 0.001, 1.0
+"""[m] and [deg] that what does not stand moves in simulation at the least: 2 mm afloat fall so."""
+
+FLOOR_BELOW = 1.0
+"""[m] below everything where what falls is stopped."""
+
+CONVEX = 0.95
+"""Share of its hull that a part of a mesh fills for it to be convex."""

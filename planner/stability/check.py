@@ -8,6 +8,7 @@ import numpy as np
 
 from topple.planner.stability.footing import Footing
 from topple.planner.stability.margins import Carry, Island, Margins, beyond_support, islands_of
+from topple.planner.stability.stack import as_stack
 from topple.planner.stability.verdicts import GONE, STANDING, Finding, Verdict, find_verdicts, held
 from topple.topology.arguments import checked_arguments
 from topple.topology.errors import InvalidInput
@@ -164,7 +165,7 @@ def check(scene: AnyScene | Situation, *, margins: bool = True) -> StabilityChec
     gone = {name for name, verdict in verdicts.items() if verdict.verdict in GONE}
     contacts = [c for c in (*footing.contacts, *footing.unseen) if not gone.intersection((c.a, c.b))]
     for island in islands_of(footing, names, contacts) if margins else ():
-        found |= _standing(island, verdicts, footing)
+        found |= _standing(as_stack(footing, island), verdicts, footing)
     return StabilityCheck(found, footing.exact, situation.scene.assumptions)
 
 

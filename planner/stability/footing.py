@@ -5,6 +5,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
+from topple.planner.stability.solids import solid_of
 from topple.planner.stability.tolerances import (
     BESIDES,
     CLOUD_EDGE,
@@ -12,13 +13,17 @@ from topple.planner.stability.tolerances import (
     CLOUD_TOUCHES,
     DEEPEST,
     EXACT,
+    FACET,
+    ROLLS,
     SINKS,
+    SOLID_EDGE,
     TOUCHES,
 )
 from topple.topology.arrays import FloatArray
 from topple.topology.cloud import noise_and_spacing
 from topple.topology.geometry.broadphase import near_pairs
 from topple.topology.geometry.sides import beyond, sides_of
+from topple.topology.io.geometry import sampled_mesh
 from topple.topology.mesh import Mesh
 from topple.topology.scene import Scene
 from topple.topology.situation import Situation
@@ -29,7 +34,7 @@ from topple.topology.statics.grounds import planes_and_rest
 from topple.topology.statics.matter import friction_between
 from topple.topology.statics.mesh_contact import Polyhedron, depth, drop, mesh_contact
 from topple.topology.statics.rest import within_reach
-from topple.topology.statics.tolerances import DENSITY, GUESSED, LEVER, UNSTEADY
+from topple.topology.statics.tolerances import DENSITY, FACING, GUESSED, LEVER, UNSTEADY
 from topple.topology.upright import Upright
 
 
@@ -44,7 +49,7 @@ class Footing:
         depths: (a, b) -> how far two are in each other [m], where that is more than noise; both ways.
         drops: name -> {other: how far it is above that [m]}, for what nothing carries.
         tops: Height [m] of the highest point of each movable object, in the frame of the contacts.
-        lenience: Share of a weight that may be missing of the forces, for what noise leaves open.
+        lenience: name -> share of its weight that may be missing of the forces on it, for what noise hides.
         rotation: (3, 3) rows are the axes of the frame of the contacts, whose z is up.
         unit: What a metre of that frame stands for [m].
         exact: Whether it is of meshes.
@@ -56,7 +61,7 @@ class Footing:
     depths: Mapping[tuple[str, str], float]
     drops: Mapping[str, Mapping[str, float]]
     tops: Mapping[str, float]
-    lenience: float
+    lenience: Mapping[str, float]
     rotation: FloatArray
     unit: float
     exact: bool
@@ -115,25 +120,39 @@ def _of_meshes(scene: Scene, solids: Mapping[str, Polyhedron], rotation: FloatAr
         mass = scene.masses.get(name, volume * DENSITY)
         centre = rotation @ scene.centres[name] if name in scene.centres else centre
         weights[name] = Weight(1e3 * max(mass, 1e-9) / DENSITY, centre, LEVER)
+    contacts, depths = _meetings(scene, solids, TOUCHES, SINKS)
+    tops = {name: float(solids[name].vertices[:, 2].max()) for name in weights}
+    lenience = {name: ROLLS if name in _round(contacts) else EXACT for name in weights}
+    footing = Footing(weights, tuple(contacts), (), depths, {}, tops, lenience, rotation, 1.0, True)
+    loose = [name for name in weights if not footing.carriers(name, contacts)]
+    return replace(footing, drops={name: _drops(name, solids) for name in loose})
+
+
+def _meetings(
+    scene: Scene, solids: Mapping[str, Polyhedron], touch: float, sink: float
+) -> tuple[list[Contact], dict[tuple[str, str], float]]:
+    """Contacts of polyhedra up to a gap and down to a depth [m], and what is deeper than that."""
     lower, upper = np.array([solid.box for solid in solids.values()]).swapaxes(0, 1)
     names = list(solids)
     contacts: list[Contact] = []
     depths: dict[tuple[str, str], float] = {}
-    for i, j in near_pairs(lower, upper, TOUCHES).tolist():
+    for i, j in near_pairs(lower, upper, touch).tolist():
         a, b = _rising(names[i], names[j], scene, solids)
         if a in scene.fixed and b in scene.fixed:
             continue
         deep = depth(solids[a], solids[b], DEEPEST)
-        if deep > SINKS:
+        if deep > sink:
             depths[a, b] = depths[b, a] = deep
         friction = friction_between(scene.friction, a, b)
-        contact = mesh_contact((a, b), solids[a], solids[b], TOUCHES, max(deep, SINKS), friction)
+        contact = mesh_contact((a, b), solids[a], solids[b], touch, max(deep, sink), friction)
         contacts += [contact] if contact is not None else []
-    tops = {name: float(solids[name].vertices[:, 2].max()) for name in weights}
-    footing = Footing(weights, tuple(contacts), (), depths, {}, tops, EXACT, rotation, 1.0, True)
-    loose = [name for name in weights if not footing.carriers(name, contacts)]
-    drops = {name: _drops(name, solids) for name in loose}
-    return replace(footing, drops=drops)
+    return contacts, depths
+
+
+def _round(contacts: Iterable[Contact]) -> frozenset[str]:
+    """What stands on facets, or is stood on where it has some."""
+    faceted = [c for c in contacts if ((c.turns > FACING) & (c.turns <= FACET)).any()]
+    return frozenset(name for contact in faceted for name in (contact.a, contact.b))
 
 
 def _rising(a: str, b: str, scene: Scene, solids: Mapping[str, Polyhedron]) -> tuple[str, str]:
@@ -156,31 +175,47 @@ def _drops(name: str, solids: Mapping[str, Polyhedron]) -> dict[str, float]:
 def _of_clouds(situation: Situation) -> Footing:
     sized = situation.sized
     statics, unit = sized.statics, sized.unit
-    upright, weights = statics.upright, statics.weights
+    upright, weights = statics.upright, dict(statics.weights)
     cameras = upright.viewpoints is not None
     usable = within_reach(statics.contacts, weights)
     unseen = [contact for contact in usable if contact.inferred and cameras]
     seen: list[Contact] = [contact for contact in usable if not contact.inferred]
     depths: dict[tuple[str, str], float] = {}
+    lenience = dict.fromkeys(weights, GUESSED)
+    solids: dict[str, Polyhedron] = {}
     if not cameras:  # surfaces are whole, and faces can be held against each other
         raw = {name: cloud @ upright.rotation.T for name, cloud in sized.scene.clouds.items()}
-        noise = max(noise_and_spacing(raw[name])[0] for name in weights)
-        faces = {(c.a, c.b): faces_of(c, raw, upright, noise) for c in statics.contacts if not c.inferred}
+        noise = min(noise_and_spacing(raw[name])[0] for name in weights)  # thin walls look like more
+        for name, cloud in raw.items():
+            solid = solid_of(cloud, noise, noise_and_spacing(cloud)[1])
+            if solid is not None:
+                samples = sampled_mesh(solid.vertices, solid.faces)
+                solids[name] = Polyhedron.of(solid, np.eye(3), samples)
+        for name in solids.keys() & weights.keys() - sized.scene.centres.keys():
+            weights[name] = replace(weights[name], centre=solids[name].volume_and_centre[1])
+        met, depths = _meetings(sized.scene, solids, CLOUD_TOUCHES + noise, CLOUD_SINKS + noise)
+        others = [c for c in statics.contacts if not c.inferred and not {c.a, c.b} <= solids.keys()]
+        faces = {(c.a, c.b): faces_of(c, raw, upright, noise) for c in others}
         for (a, b), face in faces.items():
             if face is not None and face.gap < -CLOUD_SINKS - 2 * noise:
-                depths[a, b] = depths[b, a] = -unit * face.gap
-        kept = [(c, faces[c.a, c.b]) for c in seen]
+                depths[a, b] = depths[b, a] = -face.gap
+        depths = {pair: unit * deep for pair, deep in depths.items()}
+        kept = [(c, faces[c.a, c.b]) for c in seen if (c.a, c.b) in faces]
         near = CLOUD_TOUCHES + 2 * noise
         seen = [c if f is None else f.contact for c, f in kept if f is None or f.gap <= near]
-        lenience = min(UNSTEADY, (CLOUD_EDGE + 2 * noise) / LEVER)
-    else:
-        lenience = GUESSED
+        rough = {name for c in seen for name in (c.a, c.b)}
+        seen += met
+        lenience = dict.fromkeys(weights, (SOLID_EDGE + noise / 2) / LEVER)
+        lenience |= {name: ROLLS for name in weights if name in _round(met)}
+        lenience |= {n: min(UNSTEADY, (CLOUD_EDGE + 2 * noise) / LEVER) for n in weights if n in rough}
     tops = {name: float(statics.surfaces[name][:, 2].max()) for name in weights}
-    footing = Footing(
-        weights, tuple(seen), tuple(unseen), depths, {}, tops, lenience, upright.rotation, unit, False
-    )
-    loose = [name for name in weights if not footing.carriers(name, seen)]
-    drops = {name: _cloud_drops(name, statics.surfaces, upright, unit) for name in loose}
+    rotation = upright.rotation
+    footing = Footing(weights, tuple(seen), tuple(unseen), depths, {}, tops, lenience, rotation, unit, False)
+    drops: dict[str, dict[str, float]] = {}
+    for name in (name for name in weights if not footing.carriers(name, seen)):
+        drops[name] = _cloud_drops(name, statics.surfaces, upright, unit)
+        if name in solids:
+            drops[name] |= {other: unit * gap for other, gap in _drops(name, solids).items()}
     return replace(footing, drops=drops)
 
 

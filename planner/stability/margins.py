@@ -18,7 +18,7 @@ from topple.topology.geometry.axes import around
 from topple.topology.geometry.sides import inset
 from topple.topology.statics.contact import Contact
 from topple.topology.statics.equilibrium import balance, demanded, force_columns, islands, rising
-from topple.topology.statics.tolerances import CONE_EDGES
+from topple.topology.statics.tolerances import CONE_EDGES, DENSITY
 
 
 @dataclass(frozen=True)
@@ -119,9 +119,13 @@ class Island:
     def centre_margin(self, name: str) -> float:
         """How far the centre of mass of an object may be aside in the worst direction [m]."""
         ways = around(WAYS)
-        reach = self.most([self.aside(name, way) for way in ways], FARTHEST / self._footing.unit)
+        reach = self.asides(name, ways)
         inner = inset(ways * reach[:, None], np.zeros((1, 2))) if reach.min() > 0 else np.zeros(1)
         return self._footing.unit * max(float(inner[0]), 0.0)
+
+    def asides(self, name: str, ways: FloatArray) -> FloatArray:
+        """How far (K,) the centre of mass of an object may be aside along ways (K, 2) [m]."""
+        return self.most([self.aside(name, way) for way in ways], FARTHEST / self._footing.unit)
 
     def aside(self, name: str, way: FloatArray) -> FloatArray:
         """(6 n,) what forces have to give besides where a weight is a metre aside along (2,)."""
@@ -132,43 +136,51 @@ class Island:
 
     def push_margin(self, name: str, top: float) -> float:
         """Least level push at a height [m] over the centre of mass of an object [N]."""
+        weight = self.weights[name]
+        most = float(self.pushes(name, top, around(WAYS)).min())
+        return most * weight.mass * self._footing.unit**3 * GRAVITY
+
+    def pushes(self, name: str, top: float, ways: FloatArray) -> FloatArray:
+        """Most level pushes (K,) along ways (K, 2), `top` [m] over an object's centre, in its weights."""
         weight, pushes = self.weights[name], list[FloatArray]()
-        for way in around(WAYS):
+        for way in ways:
             force = np.append(way, 0.0)
             push = np.zeros(6 * len(self.names))
             push[self._rows(name)] = -np.append(force, np.cross([0.0, 0.0, top], force) / weight.size)
             pushes.append(push)
-        most = float(self.most(pushes, STRONGEST).min())
-        return most * weight.mass * self._footing.unit**3 * GRAVITY
+        return self.most(pushes, STRONGEST)
 
     @cached_property
     def tilt_margin(self) -> float:
         """By how much the ground may be tilted [rad]."""
-        slopes = np.zeros((WAYS, len(self.names), 6))
-        slopes[..., :2] = around(WAYS)[:, None]
-        return float(np.arctan(self.most(list(slopes.reshape(WAYS, -1)), STEEPEST).min()))
+        return float(np.arctan(self.slopes(around(WAYS)).min()))
+
+    def slopes(self, ways: FloatArray) -> FloatArray:
+        """Steepest slopes (K,) of the ground along ways (K, 2), as tangents."""
+        slopes = np.zeros((len(ways), len(self.names), 6))
+        slopes[..., :2] = ways[:, None]
+        return self.most(list(slopes.reshape(len(ways), -1)), STEEPEST)
 
     def loads(self) -> Mapping[str, tuple[Carry, ...]]:
         """What carries each object."""
         footing, found = self._footing, {name: list[Carry]() for name in self.names}
         loads = balance(self.weights, self.contacts).loads
-        newton = footing.unit**3 * GRAVITY * self._density
         for contact, load in zip(self.contacts, loads, strict=True):
             force = float(load.sum())
             if force <= 1e-6 * min(w.litres for w in self.weights.values()):
                 continue
-            middle = load @ contact.points / force @ footing.rotation * footing.unit
-            at = (float(middle[0]), float(middle[1]), float(middle[2]))
+            middle = load @ contact.points / force
             for name, other in ((contact.a, contact.b), (contact.b, contact.a)):
                 if name in found and footing.carries(contact, name):
-                    found[name].append(Carry(other, force * newton, at, len(contact.gaps), contact.inferred))
+                    found[name].append(self.carry(other, contact, force, middle))
         return {name: tuple(some) for name, some in found.items()}
 
-    @property
-    def _density(self) -> float:
-        """Mass of a litre [kg]: the same of all, as weights are in litres of one matter."""
-        first = next(iter(self.weights.values()))
-        return first.mass / first.litres
+    def carry(self, carrier: str, contact: Contact, litres: float, middle: FloatArray) -> Carry:
+        """What carries as many litres of the usual matter at (3,) a point of the upright frame."""
+        unit = self._footing.unit
+        x, y, z = (middle @ self._footing.rotation * unit).tolist()
+        newton = litres * DENSITY / 1e3 * unit**3 * GRAVITY
+        return Carry(carrier, newton, (x, y, z), len(contact.gaps), contact.inferred)
 
     def by_friction(self, name: str) -> bool:
         """Whether an object stands by friction alone: on polished sides it would not."""

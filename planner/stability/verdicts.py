@@ -71,8 +71,8 @@ def held(footing: Footing, names: Collection[str], contacts: Iterable[Contact]) 
     weights = {name: weight for name, weight in footing.weights.items() if name in names}
     near = [contact for contact in contacts if contact.a in weights or contact.b in weights]
     left = deficits(weights, near)
-    failing = [island for island in islands(weights, near) if any(left[n] > footing.lenience for n in island)]
-    return frozenset(weights) - frozenset[str]().union(*failing)
+    failing = {name for name in weights if left[name] > footing.lenience[name]}
+    return frozenset(weights).difference(*(i for i in islands(weights, near) if not failing.isdisjoint(i)))
 
 
 def fallen(footing: Footing, free: Collection[str], contacts: Sequence[Contact]) -> dict[str, Finding]:

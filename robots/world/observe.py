@@ -52,16 +52,11 @@ def scene_from_world(
         InvalidInput: If the world is empty, or there is none.
         UnknownObject: If `fixed` names something that is not there.
     """
-    if not pybullet.isConnected(client):
-        raise InvalidInput(f"there is no PyBullet world {client}: expected what pybullet.connect returned")
-    skipped = set(ignore)
-    count: int = pybullet.getNumBodies(physicsClientId=client)
-    bodies = [int(pybullet.getBodyUniqueId(k, physicsClientId=client)) for k in range(count)]
-    bodies = [body for body in bodies if body not in skipped]
-    if not bodies:
+    called = bodies_in(client, names or {}, ignore)
+    if not called:
         raise InvalidInput(f"the PyBullet world {client} has no bodies: expected at least one")
-    called = _names(client, bodies, names or {})
-    boxes = _trimmed({body: _box(client, body) for body in bodies})
+    bodies = list(called)
+    boxes = _trimmed({body: box_of(client, body) for body in bodies})
     clouds = {called[body]: _surface(client, body, boxes[body], spacing) for body in bodies}
     clouds = {name: cloud for name, cloud in clouds.items() if len(cloud)}
     still = [called[body] for body in bodies if _is_fixed(client, body)] if fixed is None else list(fixed)
@@ -82,15 +77,28 @@ def scene_from_world(
         fixed=[name for name in still if name in clouds],
         up=up,
         assumptions=notes,
-        masses={name: mass for body, name in seen.items() if (mass := _mass(client, body)) > 0},
+        masses={name: mass for body, name in seen.items() if (mass := mass_of(client, body)) > 0},
         friction=friction,
     )
 
 
-def _names(client: int, bodies: list[int], given: Mapping[int, str]) -> dict[int, str]:
-    """A name of its own for every body."""
+def bodies_in(client: int, given: Mapping[int, str], ignore: Iterable[int] = ()) -> dict[int, str]:
+    """A name of its own for every body of a world.
+
+    Args:
+        client: PyBullet's number of the simulation.
+        given: Names by body number.
+        ignore: Numbers of bodies to leave out.
+
+    Raises:
+        InvalidInput: There is no such world.
+    """
+    if not pybullet.isConnected(client):
+        raise InvalidInput(f"there is no PyBullet world {client}: expected what pybullet.connect returned")
+    count: int = pybullet.getNumBodies(physicsClientId=client)
+    numbers = {int(pybullet.getBodyUniqueId(k, physicsClientId=client)) for k in range(count)}
     called: dict[int, str] = {}
-    for body in bodies:
+    for body in sorted(numbers - set(ignore)):
         link, model = (text.decode() for text in pybullet.getBodyInfo(body, physicsClientId=client))
         own = given.get(body) or model or (link if link not in NAMELESS else "") or f"body_{body}"
         called[body] = own if own not in called.values() else f"{own}_{body}"
@@ -108,7 +116,7 @@ def _links(client: int, body: int) -> range:
     return range(-1, pybullet.getNumJoints(body, physicsClientId=client))
 
 
-def _mass(client: int, body: int) -> float:
+def mass_of(client: int, body: int) -> float:
     """Mass of a body with all its links [kg]; 0 where it cannot move."""
     if _is_fixed(client, body):
         return 0.0
@@ -125,7 +133,7 @@ def _friction(client: int, body: int) -> float | None:
     return found.pop() if len(found) == 1 else None
 
 
-def _box(client: int, body: int) -> FloatArray:
+def box_of(client: int, body: int) -> FloatArray:
     """(2, 3) lowest and highest corner of a body with all its links in [m]."""
     found = np.array([pybullet.getAABB(body, k, physicsClientId=client) for k in _links(client, body)])
     found = found[np.ptp(found, axis=1).max(axis=1) > 0]  # a link without a shape has no extent

@@ -83,21 +83,31 @@ def as_read(path: Path, what: str) -> BytesIO:
     return BytesIO(content if plain is None else plain(content, what))
 
 
-def _read_with_trimesh(path: Path, what: str) -> tuple[FloatArray, IntArray]:
+def load_with_trimesh(path: Path, what: str, **options: Any) -> Any:
+    """What trimesh makes of a file, which names no other one; its errors in one line.
+
+    Args:
+        path: The file.
+        what: What it is, for the message.
+        **options: Of `trimesh.load`.
+
+    Raises:
+        InvalidInput: If it cannot be read.
+        OSError: If the file cannot be read.
+    """
     import trimesh
 
     suffix = path.suffix.lower()
     source: Any = as_read(path, what)
     if suffix == ".obj":
-        _check_obj(source.getvalue(), what)
+        check_obj(source.getvalue(), what)
     log: logging.Logger = trimesh.util.log
     silent, log.disabled = log.disabled, True  # what it says of a broken file, a trace even, is said below
     try:
-        loaded: Any = trimesh.load(source, suffix[1:], process=False, skip_materials=True)
-        if isinstance(loaded, trimesh.Scene):
+        loaded: Any = trimesh.load(source, suffix[1:], process=False, skip_materials=True, **options)
+        if isinstance(loaded, trimesh.Scene) and "force" not in options:
             loaded = cast(Any, loaded).to_geometry()
-        vertices = np.asarray(loaded.vertices, dtype=np.float64)
-        faces = np.asarray(getattr(loaded, "faces", np.empty((0, 3))), dtype=np.int64).reshape(-1, 3)
+            np.asarray(loaded.vertices)  # a scene of nothing has none
     except OSError:
         raise
     except ImportError as error:  # trimesh guesses the encoding of what is neither kind of STL
@@ -109,6 +119,13 @@ def _read_with_trimesh(path: Path, what: str) -> tuple[FloatArray, IntArray]:
         raise InvalidInput(f"{what} is no readable {path.suffix[1:].upper()} file: {reason}") from error
     finally:
         log.disabled = silent
+    return loaded
+
+
+def _read_with_trimesh(path: Path, what: str) -> tuple[FloatArray, IntArray]:
+    loaded = load_with_trimesh(path, what)
+    vertices = np.asarray(loaded.vertices, dtype=np.float64)
+    faces = np.asarray(getattr(loaded, "faces", np.empty((0, 3))), dtype=np.int64).reshape(-1, 3)
     if faces.size and (faces.min() < 0 or faces.max() >= len(vertices)):
         raise InvalidInput(
             f"{what} has a face naming vertex {faces.max()}, but only {len(vertices)} vertices"
@@ -145,7 +162,7 @@ def _plain_ply(content: bytes, what: str) -> bytes:
     return b"ply\n%s\n%send_header\n%s" % (form, head, b"\n".join(rows) if text else body)
 
 
-def _check_obj(content: bytes, what: str) -> None:
+def check_obj(content: bytes, what: str) -> None:
     """Refuse lines that readers pass over: vertices and faces cut short, and faces of vertex 0."""
     materials: set[str] = set()
     with TextIOWrapper(BytesIO(content), encoding="utf-8", errors="replace") as file:

@@ -44,6 +44,7 @@ READERS: Table[Reader] = Table(
         "pile": "topple.topology.io.pile",
         "mjcf": "topple.topology.io.mjcf",
         "poses": "topple.topology.io.poses",
+        "nodes": "topple.topology.io.nodes",
         "folder": "topple.topology.io.folder",
         "file": "topple.topology.io.file",
     },
@@ -65,13 +66,14 @@ def load_scene(
 ) -> Scene:
     """Read a scene from a file or a folder, told apart by content.
 
-    Nine kinds are read: an `.npz` of clouds, one array (N, 3) per object; one cloud with a label per
+    Ten kinds are read: an `.npz` of clouds, one array (N, 3) per object; one cloud with a label per
     point, an `.npz` with `points` (N, 3) and `labels` (N,) or a `.pcd` with a field `label`; a folder
     with one cloud or mesh file per object and perhaps a `scene.json`; an RGB-D frame (`.npz` or `.npy`)
     with `depth`, `K` and a mask (H, W) or a stack `masks` (N, H, W); an image of a scene of a BOP dataset
     (`topple.topology.io.bop`); a frame of a recording of ROS (`topple.topology.io.bag`); a view of a
     recorded pile (`topple.topology.io.pile`); an MJCF file (`topple.topology.io.mjcf`); a list of meshes
-    and poses (`topple.topology.io.poses`). Other packages add more (`READERS`).
+    and poses (`topple.topology.io.poses`); a GLB or OBJ file with a node or group an object
+    (`topple.topology.io.nodes`). Other packages add more (`READERS`).
 
     Where nothing is fixed, the table is the object named so, else the plane that carries the objects among
     the pixels or points of the background (label 0).

@@ -292,7 +292,7 @@ def _between(sides: FloatArray, normals: FloatArray) -> BoolArray:
     middle = sides.sum(axis=1)
     middle /= np.maximum(np.linalg.norm(middle, axis=1, keepdims=True), 1e-12)
     limit = np.einsum("ij,ij->i", sides[:, 0], middle)
-    return np.asarray(np.einsum("ij,ij->i", normals, middle) >= limit - 1e-3)
+    return np.asarray(np.einsum("ij,ij->i", normals, middle) >= limit - FACING / 2)
 
 
 def depth(a: Polyhedron, b: Polyhedron, deepest: float) -> float:
@@ -326,8 +326,11 @@ def _sunk(a: Polyhedron, b: Polyhedron, deepest: float, box: tuple[FloatArray, F
         return 0.0
     # a side further off than the surface is not the one that the point is behind
     nearest = PointTree(np.concatenate([b.samples, b.vertices])).query(points[point[inside]])[0]
-    deep = -heights[inside]
-    return float(deep[deep <= nearest + 1e-9].max(initial=0.0))
+    deep, sunk = -heights[inside], points[point[inside]]
+    deepest_first = np.argsort(-deep, kind="stable")
+    # beside a seam between parts a point may be behind a face inside of them, and not within any
+    likely = deepest_first[(deep <= nearest + 1e-9)[deepest_first]]
+    return next((float(deep[k]) for k in likely if _encloses(b, sunk[k])), 0.0)
 
 
 def _encloses(solid: Polyhedron, point: FloatArray) -> bool:

@@ -2,6 +2,7 @@
 
 import json
 from collections.abc import Mapping
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -12,8 +13,10 @@ import topple
 from topple.benchmarks.check import SPOILS, cases
 from topple.benchmarks.truth.designed import designed
 from topple.planner.cli.main import main
+from topple.planner.simulate.play import play
 from topple.planner.stability.check import StabilityCheck, check
 from topple.robots.collision.convex import hull_of
+from topple.robots.engines import playing_on
 from topple.robots.world.bodies import joined
 from topple.testing import assert_stands
 from topple.topology import InvalidInput, Mesh, Scene
@@ -208,3 +211,58 @@ def test_what_cannot_be_checked_is_refused() -> None:
         check(scene({}))
     with pytest.raises(InvalidInput, match="does not say where up is"):
         check(Scene({"mug": CUBE}))
+
+
+def test_a_stack_withstands_by_its_weights_what_the_programme_of_forces_says(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    """On rough surfaces: a pyramid of friction is inside of the cone; what falls is the same, too."""
+    meshes = {
+        "low": box((0.1, 0.12, 0.05), (0, 0, 0.025), yaw=0.3),
+        "plank": box((0.2, 0.05, 0.02), (0.06, 0.01, 0.06), yaw=0.1),
+        "weight": box((0.05, 0.05, 0.08), (0.0, 0.0, 0.11)),
+        "other": box((0.04, 0.04, 0.1), (0.12, 0.01, 0.12)),
+    }
+    stacked = scene(meshes, friction=dict.fromkeys(["table", *meshes], 2.0), masses={"weight": 2.0})
+    found = check(stacked)
+    monkeypatch.setattr("topple.planner.stability.check.as_stack", lambda _, island: island)
+    programmed = check(stacked)
+    assert found.stands
+    for name, each in found.objects.items():
+        other = programmed.objects[name]
+        assert each.falls_with == other.falls_with
+        assert [(c.name, pytest.approx(c.force)) for c in each.carried_by] == [
+            (c.name, c.force) for c in other.carried_by
+        ]
+        assert each.margins is not None
+        assert other.margins is not None
+        for figure in ("centre", "tilt", "push"):
+            assert getattr(each.margins, figure) == pytest.approx(getattr(other.margins, figure), rel=1e-3)
+
+
+@pytest.mark.parametrize("engine", ["bullet", "mujoco"])
+def test_simulation_says_the_same_and_where_it_does_not_that_is_shown(
+    engine: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    """Of what stands, tips and floats; and where statics is made to say something else."""
+    pytest.importorskip("pybullet" if engine == "bullet" else engine)
+    meshes = {
+        "book": BOOK,
+        "mug": box((0.08, 0.08, 0.1), (0.105, 0, 0.08)),
+        "block": box((0.08, 0.06, 0.1), (-0.2, 0, 0.05)),
+        "high": box((0.08, 0.06, 0.1), (-0.2, 0.2, 0.1)),
+    }
+    with playing_on(engine):
+        made = scene(meshes)
+        found = check(made)
+        played = play(made, found)
+        assert played.engine == engine
+        assert played.disagreeing == ()
+        assert played.moves["block"].distance < 0.002
+        assert played.moves["mug"].distance > 0.02
+        assert played.moves["high"].distance == pytest.approx(0.05, abs=0.003)
+        said = replace(found, objects={**found.objects, "mug": found.objects["block"]})
+        assert play(made, said).disagreeing == ("mug",)
+        made.save(tmp_path / "made")
+        assert main(["check", str(tmp_path / "made"), "--play", "--json"]) == 1
+        assert json.loads(capsys.readouterr().out)["played"]["disagreeing"] == []
