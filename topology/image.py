@@ -14,6 +14,7 @@ from topple.topology.arguments import checked_arguments
 from topple.topology.arrays import BoolArray, FloatArray, IntArray, frozen, frozen_int, rounded, whole_numbers
 from topple.topology.checks import as_intrinsics, as_name, as_pose, numeric
 from topple.topology.errors import InvalidInput
+from topple.topology.kernels.tolerances import NEAREST
 from topple.topology.tolerances import (
     BENT,
     FARTHEST_DEPTH,
@@ -24,7 +25,7 @@ from topple.topology.tolerances import (
 )
 from topple.topology.values import ByValue, FrozenDict
 from topple.topology.views.borders import Borders, borders
-from topple.topology.views.tolerances import FEWEST, NEAREST
+from topple.topology.views.tolerances import FEWEST
 
 _Value = TypeVar("_Value")
 

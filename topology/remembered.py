@@ -6,12 +6,15 @@ from collections.abc import Callable, Hashable
 from contextlib import suppress
 from functools import wraps
 from typing import Any, ParamSpec, TypeVar
+from weakref import ref
 
 import numpy as np
 
 _Given = ParamSpec("_Given")
 _Made = TypeVar("_Made")
 _MISSING: Any = object()
+_DIGESTS: dict[int, tuple["ref[Any]", Hashable]] = {}
+"""What stands for read-only arrays, while there are any, by their places in memory."""
 
 
 def remembered(most: int) -> Callable[[Callable[_Given, _Made]], Callable[_Given, _Made]]:
@@ -51,6 +54,13 @@ def remembered(most: int) -> Callable[[Callable[_Given, _Made]], Callable[_Given
 
 def _standing_for(value: Any) -> Hashable:
     """What stands for an argument in a key: of an array its shape and a digest of its numbers."""
-    if isinstance(value, np.ndarray):
-        return value.shape, value.dtype.char, hashlib.sha256(np.ascontiguousarray(value).data).digest()
-    return value
+    if not isinstance(value, np.ndarray):
+        return value
+    known = _DIGESTS.get(id(value))
+    if known is not None and known[0]() is value:
+        return known[1]
+    told = value.shape, value.dtype.char, hashlib.sha256(np.ascontiguousarray(value).data).digest()
+    if not value.flags.writeable and value.base is None:  # nobody can change it under us
+        key = id(value)
+        _DIGESTS[key] = ref(value, lambda _: _DIGESTS.pop(key, None)), told
+    return told

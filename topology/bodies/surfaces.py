@@ -68,6 +68,8 @@ class Surfaces:
         if self.sight is None:  # else what was seen through openings tells
             movable = [name for name in missing if name in self.upright.movable]
             self._done.update((name, self._without_lids(name)) for name in movable)
+        for name in missing:
+            self._done[name].setflags(write=False)
         return {name: self._done[name] for name in names}
 
     def _without_lids(self, name: str) -> FloatArray:

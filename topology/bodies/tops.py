@@ -24,6 +24,7 @@ from topple.topology.bodies.tolerances import (
     MOST_CELLS,
     MOST_LEVELS,
     OVERLAP,
+    PLATES_FEWEST,
     RAISED,
     RISES,
     ROOM,
@@ -166,7 +167,9 @@ def _surface(whole: FloatArray, up: FloatArray) -> tuple[FloatArray, float] | No
         return None
     height = float(np.median(heights))
     off = whole[np.abs(whole @ normal - height) > max(RISES, 4.0 * _spread(heights))]
-    if pieces_of(voxel_means(off, 2 * GRAIN, ahead=0.0), surface_spacing(off, spacing_of(whole))):
+    if len(off) >= PLATES_FEWEST and pieces_of(
+        voxel_means(off, 2 * GRAIN, ahead=0.0), surface_spacing(off, spacing_of(whole))
+    ):
         return None
     parting = _parting(cloud @ normal)
     if parting is None:

@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from topple.topology.arrays import FloatArray
+from topple.topology.arrays import FloatArray, middle_of
 from topple.topology.geometry.tolerances import ENOUGH
 
 
@@ -54,9 +54,10 @@ def own_axes(points: FloatArray) -> FloatArray:
         (3, 3) rotation, rows the principal axes, widest first, each towards the longer tail of the points.
     """
     some = points[:: -(-len(points) // ENOUGH)]
-    centred = some - some.mean(axis=0)
+    centred = some - middle_of(some)
     axes = np.linalg.eigh(centred.T @ centred)[1].T[::-1]
-    tails = ((centred @ axes.T) ** 3).sum(axis=0)
+    far = centred @ axes.T
+    tails = np.einsum("ni->i", far * far * far)
     axes = np.where(tails < 0, -1.0, 1.0)[:, None] * axes
     axes[2] = cross(axes[0], axes[1])
     return axes

@@ -6,13 +6,13 @@ crescent, but over the circle the crescent is part of.
 
 import numpy as np
 from scipy import ndimage
-from scipy.spatial import ConvexHull, QhullError
 
 from topple.topology.arrays import BoolArray, FloatArray, bounds, lengths
 from topple.topology.geometry.axes import level_axes
 from topple.topology.geometry.hull import Hull
 from topple.topology.geometry.sides import beyond, sides_of
 from topple.topology.geometry.tolerances import FEWEST, INSIDE, OPENED, ROUND
+from topple.topology.kernels.outline import outline_corners
 from topple.topology.kernels.spheres import sphere_through
 
 CORNERS = np.arange(24) * (2 * np.pi / 24)
@@ -48,9 +48,8 @@ def least_rectangle(flat: FloatArray) -> FloatArray:
     Returns:
         (2,) unit vector; along the points where they lie in one line.
     """
-    try:
-        corners = flat[ConvexHull(flat).vertices]
-    except QhullError:
+    corners = flat[outline_corners(flat)]
+    if len(corners) == 0:
         middle = flat - flat.mean(axis=0)
         return np.asarray(np.linalg.eigh(middle.T @ middle)[1][:, 1], dtype=np.float64)
     sides = np.roll(corners, -1, axis=0) - corners

@@ -14,6 +14,7 @@ VARIABLE = "TOPPLE_KERNELS"
 """Environment variable: `numpy` lets the twins run although there is a library."""
 
 _ARRAY, _COUNT, _NUMBER = ctypes.c_void_p, ctypes.c_int64, ctypes.c_double
+_PICTURE = (_ARRAY, _ARRAY, _ARRAY, _COUNT, _COUNT, _NUMBER)
 _SIGNATURES = {
     "tree_sizes": (None, _COUNT, _ARRAY, _ARRAY),
     "tree_build": (None, _ARRAY, _COUNT, _ARRAY, _ARRAY),
@@ -26,6 +27,13 @@ _SIGNATURES = {
     "cells_bounds": (None, _ARRAY, _COUNT, _ARRAY, _ARRAY),
     "cells_sort": (_COUNT, _ARRAY, _COUNT, _ARRAY, _ARRAY, _ARRAY, _NUMBER, _ARRAY, _ARRAY),
     "cells_means": (None, _ARRAY, _ARRAY, _ARRAY, _COUNT, _ARRAY),
+    "continued_planes": (None, *_PICTURE, _ARRAY, _COUNT, _ARRAY),
+    "continued_surfaces": (
+        None, *_PICTURE, _ARRAY, _COUNT, _COUNT, _NUMBER, _NUMBER, _COUNT, _COUNT, _COUNT, _ARRAY, _COUNT,
+        _ARRAY, _ARRAY, _ARRAY,
+    ),
+    "heights_over": (None, _ARRAY, _COUNT, _ARRAY, _NUMBER, _ARRAY, _ARRAY, _NUMBER, _ARRAY),
+    "outline_corners": (_COUNT, _ARRAY, _COUNT, _ARRAY),
     "planes_of_patches": (None, _ARRAY, _COUNT, _COUNT, _ARRAY, _ARRAY, _ARRAY),
     "sphere_nearest": (_COUNT, _ARRAY, _COUNT, _COUNT, _COUNT, _NUMBER, _NUMBER, _ARRAY),
 }  # fmt: skip

@@ -9,7 +9,7 @@ import numpy as np
 
 from topple.topology.arrays import BoolArray, FloatArray
 from topple.topology.rule.surface import SurfaceCloud
-from topple.topology.rule.tolerances import COVERED, DEPTH, PLACES, SETTLED
+from topple.topology.rule.tolerances import COVERED, DEPTH, SETTLED
 from topple.topology.tolerances import DEPTH_NOISE
 from topple.topology.views.free_space import FreeSpace
 
@@ -52,7 +52,7 @@ def settled_share(a: SurfaceCloud, b: SurfaceCloud, sight: FreeSpace) -> float:
 
 def _across(a: SurfaceCloud, b: SurfaceCloud) -> tuple[FloatArray, FloatArray, FloatArray]:
     """Places (N, 3) on A's hull, the places (N, 3) on B they face, and how far those are [m]."""
-    places = a.hull.spread(PLACES)
+    places = a.places
     table = places @ b.hull.normals.T + b.hull.offsets
     facet = table.argmax(axis=1)
     length = table[np.arange(len(places)), facet]

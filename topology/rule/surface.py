@@ -27,6 +27,7 @@ from topple.topology.rule.tolerances import (
     LARGEST_CELL,
     LINKS,
     PATCH,
+    PLACES,
     PROBES,
 )
 from topple.topology.tolerances import TOLERANCES
@@ -87,6 +88,11 @@ class SurfaceCloud:
     def hull(self) -> Hull:
         """Hull of the mean points: trimmed of noise by half a cell's worth of averaging."""
         return Hull.of(self.coarse)
+
+    @cached_property
+    def places(self) -> FloatArray:
+        """(N, 3) places spread over the hull, which may face other surfaces [m]."""
+        return self.hull.spread(PLACES)
 
     @cached_property
     def _box(self) -> tuple[FloatArray, FloatArray]:

@@ -201,6 +201,7 @@ def _meeting(
     return [(names[i], names[j]) for i, j in sorted(pairs)]
 
 
+@remembered(KEPT_PAIRS)
 def _on_plane(ground: str, plane: Plane, name: str, points: FloatArray, reach: float) -> Contact | None:
     """Contact of an object with a table top."""
     over, heights = plane.over(points), plane.heights(points)

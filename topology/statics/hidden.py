@@ -7,6 +7,7 @@ import numpy as np
 
 from topple.topology.arrays import FloatArray, bounds
 from topple.topology.geometry.tolerances import BEFORE
+from topple.topology.kernels.heights import heights_over
 from topple.topology.statics.contact import TOLERANCES, Contact, rubbing
 from topple.topology.statics.equilibrium import Weight, balance
 from topple.topology.statics.grounds import Plane, planes_and_rest
@@ -92,7 +93,7 @@ class _Tops:
         for order, (name, points) in enumerate(surfaces.items()):
             planes, sides = planes_and_rest(upright, name) if name in upright.fixed else ((), points)
             self._planes += [(order, name, plane) for plane in planes]
-            for cell, height in _plan(sides, np.maximum, corner).items():
+            for cell, height in _plan(sides, True, corner).items():
                 self._cells.setdefault(cell, []).append((order, name, height))
 
     def below(self, name: str, cell: tuple[int, int], spot: FloatArray) -> tuple[float, str] | None:
@@ -115,7 +116,7 @@ class _Tops:
 
 def _below(name: str, surface: FloatArray, tops: _Tops, sight: FreeSpace | None) -> list[Contact]:
     """For each object under `name`, the cells in which its underside faces the highest top below it."""
-    under = _plan(surface, np.minimum, tops.corner)
+    under = _plan(surface, False, tops.corner)
     x, y = tops.corner
     spots = np.array(
         [(x + (i + 0.5) * PLAN_CELL, y + (j + 0.5) * PLAN_CELL, z) for (i, j), z in under.items()]
@@ -140,15 +141,11 @@ def _below(name: str, surface: FloatArray, tops: _Tops, sight: FreeSpace | None)
     return found
 
 
-def _plan(points: FloatArray, extreme: np.ufunc, corner: FloatArray) -> dict[tuple[int, int], float]:
+def _plan(points: FloatArray, highest: bool, corner: FloatArray) -> dict[tuple[int, int], float]:
     """Highest (or lowest) height per plan cell."""
     if len(points) == 0:
         return {}
-    cells = np.floor((points[:, :2] - corner) / PLAN_CELL).astype(np.int64)
-    first = cells.min(axis=0)
-    across = int(cells[:, 1].max() - first[1]) + 1
-    keys, inverse = np.unique((cells - first) @ np.array([across, 1]), return_inverse=True)
-    heights = np.full(len(keys), -np.inf if extreme is np.maximum else np.inf)
-    extreme.at(heights, inverse, points[:, 2])
-    rows, columns = keys // across + first[0], keys % across + first[1]
-    return dict(zip(zip(rows.tolist(), columns.tolist(), strict=True), heights.tolist(), strict=True))
+    first, last = (np.floor((each[:2] - corner) / PLAN_CELL).astype(np.int64) for each in bounds(points))
+    heights = heights_over(points, corner, PLAN_CELL, last - first + 1, highest, first)
+    cells = np.argwhere(np.isfinite(heights))
+    return dict(zip(map(tuple, (cells + first).tolist()), heights[tuple(cells.T)].tolist(), strict=True))

@@ -12,6 +12,7 @@ from topple.topology.bodies.tolerances import KEPT_BODIES
 from topple.topology.geometry.axes import around
 from topple.topology.geometry.sides import hull_volume
 from topple.topology.geometry.thin import voxel_means
+from topple.topology.geometry.tolerances import ENOUGH
 from topple.topology.kernels.neighbours import PointTree
 from topple.topology.relation_table import RelationTable
 from topple.topology.remembered import remembered
@@ -227,7 +228,7 @@ def weigh(points: FloatArray, mass: float | None = None, centre: FloatArray | No
     centre = middle_of(points) if centre is None else centre
     if mass is not None:
         return Weight(1e3 * mass / DENSITY, centre, LEVER)
-    volume = volume_around(points)
+    volume = volume_around(points[:: -(-len(points) // ENOUGH)])
     shell = len(voxel_means(points, SHELL_CELL)) * SHELL_CELL**2 * WALL
     return Weight(1e3 * max(min(volume, shell), 1e-7), centre, LEVER)
 

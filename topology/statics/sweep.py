@@ -7,6 +7,7 @@ from scipy.ndimage import maximum_filter
 
 from topple.topology.arrays import FloatArray, IntArray, bounds
 from topple.topology.geometry.axes import around
+from topple.topology.kernels.heights import heights_over
 from topple.topology.remembered import remembered
 from topple.topology.statics.tolerances import CLEAR, KEPT_PAIRS, LIFT, PLACES, SWEEP_CELL
 
@@ -45,12 +46,12 @@ def overlap(upper: FloatArray, lower: FloatArray) -> Overlap | None:
     if (low >= high).any() or most[2] < lowest[2]:
         return None
     size = np.ceil((high - low) / SWEEP_CELL).astype(np.int64) + 1
-    ceiling = _plan(upper, low, size, highest=True)
-    ground = _plan(lower, low, size, highest=False)
+    ceiling = heights_over(upper, low, SWEEP_CELL, size, highest=True)
+    ground = heights_over(lower, low, SWEEP_CELL, size, highest=False)
     height = ceiling - ground
     # Where the lifted one reaches higher, it is the one on top: solids do not pass through each other.
     # The neighbouring cells count, since a sampled surface leaves some cells without a point.
-    on_top = ceiling > maximum_filter(_plan(lower, low, size, highest=True), size=3)
+    on_top = ceiling > maximum_filter(heights_over(lower, low, SWEEP_CELL, size, highest=True), size=3)
     above = on_top & np.isfinite(height) & (height > CLEAR) & (height < LIFT + 0.1)
     cells = np.argwhere(above)
     if len(cells) == 0:
@@ -83,7 +84,7 @@ def swept_matrix(swept: FloatArray, other: FloatArray) -> IntArray:
     size = np.minimum(np.ceil((high[:2] - low[:2]) / SWEEP_CELL).astype(np.int64), most) + 1 - least
     if (size <= 0).any():
         return np.array([[0, 0, len(swept)], [0, 0, len(other)]])
-    ground, top = (_plan(swept, low[:2], size, highest=highest, first=least) for highest in (False, True))
+    ground, top = (heights_over(swept, low[:2], SWEEP_CELL, size, each, least) for each in (False, True))
     cells -= least
     over = np.all((cells >= 0) & (cells < size), axis=1)
     index = (cells[over, 0], cells[over, 1])
@@ -96,23 +97,3 @@ def swept_matrix(swept: FloatArray, other: FloatArray) -> IntArray:
     inner, boundary = int(inside.sum()), int(on.sum())
     own = min(boundary, len(swept))
     return np.array([[0, own, len(swept) - own], [inner, boundary, len(other) - inner - boundary]])
-
-
-def _plan(
-    points: FloatArray, low: FloatArray, size: IntArray, highest: bool, first: IntArray | int = 0
-) -> FloatArray:
-    """Plan view: the highest or lowest height per cell, ∓inf where there is none.
-
-    Args:
-        points: (N, 3) upright points [m].
-        low: (2,) where cells are counted from [m].
-        size: (2,) how many there are.
-        highest: Which height.
-        first: (2,) number of the first cell.
-    """
-    plan = np.full(tuple(size), -np.inf if highest else np.inf)
-    cells = np.floor((points[:, :2] - low) / SWEEP_CELL).astype(np.int64) - first
-    inside = np.all((cells >= 0) & (cells < size), axis=1)
-    index = (cells[inside, 0], cells[inside, 1])
-    (np.maximum if highest else np.minimum).at(plan, index, points[inside, 2])
-    return plan

@@ -14,21 +14,22 @@ from numpy.typing import NDArray
 from scipy import ndimage
 
 from topple.topology.arrays import BoolArray, FloatArray, IntArray
-from topple.topology.views.tolerances import (
+from topple.topology.kernels.continued import continued
+from topple.topology.kernels.tolerances import (
     AROUND,
     BORDER,
-    CLEARLY,
-    ENOUGH,
     FAR,
-    IN_A_PART,
-    NARROW,
     NEAREST,
     NO_SURFACE,
     NOBODY,
     OFF,
+)
+from topple.topology.views.tolerances import (
+    CLEARLY,
+    ENOUGH,
+    IN_A_PART,
     OFF_BORDERS,
     OFF_REGISTERED,
-    PATCH,
     STEP,
     THIN,
 )
@@ -89,21 +90,21 @@ def borders(depth: FloatArray, label: IntArray) -> Borders:
 def _owners(depth: FloatArray, label: IntArray) -> tuple[IntArray, float]:
     picture = Picture.of(depth, label)
     rim = np.flatnonzero((picture.inverse > 0) & (picture.surface == NO_SURFACE))
-    steps, owner, ahead = picture.continued(rim, own=True)
+    steps, owner, ahead = continued(picture, rim, own=True)
     thin = np.flatnonzero(steps > FAR)
     middle = picture.is_middle(rim[thin])
     picture.continue_from(rim[thin[middle]])
     left = thin[~middle]
-    steps[left], owner[left], ahead[left] = picture.continued(rim[left], own=True)
+    steps[left], owner[left], ahead[left] = continued(picture, rim[left], own=True)
     for _ in range(BORDER):  # what bends away is followed from pixel to pixel
         picture.continue_from(rim[owner != NOBODY])
         left = np.flatnonzero((steps <= FAR) & (owner == NOBODY))
-        _, owner[left], _ = picture.continued(rim[left], own=True)
+        _, owner[left], _ = continued(picture, rim[left], own=True)
         if (owner[left] == NOBODY).all():
             break
     off = (steps <= FAR) & (owner == NOBODY)
     wrong = rim[off]
-    _, owner, before = picture.continued(wrong, own=False)
+    _, owner, before = continued(picture, wrong, own=False)
     found = picture.label.copy()
     found[wrong] = owner
     flying = owner == NOBODY
@@ -210,65 +211,6 @@ class Picture:
         plane = level + inverse @ square / np.square(square).sum(axis=0) @ square.T
         off = np.abs(1.0 / plane - 1.0 / inverse).max(axis=1)
         return np.unique(squares[off <= OFF * np.maximum(1.0, 1.0 / level[:, 0]) ** 2])
-
-    def continued(self, at: IntArray, own: bool) -> tuple[IntArray, IntArray, BoolArray]:
-        """Which surfaces pixels continue.
-
-        Args:
-            at: (k,) pixels.
-            own: Whether of the pixel's own mask, or of others.
-
-        Returns:
-            (k,) pixels to the nearest such inside, more than `FAR` where none is met; labels of the first
-            that is continued, or `NOBODY`; whether the pixel lies before all: a rim does, nothing that flies.
-        """
-        nearest, owner = np.full(len(at), FAR + 1), np.full(len(at), NOBODY)
-        ahead, left = np.ones(len(at), dtype=bool), np.arange(len(at))
-        for down, right in AROUND:
-            step = down * self.width + right
-            found, place, steps = self._ray(at[left], step, own)
-            nearest[left[found]] = np.minimum(nearest[left[found]], steps)
-            ends, which = np.unique(place, return_inverse=True)
-            level, slope_down, slope_right = self.planes(ends)[:, which]
-            depth = 1.0 / self.inverse[at[left[found]]]
-            plane = level - steps * (down * slope_down + right * slope_right)
-            behind, most = 1.0 / np.maximum(plane, NEAREST) - depth, OFF * np.maximum(1.0, depth) ** 2
-            ahead[left[found]] &= behind > most
-            close = np.abs(behind) <= most
-            owner[left[found][close]] = self.label[place[close]]
-            left = left[owner[left] == NOBODY]
-        return nearest, owner, ahead
-
-    def _ray(self, at: IntArray, step: int, own: bool) -> tuple[BoolArray, IntArray, IntArray]:
-        """Where rays first meet an inside: which rays do (k,), at what pixel and after how many steps."""
-        ends, steps = np.full(len(at), -1), np.zeros(len(at), dtype=np.int64)
-        left, place, label = np.arange(len(at)), at, self.label[at]
-        for number in range(1, FAR + 1):
-            place = place + step
-            seen = self.surface[place]
-            hit = seen == label if own else (seen != NO_SURFACE) & (seen != label)
-            ends[left[hit]], steps[left[hit]] = place[hit], number
-            left, place, label = left[~hit], place[~hit], label[~hit]
-        found = ends >= 0
-        return found, ends[found], steps[found]
-
-    def planes(self, at: IntArray) -> FloatArray:
-        """Inverse depth and its slope down and right (3, k) of planes fitted around pixels (k,)."""
-        down, right = np.indices((PATCH, PATCH)).reshape(2, -1).astype(np.float64) - PATCH // 2
-        places = at[:, None] + (down * self.width + right).astype(np.int64)
-        weight = (self.surface[places] == self.label[at][:, None]).astype(np.float64)
-        count = weight.sum(axis=1)
-        inverse = weight * self.inverse[places]
-        moments = np.stack([down, right, down**2, right**2, down * right], axis=1)
-        row, column, rows, columns, both = (weight @ moments / count[:, None]).T
-        level = inverse.sum(axis=1) / count
-        along_rows, along_columns = (inverse @ moments[:, :2] / count[:, None]).T
-        rows, columns, both = rows - row**2 + NARROW, columns - column**2 + NARROW, both - row * column
-        along_rows, along_columns = along_rows - level * row, along_columns - level * column
-        area = rows * columns - both**2
-        slope_down = (along_rows * columns - along_columns * both) / area
-        slope_right = (along_columns * rows - along_rows * both) / area
-        return np.stack([level - slope_down * row - slope_right * column, slope_down, slope_right])
 
 
 def _from_border(label: IntArray, most: int = BORDER) -> NDArray[np.int8]:

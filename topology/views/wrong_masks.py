@@ -17,23 +17,21 @@ from scipy import ndimage
 
 from topple.topology.arrays import BoolArray, FloatArray, IntArray
 from topple.topology.geometry.sides import beyond, sides_of
+from topple.topology.kernels.continued import planes_around
+from topple.topology.kernels.tolerances import AROUND, FAR, NEAREST, OFF
 from topple.topology.values import Word
 from topple.topology.views.borders import Picture
 from topple.topology.views.tolerances import (
-    AROUND,
     CHORD,
     COLUMNS,
     CREASE,
     EVEN,
-    FAR,
     FEWEST,
     FLUSH,
     HELD,
     INWARDS,
     MEETS,
     MOSTLY,
-    NEAREST,
-    OFF,
     PIECE,
     SEAM,
     STEP,
@@ -140,7 +138,7 @@ def _smooth(picture: Picture) -> Iterator[list[int]]:
         ends = np.stack([at - INWARDS * step, at + (INWARDS + 1) * step])
         both = np.stack([own[at], beside[at]])
         whole = (picture.surface[ends] == both).all(axis=0)
-        here, there = (picture.planes(end) for end in ends[:, whole])
+        here, there = (planes_around(picture, end) for end in ends[:, whole])
         metres = np.square(1.0 / np.maximum(np.maximum(here[0], there[0]), NEAREST))
         between = there[0] - here[0]
         off = (apart * np.stack([here[axis], there[axis]]) - between) * metres

@@ -8,10 +8,14 @@ import pytest
 from topple.topology.arrays import bounds
 from topple.topology.kernels import build, compiled
 from topple.topology.kernels.cells import cells_of, turned_bounds
+from topple.topology.kernels.continued import continued, planes_around
+from topple.topology.kernels.heights import heights_over
 from topple.topology.kernels.neighbours import PointTree
+from topple.topology.kernels.outline import outline_corners
 from topple.topology.kernels.pieces import pieces_of_links
 from topple.topology.kernels.planes import patch_planes
 from topple.topology.kernels.spheres import sphere_nearest
+from topple.topology.views.borders import Picture
 
 pytestmark = pytest.mark.skipif(compiled.kernels() is None, reason="no kernels were compiled here")
 
@@ -167,6 +171,54 @@ def test_planes_are_those_of_eigenvectors(monkeypatch, size):
 def test_what_is_flat_has_no_sphere(monkeypatch, name, path):
     monkeypatch.setenv(compiled.VARIABLE, path)
     assert sphere_nearest(CLOUDS[name], 2.5) is None
+
+
+@pytest.mark.parametrize("name", [name for name in CLOUDS if name != "in two axes"])
+@pytest.mark.parametrize("highest", [True, False])
+def test_heights_over_a_plan_are_the_same(monkeypatch, name, highest):
+    points, size, first = CLOUDS[name], np.array([9, 14]), np.array([-2, 1])
+    asked = (points, points[:, :2].min(axis=0) - 0.01, 0.21, size, highest, first)
+    monkeypatch.delenv(compiled.VARIABLE, raising=False)
+    ours = heights_over(*asked)
+    monkeypatch.setenv(compiled.VARIABLE, "numpy")
+    assert ours.shape == (9, 14)
+    assert np.array_equal(ours, heights_over(*asked))
+
+
+@pytest.mark.parametrize("name", CLOUDS)
+def test_outlines_have_the_same_corners(monkeypatch, name):
+    flat = CLOUDS[name][:, :2]
+    monkeypatch.delenv(compiled.VARIABLE, raising=False)
+    ours = outline_corners(flat)
+    monkeypatch.setenv(compiled.VARIABLE, "numpy")
+    twin = outline_corners(flat)
+    assert {tuple(place) for place in flat[ours]} == {tuple(place) for place in flat[twin]}
+    assert (len(ours) == 0) == (name in ("one", "coincident", "on a line"))
+    if len(ours):  # to the left, from whichever corner
+        sides = np.roll(flat[ours], -1, axis=0) - flat[ours]
+        after = np.roll(sides, -1, axis=0)
+        assert (sides[:, 0] * after[:, 1] - sides[:, 1] * after[:, 0] > 0).all()
+
+
+def test_the_same_surfaces_are_continued_to_borders(monkeypatch):
+    rows, columns = np.mgrid[:60, :80]
+    label = 1 + (columns > 40 + 3 * np.sin(rows / 5)).astype(np.int64) + (rows > 45)
+    depth = 0.8 + 0.05 * label + 1e-3 * columns + RNG.normal(size=label.shape) * 1e-3
+    depth[RNG.random(label.shape) < 0.05] = 0.0
+    picture = Picture.of(depth, np.roll(label, 2, axis=1))
+    rim = np.flatnonzero((picture.inverse > 0) & (picture.surface < 0))
+    inside = np.flatnonzero(picture.surface > 0)
+    found = []
+    for path in ("", "numpy"):
+        monkeypatch.setenv(compiled.VARIABLE, path)
+        found.append(
+            (planes_around(picture, inside), *(continued(picture, rim, own) for own in (True, False)))
+        )
+    (planes, *ours), (expected, *twins) = found
+    assert np.allclose(planes, expected, rtol=0, atol=1e-10)
+    for each, twin in zip(ours, twins, strict=True):
+        assert all(np.array_equal(a, b) for a, b in zip(each, twin, strict=True))
+    assert 0.1 < np.mean(ours[0][1] > 0) < 1.0 and (ours[1][1] > 0).any()
 
 
 @pytest.mark.slow
