@@ -161,6 +161,25 @@ def _obj() -> Parts:
     return {"mug.obj": ("\n".join(lines) + "\n").encode()}
 
 
+def _groups() -> Parts:
+    corners = [f"v {x} {y} {z + 0.2 * k}" for k in (0, 1) for x, y, z in _CORNERS]
+    faces = [[f"f {a + at} {b + at} {c + at}" for a, b, c in _FACES] for at in (1, 1 + len(_CORNERS))]
+    return {"scene.obj": "\n".join([*corners, "o mug", *faces[0], "o lid", *faces[1], ""]).encode()}
+
+
+def _nodes() -> Parts:
+    import trimesh
+
+    scene = trimesh.Scene()
+    for name, height in (("mug", 0.0), ("lid", 0.2)):
+        mesh = trimesh.Trimesh(_CORNERS, _FACES, process=False)
+        scene.add_geometry(
+            mesh, name, name, transform=trimesh.transformations.translation_matrix([0, height, 0])
+        )
+    written: Any = scene.export(file_type="glb")
+    return {"scene.glb": bytes(written)}
+
+
 def _stl(binary: bool) -> Callable[[], Parts]:
     def parts() -> Parts:
         triangles = [_CORNERS[list(face)] for face in _FACES]
@@ -229,6 +248,8 @@ SCENES = (
     Reader("ply binary mesh", _ply("binary_little_endian", faces=True), load_scene, wrong_scene),
     Reader("xyz", _xyz, load_scene, wrong_scene),
     Reader("obj", _obj, load_scene, wrong_scene),
+    Reader("obj of groups", _groups, load_scene, _wrong_clouds, "scene.obj"),
+    Reader("glb of nodes", _nodes, load_scene, _wrong_clouds, "scene.glb"),
     Reader("stl ascii", _stl(binary=False), load_scene, wrong_scene),
     Reader("stl binary", _stl(binary=True), load_scene, wrong_scene),
 )

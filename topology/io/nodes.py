@@ -1,8 +1,9 @@
 """Scenes as one GLB or OBJ file, a node or group an object: what modelling programs and generators write."""
 
+from collections.abc import Callable
 from itertools import pairwise
 from pathlib import Path
-from typing import Any
+from typing import Any, TypeVar
 
 import numpy as np
 
@@ -17,6 +18,7 @@ from topple.topology.mesh import Mesh
 
 _SUFFIXES = (".glb", ".obj")
 _Piece = tuple[FloatArray, IntArray]
+_Number = TypeVar("_Number", int, float)
 
 
 def reads(path: Path) -> bool:
@@ -79,17 +81,29 @@ def _groups(path: Path) -> dict[str, list[_Piece]]:
     name = path.stem
     for number, words in enumerate(lines, start=1):
         if words[:1] == ["v"]:
-            corners.append([float(word) for word in words[1:4]])
+            corners.append(_numbers(words[1:4], float, number, "three numbers"))
         elif words[:1] == [divides]:
             name = "_".join(words[1:]) or f"{path.stem}_{number}"
         elif words[:1] == ["f"]:
-            around = [int(word.split("/")[0]) for word in words[1:]]
+            ways = [word.split("/")[0] for word in words[1:]]
+            around = _numbers(ways, int, number, "at least three numbers of vertices")
             around = [k - 1 if k > 0 else len(corners) + k for k in around]
             if not all(0 <= k < len(corners) for k in around):
                 raise InvalidInput(f"line {number} names a vertex that is not there: it has {len(corners)}")
             faces.setdefault(name, []).extend((around[0], *pair) for pair in pairwise(around[1:]))
     points = np.array(corners, dtype=np.float64).reshape(-1, 3)
     return {name: [_used(points, np.array(some))] for name, some in faces.items()}
+
+
+def _numbers(words: list[str], kind: Callable[[str], _Number], line: int, expected: str) -> list[_Number]:
+    """The numbers of a vertex or a face."""
+    try:
+        found = [kind(word) for word in words]
+    except ValueError:
+        found = []
+    if len(found) < 3:
+        raise InvalidInput(f"line {line} has {' '.join(words)[:40]!r}: expected {expected}")
+    return found
 
 
 def _used(points: FloatArray, faces: IntArray) -> _Piece:
