@@ -104,7 +104,9 @@ class Order(ByValue):
         gone = set(self.order) - set(steps)
         edges = (edge for edge in self.graph.dependencies if not {edge.first, edge.then} & gone)
         graph = DependencyGraph(tuple(n for n in self.graph.names if n not in gone), tuple(edges))
-        groups = tuple(group for group in self.groups if set(group) <= set(steps))
+        left = (tuple(name for name in group if name not in gone) for group in self.groups)
+        cycles = {frozenset(cycle) for cycle in graph.cycles()}
+        groups = tuple(group for group in left if frozenset(group) in cycles)
         holds = tuple(hold for hold in self.holds if {hold.since, hold.until} <= set(steps))
         wanted = set(self.targets or graph.names)
         return replace(

@@ -18,7 +18,6 @@ from topple.topology.geometry.tolerances import (
     SPHEROID_PENALTY,
     STRAY,
     STRETCHES,
-    TELLING,
 )
 from topple.topology.kernels.spheres import sphere_nearest
 
@@ -117,10 +116,9 @@ def fits_of(points: FloatArray, normals: FloatArray) -> tuple[Fit, ...]:
     """Fit balls, spheroids and cylinders to what was seen of a body.
 
     Args:
-        points: (N, 3) seen points [m]; of more than `TELLING`, some.
+        points: (N, 3) seen points [m].
         normals: (M, 3) normals at flat spots among them.
     """
-    points = points[:: -(-len(points) // TELLING)]
     balls = [_ball(points, axis, stretch) for axis, stretch in _stretches(points)]
     found = [body for body in (*balls, *_cylinders(points, normals)) if body is not None]
     return tuple(

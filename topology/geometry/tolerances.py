@@ -70,9 +70,6 @@ BELOW_FLOOR = 0.25
 BETTER_THAN_BOX = 0.8
 """A round body has to explain the points with less than this share of the error that the best box leaves."""
 
-TELLING = 600
-"""Points that tell a round body: a millimetre of noise then moves a radius by a tenth of a millimetre."""
-
 COARSE = 0.01
 """Spacing [m] at which a fit's lowest point is looked for."""
 

@@ -1,6 +1,7 @@
 """Which surfaces of a picture pixels continue: rays to the nearest insides, and the planes fitted there."""
 
-from typing import TYPE_CHECKING, Protocol
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -22,28 +23,21 @@ if TYPE_CHECKING:
 _WAYS = np.array(AROUND, dtype=np.int64)
 
 
-class Pixels(Protocol):
-    """A picture in rows one after the other, with a margin of `FAR` pixels: see `views.borders.Picture`."""
+@dataclass(frozen=True, eq=False)
+class Pixels:
+    """A picture in rows one after the other, with a margin of `FAR` pixels, which no ray leaves.
 
-    @property
-    def inverse(self) -> "FloatArray":
-        """(N,) inverse depth [1/m]."""
-        ...
+    Attributes:
+        inverse: (N,) 1 / depth [1/m], in which planes are linear; 0 where there is none.
+        label: (N,) labels; those of the margin are nobody's.
+        surface: (N,) labels of pixels of which a surface is continued, `NO_SURFACE` of others.
+        width: Of a row.
+    """
 
-    @property
-    def label(self) -> "IntArray":
-        """(N,) labels."""
-        ...
-
-    @property
-    def surface(self) -> "IntArray":
-        """(N,) labels of pixels of which a surface is continued, `NO_SURFACE` of others."""
-        ...
-
-    @property
-    def width(self) -> int:
-        """Pixels of a row."""
-        ...
+    inverse: "FloatArray"
+    label: "IntArray"
+    surface: "IntArray"
+    width: int
 
 
 def planes_around(pixels: Pixels, at: "IntArray") -> "FloatArray":

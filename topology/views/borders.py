@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 from scipy import ndimage
 
 from topple.topology.arrays import BoolArray, FloatArray, IntArray
-from topple.topology.kernels.continued import continued
+from topple.topology.kernels.continued import Pixels, continued
 from topple.topology.kernels.tolerances import (
     AROUND,
     BORDER,
@@ -143,22 +143,14 @@ def _offset(depth: FloatArray, label: IntArray) -> tuple[int, int]:
 
 
 @dataclass(frozen=True, eq=False)
-class Picture:
-    """A picture in rows one after the other, with an empty margin that no ray leaves.
+class Picture(Pixels):
+    """A picture that knows its masks' borders.
 
     Attributes:
-        inverse: (N,) 1 / depth [1/m], in which planes are linear; 0 where there is none.
-        label: (N,) labels; those of the margin are nobody's.
         from_border: (N,) pixels to the nearest other mask, at most one more than `BORDER`.
-        surface: (N,) labels of pixels of which a surface is continued, `NO_SURFACE` of others.
-        width: Of a row.
     """
 
-    inverse: FloatArray
-    label: IntArray
     from_border: NDArray[np.int8]
-    surface: IntArray
-    width: int
 
     @staticmethod
     def of(depth: FloatArray, label: IntArray, border: int = BORDER) -> "Picture":
@@ -170,7 +162,7 @@ class Picture:
         near[core], named[core] = _from_border(label, border), label
         np.divide(1.0, np.maximum(depth, NEAREST), out=inverse[core], where=depth > 0)
         np.copyto(seen, named, where=(near > border) & (inverse > 0))
-        return Picture(inverse.ravel(), named.ravel(), near.ravel(), seen.ravel(), shape[1])
+        return Picture(inverse.ravel(), named.ravel(), seen.ravel(), shape[1], near.ravel())
 
     def continue_from(self, at: IntArray) -> None:
         """Let surfaces be continued of pixels (k,) as well."""

@@ -2,7 +2,7 @@
 
 import math
 from contextlib import suppress
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 
 import pytest
 from documents import contradictions
@@ -99,6 +99,15 @@ def test_what_is_taken_is_no_longer_in_what_is_left() -> None:
     left = FOUND.as_taken(("low",)).to_json()
     assert left["order"] == ["low"] and left["dependencies"] == left["holds"] == []
     assert left["risk"] == {"low": 0.3}
+
+
+def test_what_is_left_of_a_group_is_one_while_it_holds_itself() -> None:
+    pairs = (("weight", "plank"), ("plank", "weight"), ("load", "plank"), ("plank", "load"))
+    graph = DependencyGraph(("weight", "load", "plank"), tuple(Dependency(*p, "leaning", 0.8) for p in pairs))
+    found = replace(FOUND, order=graph.names, graph=graph, groups=(graph.names,), holds=())
+    left = found.as_taken(("load", "plank")).to_json()
+    assert left["groups"] == [["load", "plank"]] and contradictions(left, ["load"]) == []
+    assert found.as_taken(("plank",)).to_json()["groups"] == []
 
 
 def test_badges_count_the_moves_of_what_makes_room() -> None:
