@@ -150,11 +150,11 @@ CHANGES = (
     ),
     Change(
         "a name and a local variable", _SWEEP,
-        "    ceiling = _plan(upper, low, size, highest=True)\n"
-        "    ground = _plan(lower, low, size, highest=False)\n"
+        "    ceiling = heights_over(upper, low, SWEEP_CELL, size, highest=True)\n"
+        "    ground = heights_over(lower, low, SWEEP_CELL, size, highest=False)\n"
         "    height = ceiling - ground",
-        "    floor = _plan(lower, low, size, highest=False)\n"
-        "    ceiling = _plan(upper, low, size, highest=True)\n"
+        "    floor = heights_over(lower, low, SWEEP_CELL, size, highest=False)\n"
+        "    ceiling = heights_over(upper, low, SWEEP_CELL, size, highest=True)\n"
         "    height = -(floor - ceiling)",
         fault=False,
     ),
