@@ -10,8 +10,6 @@ import numpy as np
 import pytest
 from scipy.spatial.transform import Rotation
 
-from topple.benchmarks.chances import given
-from topple.benchmarks.truth.cases import training
 from topple.planner import order
 from topple.planner.decide.dependency import dependencies
 from topple.robots.scenarios import scenario_called
@@ -127,6 +125,10 @@ def test_what_cameras_show_of_an_edge_is_told_by_the_pixel() -> None:
 
 
 def test_an_overhang_that_only_a_hidden_side_has_is_inferred() -> None:
+    pytest.importorskip("topple.benchmarks.chances", reason="the benches come with a checkout")
+    from topple.benchmarks.chances import given
+    from topple.benchmarks.truth.cases import training
+
     told: set[bool] = set()
     for each in training()[:3]:
         scene = given(each, 1, True)
