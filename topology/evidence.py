@@ -35,10 +35,9 @@ class Evidence:
     pixels: tuple[Pixel, ...] = ()
 
     @staticmethod
-    def of(pair: PairRelation, pixels: tuple[Pixel, ...] = ()) -> "Evidence":
+    def of(pair: PairRelation) -> "Evidence":
         """The evidence a pair is, as it lies."""
-        seen = pair.observed and not pair.inferred
-        return Evidence(pair.a, pair.b, pair.relation, float(pair.gap), seen, pixels=pixels if seen else ())
+        return Evidence(pair.a, pair.b, pair.relation, float(pair.gap), pair.observed and not pair.inferred)
 
     def to_json(self) -> dict[str, Any]:
         """The evidence as the JSON of `topple order` has it."""

@@ -231,9 +231,11 @@ class Situation:
 
     def between(self, a: str, b: str) -> Evidence:
         """The relation of two objects as they lie, and where the pictures show it."""
-        patches = [each for each in self.contacts if {each.a, each.b} == {a, b} and not each.inferred]
-        places = np.concatenate([each.points for each in patches]) if patches else np.empty((0, 3))
-        return Evidence.of(self.relations.between(a, b), self._shown(places, {a, b}))
+        found = Evidence.of(self.relations.between(a, b))
+        if not found.observed or not self.scene.images:
+            return found
+        patches = [each.points for each in self.contacts if {each.a, each.b} == {a, b} and not each.inferred]
+        return replace(found, pixels=self._shown(np.concatenate(patches), {a, b})) if patches else found
 
     def swept(self, name: str, other: str) -> Evidence:
         """The relation of an object, with all that it passes as it is lifted straight up, to another one.

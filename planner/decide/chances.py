@@ -5,8 +5,8 @@ maximum likelihood, to scenes that were simulated, for each view, and no score i
 scenes. `chances.json` holds them; `python -m topple.benchmarks.chances` fits them anew.
 
 Of one kind there are too few to weigh: two that lean on each other, neither of which rests on the other, and
-each of which falls without the other. Several cameras are believed of it, one is not: of 15 pairs of which
-one camera makes it likely 2 hold each other, of 2 of which three cameras do 2.
+each of which falls without the other. Several cameras are believed of it, one is not: of the pairs of which
+three cameras say it 2 of 2 (pictures) and 7 of 10 (clouds) hold each other, of one camera's 2 of 15.
 """
 
 from collections.abc import Mapping

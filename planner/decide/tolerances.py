@@ -24,7 +24,7 @@ COUNTS = 0.45
 """Chance from which a dependency counts: what is overlooked falls, what is made up costs a removal."""
 
 HOLD_EACH_OTHER = 0.8
-"""Chance that either of two falls without the other where several cameras say so of both: 4 of 4, and one."""
+"""Chance that either of two falls without the other where several cameras say so of both: 21 of 24 do."""
 
 RESTS = 0.7
 """Upward part of a contact normal above which the upper body rests on the lower one: 45 degrees."""

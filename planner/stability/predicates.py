@@ -12,6 +12,7 @@ It answers True, False, or None where that cannot be told: something still moves
 or nothing seen carries it. What a hand holds over a plate is not on it: there has to be contact, and load.
 """
 
+from abc import ABC, abstractmethod
 from collections.abc import Callable, Iterable
 from dataclasses import dataclass
 from typing import Any
@@ -25,7 +26,7 @@ __all__ = ["Clear", "In", "On", "Predicate", "Stable", "State", "Supports"]
 
 
 @dataclass(frozen=True)
-class Predicate:
+class Predicate(ABC):
     """Something that may hold in a world; see the subclasses."""
 
     def __call__(self, world: Any, data: Any = None) -> bool | None:
@@ -46,9 +47,9 @@ class Predicate:
         state.check(*(name for name in vars(self).values() if isinstance(name, str)))
         return self.told(state)
 
+    @abstractmethod
     def told(self, state: State) -> bool | None:
         """What is told of a state that has all the names."""
-        raise NotImplementedError
 
 
 @dataclass(frozen=True)

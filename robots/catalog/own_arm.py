@@ -220,12 +220,11 @@ def _gripper(gripper: str | Path | Gripper | Jaw | Cup | None) -> tuple[Gripper,
     """What was given, and what to call it in messages."""
     if gripper is None:
         return Gripper(), "gripper"
-    if str(gripper) == WSG50 or (isinstance(gripper, str | Path) and str(gripper).endswith(".urdf")):
-        return Gripper(hand=Hand(urdf=str(gripper))), str(gripper)
     if isinstance(gripper, str | Path):
-        if (hand := described(str(gripper))) is not None:
-            return Gripper(hand=Hand(urdf=str(hand))), str(gripper)
-        return read_gripper(gripper), str(gripper)
+        named = str(gripper) == WSG50 or str(gripper).endswith(".urdf")
+        hand = gripper if named else described(str(gripper))
+        found = read_gripper(gripper) if hand is None else Gripper(hand=Hand(urdf=str(hand)))
+        return found, str(gripper)
     if isinstance(gripper, Jaw):
         gripper = Gripper(jaw=gripper)
     if isinstance(gripper, Cup):
