@@ -12,8 +12,9 @@ if TYPE_CHECKING:
     from topple.planner.errors import NoSafePlan
     from topple.planner.execution.demo import demo
     from topple.planner.execution.look import Look, Observer, Perception
-    from topple.planner.execution.loop import ClosedLoop, RunLimits
+    from topple.planner.execution.loop import ClosedLoop
     from topple.planner.execution.run import run
+    from topple.planner.execution.selection import RunLimits
     from topple.planner.formats.plan_format import Plan
     from topple.planner.formats.run_record import RunRecord
     from topple.planner.grasp.foreign import ForeignGrasps, grasps_from_array, read_grasps
@@ -84,7 +85,8 @@ __getattr__, __dir__ = lazy_names(
         "errors": "NoSafePlan",
         "execution.demo": "demo",
         "execution.look": "Look Observer Perception",
-        "execution.loop": "ClosedLoop RunLimits",
+        "execution.loop": "ClosedLoop",
+        "execution.selection": "RunLimits",
         "execution.run": "run",
         "formats.plan_format": "Plan",
         "formats.run_record": "RunRecord",

@@ -64,22 +64,23 @@ def new_world() -> "PhysicalWorld":
 def rehearsal_world() -> "PhysicalWorld":
     """An empty world in which a plan tries something beforehand.
 
-    It is one of `DEFAULT_ENGINE`, whatever plays the world that is planned for: both play the same plan.
+    It is one of `DEFAULT_ENGINE`, whatever plays the world that is planned for: both play the same plan. No
+    camera sees it.
 
     Raises:
         NotInstalled: The engine is not installed.
     """
-    return _world_of(DEFAULT_ENGINE)
+    return _world_of(DEFAULT_ENGINE, drawn=False)
 
 
-def _world_of(engine: str) -> "PhysicalWorld":
+def _world_of(engine: str, drawn: bool = True) -> "PhysicalWorld":
     if engine == MUJOCO:
         from topple.robots.mujoco.world import MujocoWorld
 
         return MujocoWorld()
     from topple.robots.world.world import World
 
-    return World()
+    return World(drawn=drawn)
 
 
 def arm_in(

@@ -136,6 +136,18 @@ OPTIONS: dict[str, dict[str, Any]] = {
         "metavar": ("X", "Y", "Z", "YAW"),
         "help": "where a second such arm stands, which holds what would not stand meanwhile (one arm)",
     },
+    "--away": {
+        "nargs": "+",
+        "metavar": ("WHERE", "NUMBER"),
+        "help": "where things go that are taken: table, lift (15 cm clear of everything, for a skill of your "
+        "own), bin, zone X0 Y0 X1 Y1 (level and free), hand-over X Y Z; metres from the arm's base (table)",
+    },
+    "--bin": {
+        "nargs": 7,
+        "type": float,
+        "metavar": ("X", "Y", "Z", "YAW", "SX", "SY", "SZ"),
+        "help": "where the box of --away bin stands, and its size (40 x 30 x 20 cm, where there is room)",
+    },
     "--clamped": {
         **_LIST,
         "default": [],

@@ -11,7 +11,7 @@ from topple.planner.cli.console import print_json, print_table, print_text
 from topple.planner.cli.main import DONE, NO_SAFE_PLAN
 from topple.planner.cli.options import goal_of, orderer_of, read_scene, rule_of, scene_paths
 from topple.planner.cli.progress import Progress
-from topple.planner.cli.robot_options import arm_of, base_of, output_of
+from topple.planner.cli.robot_options import arm_of, away_of, base_of, output_of
 from topple.planner.cli.tables import print_assumptions
 from topple.topology.files import write_whole
 
@@ -33,7 +33,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         metavar="NAME",
         help="what is kept upright while it is carried, with what is in it",
     )
-    add(parser, "--clamped", "--budget")
+    add(parser, "--away", "--bin", "--clamped", "--budget")
     parser.add_argument(
         "--allow-drop",
         action="store_true",
@@ -59,7 +59,7 @@ def execute(args: argparse.Namespace) -> int:
     (path,) = scene_paths(args, many=False)
     goal = goal_of(args)
     place, report = output_of(args, "output"), output_of(args, "report")
-    orderer, relating = orderer_of(args), rule_of(args)
+    orderer, relating, away = orderer_of(args), rule_of(args), away_of(args)
     with Progress("plan") as progress:
         progress(f"reading {path}")
         scene = read_scene(args, path)
@@ -73,7 +73,7 @@ def execute(args: argparse.Namespace) -> int:
             scene = scene.with_base(base)
         found = plan(
             scene, goal, arm, upright=args.upright, clamped=args.clamped,
-            allow_drop=args.allow_drop, orderer=orderer or ordered, relations=relating,
+            away=away, allow_drop=args.allow_drop, orderer=orderer or ordered, relations=relating,
             check=not args.verify, budget=args.budget, seed=args.seed, progress=progress,
         )  # fmt: skip
         checked = None

@@ -12,6 +12,7 @@ from topple.topology.files import check_writable
 if TYPE_CHECKING:
     from pathlib import Path
 
+    from topple.planner.placement.away import Destination
     from topple.robots.arm.arm import Arm
     from topple.topology.arrays import FloatArray
     from topple.topology.scene import Scene
@@ -91,6 +92,20 @@ def _bodies(
             "where the robot of --joints stands is not known: give --base X Y Z YAW, or a robot_base"
         )
     return arm.bodies(joints, base)
+
+
+def away_of(args: argparse.Namespace) -> "Destination":
+    """Where things go that are taken, by `--away` and `--bin`.
+
+    Raises:
+        InvalidInput: It is no such place.
+    """
+    from topple.planner.placement.away import Away, Destination
+
+    words = args.away or ["table" if args.bin is None else Away.BIN]
+    if args.bin is not None and words != [Away.BIN]:
+        raise InvalidInput(f"--bin says where the box of --away bin stands: found --away {' '.join(words)}")
+    return Destination.of([*words, *(args.bin or [])])
 
 
 def base_of(args: argparse.Namespace, scene: "Scene", option: str = "--base") -> "FloatArray | None":

@@ -7,7 +7,7 @@ from topple.planner.cli.console import complain, print_json, print_text
 from topple.planner.cli.main import DONE, INTERRUPTED, NO_SAFE_PLAN
 from topple.planner.cli.options import goal_of, orderer_of, read_scene, rule_of, scene_paths
 from topple.planner.cli.progress import Progress
-from topple.planner.cli.robot_options import arm_of, base_of, output_of, recordings_of
+from topple.planner.cli.robot_options import arm_of, away_of, base_of, output_of, recordings_of
 from topple.planner.cli.tables import print_run
 from topple.topology.files import write_whole
 
@@ -17,7 +17,17 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     add_scenes(parser)
     add_task(parser)
     add(parser, "--orderer", help="what orders: fewest, cautious or a plugin's (cautious)")
-    add(parser, "--second-base", "--clamped", "--rule", "--masks-as-they-are", *SIMULATION, *COMMON)
+    add(
+        parser,
+        "--second-base",
+        "--away",
+        "--bin",
+        "--clamped",
+        "--rule",
+        "--masks-as-they-are",
+        *SIMULATION,
+        *COMMON,
+    )
     parser.add_argument(
         "--shuffle-labels",
         action="store_true",
@@ -31,7 +41,7 @@ def execute(args: argparse.Namespace) -> int:
     (path,) = scene_paths(args, many=False)
     goal = goal_of(args)
     place, (video, rerun) = output_of(args, "report"), recordings_of(args)
-    orderer, relating = orderer_of(args), rule_of(args)
+    orderer, relating, away = orderer_of(args), rule_of(args), away_of(args)
     with Progress("run") as progress:
         progress(f"reading {path}")
         scene = read_scene(args, path)
@@ -41,7 +51,8 @@ def execute(args: argparse.Namespace) -> int:
         progress(f"{path}: rebuilding the scene")
         record = run(
             scene, goal, arm_of(args), base=base_of(args, scene),
-            second_base=base_of(args, scene, "--second-base"), clamped=args.clamped, cameras=args.cameras,
+            second_base=base_of(args, scene, "--second-base"), clamped=args.clamped,
+            away=away, cameras=args.cameras,
             mask_noise=args.mask_noise, shuffle_labels=args.shuffle_labels, wrist_camera=args.wrist_camera,
             ahead=args.ahead, engine=args.engine, video=video, rerun=rerun, photos=place is not None,
             orderer=orderer or cautious, relate=relating,

@@ -7,6 +7,7 @@ import numpy as np
 
 from topple.planner.execution.tolerances import (
     AT_HOME,
+    FAR,
     JOINING,
     LETTING_GO,
     NOTHING,
@@ -29,6 +30,8 @@ from topple.planner.transfer.tolerances import MARGIN, RELEASE_GAP
 from topple.planner.transfer.transfer import Transfer
 from topple.robots.arm.gripper import ToolName
 from topple.robots.driver import Driver, Motion
+from topple.robots.world.acting_arm import ActingArm
+from topple.robots.world.physical_world import PhysicalWorld
 from topple.topology.arrays import FloatArray
 from topple.topology.bodies.solids import Solids
 from topple.topology.errors import ToppleError
@@ -165,6 +168,23 @@ def retreat(done: list[Segment], robot: Driver) -> None:
             )
     robot.extend(robot.arm.on_the_way(0.0).cup_extension)
     robot.open()
+
+
+def taken_over(world: PhysicalWorld, robot: ActingArm, name: str) -> None:
+    """Take an object out of the hand, as somebody or a skill of one's own would: it stands far away then.
+
+    Raises:
+        HandStuck: The hand does not let go.
+    """
+    sealed = robot.sealed is not None
+    if sealed:
+        _let_go(robot, None)
+    body, away = world.body(name), np.eye(4)
+    away[:3, 3] = FAR
+    world.remove(name)
+    world.add(body, away, fixed=True)
+    if not sealed:
+        _let_go(robot, None)
 
 
 def _drive(segment: Segment, name: str, robot: Driver, resumed: list[str]) -> str | None:

@@ -1,7 +1,7 @@
 """What an action did to everything it was not about, measured on the simulation's true poses."""
 
 from collections.abc import Collection, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -10,6 +10,8 @@ from topple.planner.execution.attained import truly_unmet
 from topple.planner.execution.execute import MISSED, TAKEN
 from topple.planner.execution.goal_poses import off_goal_poses
 from topple.planner.execution.monitor import Verdict
+from topple.planner.placement.away import BODIES, IN_HAND, Away
+from topple.planner.stability.state import State
 from topple.planner.tolerances import DISTURBED, HIT, TURNED
 from topple.planner.transfer.transfer import Transfer
 from topple.robots.poses import angle_between
@@ -65,6 +67,7 @@ class Judge:
         self._arms = (robot,) if second is None else (robot, second)
         self._robot, self._world, self._fixed, self._up = robot, robot.world, tuple(fixed), up
         self._limits, self._wanted, self._first = limits, wanted, robot.world.poses()
+        self._gone: set[str] = set()  # handed on, or in a box: no more of what the goal is about
         self._rested: dict[str, FloatArray] = {}  # where each thing was when it was last handled, or at first
 
     def begin(self, transfer: Transfer, held: str | None = None, by_second: bool = False) -> None:
@@ -77,7 +80,7 @@ class Judge:
         """
         self._robot = self._arms[1 if by_second else 0]
         self._held = held
-        self._name, self._started = transfer.object, self._world.time
+        self._name, self._started, self._how = transfer.object, self._world.time, transfer.placement.how
         self._handled = (transfer.object, *transfer.riding, *self._fixed)
         self._before = self._world.poses()
         self._rested = {**self._before, **self._rested}
@@ -112,6 +115,10 @@ class Judge:
         tipped = tilts(before, now, self._fixed)[self._name] if self._missed else 0.0
         if tipped > self._limits.angle:
             wrong.append(f"it was tipped by {np.degrees(tipped):.0f} degrees in a failed attempt")
+        if not self._missed and self._how in (*IN_HAND, Away.BIN):
+            self._gone.add(self._name)
+            if self._how is Away.BIN and not State.of(self._world).within(self._name, BODIES[Away.BIN]):
+                wrong.append("it is not in the box")
         wrong += self._crept(now, displacements(before, now, handled))
         return Verdict(
             tuple(wrong),
@@ -157,6 +164,7 @@ class Judge:
 
     def unmet(self, goal: Goal) -> tuple[str, ...]:
         """Say what of a goal does not hold in the world as it is."""
+        goal = replace(goal, free=tuple(name for name in goal.free if name not in self._gone))
         wanted = self._wanted
         if wanted is None:
             wanted = {name: pose @ self._first[name] for name, pose in goal.poses.items()}

@@ -236,6 +236,13 @@ def _moved(now: FloatArray, before: FloatArray) -> bool:
     return bool(min(away, back) > MOVED)
 
 
+def without(look: Look, gone: Collection[str]) -> Look:
+    """A look without what is none of the scene's any more, though a camera may see it in its box."""
+    names = [name for name in look.scene.names if name in gone]
+    said = {name: text for name, text in look.surprises.items() if name not in gone}
+    return replace(look, situation=look.situation.without(*names), surprises=said) if names else look
+
+
 def unexpected(predicted: Relations, observed: Relations) -> list[str]:
     """Pairs that were predicted apart and are seen in contact, or the other way round.
 

@@ -11,25 +11,27 @@ import numpy as np
 
 from topple.planner.decide.goal import Goal
 from topple.planner.errors import ArmFault, NoSafePlan
-from topple.planner.execution.execute import Outcome
+from topple.planner.execution.execute import Outcome, taken_over
 from topple.planner.execution.judge import Judge
-from topple.planner.execution.look import Look, Observer, Perception, Relate, unexpected
+from topple.planner.execution.look import Look, Observer, Perception, Relate, unexpected, without
 from topple.planner.execution.monitor import Monitor, NoMonitor
 from topple.planner.execution.prepare import Preparer
 from topple.planner.execution.second_look import HandCamera, doubtful, second_look
-from topple.planner.execution.selection import StepSelector
+from topple.planner.execution.selection import RunLimits, StepSelector
 from topple.planner.execution.standing import misplaced
 from topple.planner.execution.two_arms import TwoArms
 from topple.planner.formats.run_record import INTERRUPTED, RunRecord, StepRecord
 from topple.planner.grasp.given import GraspsByObject
 from topple.planner.grasp.grasp import Grasp
+from topple.planner.placement.away import IN_HAND, Away, Receiver
 from topple.planner.planning.goal_task import GoalTask
 from topple.planner.planning.holding import check_second
 from topple.planner.planning.order import cautious
 from topple.planner.planning.step import NextStep, Orderer, Task
-from topple.planner.transfer.transfer import after
+from topple.planner.transfer.afterwards import after
 from topple.robots.driver import Driver, Fixture
 from topple.robots.world.acting_arm import ActingArm
+from topple.robots.world.bodies import Body
 from topple.robots.world.camera import Camera
 from topple.robots.world.photo import photograph
 from topple.robots.world.physical_world import PhysicalWorld
@@ -44,22 +46,6 @@ log = logging.getLogger(__name__)
 
 
 Progress = Callable[[str], None]
-
-
-@checked_arguments
-@dataclass(frozen=True)
-class RunLimits:
-    """What ends a run that gets nowhere.
-
-    Attributes:
-        attempts: Tries at one object before the run gives up on it, until another one was taken away.
-        actions: Actions in all for each object of the scene.
-        settle: Seconds of simulated time to wait after an action before looking.
-    """
-
-    attempts: int = 3
-    actions: int = 3
-    settle: float = 1.0
 
 
 @checked_arguments
@@ -86,6 +72,9 @@ class ClosedLoop:
             With a second arm every step is chosen after the look.
         second: An arm beside it that holds what would not stand; the orderer is told of two hands then.
         fixture: What keeps things where they stand, and lets go of one once the hand holds it.
+        away: Where things go that are taken; to free places on what is seen where None.
+        hand_on: Called with the name of what `away` leaves in the hand: a skill of your own takes it from
+            there, and leaves the hand empty where it is.
 
     `task` is the goal as a task. After `run`, `followed` holds the steps done, with their transfers.
     """
@@ -103,14 +92,18 @@ class ClosedLoop:
     ahead: bool = False
     second: Driver | None = None
     fixture: Fixture | None = None
+    away: Receiver | None = None
+    hand_on: Callable[[str], None] | None = None
 
     def __post_init__(self) -> None:
         task, self._arms = GoalTask.of(self.goal), TwoArms(self.robot, self.second, self.seed, self.fixture)
         self._selector = StepSelector(
             task, self._arms, self.orderer, self.grasps, self.seed, self.limits.attempts
         )
+        self._selector.away = self.away
         self.followed: list[NextStep] = []
         self._started = 0.0
+        self._gone: set[str] = set()
         self._stuck = ""
 
     @property
@@ -138,6 +131,7 @@ class ClosedLoop:
         photos: bool = False,
         wanted: Mapping[str, FloatArray] | None = None,
         second: ActingArm | None = None,
+        away: Receiver | None = None,
         **more: Any,
     ) -> "ClosedLoop":
         """Close the loop in a simulated world, judged by its true poses.
@@ -159,6 +153,8 @@ class ClosedLoop:
             wanted: Where things shall truly lie in the end, (4, 4) poses by name, for the judge; where None,
                 by the goal.
             second: An arm beside it that holds what would not stand.
+            away: Where things go that are taken: a box is put into the world; what is lifted or held out is
+                taken out of the hand, and stands far away from then on.
             **more: As the attributes of this class.
 
         Raises:
@@ -171,6 +167,9 @@ class ClosedLoop:
                     "a camera on the wrist looks around one arm alone: leave out the other arm"
                 )
         up = np.array([0.0, 0.0, 1.0]) if up is None else up
+        for name, parts in ({} if away is None else away.bodies).items():
+            world.add(Body.of(name, parts), fixed=True)
+            fixed = (*fixed, name)
         rng = np.random.default_rng(seed)
         perception = Observer(
             world, cameras, rng, fixed, up, masses or {}, friction or {}, shuffle_labels, relate,
@@ -186,6 +185,8 @@ class ClosedLoop:
             judge=Judge(robot, fixed, up, wanted=wanted, second=second),
             wrist=wrist,
             second=second,
+            away=away,
+            hand_on=partial(taken_over, world, robot),
             **more,
         )
 
@@ -308,10 +309,11 @@ class ClosedLoop:
         verdict = self.judge.verdict()
         attempts = self._selector.record_action(chosen, outcome)
         events += self._learned(chosen, outcome)
-        seen = self.perception.look(expected)
+        seen = without(self.perception.look(expected), self._gone)
         if outcome.success and not (seen.surprises or seen.faults):
             self._selector.preparer.prove(seen.scene)
-        predicted = look.relations.updated(name, expected.clouds[name])
+        here = name in expected.clouds
+        predicted = look.relations.updated(name, expected.clouds[name]) if here else seen.relations
         different = unexpected(predicted, seen.relations)
         self._selector.record_look(chosen, outcome.success, seen.surprises, different)
         events += [*seen.faults, *seen.surprises.values(), *different]
@@ -362,8 +364,14 @@ class ClosedLoop:
 
     def _carried_out(self, look: Look, chosen: NextStep) -> tuple[Outcome, Scene]:
         """Does a step and brings the arms out of the way; gives also the scene as it should be then."""
+        name = chosen.transfer.object
         outcome = self._arms.carry_out(chosen, self.judge.moment)
-        foreseen = after(look.situation, chosen.transfer) if outcome.success else look.situation
+        foreseen = after(look.situation, chosen.transfer, True) if outcome.success else look.situation
+        how = chosen.transfer.placement.how
+        if outcome.success and how in (*IN_HAND, Away.BIN):
+            self._gone.update((name, *chosen.transfer.riding))
+            if how in IN_HAND and self.hand_on is not None:
+                self.hand_on(name)
         # bodies that moved are known at once, those of clouds that moved take the arm's time
         bodies = foreseen.solids if self._selector.preparer.on else Situation(foreseen.scene).solids
         outcome = self._arms.finish(chosen, outcome, bodies)

@@ -15,8 +15,9 @@ from typing import Any
 
 from topple.planner.decide.goal import Goal
 from topple.planner.planning.step import Context, NextStep, Task
+from topple.planner.transfer.afterwards import after
 from topple.planner.transfer.recertify import recertified
-from topple.planner.transfer.transfer import Transfer, after
+from topple.planner.transfer.transfer import Transfer
 from topple.topology.bodies.solids import Solids
 from topple.topology.errors import ToppleError
 from topple.topology.scene import Scene

@@ -1,6 +1,6 @@
 """A scene rebuilt in simulation, and a goal reached in it by an arm in closed loop."""
 
-from collections.abc import Collection
+from collections.abc import Collection, Sequence
 from dataclasses import replace
 from pathlib import Path
 
@@ -11,6 +11,7 @@ from topple.planner.execution.rehearsal import Rehearsal, Z
 from topple.planner.execution.two_arms import check_recording
 from topple.planner.formats.run_record import RunRecord
 from topple.planner.grasp.given import OwnGrasps, own_grasps
+from topple.planner.placement.away import Away, Destination, Receiver
 from topple.planner.planning.goal_task import GoalTask
 from topple.planner.planning.order import cautious, check_clamped, check_masks
 from topple.planner.planning.step import Orderer, Task
@@ -20,6 +21,7 @@ from topple.robots.arm.arm import Arm
 from topple.robots.catalog import robot as robot_named
 from topple.robots.catalog.own_arm import check_tool
 from topple.robots.engines import DEFAULT_ENGINE, arm_in, playing_on
+from topple.robots.poses import inverse
 from topple.robots.world.film import filmed
 from topple.robots.world.recording import Recording
 from topple.topology.arguments import checked_arguments
@@ -27,6 +29,8 @@ from topple.topology.arrays import FloatArray
 from topple.topology.checks import as_pose
 from topple.topology.files import write_whole
 from topple.topology.io.load import AnyScene, as_scene
+from topple.topology.scene import Scene
+from topple.topology.situation import Situation
 from topple.topology.statics.gravity import check_up
 
 
@@ -39,6 +43,7 @@ def run(
     base: FloatArray | None = None,
     second_base: FloatArray | None = None,
     clamped: Collection[str] | str = (),
+    away: str | Sequence[str | float] | Destination = Away.TABLE,
     cameras: int = 3,
     mask_noise: float = 0.0,
     shuffle_labels: bool = False,
@@ -64,6 +69,7 @@ def run(
         second_base: (4, 4) likewise of a second such arm, which holds what would not stand; None for one arm.
         clamped: Objects that a fixture, such as a vice, keeps where they stand until the hand has closed on
             them.
+        away: Where things go that are taken, as for `topple.planner.plan`.
         cameras: How many depth cameras look on, 1 to 3.
         mask_noise: Pixels by which edges of their masks are wrong (deviation); one in twenty is missing then.
         shuffle_labels: Whether names of objects are not kept between looks.
@@ -101,21 +107,19 @@ def run(
     fixture = check_clamped(scene, clamped)
     with playing_on(engine), Rehearsal.of(scene, arm, base, fixture) as stage:
         acting = arm_in(stage.world, arm, stage.pose_base_to_world)
-        there = (
-            None if second_base is None else stage.pose_scene_to_world @ as_pose(second_base, "second_base")
-        )
+        to_world = stage.pose_scene_to_world
+        there = None if second_base is None else to_world @ as_pose(second_base, "second_base")
+        receiver = _receiver(Destination.of(away), scene, stage)
         loop = ClosedLoop.simulated(
             stage.world,
             acting,
             [camera.with_mask_noise(mask_noise) for camera in stage.cameras[:cameras]],
-            task.in_frame(stage.pose_scene_to_world, Z),
+            task.in_frame(to_world, Z),
             fixed=tuple(sorted(stage.world.fixed)),
             seed=seed,
             orderer=orderer,
             relate=relate,
-            grasps={
-                name: [grasp.moved(stage.pose_scene_to_world) for grasp in some] for name, some in own.items()
-            },
+            grasps={n: [grasp.moved(to_world) for grasp in some] for n, some in own.items()},
             progress=progress,
             masses=scene.masses,
             friction=scene.friction,
@@ -125,14 +129,22 @@ def run(
             photos=photos,
             second=None if there is None else arm_in(stage.world, arm, there, acting),
             fixture=stage.fixture,
+            away=receiver and receiver.moved(to_world),
         )
         recording = Recording(acting, RERUN_RATE) if rerun is not None else None
         with filmed(video, acting, stage.cameras[0]):
             record = loop.run()
-        kept = fixture_assumptions(fixture)
-        record = replace(
-            record, notes=(*scene.assumptions, *arm.assumptions, *stage.notes(), *kept, *record.notes)
-        )
+        kept = (*fixture_assumptions(fixture), *([] if receiver is None else [receiver.assumption()]))
+        said = (*scene.assumptions, *arm.assumptions, *stage.notes(), *kept, *record.notes)
+        record = replace(record, notes=said)
         if rerun is not None and recording is not None:
             write_whole(rerun, rerun_file(record, recording))
     return record
+
+
+def _receiver(destination: Destination, scene: Scene, stage: Rehearsal) -> Receiver | None:
+    """Where things go that are taken, in the frame of the scene; None where that is what is seen."""
+    if destination.how is Away.TABLE:
+        return None
+    base = inverse(stage.pose_scene_to_world) @ stage.pose_base_to_world
+    return destination.at(Situation(scene), base)

@@ -1,7 +1,7 @@
 """Which step a run does next: chosen from what is seen and remembered, or prepared while the arm acted."""
 
 from collections.abc import Collection, Sequence
-from dataclasses import replace
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -16,7 +16,25 @@ from topple.planner.execution.tolerances import AT_HOME, STUCK
 from topple.planner.execution.two_arms import TwoArms
 from topple.planner.grasp.given import GraspsByObject
 from topple.planner.motion.collision import Checker
+from topple.planner.placement.away import Receiver
 from topple.planner.planning.step import Chooser, Context, NextStep, Orderer, Task
+from topple.topology.arguments import checked_arguments
+
+
+@checked_arguments
+@dataclass(frozen=True)
+class RunLimits:
+    """What ends a run that gets nowhere.
+
+    Attributes:
+        attempts: Tries at one object before the run gives up on it, until another one was taken away.
+        actions: Actions in all for each object of the scene.
+        settle: Seconds of simulated time to wait after an action before looking.
+    """
+
+    attempts: int = 3
+    actions: int = 3
+    settle: float = 1.0
 
 
 class StepSelector:
@@ -34,6 +52,7 @@ class StepSelector:
         task: What is to be reached, with what was learned while a step was prepared.
         preparer: What prepares the next step while the arm acts; by default nothing does.
         prepared: The step selected last where it was prepared, else None.
+        away: Where things go that are taken; to free places on what is seen where None.
     """
 
     def __init__(
@@ -47,6 +66,7 @@ class StepSelector:
     ) -> None:
         self.task, self._arms = task, arms
         self._orderer, self._grasps, self._seed, self._attempts = orderer, grasps, seed, attempts
+        self.away: Receiver | None = None
         self.preparer = Preparer(False)
         self.prepared: NextStep | None = None
         self._memory = Memory()
@@ -168,6 +188,10 @@ class StepSelector:
         return replace(
             context,
             second=second,
-            obstacles=self._arms.obstacles(self._arms.first),
+            obstacles={
+                **self._arms.obstacles(self._arms.first),
+                **({} if self.away is None else self.away.bodies),
+            },
+            away=self.away,
             clamped=self._arms.clamped,
         )

@@ -32,6 +32,9 @@ JOINING = 0.5
 RESUMED = 2
 """Times that a motion is taken up again: who pushes once may push twice, what is in the way stays there."""
 
+FAR = (20.0, 0.0, 0.0)
+"""[m] where things stand that somebody took out of the hand: no camera sees them there."""
+
 SHUT = 0.01
 """[m] that pads may stay short of where they are told to open to: more is a hand that does not open."""
 

@@ -4,6 +4,7 @@ import xml.etree.ElementTree as ElementTree
 
 from topple.planner.formats.plan_format import Plan
 from topple.planner.formats.plan_structs import SegmentData, Step
+from topple.planner.placement.away import IN_HAND
 
 ACTIONS = {
     "move": ("FollowTrajectory", ("step", "segment", "holding")),
@@ -16,6 +17,8 @@ ACTIONS = {
     "release": ("Release", ("object", "tool", "opening", "cup_extension")),
 }
 """Per kind of segment the action node and its input ports; trajectories are looked up in plan.json."""
+HAND_ON = "HandOn", ("object", "how")
+"""What a skill of one's own does with what a step leaves in the hand."""
 
 
 def behavior_tree(plan: Plan) -> str:
@@ -34,8 +37,11 @@ def behavior_tree(plan: Plan) -> str:
         branch = ElementTree.SubElement(sequence, "Sequence", name=f"{step.action} {step.object}")
         for index, segment in enumerate(step.segments):
             _action(branch, number, index, step, segment)
+        if step.placement.how in IN_HAND:
+            told = {"object": step.object, "how": step.placement.how}
+            ElementTree.SubElement(branch, "Action", told, ID=HAND_ON[0], name=f"hand on {step.object}")
     model = ElementTree.SubElement(root, "TreeNodesModel")
-    for identifier, ports in dict(ACTIONS.values()).items():
+    for identifier, ports in dict((*ACTIONS.values(), HAND_ON)).items():
         node = ElementTree.SubElement(model, "Action", ID=identifier)
         for port in ports:
             ElementTree.SubElement(node, "input_port", name=port)

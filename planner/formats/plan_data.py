@@ -7,6 +7,7 @@ import numpy as np
 from topple.planner.decide.dependency import Dependency
 from topple.planner.formats.plan_structs import (
     AttachmentData,
+    AwayData,
     DependencyData,
     GraspData,
     HandState,
@@ -16,6 +17,7 @@ from topple.planner.formats.plan_structs import (
     SegmentData,
     Step,
 )
+from topple.planner.placement.away import Receiver
 from topple.planner.transfer.segments import Segment
 from topple.planner.transfer.transfer import Transfer
 from topple.topology.arrays import FloatArray
@@ -90,6 +92,11 @@ def step_data(
     )
 
 
+def away_data(away: Receiver) -> AwayData:
+    """Where things go that are taken, as data."""
+    return AwayData(str(away.how), np.round(away.pose, DIGITS).tolist(), np.round(away.size, DIGITS).tolist())
+
+
 def said_unseen(steps: Sequence[Step]) -> tuple[str, ...]:
     """The sentence on objects at which a hand comes in through space that no camera saw to be empty."""
     names = ", ".join(dict.fromkeys(step.object for step in steps if step.unseen))
@@ -109,14 +116,15 @@ def objects_data(situation: Situation) -> list[ObjectData]:
         ObjectData(
             name,
             name not in scene.movable,
-            _rounded(solids[name]),
-            [] if whole[name] is solids[name] else _rounded(whole[name]),
+            rounded_parts(solids[name]),
+            [] if whole[name] is solids[name] else rounded_parts(whole[name]),
         )
         for name in solids
     ]
 
 
-def _rounded(parts: Sequence[FloatArray]) -> list[list[list[float]]]:
+def rounded_parts(parts: Sequence[FloatArray]) -> list[list[list[float]]]:
+    """Convex parts (V, 3) as a plan keeps them."""
     return [np.round(part, DIGITS).tolist() for part in parts]
 
 

@@ -12,6 +12,7 @@ from topple.planner.decide.goal import Action, PlaceRelation
 from topple.planner.fallbacks import Fallback
 from topple.planner.formats.plan_structs import FORMAT, FORMAT_VERSION, Matrix, PlanData
 from topple.planner.formats.verification import Verification
+from topple.planner.placement.away import BODIES, Away
 from topple.planner.transfer.segments import KINDS
 from topple.planner.verify.verify import verify
 from topple.robots.arm.arm import Arm
@@ -145,6 +146,16 @@ def _check(plan: Plan, name: str) -> None:
             raise InvalidInput(f"{name} is no plan: `$.{key}` has {odd[0]!r}, its objects are {known}")
     for i, tool in enumerate(plan.arm.tools if plan.arm is not None else []):
         _pose(tool.pose_tool_to_link, f"$.arm.tools[{i}].pose_tool_to_link", name)
+    if plan.away is not None:
+        _pose(plan.away.pose_to_world, "$.away.pose_to_world", name)
+        if plan.away.how not in tuple(Away)[1:]:
+            known = ", ".join(tuple(Away)[1:])
+            raise InvalidInput(
+                f"{name} is no plan: `$.away.how` is {plan.away.how!r}, expected one of {known}"
+            )
+        _matrix([plan.away.size], 1, 3, "$.away.size", name)
+        if plan.away.how in BODIES and BODIES[Away(plan.away.how)] not in names:
+            raise InvalidInput(f"{name} is no plan: `$.objects` lacks {BODIES[Away(plan.away.how)]!r}")
     for i, step in enumerate(plan.steps):
         here = f"$.steps[{i}]"
         _pose(step.grasp.pose_tool_to_world, f"{here}.grasp.pose_tool_to_world", name)
@@ -155,7 +166,7 @@ def _check(plan: Plan, name: str) -> None:
             if which not in names:
                 known = ", ".join(sorted(names)) or "nothing"
                 raise InvalidInput(f"{name} is no plan: `{here}.{key}` is {which!r}, its objects are {known}")
-        if step.placement.how and step.placement.into in (None, step.object):
+        if step.placement.how in tuple(PlaceRelation) and step.placement.into in (None, step.object):
             raise InvalidInput(
                 f"{name} is no plan: `{here}.placement.how` is given, and no other thing `into`"
             )
@@ -168,7 +179,11 @@ def _check(plan: Plan, name: str) -> None:
             if len({*values}) < len(values):
                 raise InvalidInput(f"{name} is no plan: `{here}.{key}` names one twice, expected each once")
         for key, words, which in (
-            ("placement.how", ("", *PlaceRelation), [step.placement.how]),
+            (
+                "placement.how",
+                ("", *PlaceRelation, *([plan.away.how] if plan.away else [])),
+                [step.placement.how],
+            ),
             ("action", tuple(Action), [step.action]),
             ("fallbacks", tuple(Fallback), step.fallbacks),
         ):

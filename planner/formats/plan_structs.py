@@ -103,7 +103,8 @@ class PlacementData(msgspec.Struct, frozen=True):
         rest: In words.
         drop: How far it then falls [m].
         into: What it is put on or into; null on a table.
-        how: "on" or "within" that; empty on a table.
+        how: "on" or "within" that; "lift", "bin", "zone" or "hand-over" where it goes to none of the scene's
+            things, see `away`; empty on a table.
         falls: Whether it is let go though it does not stay there: a drop that was allowed.
     """
 
@@ -113,6 +114,33 @@ class PlacementData(msgspec.Struct, frozen=True):
     into: str | None = None
     how: str = ""
     falls: bool = False
+
+    @property
+    def words(self) -> str:
+        """What becomes of the object, in a few words."""
+        if self.into is not None:
+            return f"put down {self.how or 'on'} {self.into}"
+        return {
+            "lift": "held clear of everything",
+            "bin": "put into the box",
+            "zone": "put onto the area that is vouched for",
+            "hand-over": "held out",
+        }.get(self.how, "put down")
+
+
+class AwayData(msgspec.Struct, frozen=True):
+    """Where things go that are taken, other than onto what was seen: they are out of the scene then.
+
+    Attributes:
+        how: "lift", the hand ends 15 cm clear of everything with the object; "bin", into an open box, one of
+            `objects`; "zone", onto a level area, which is one, too; "hand-over", held out at a point.
+        pose_to_world: The middle of its underside, or the point.
+        size: Along its axes [m].
+    """
+
+    how: str
+    pose_to_world: Matrix
+    size: list[float]
 
 
 class DependencyData(msgspec.Struct, frozen=True):
@@ -198,6 +226,7 @@ class PlanData(msgspec.Struct, frozen=True, kw_only=True):
         up: Against gravity, in the world.
         upright: Objects that are kept upright, with what is in them.
         clamped: Objects that a fixture keeps where they stand until the hand has closed on them.
+        away: Where things go that are taken; null where that is free places on what was seen.
         assumptions: What was assumed and not seen.
         certified: Whether every motion was proven free between its samples too.
         seconds: Duration of the motions [s].
@@ -231,6 +260,7 @@ class PlanData(msgspec.Struct, frozen=True, kw_only=True):
     arm: ArmData | None = None
     poses: dict[str, Matrix] = {}
     clamped: list[str] = []
+    away: AwayData | None = None
 
     def trajectory(self, step: int, segment: int | str) -> JointTrajectory:
         """Give one motion as arrays.

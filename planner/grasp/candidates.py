@@ -46,6 +46,7 @@ def grasp_candidates(
     cup: CupShape | None = None,
     wide: bool = False,
     limit: int = 60,
+    enough: float = np.inf,
     tolerances: GraspTolerances = GRASP_TOLERANCES,
     dropped: Dropped | None = None,
 ) -> list[Grasp]:
@@ -65,6 +66,8 @@ def grasp_candidates(
         cup: Suction cup to grasp with; measured from the arm where not given.
         wide: Come in with the fingers as far apart as there is room: the object is larger than it looks.
         limit: At most so many, spread over the object.
+        enough: Once so many pinches are found no further points of the object are tried: those around its
+            centre of mass come first.
         tolerances: Clearances and limits.
         dropped: Takes down what is left out and why, if given.
 
@@ -103,7 +106,7 @@ def grasp_candidates(
         found += _suction_grasps(name, scene.clouds[name], surface, around, up, cup, tolerances, dropped)
     sealed = sum(grasp.score >= tolerances.sure for grasp in found)
     if hand is not None and sealed < tolerances.enough_sealed:
-        pinched = _pinch_grasps(name, surface, around, up, hand, tolerances, dropped)
+        pinched = _pinch_grasps(name, surface, around, up, hand, enough, tolerances, dropped)
         pierced = standing_in(pinched, hand, [Hull.of(part) for part in situation.solids[name]], tolerances)
         clear = [grasp for grasp, bad in zip(pinched, pierced, strict=True) if not bad]
         dropped.note("fingers would stand in what it fills", len(pinched) - len(clear))
@@ -120,6 +123,7 @@ def _pinch_grasps(
     around: Surroundings,
     up: FloatArray,
     hand: HandShape,
+    enough: float,
     tolerances: GraspTolerances,
     dropped: Dropped,
 ) -> list[Grasp]:
@@ -131,6 +135,8 @@ def _pinch_grasps(
             near = around.near(directions.origin, tolerances.reach)
             pinched = pinches(directions, surface, near, up, hand, tolerances, dropped)
             found += [_as_grasp(name, pinch) for pinch in pinched]
+            if len(found) >= enough:
+                return found
     if len(found) >= tolerances.enough:
         return found
     for directions in rim_frames(surface, around.floor, up, hand, tolerances, dropped):

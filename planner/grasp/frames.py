@@ -1,6 +1,6 @@
 """Hand directions to try at an object: points spread over it, closing directions across it, tilts."""
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -25,7 +25,7 @@ class Frames:
     tilts: FloatArray
 
 
-def frames(surface: Surface, up: FloatArray, tilts: Sequence[float], count: int = 32) -> list[Frames]:
+def frames(surface: Surface, up: FloatArray, tilts: Sequence[float], count: int = 32) -> Iterator[Frames]:
     """Lay out the hand directions to try: points spread over the object x closing directions x tilts.
 
     Args:
@@ -34,13 +34,12 @@ def frames(surface: Surface, up: FloatArray, tilts: Sequence[float], count: int 
         tilts: Angles between the approach and straight down, about the closing axis [rad].
         count: Points of the object to try.
 
-    Returns:
+    Yields:
         The directions point by point, nearest to the centre of mass first. Deterministic.
     """
     points = surface.points[: surface.seen]
     flat = points - np.outer(points @ up, up)
     across_all, leaning = _closing_directions(points, up), _leaning_sides(surface.normals, up)
-    found: list[Frames] = []
     for origin in _places(points, surface.centre, up, count):
         around = np.linalg.norm(flat - (origin - up * float(origin @ up)), axis=1) < 0.02
         near = points[around]
@@ -50,8 +49,7 @@ def frames(surface: Surface, up: FloatArray, tilts: Sequence[float], count: int 
         square = leaning or _leaning_sides(surface.normals[: surface.seen][around], up)
         closings = [*(_along(closing, normal, up) for closing in level), *square]
         turned = np.array([rotation for closing in closings for rotation in _tilted(closing, up, tilts)])
-        found.append(Frames(origin, turned, np.arccos(np.clip(-turned[:, :, 2] @ up, -1.0, 1.0))))
-    return found
+        yield Frames(origin, turned, np.arccos(np.clip(-turned[:, :, 2] @ up, -1.0, 1.0)))
 
 
 def _along(closing: FloatArray, normal: FloatArray, up: FloatArray) -> FloatArray:

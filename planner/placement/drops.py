@@ -183,7 +183,9 @@ def _quietest(found: Sequence[tuple[tuple[float, ...], Placement]]) -> list[Plac
     return [place for _, place in sorted(found, key=lambda each: each[0])]
 
 
-def standing(places: Sequence[Placement], name: str, situation: Situation) -> list[Placement]:
+def standing(
+    places: Sequence[Placement], name: str, situation: Situation, beside: Solids | None = None
+) -> list[Placement]:
     """Placements on a table, those marked that an object does not keep when it is let go there.
 
     Each attitude is tried once in simulation; what tips over is put down as it came to lie. A hand may not
@@ -193,6 +195,7 @@ def standing(places: Sequence[Placement], name: str, situation: Situation) -> li
         places: Placements on something fixed.
         name: The object.
         situation: Where it is now.
+        beside: Bodies that it may stand on besides what is fixed, by name.
 
     Returns:
         The placements in their order, with `rolls` where it does not stay, and those that it falls from.
@@ -200,7 +203,7 @@ def standing(places: Sequence[Placement], name: str, situation: Situation) -> li
     if not places or not INSTALLED:
         return list(places)
     up, scene, whole = situation.up, situation.scene, situation.completed
-    ground = {other: whole[other] for other in scene.fixed}
+    ground = {**{other: whole[other] for other in scene.fixed}, **(beside or {})}
     known: dict[tuple[float, ...], tuple[FloatArray, float] | None] = {}
     found: list[Placement] = []
     falls: list[Placement] = []

@@ -10,6 +10,7 @@ from topple.planner.placement.resting import PLACEMENT_TOLERANCES, PlacementTole
 from topple.planner.placement.tolerances import SKIN
 from topple.topology.arrays import BoolArray, FloatArray, IntArray
 from topple.topology.bodies.matter import MATTER
+from topple.topology.bodies.solids import Solids
 from topple.topology.bodies.tops import Top, tops_of
 from topple.topology.geometry.axes import level_axes
 from topple.topology.geometry.sides import beyond, sides_of
@@ -143,6 +144,35 @@ def _free_space(
     ways = (away < tolerances.good_gap) & (not clear.all())
     distance = _to_nearest(free) * tolerances.cell
     return FreeSpace(owner, origin, distance, ways, top.normal, top.height, tolerances.cell)
+
+
+def free_around(
+    owner: str,
+    corners: FloatArray,
+    axes: FloatArray,
+    up: FloatArray,
+    bodies: Solids,
+    tolerances: PlacementTolerances = PLACEMENT_TOLERANCES,
+) -> FreeSpace:
+    """Map what of a level area is free of bodies.
+
+    Args:
+        owner: Its name.
+        corners: (N, 3) of the area, which is their level outline [m].
+        axes: (2, 3) level axes.
+        up: (3,) unit vector.
+        bodies: By name the convex parts of what may stand there.
+        tolerances: Grid and distance from the edge.
+    """
+    ground, height = corners @ axes.T, float((corners @ up).max())
+    origin, shape = ground.min(axis=0), np.ceil(np.ptp(ground, axis=0) / tolerances.cell).astype(int) + 1
+    middles = origin + (np.argwhere(np.ones(tuple(shape))).reshape(*shape, 2) + 0.5) * tolerances.cell
+    free = _within(middles, ground)
+    for part in (part for parts in bodies.values() for part in parts):
+        if float((part @ up).max()) > height + SKIN:
+            free &= ~_within(middles, part @ axes.T)
+    distance = _to_nearest(free) * tolerances.cell
+    return FreeSpace(owner, origin, distance, np.zeros_like(free), up, height, tolerances.cell)
 
 
 def _to_nearest(free: BoolArray) -> FloatArray:

@@ -5,7 +5,6 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from topple.planner.decide.goal import PlaceRelation
 from topple.planner.placement.free_space import FreeSpace, free_spaces
 from topple.planner.placement.resting import (
     PLACEMENT_TOLERANCES,
@@ -21,6 +20,7 @@ from topple.topology.geometry.axes import level_axes
 from topple.topology.geometry.thin import voxel_means
 from topple.topology.scene import Scene
 from topple.topology.situation import Situation
+from topple.topology.values import Word
 
 
 @dataclass(frozen=True, eq=False)
@@ -33,7 +33,7 @@ class Placement:
         rest: How it stands there, in words.
         drop: How far it falls when it is let go [m].
         into: What it is put on or into, whose inferred body it may enter: its seen surface was kept clear of.
-        how: On or within that; None on a table.
+        how: On or within that, or where else it goes (`topple.planner.placement.away`); None on a table.
         rolls: Whether it could roll away from there.
         falls: Whether it is known not to stay there, and is to be let go all the same.
     """
@@ -43,7 +43,7 @@ class Placement:
     rest: str = ""
     drop: float = 0.0
     into: str | None = None
-    how: PlaceRelation | None = None
+    how: Word | None = None
     rolls: bool = False
     falls: bool = False
 
@@ -77,6 +77,7 @@ def placements(
     pose_base_to_world: FloatArray | None = None,
     avoid: Sequence[FloatArray] = (),
     remaining: Collection[str] = (),
+    spaces: Sequence[FreeSpace] | None = None,
     limit: int = 24,
     tolerances: PlacementTolerances = PLACEMENT_TOLERANCES,
 ) -> list[Placement]:
@@ -88,6 +89,7 @@ def placements(
         pose_base_to_world: (4, 4) the arm's base: places within its reach and off its foot.
         avoid: (N, 3) points each: places to keep free besides.
         remaining: Objects that are still to be taken, or put something on or into.
+        spaces: What is free, where that is known; else that of all tops is mapped.
         limit: At most so many, spread over the tops; the last of them in other attitudes.
         tolerances: Distances.
 
@@ -104,9 +106,10 @@ def placements(
     cloud, parts = scene.clouds[name], situation.solids[name]
     rests = resting_poses(cloud, parts, up, tolerances, scene.centres.get(name))
     tall = max(float(np.ptp(cloud @ (rest.rotation.T @ up))) for rest in rests)
-    spaces = free_spaces(
-        situation, leave_out={name}, avoid=avoid, remaining=remaining, tall=tall, tolerances=tolerances
-    )
+    if spaces is None:
+        spaces = free_spaces(
+            situation, leave_out={name}, avoid=avoid, remaining=remaining, tall=tall, tolerances=tolerances
+        )
     middle = cloud.mean(axis=0)
     found = [
         [

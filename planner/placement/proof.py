@@ -10,12 +10,14 @@ from dataclasses import dataclass
 import numpy as np
 
 from topple.planner.decide.goal import PlaceRelation
+from topple.planner.placement.away import BODIES, IN_HAND, Away
 from topple.planner.placement.drops import Drops
 from topple.planner.placement.placement import Placement
 from topple.planner.placement.tolerances import PROOF_SPARE, SHIFT, TURN
 from topple.robots.engines import INSTALLED
 from topple.robots.poses import angle_between
 from topple.topology.arrays import FloatArray
+from topple.topology.bodies.solids import Solids
 from topple.topology.geometry.axes import level_axes
 from topple.topology.geometry.sides import inset
 from topple.topology.situation import Situation
@@ -59,11 +61,19 @@ class Proof:
         name: The object.
         situation: Where it is now.
         riding: What lies in the object and goes with it.
+        beside: Bodies that are no part of the scene, by name.
     """
 
-    def __init__(self, name: str, situation: Situation, riding: tuple[str, ...] = ()) -> None:
+    def __init__(
+        self,
+        name: str,
+        situation: Situation,
+        riding: tuple[str, ...] = (),
+        beside: Solids | None = None,
+    ) -> None:
         self.name, self._up, bodies = name, situation.up, situation.solids
         self._others = {other: parts for other, parts in bodies.items() if other not in (name, *riding)}
+        self._others |= beside or {}
         self._own = {False: bodies[name], True: situation.completed[name]}
         self._drops: dict[bool, Drops] = {}
         self._known: dict[Placement, Settled] = {}
@@ -78,11 +88,12 @@ class Proof:
     def settled(self, place: Placement) -> Settled:
         """How the object ends that is let go at a place; each place is tried once."""
         if place not in self._known:
-            on_table = place.into is None
+            on_table = place.into is None and place.how != Away.BIN
             if on_table not in self._drops:
                 drops = Drops(self.name, {**self._others, self.name: self._own[on_table]}, self._up)
                 self._drops[on_table] = self._worlds.enter_context(drops)
-            container = place.into if place.how == PlaceRelation.WITHIN else None
+            inside = {PlaceRelation.WITHIN: place.into, Away.BIN: BODIES[Away.BIN]}
+            container = inside.get(place.how) if isinstance(place.how, (PlaceRelation, Away)) else None
             self._known[place] = settled(
                 self._drops[on_table],
                 place.pose_before_to_after,
@@ -94,6 +105,8 @@ class Proof:
 
     def holds(self, place: Placement) -> bool:
         """Whether the object stays where a place has it, with some to spare; unasked without an engine."""
+        if place.how in IN_HAND:
+            return True
         return not place.falls and (not INSTALLED or self.settled(place).within(PROOF_SPARE))
 
 

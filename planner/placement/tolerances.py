@@ -103,3 +103,42 @@ GENTLE = 0.04
 
 YAWS = 8
 """Headings that are tried."""
+
+
+# -- away
+
+BIN_SIZE = (0.40, 0.30, 0.20)
+"""[m] of an open box that is stood beside the arm: a crate as warehouses have it."""
+
+BIN_WALL = 0.01
+"""[m] thickness of its walls and floor."""
+
+BIN_BESIDE = (0.50, 0.60, 0.45)
+"""[m] from the arm's foot to the middle of such a box, where it works freely."""
+
+BIN_SPOTS = ((0.0, 0.0), (0.15, 0.0), (-0.15, 0.0))
+"""Shares of its size from its middle at which things are let go."""
+
+HEIGHTS_IN_BIN = (0.04, 0.09, 0.14)
+"""[m] above its floor: what lies there may be higher, and a hand does not get down everywhere."""
+
+LIFT_CLEAR = 0.15
+"""[m] from everything when a lift ends: room for whatever takes over."""
+
+RAISED, HIGHEST = 0.10, 0.80
+"""[m] a lift rises at least, and at most."""
+
+AHEAD = 0.40
+"""[m] before the arm's foot: there it can hold most things up."""
+
+TOWARDS = (0.0, 0.35, 0.7, 1.0)
+"""Shares of the way there at which a lift may end."""
+
+LEVEL_WITH = 0.03
+"""[m] that a table may be seen off the level of an area that is vouched for on it."""
+
+YAWS = 8
+"""Headings that are tried in the air, and half as many in a box."""
+
+SLAB = 0.01
+"""[m] thickness of a level area that is vouched for."""

@@ -57,7 +57,8 @@ class StepChooser:
         Raises:
             NoSafePlan: Something is left to do, and nothing that may be done now can be.
         """
-        lost = [name for name in self.goal.names if name not in self.scene.clouds]
+        gone = set[str]() if self.context.away is None else {name for name, _ in self.context.done}
+        lost = [name for name in self.goal.names if name not in self.scene.clouds and name not in gone]
         if lost and self.unmet():
             raise NoSafePlan(words := f"{', '.join(lost)}: seen nowhere any more", (words,))
         step = self._chosen()

@@ -1,10 +1,7 @@
 """The whole sequence before anything moves: order, grasps, placements and motions, step by step."""
 
-import time
-from collections import Counter
 from collections.abc import Callable, Collection, Iterable, Sequence
 from concurrent.futures import Executor
-from dataclasses import dataclass, field
 from functools import partial
 from typing import Any
 
@@ -12,30 +9,23 @@ import numpy as np
 
 from topple.planner.budget import bounded
 from topple.planner.decide.goal import Goal
-from topple.planner.decide.hold import fixture_assumptions
-from topple.planner.decide.tolerances import LIKELY
 from topple.planner.errors import NoSafePlan
-from topple.planner.formats.plan_data import DIGITS, dependency_data, objects_data, said_unseen, step_data
 from topple.planner.formats.plan_format import Plan
-from topple.planner.formats.plan_robot import arm_data
-from topple.planner.formats.plan_structs import DependencyData, Step
 from topple.planner.formats.verification import BROKEN, UNFOUND
-from topple.planner.grasp.given import GraspsByObject, OwnGrasps, own_grasps
-from topple.planner.grasp.grasp import Grasp
+from topple.planner.grasp.given import OwnGrasps, own_grasps
+from topple.planner.placement.away import Away, Destination
 from topple.planner.placement.base import choose_base
 from topple.planner.planning.goal_task import GoalTask
 from topple.planner.planning.order import check_clamped, check_masks, ordered
+from topple.planner.planning.planning import Planning, Progress, fitting
 from topple.planner.planning.start import check_start, check_upright
-from topple.planner.planning.step import Context, NextStep, Orderer, Station, Task
-from topple.planner.planning.tolerances import MOST_STEPS
-from topple.planner.transfer.transfer import after
+from topple.planner.planning.step import NextStep, Orderer, Station, Task
 from topple.robots.arm.arm import Arm
 from topple.robots.catalog import robot as robot_named
 from topple.robots.catalog.own_arm import check_tool
 from topple.robots.engines import BULLET, INSTALLED
 from topple.topology.arguments import checked_arguments
 from topple.topology.arrays import FloatArray
-from topple.topology.errors import InvalidInput
 from topple.topology.io.load import AnyScene, as_scene
 from topple.topology.relations import Relations
 from topple.topology.scene import Scene
@@ -43,7 +33,6 @@ from topple.topology.situation import Situation
 from topple.topology.statics.gravity import check_up
 from topple.topology.workers import all_of
 
-Progress = Callable[[str], None]
 UNPROVEN = "placements were not let go in simulation: no engine is installed"
 UNCHECKED = "the plan was not checked by other means: PyBullet is not installed"
 
@@ -62,6 +51,7 @@ def plan(
     grasps: OwnGrasps | None = None,
     orderer: Orderer = ordered,
     relations: Relations | Callable[[Scene], Relations] | None = None,
+    away: str | Sequence[str | float] | Destination = Away.TABLE,
     allow_drop: bool = False,
     check: bool = True,
     budget: float | None = None,
@@ -91,6 +81,8 @@ def plan(
         relations: Relations of your own, which the first step is ordered by. Afterwards those of an object
             that was moved are worked out from its cloud, the others stay; give a function of the scene to
             have it asked before each step.
+        away: Where things go that are taken: "table", to free places on what is seen; "lift", "bin", or
+            ("zone", ...), ("hand-over", ...) with numbers, as `topple.planner.placement.away` has them.
         allow_drop: Whether an object that stays nowhere the arm can put it may be let go to fall; its step
             then says so. Later steps take it to be where it was let go.
         check: Whether the plan is checked by other means before it is returned, as `Plan.verify` does, which
@@ -125,8 +117,8 @@ def plan(
     check_start(situation, arm, pose, start)
     level, fixture = check_upright(scene, upright), check_clamped(scene, clamped)
     asked = None if relations is None or isinstance(relations, Relations) else relations
-    first = _fitting(relations if isinstance(relations, Relations) else asked and asked(scene), scene)
-    planning = _Planning(
+    first = fitting(relations if isinstance(relations, Relations) else asked and asked(scene), scene)
+    planning = Planning(
         Situation.of(situation, first).with_level_undersides(),
         wanted,
         arm,
@@ -138,6 +130,7 @@ def plan(
         allow_drop,
         clamped=fixture,
     )
+    planning.receive(Destination.of(away))
     planning.grasps = {} if grasps is None else own_grasps(grasps, scene, arm)
     planning.orderer = orderer
     planning.run(task, asked)
@@ -221,7 +214,7 @@ def plan_as_done(
         The plan; an assumption says that the arm goes home between the steps.
     """
     arm, pose, start = station.arm, station.pose_base_to_world, station.q
-    planning = _Planning(
+    planning = Planning(
         Situation(scene).with_level_undersides(),
         goal,
         arm,
@@ -236,163 +229,3 @@ def plan_as_done(
         planning.take(chosen)
     note = "each step was planned from a look of its own; between steps the arm goes home"
     return planning.plan(start, False, (*scene.assumptions, *arm.assumptions, note))
-
-
-def _fitting(relations: Relations | None, scene: Scene) -> Relations | None:
-    """Refuse relations of other objects than the scene's."""
-    if relations is not None and tuple(relations.objects) != tuple(scene.names):
-        told = ", ".join(relations.objects)
-        raise InvalidInput(f"the relations are of {told}, expected {', '.join(scene.names)}")
-    return relations
-
-
-@dataclass
-class _Planning:
-    """A plan in the making: the situation as it should be by now, and the steps that lead there.
-
-    `reasons` has each dependency with the index of the step it was first seen at.
-    """
-
-    situation: Situation
-    goal: Goal
-    arm: Arm
-    pose_base_to_world: FloatArray
-    q: FloatArray
-    upright: frozenset[str]
-    seed: int
-    progress: Progress | None
-    allow_drop: bool = False
-    steps: list[Step] = field(default_factory=list[Step])
-    tried: Counter[str] = field(default_factory=Counter[str])
-    seconds: float = 0.0
-    reasons: dict[tuple[str, str], tuple[int, DependencyData]] = field(
-        default_factory=dict[tuple[str, str], tuple[int, DependencyData]]
-    )
-    grasps: GraspsByObject = field(default_factory=dict[str, Sequence[Grasp]])
-    orderer: Orderer = ordered
-    clamped: frozenset[str] = frozenset()
-
-    def __post_init__(self) -> None:
-        self.started = self.last = time.perf_counter()
-        self.up = self.situation.up
-        self.objects = objects_data(self.situation)
-        self.moved: dict[str, FloatArray] = {}
-
-    def run(self, task: Task, asked: Callable[[Scene], Relations] | None) -> None:
-        """Choose one step after the other; `asked` gives the relations before each where there is one."""
-        done: list[tuple[str, str]] = []
-        for _ in range(MOST_STEPS * len(self.situation.movable)):
-            station = Station(self.arm, self.pose_base_to_world, self.q)
-            context = Context(
-                station, done, upright=self.upright, allow_drop=self.allow_drop, orderer=self.orderer,
-                grasps=self.own(), seed=self.seed, clamped=self.clamped - self.moved.keys(),
-            )  # fmt: skip
-            chosen = task.chooser(self.situation, self.goal, context).choose()
-            if chosen is None:
-                return
-            self.take(chosen)
-            done.append((chosen.transfer.object, chosen.action))
-            if asked is not None:
-                scene = self.situation.scene
-                self.situation = Situation.of(self.situation, _fitting(asked(scene), scene))
-        again = ", ".join(sorted({step.object for step in self.steps[-3:]}))
-        words = f"no end after {len(self.steps)} steps: the last ones move {again} again and again"
-        raise NoSafePlan(words, (words,))
-
-    def own(self) -> GraspsByObject:
-        """The caller's grasps where their objects are by now."""
-        return {
-            name: [grasp.moved(self.moved[name]) for grasp in some] if name in self.moved else some
-            for name, some in self.grasps.items()
-        }
-
-    def plan(self, q_start: FloatArray, base_searched: bool, assumptions: Sequence[str]) -> Plan:
-        """What was planned, as data."""
-        return Plan(
-            goal=self.goal.text,
-            poses={name: np.round(pose, DIGITS).tolist() for name, pose in self.goal.poses.items()},
-            robot=self.arm.name,
-            arm=arm_data(self.arm),
-            joints=list(self.arm.joints),
-            seed=self.seed,
-            pose_base_to_world=self.pose_base_to_world.tolist(),
-            base_searched=base_searched,
-            q_start=q_start.tolist(),
-            order=[step.object for step in self.steps],
-            dependencies=self.dependencies(),
-            steps=self.steps,
-            objects=self.objects,
-            up=(float(self.up[0]), float(self.up[1]), float(self.up[2])),
-            upright=sorted(self.upright),
-            clamped=sorted(self.clamped),
-            assumptions=[*assumptions, *fixture_assumptions(self.clamped), *said_unseen(self.steps)],
-            certified=all(
-                segment.certified for step in self.steps for segment in step.segments if segment.motion
-            ),
-            seconds=round(self.seconds, 3),
-            planning_seconds=round(self.last - self.started, 3),
-            tried=dict(self.tried),
-        )
-
-    def dependencies(self) -> list[DependencyData]:
-        """Why the steps come in this order: what had to go first when an object was taken."""
-        handled = {step.object for step in self.steps}
-        kept = {
-            pair
-            for pair in self.reasons
-            if pair[0] in handled and self.reasons[pair][0] <= self.last_of(pair[1])
-        }
-        return [self.reasons[pair][1] for pair in sorted(kept)]
-
-    def last_of(self, name: str) -> int:
-        """Index of the last step of an object, -1 where it has none."""
-        return max((index for index, step in enumerate(self.steps) if step.object == name), default=-1)
-
-    def doubted(self, name: str) -> list[DependencyData]:
-        """What taking an object now goes against: what was seen before and is no more."""
-        gone = {step.object for step in self.steps}
-        return [
-            data
-            for (first, then), (_, data) in self.reasons.items()
-            if then == name and first not in gone and data.confidence < LIKELY
-        ]
-
-    def take(self, chosen: NextStep) -> None:
-        for edge in chosen.order.graph.dependencies:
-            self.reasons.setdefault((edge.first, edge.then), (len(self.steps), dependency_data(edge)))
-        transfer = chosen.transfer
-        names = [step.object for step in self.steps]
-        against = self.doubted(transfer.object)
-        for edge in against:
-            self.reasons.pop((edge.first, edge.then), None)
-        below = {first for first, then in self.reasons if then == transfer.object}
-        since = [index for index, name in enumerate(names) if name in below or name == transfer.object]
-        before, self.last = self.last, time.perf_counter()
-        spent = self.last - before
-        falls = transfer.placement.falls
-        reason = f"{chosen.reason}; it is let go to fall as it will" if falls else chosen.reason
-        if transfer.object in self.clamped - self.moved.keys():
-            reason = f"{reason}; the fixture lets go once the hand holds it"
-        self.steps.append(
-            step_data(
-                transfer,
-                str(chosen.action),
-                reason,
-                since,
-                self.moved,
-                spent,
-                against,
-                chosen.all_fallbacks,
-                chosen.buffer,
-            )
-        )
-        self.tried.update(transfer.tried)
-        self.seconds += transfer.seconds
-        self.situation, self.q = after(self.situation, transfer), transfer.q_end
-        pose = transfer.placement.pose_at_rest(self.up)
-        for name in (transfer.object, *transfer.riding):
-            self.moved[name] = pose @ self.moved.get(name, np.eye(4))
-        if self.progress is not None:
-            least = len(self.steps) + len(chosen.order.order) - 1
-            count = f"{len(self.steps)} of {least}" if least >= len(self.steps) else str(len(self.steps))
-            self.progress(f"{count}: {chosen.action} {transfer.object}: {reason}")

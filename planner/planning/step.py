@@ -11,6 +11,7 @@ from topple.planner.decide.goal import Action, Goal
 from topple.planner.fallbacks import Fallback
 from topple.planner.grasp.given import GraspsByObject
 from topple.planner.grasp.grasp import Grasp
+from topple.planner.placement.away import Receiver
 from topple.planner.planning.order import check_masks, check_targets, ordered
 from topple.planner.transfer.transfer import Transfer
 from topple.robots.arm.arm import Arm
@@ -108,6 +109,8 @@ class Context:
         second: A second arm, as it stands, for what takes two; None where there is one arm.
         obstacles: Bodies that are in the arm's way and no part of the scene: those of the other arm.
         clamped: What a fixture keeps where it stands until it is taken.
+        away: Where things go that are taken; to free places on what is seen where None. What went there and
+            is in the way is among the obstacles.
     """
 
     station: Station
@@ -125,6 +128,7 @@ class Context:
     second: Station | None = None
     obstacles: Solids = field(default_factory=dict[str, Sequence[FloatArray]])
     clamped: Collection[str] = ()
+    away: Receiver | None = None
 
     def ask(self, situation: Situation, targets: Sequence[str]) -> Order:
         """Ask the orderer; see `ask`."""

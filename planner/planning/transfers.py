@@ -10,6 +10,7 @@ from topple.planner.grasp.candidates import grasp_candidates
 from topple.planner.grasp.given import doable
 from topple.planner.grasp.grasp import Grasp
 from topple.planner.grasp.surroundings import Dropped
+from topple.planner.placement.away import Away
 from topple.planner.placement.drops import standing
 from topple.planner.placement.placement import Placement, placements
 from topple.planner.placement.proof import Proof
@@ -60,7 +61,12 @@ class Transfers:
         """
         if name in self.context.given_up:
             return self._refused(name)
-        station, own = self.context.station, self.situation.scene.clouds[name]
+        station, own, away = self.context.station, self.situation.scene.clouds[name], self.context.away
+        if away is not None:
+            places = away.places(name, self.situation.with_completed(name), self.context.obstacles)
+            if away.how is Away.ZONE:
+                places = standing(places, name, self.situation, away.bodies)
+            return self.to(name, places)
         find = partial(
             placements,
             name,
@@ -95,7 +101,8 @@ class Transfers:
         )  # fmt: skip
         if self.context.observed:
             return transfer()
-        with Proof(name, self.situation, self.riding(name)) as proof:
+        beside = {} if context.away is None else context.obstacles
+        with Proof(name, self.situation, self.riding(name), beside) as proof:
             found = transfer(holds=proof.holds)
             if isinstance(found, TransferFailure) and self.context.allow_drop:
                 found = transfer()

@@ -84,8 +84,8 @@ def run_cell(record: "RunRecord") -> str:
 
 
 def _step(step: "Step") -> str:
-    into, width = step.placement.into, f"{1e3 * step.grasp.width:.0f}"
-    where = f", {step.placement.how or 'on'} {into}" if into else ""
+    place, width = step.placement, f"{1e3 * step.grasp.width:.0f}"
+    where = f", {place.words}" if place.into or place.how else ""
     return (
         f"<li><b>{escape(step.action)} {escape(step.object)}</b>{escape(where)}: {escape(step.reason)} "
         f'<span class="kind">{escape(step.grasp.kind)}, pads {width} mm apart</span></li>'

@@ -211,8 +211,7 @@ def _how(step: Step) -> str:
     """Grasp, place, clearance and time of a step, in words."""
     seconds = sum(segment.motion.times[-1] for segment in step.segments if segment.motion is not None)
     free = [segment.clearance for segment in step.segments if segment.certified and segment.kind in FREE]
-    into = f" {step.placement.how or 'on'} {step.placement.into}" if step.placement.into else ""
-    parts = [f"{step.grasp.kind} grasp", f"put down{into}, {step.placement.rest}".rstrip(", ")]
+    parts = [f"{step.grasp.kind} grasp", f"{step.placement.words}, {step.placement.rest}".rstrip(", ")]
     if step.placement.drop > 5e-4:
         parts.append(f"let go {millimetres(step.placement.drop)} above its place")
     if free:

@@ -1,6 +1,6 @@
 """What the arm reaches of one object's grasps and places, and the straight ways there and out."""
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -13,11 +13,12 @@ from topple.planner.grasp.suction import cup_shape
 from topple.planner.motion.cartesian import straight_lines
 from topple.planner.motion.collision import Checker
 from topple.planner.motion.shortcut import densely
+from topple.planner.placement.away import IN_HAND
 from topple.planner.placement.placement import Placement
 from topple.planner.transfer.checks import Checks
 from topple.planner.transfer.segments import SegmentKind
 from topple.planner.transfer.stages import Stage
-from topple.planner.transfer.tolerances import SEEDS, STRAIN_STEP
+from topple.planner.transfer.tolerances import MARGIN, SEEDS, STRAIN_STEP
 from topple.robots.arm.gripper import ToolName
 from topple.robots.poses import inverse
 from topple.topology.arrays import FloatArray
@@ -234,9 +235,8 @@ class Handling(Checks):
         near: FloatArray,
         drop: float,
         retreat: float,
-        most: int,
         log: FailureLog,
-    ) -> list[End]:
+    ) -> Iterator[End]:
         """Ways of ending a transfer that are free from above the place until the hand is out.
 
         Args:
@@ -245,14 +245,13 @@ class Handling(Checks):
             near: (n,) joint values to stay close to.
             drop: Straight way down [m].
             retreat: Straight way out [m].
-            most: How many to return.
             log: Notes what placements are dropped for.
 
-        Returns:
-            Up to `most` ends, best placements first.
+        Yields:
+            Ends, best placements first, each placement once.
         """
         grasp = state.grasp
-        checker = self.carrying(grasp, 0.0, places[0].into)
+        checker = self.carrying(grasp, MARGIN if places[0].how in IN_HAND else 0.0, places[0].into)
         targets = [place.pose_before_to_after @ self.tool_pose(grasp) for place in places]
         tried: list[tuple[Placement, FloatArray, FloatArray]] = []
         for place, target, states in zip(
@@ -265,7 +264,10 @@ class Handling(Checks):
             if not free.any():
                 Stage(SegmentKind.PLACE, checker, log).blame(states[0])
             tried += [(place, target, q) for q in states[free][:2]]
-        return self._free_ends(grasp, tried, (drop, retreat), checker, most, log)
+        if places[0].how in IN_HAND:
+            yield from (End(place, q[None], q[None]) for place, _, q in tried)
+        elif tried:
+            yield from self._free_ends(grasp, tried, (drop, retreat), checker, log)
 
     def _free_ends(
         self,
@@ -273,12 +275,9 @@ class Handling(Checks):
         tried: Sequence[tuple[Placement, FloatArray, FloatArray]],
         ways: tuple[float, float],
         carrying: Checker,
-        most: int,
         log: FailureLog,
-    ) -> list[End]:
-        """Of places with tool poses and states there the first `most` with straight ways in and out."""
-        if not tried:
-            return []
+    ) -> Iterator[End]:
+        """Of places with tool poses and states there those with straight ways in and out."""
         states, to_base = np.array([q for _, _, q in tried]), self.world_to_base
         above, back = np.array([to_base @ target for _, target, _ in tried]), np.eye(4)
         above[:, :3, 3] += ways[0] * to_base[:3, :3] @ self.up
@@ -286,16 +285,16 @@ class Handling(Checks):
         out = np.array([to_base @ target @ back for _, target, _ in tried])
         raised = straight_lines(self.arm, states, above, grasp.tool)
         drawn = straight_lines(self.arm, states, out, grasp.tool)
-        found: list[End] = []
+        found: list[Placement] = []
         for (place, _, q), rising, leaving in zip(tried, raised, drawn, strict=True):
-            if len(found) >= most or any(end.placement is place for end in found):
+            if any(place is other for other in found):
                 continue
             lower = Stage(SegmentKind.PLACE, carrying, log)
             retreat = Stage(SegmentKind.RETREAT, self.leaving(grasp, place.into), log)
             lowered = lower.straight(rising, q, backwards=True) and self.bears(lower, grasp)
             if lowered and retreat.straight(leaving, q):
-                found.append(End(place, lower.way, retreat.way))
-        return found
+                found.append(place)
+                yield End(place, lower.way, retreat.way)
 
 
 def _directions(grasp: Grasp) -> list[Grasp]:

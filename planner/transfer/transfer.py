@@ -4,6 +4,7 @@ from collections import Counter
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import cache, partial
+from itertools import islice
 
 import numpy as np
 
@@ -15,6 +16,7 @@ from topple.planner.grasp.hand import hand_shape
 from topple.planner.grasp.load import beyond_arm
 from topple.planner.grasp.surroundings import Dropped
 from topple.planner.grasp.tolerances import GRASP_TOLERANCES
+from topple.planner.placement.away import IN_HAND
 from topple.planner.placement.placement import Placement, placements
 from topple.planner.transfer.handling import Handling, Reached
 from topple.planner.transfer.segments import Segment, SegmentKind
@@ -25,9 +27,7 @@ from topple.robots.arm.gripper import ToolName
 from topple.robots.arm.home import workplace_of
 from topple.topology.arrays import FloatArray, frozen
 from topple.topology.bodies.solids import Solids
-from topple.topology.bodies.tolerances import GRAIN
 from topple.topology.errors import UnknownObject
-from topple.topology.geometry.samples import sampled
 from topple.topology.scene import Scene
 from topple.topology.situation import Situation
 
@@ -37,6 +37,7 @@ class TransferLimits:
     """How hard to look, and how fast to move.
 
     Attributes:
+        enough: Pinches after which no more are looked for, while an arm can make one of them.
         grasps: Best grasps to ask inverse kinematics for; each is tried with the hand turned half as well.
         reached: Reachable grasp states to follow up.
         goals: Placements a motion is planned to at once.
@@ -51,6 +52,7 @@ class TransferLimits:
         tilt: Largest tilt of what is carried upright [rad]: a glass filled to nine tenths does not spill.
     """
 
+    enough: int = 24
     grasps: int = 24
     reached: int = 12
     goals: int = 4
@@ -154,10 +156,11 @@ def plan_transfer(
         raise UnknownObject(name, scene.names)
     if held is not None:
         grasps, avoid = [held.grasp], ()
-    searched, dropped, changed = grasps is None, Dropped(), False
+    searched, dropped, changed, few = grasps is None, Dropped(), False, list[Grasp]()
     find = partial(grasp_candidates, name, situation, wide=bool(avoid))
     if grasps is None:
-        grasps = _others(find(arm, dropped=dropped), avoid)
+        few = [] if avoid else find(arm, enough=limits.enough)
+        grasps = few or _others(find(arm, dropped=dropped), avoid)
         if grasps and ToolName.FINGERS in arm.tools and all(grasp.tool in _tired(avoid) for grasp in grasps):
             grasps = _others(find(hand=hand_shape(arm)), avoid) or grasps
             changed = True
@@ -182,8 +185,11 @@ def plan_transfer(
     by_cup_alone = (
         searched and all(grasp.tool == ToolName.SUCTION for grasp in grasps) and ToolName.FINGERS in arm.tools
     )
-    more = cache(lambda: _others(find(hand=hand_shape(arm)), avoid) if by_cup_alone else [])
-    found = search.run_seen_first(grasps, more)
+
+    def other() -> list[Grasp]:
+        return _others(find(hand=hand_shape(arm)), avoid) if by_cup_alone else find(arm) if few else []
+
+    found = search.run_seen_first(grasps, cache(other))
     if isinstance(found, TransferFailure):
         return found
     changed |= by_cup_alone and found.grasp.tool == ToolName.FINGERS
@@ -278,7 +284,8 @@ class _Search:
     def _ways(self) -> Iterator[_Way]:
         """The ways in the order in which they are tried, the plain one first."""
         steady = [place for place in self.places if not place.rolls]
-        flat = [place.higher(self.limits.fall, self.handling.up) for place in steady if place.into is None]
+        low = [place for place in steady if place.into is None and place.how not in IN_HAND]
+        flat = [place.higher(self.limits.fall, self.handling.up) for place in low]
         choices: tuple[tuple[tuple[Fallback, ...], list[Placement]], ...] = (
             ((), steady),
             ((Fallback.LET_FALL_A_LITTLE,), flat),
@@ -306,7 +313,8 @@ class _Search:
         if approach.path is None or lift.path is None:
             return None
         top = lift.way[-1]
-        ends = handling.ends(state, room, top, limits.drop, limits.retreat, limits.goals, log)
+        free = handling.ends(state, room, top, limits.drop, limits.retreat, log)
+        ends = list(islice((end for end in free if self._stays(end.placement)), limits.goals))
         if not ends or not approach.prove() or not lift.prove():
             return None
         carry = Stage(SegmentKind.TRANSFER, handling.carrying(grasp, way.margin), log)
@@ -317,12 +325,12 @@ class _Search:
             return None
         if not handling.bears(carry, grasp):
             return None
-        end = ends[goal]
+        end, held = ends[goal], ends[goal].placement.how in IN_HAND
         lower = Stage(SegmentKind.PLACE, handling.carrying(grasp, 0.0, end.placement.into), log, end.lower)
         retreat = Stage(SegmentKind.RETREAT, handling.parting(grasp, end.placement), log, end.retreat)
-        if not lower.prove() or not retreat.prove():
+        if not held and not (lower.prove() and retreat.prove()):
             return None
-        stages = (lift, carry, lower, retreat)
+        stages = (lift, carry) if held else (lift, carry, lower, retreat)
         if state is not self._held:
             move = Stage(SegmentKind.MOVE, handling.empty(grasp.opening), log)
             if move.search(self.q_start, approach.way[:1], self.seed, limits.rounds) is None:
@@ -343,12 +351,14 @@ class _Search:
         return Upright(grasp.tool, self.handling.world_to_base[:3, :3] @ self.handling.up, self.limits.tilt)
 
     def _room(self, grasp: Grasp, places: tuple[Placement, ...]) -> list[Placement]:
-        """Places where the hand has room and the object stays, looked for once for all states of a grasp."""
+        """Places where the hand has room, looked for once for all states of a grasp."""
         key = (grasp, places)
         if key not in self._roomy:
             way = self.limits.drop, self.limits.retreat
-            room = self.handling.open_ends(grasp, places, *way, self.log)
-            self._roomy[key] = [place for place in room if self._stays(place)]
+            found = (
+                places if places[0].how in IN_HAND else self.handling.open_ends(grasp, places, *way, self.log)
+            )
+            self._roomy[key] = list(found)
         return self._roomy[key]
 
     def _stays(self, place: Placement) -> bool:
@@ -357,39 +367,3 @@ class _Search:
             return True
         self.log.note(SegmentKind.PLACE, Check.STAND, FALLS)
         return False
-
-
-def after(situation: Situation, transfer: Transfer) -> Situation:
-    """Predict the situation once a transfer is done.
-
-    What was put down on a table rests there on its underside, which cameras will see the edge of: where its
-    cloud ends above that, points of its body are added below.
-
-    Args:
-        situation: Before it.
-        transfer: The transfer.
-
-    Returns:
-        The situation with the object and what rides in it at its place; all else is where it was.
-    """
-    place = transfer.placement
-    names = (transfer.object, *transfer.riding)
-    return rested(situation, names, place.pose_at_rest(situation.up), place.into is None)
-
-
-def rested(situation: Situation, names: Sequence[str], pose: FloatArray, on_table: bool) -> Situation:
-    """Predict the situation once things were moved, as `after` does.
-
-    Args:
-        situation: Before it.
-        names: The object, and what rides in it.
-        pose: (4, 4) rigid transform in the world to where it lies.
-        on_table: Whether that is on a table.
-    """
-    up, name = situation.up, names[0]
-    hidden = None
-    if on_table:
-        body = sampled(situation.solids[name], 2.0 * GRAIN)
-        seen_above = float((situation.scene.clouds[name] @ pose[:3, :3].T @ up).min())
-        hidden = body[body @ pose[:3, :3].T @ up < seen_above]
-    return situation.moved(names, pose, hidden)

@@ -9,6 +9,7 @@ from topple.planner.formats.verification import Residual, Worst
 from topple.planner.grasp.grasp import KINDS, GraspKind
 from topple.planner.grasp.score import score_of
 from topple.planner.verify.bodies import completed_of, off_by, parts_of
+from topple.planner.verify.handed import own_bodies
 from topple.planner.verify.tolerances import ROUNDED_SCORE, ROUNDED_TIME, SAME, UPWARD
 from topple.robots.arm.arm import Arm
 from topple.topology.bodies.matter import MATTER
@@ -102,7 +103,9 @@ def check_scene(plan: PlanData, situation: Situation, arm: Arm) -> tuple[Residua
         if words not in plan.assumptions:
             quiet.count(words)
     fixed = Worst("objects fixed in the plan or the scene alone", "1")
-    odd = {thing.name for thing in plan.objects if thing.fixed} - {MATTER} ^ set(scene.fixed)
+    odd = {thing.name for thing in plan.objects if thing.fixed} - {MATTER, *own_bodies(plan)} ^ set(
+        scene.fixed
+    )
     fixed.note(float(len(odd)), ", ".join(sorted(odd)))
     return (
         tilt.residual(),

@@ -9,8 +9,9 @@ from topple.planner.decide.goal import Action, parse_goal
 from topple.planner.decide.tolerances import LIKELY
 from topple.planner.formats.plan_structs import PlanData
 from topple.planner.formats.verification import BROKEN, OFF_PLACE, UNFOUND, Residual, Worst
+from topple.planner.placement.away import Away
 from topple.planner.tolerances import DISTURBED
-from topple.planner.transfer.transfer import rested
+from topple.planner.transfer.afterwards import rested
 from topple.planner.verify.bodies import completed_of
 from topple.planner.verify.tolerances import ROUNDED_SCORE, SURFACE
 from topple.topology.arrays import FloatArray
@@ -120,12 +121,12 @@ def check_reasons(plan: PlanData, situation: Situation) -> Residual:
         place, riding = step.placement, {held.object for held in step.attachments} - {step.object}
         pose = np.array(place.pose_before_to_after)
         pose[:3, 3] -= place.drop * situation.up
-        here = rested(
-            here.with_level_undersides() if index == 0 else here,
-            [step.object, *sorted(riding)],
-            pose,
-            place.into is None,
-        )
+        here = here.with_level_undersides() if index == 0 else here
+        names = [step.object, *sorted(riding)]
+        if place.how in tuple(Away):
+            here = here.without(*names)
+        else:
+            here = rested(here, names, pose, place.into is None)
         fixture.discard(step.object)
     for first, then in sorted(left):
         worst.count(f"{first} before {then}", last.get(then, last.get(first, 0)))

@@ -7,8 +7,10 @@ from typing import NamedTuple
 from topple.planner.formats.plan_structs import PlanData, Step
 from topple.planner.formats.verification import BROKEN, OFF_PLACE, UNFOUND, Proof, Residual, StepProofs
 from topple.planner.grasp.grasp import GraspKind
+from topple.planner.placement.away import IN_HAND
 from topple.planner.verify.between import BetweenCheck
 from topple.planner.verify.force import ForceCheck
+from topple.planner.verify.handed import HANDED
 from topple.planner.verify.replay import SegmentReplay
 from topple.planner.verify.sight import UNSAID
 
@@ -77,6 +79,7 @@ PUT = Claim(
     "hand state replayed",
     ("tool at the place", "object against its place", "put into what it is not over"),
 )
+HANDED_ON = Claim("it ends where things go that are taken", "bodies at the end of its step", HANDED)
 STAYS = Claim(
     "it stays there",
     "let go in PyBullet",
@@ -157,6 +160,7 @@ OF_STEPS = (
     FOLLOWED,
     LEVEL,
     PUT,
+    HANDED_ON,
     PRESSED,
     STAYS,
 )
@@ -206,7 +210,8 @@ class Proofs:
 
     def _of(self, index: int, step: Step, residuals: Sequence[Residual]) -> StepProofs:
         found: list[Proof] = []
-        asked = {LEVEL: step.upright, PRESSED: step.placement.into is not None}
+        away = self._plan.away is not None
+        asked = {LEVEL: step.upright, PRESSED: step.placement.into is not None, HANDED_ON: away}
         for claim in OF_STEPS:
             proof = _proof(claim, residuals, index)
             if proof.shown is not False and not asked.get(claim, True):
@@ -227,7 +232,13 @@ class Proofs:
         if claim is CARRIED:
             words = self._force.guessed.get(index, "")
             return words and f"{words}, weight guessed from volume"
-        if claim in (PUT, PRESSED, STAYS) and index not in self._released:
+        if claim in (PRESSED, STAYS) and step.placement.how in IN_HAND:
+            return "it stays in the hand, as its step says"
+        if (
+            claim in (PUT, PRESSED, STAYS)
+            and step.placement.how not in IN_HAND
+            and index not in self._released
+        ):
             return "it is never let go"
         if claim is SEEN and step.unseen:
             return "the hand comes in where no camera saw that there is nothing, as its step says"

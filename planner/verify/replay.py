@@ -11,6 +11,7 @@ import numpy as np
 
 from topple.planner.formats.plan_structs import PlanData, SegmentData, Step
 from topple.planner.formats.verification import Residual, Worst
+from topple.planner.placement.away import IN_HAND, Away
 from topple.planner.transfer.segments import SegmentKind
 from topple.planner.verify.bodies import off_by, tool_poses
 from topple.planner.verify.grip import Grip
@@ -32,7 +33,8 @@ class SegmentReplay:
         states: (m, n) joint values, densely along the motion; one state for grasp and release.
         poses: Rigid transforms (4, 4) since the plan began of the objects that are not in the hand.
         held: What is in the hand: transforms (4, 4) from the world at the plan's begin to the tool.
-        before: Transforms (4, 4) since the plan began of all objects, as the step began.
+        before: Transforms (4, 4) since the plan began of all objects, as the step began; what was handed on
+            or went into a box by then is left out.
     """
 
     index: int
@@ -90,6 +92,7 @@ class Replay:
     def __post_init__(self) -> None:
         self.poses = {thing.name: np.eye(4) for thing in self.plan.objects}
         self._held: dict[str, FloatArray] = {}
+        self._gone: set[str] = set()
         self._tool, self._hand = "", ToolState()
         self._grip = Grip(self.plan, self.arm)
 
@@ -97,7 +100,8 @@ class Replay:
         """Play the plan; yields its segments in order."""
         q = np.array(self.plan.q_start)
         for index, part in enumerate(self.plan.steps):
-            before, moved = dict(self.poses), len(self.taken)
+            before = {name: pose for name, pose in self.poses.items() if name not in self._gone}
+            moved = len(self.taken)
             for segment in part.segments:
                 where = f"step {index + 1} ({part.object}), {segment.kind}"
                 states = resampled(segment, q, self.step)
@@ -111,9 +115,14 @@ class Replay:
                     self._keep(index, hand, where)
                 self._say(index, segment, where)
                 self._hand = hand
-                rest = {name: pose for name, pose in self.poses.items() if name not in self._held}
+                away = self._gone.union(self._held)
+                rest = {name: pose for name, pose in self.poses.items() if name not in away}
                 yield SegmentReplay(index, part, segment, states, rest, dict(self._held), before)
             where = f"step {index + 1} ({part.object})"
+            if part.placement.how in IN_HAND and part.object in self._held:
+                self._hand_on(index, part, q, before, where)
+            if part.placement.how == Away.BIN or part.placement.how in IN_HAND:
+                self._gone.update(name for _, name in self.taken[moved:])
             if self._held:
                 self.kept.note(len(self._held), f"{where}: {', '.join(self._held)}", index)
             if not any(name == part.object for _, name in self.taken[moved:]):
@@ -177,6 +186,18 @@ class Replay:
         into = part.placement.into
         if into is not None and not self._grip.rides(part.object, into, self.poses):
             self.told_into.count(f"{where}: it is not over {into}", index)
+
+    def _hand_on(
+        self, index: int, part: Step, q: FloatArray, before: dict[str, FloatArray], where: str
+    ) -> None:
+        """What is in the hand leaves it by other means, from where the step says."""
+        tool = tool_poses(self.arm, self.plan, self._tool, q[None])[0]
+        declared = np.array(part.placement.pose_before_to_after)
+        for name, to_tool in self._held.items():
+            self.poses[name] = tool @ to_tool
+            self.place.note(off_by(self.poses[name], declared @ before[name]), f"{where}: {name}", index)
+            self.taken.append((index, name))
+        self._held = {}
 
     def _say(self, index: int, segment: SegmentData, where: str) -> None:
         """Hold what a segment says of its hand against what is in it."""

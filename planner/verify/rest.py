@@ -7,6 +7,7 @@ import numpy as np
 from topple.planner.decide.goal import PlaceRelation
 from topple.planner.formats.plan_structs import PlanData
 from topple.planner.formats.verification import Residual, Worst
+from topple.planner.placement.away import BODIES, Away
 from topple.planner.placement.drops import Drops
 from topple.planner.placement.proof import settled
 from topple.planner.placement.tolerances import SHIFT, TURN
@@ -47,14 +48,15 @@ class RestCheck:
         into, name = step.placement.into, step.object
         if name not in piece.poses or (into is not None and into not in piece.poses):
             return  # it is in the hand still, which is told elsewhere
+        containers = {PlaceRelation.WITHIN: into, Away.BIN: BODIES[Away.BIN]}
+        inside = next((of for how, of in containers.items() if how == step.placement.how), None)
         riding = {held.object for held in step.attachments} - {name}
         bodies = {n: moved(self._parts[n], pose) for n, pose in piece.poses.items() if n not in riding}
-        if into is None:
+        if into is None and inside is None:
             bodies[name] = moved(self._whole[name], piece.poses[name])
         release = np.eye(4)
         release[:3, 3] += step.placement.drop * self._up
-        contained = into is not None and step.placement.how == PlaceRelation.WITHIN
-        container = np.vstack(bodies[into]) if contained and into is not None else None
+        container = None if inside is None else np.vstack(bodies[inside])
         with Drops(name, bodies, self._up) as drops:
             found = settled(drops, release, np.eye(4), container, self._up)
         where = f"step {piece.index + 1} ({name})"

@@ -69,6 +69,9 @@ class SightCheck:
 
     def _follow(self, poses: dict[str, FloatArray]) -> None:
         """Move what lies elsewhere than it did."""
+        for name in self.situation.scene.names:
+            if name not in poses:
+                self.situation = self.situation.without(name)
         for name, pose in poses.items():
             if not np.array_equal(pose, self._poses[name]):
                 self.situation = self.situation.moved([name], pose @ inverse(self._poses[name]))

@@ -106,6 +106,12 @@ UPWARD = 0.001
 SAME = 0.002
 """[m] bodies made of the same clouds are the same but for what writing them with six digits moves."""
 
+# -- handed
+
+SHORT = 0.002
+"""[m] of the distance that a lift ends at may lack: six digits, and the arm's own rounding."""
+
+
 # -- grip
 
 SPACING = 0.002

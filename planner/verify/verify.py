@@ -14,6 +14,7 @@ from topple.planner.verify.by_fcl import FclCheck
 from topple.planner.verify.claims import check_claims, check_scene
 from topple.planner.verify.clouds import CloudCheck
 from topple.planner.verify.force import ForceCheck
+from topple.planner.verify.handed import HandedCheck, own_bodies
 from topple.planner.verify.handled import HandCheck
 from topple.planner.verify.motions import check_motions
 from topple.planner.verify.outcome import (
@@ -79,6 +80,7 @@ def verify(
         _check_names(plan, situation.scene)
         plan = _among_matter(plan, situation)
     played, fcl_check, hands = Replay(plan, arm, step), FclCheck(plan, arm), HandCheck(plan, arm)
+    handed = HandedCheck(plan, arm)
     clouds = None if scene is None else CloudCheck(plan, arm, scene)
     sight = None if situation is None else SightCheck(plan, arm, situation)
     masses = {} if scene is None else scene.masses
@@ -87,7 +89,7 @@ def verify(
     put: list[SegmentReplay] = []
     with BulletCheck(plan, arm) as bullet:
         for piece in played.segments():
-            for check in (hands, fcl_check, between, proofs):
+            for check in (hands, handed, fcl_check, between, proofs):
                 check.look(piece)
             for check in (bullet, force):
                 check.look(_thinned(piece))
@@ -105,6 +107,7 @@ def verify(
         *check_motions(plan, arm),
         *between.residuals(),
         *hands.residuals(),
+        *handed.residuals(),
         *force.residuals(),
         *played.residuals(),
         *check_claims(plan),
@@ -187,7 +190,7 @@ def _among_matter(plan: PlanData, situation: Situation) -> PlanData:
 
 
 def _check_names(plan: PlanData, scene: Scene) -> None:
-    ours, theirs = {thing.name for thing in plan.objects} - {MATTER}, set(scene.names)
+    ours, theirs = {thing.name for thing in plan.objects} - {MATTER, *own_bodies(plan)}, set(scene.names)
     if ours != theirs:
         odd = ", ".join(sorted(ours ^ theirs))
         raise InvalidInput(f"the scene is not the one the plan was made for: {odd} is only in one of them")

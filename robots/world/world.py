@@ -53,9 +53,10 @@ class World(PhysicalWorld):
 
     engine = "bullet"
 
-    def __init__(self, physics: Physics | None = None) -> None:
+    def __init__(self, physics: Physics | None = None, *, drawn: bool = True) -> None:
         super().__init__(physics)
         self.client: int = pybullet.connect(pybullet.DIRECT)
+        self._drawn = drawn
         self.robots: set[int] = set()
         self._inertial: dict[str, FloatArray] = {}  # pose_inertial_to_body
         self._body_to_inertial: dict[str, FloatArray] = {}
@@ -211,15 +212,17 @@ class World(PhysicalWorld):
         pose = inverse(pose_inertial_to_body)
         parts = [transformed(part, pose) for part in core.parts]
         fans = [np.array([[0, k, k + 1] for k in range(1, len(part) - 1)]) for part in parts]
-        seen = transformed(body.mesh.vertices, pose)
         collision: int = pybullet.createCollisionShape(
             pybullet.GEOM_MESH, fileName=self._obj(parts, fans), physicsClientId=self.client
         )
+        _set_margin(collision, core.margin, self.client)
+        if not self._drawn:
+            return collision, -1
+        seen = transformed(body.mesh.vertices, pose)
         visual: int = pybullet.createVisualShape(
             pybullet.GEOM_MESH, fileName=self._obj([seen], [body.mesh.faces]), rgbaColor=body.color,
             specularColor=[0.1, 0.1, 0.1], physicsClientId=self.client,
         )  # fmt: skip
-        _set_margin(collision, core.margin, self.client)
         return collision, visual
 
     def _obj(self, parts: list[FloatArray], faces: list[Any]) -> str:
@@ -230,8 +233,8 @@ class World(PhysicalWorld):
         first = 1
         for k, (part, triangles) in enumerate(zip(parts, faces, strict=True)):
             lines.append(f"o part{k}")
-            lines += [f"v {x:.7f} {y:.7f} {z:.7f}" for x, y, z in part]
-            lines += [f"f {a} {b} {c}" for a, b, c in triangles + first]
+            lines += [f"v {x:.7f} {y:.7f} {z:.7f}" for x, y, z in part.tolist()]
+            lines += [f"f {a} {b} {c}" for a, b, c in (triangles + first).tolist()]
             first += len(part)
         path.write_text("\n".join(lines) + "\n", encoding="ascii")
         return str(path)

@@ -1,0 +1,99 @@
+"""Whether things end where a plan says that they go: clear of everything, held out, in a box, on an area."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass, field
+
+import numpy as np
+
+from topple.planner.formats.plan_structs import PlanData
+from topple.planner.formats.verification import Residual, Worst
+from topple.planner.placement.away import BODIES, IN_HAND, Away
+from topple.planner.placement.tolerances import LIFT_CLEAR
+from topple.planner.verify.bodies import parts_of, tool_poses
+from topple.planner.verify.replay import SegmentReplay
+from topple.planner.verify.tolerances import OFF, SHORT
+from topple.robots.arm.arm import Arm
+from topple.robots.collision.fcl_bodies import fcl_body
+from topple.robots.poses import inverse
+from topple.topology.arrays import FloatArray
+from topple.topology.bodies.solids import moved
+
+HANDED = (
+    "away where the plan does not say",
+    "short of 15 cm from everything",
+    "held out beside the point",
+    "off the area that is vouched for",
+)
+
+
+@dataclass(eq=False)
+class HandedCheck:
+    """Collects how things that are taken end beside where they are to go.
+
+    Attributes:
+        plan: The plan.
+        arm: The arm.
+    """
+
+    plan: PlanData
+    arm: Arm
+    other: Worst = field(default_factory=lambda: Worst(HANDED[0], "1"))
+    near: Worst = field(default_factory=lambda: Worst(HANDED[1], "m", SHORT))
+    beside: Worst = field(default_factory=lambda: Worst(HANDED[2], "m", OFF))
+    off: Worst = field(default_factory=lambda: Worst(HANDED[3], "m", OFF))
+
+    def __post_init__(self) -> None:
+        self._parts, self._away = parts_of(self.plan), self.plan.away
+        self._how = "" if self._away is None else self._away.how
+        for index, step in enumerate(self.plan.steps):
+            placed = step.action == "place"
+            if step.placement.how not in ("on", "within") and step.placement.how != (
+                "" if placed else self._how
+            ):
+                self.other.count(f"step {index + 1} ({step.object}): {step.placement.how or 'table'}", index)
+
+    def look(self, piece: SegmentReplay) -> None:
+        """Look at the last segment of a step."""
+        if self._away is None or piece.segment is not piece.step.segments[-1]:
+            return
+        name, how = piece.step.object, piece.step.placement.how
+        if how in IN_HAND and name in piece.held:
+            tool = tool_poses(self.arm, self.plan, piece.segment.tool, piece.states[-1:])[0]
+            own = moved(self._parts[name], tool @ piece.held[name])
+            if how == Away.LIFT:
+                gap = min(
+                    (self._gap(own, other, pose) for other, pose in piece.poses.items()), default=np.inf
+                )
+                self.near.note(LIFT_CLEAR - gap, piece.where, piece.index)
+            else:
+                point, corners = np.array(self._away.pose_to_world)[:3, 3], np.vstack(own)
+                aside = np.maximum(corners.min(axis=0) - point, point - corners.max(axis=0))
+                self.beside.note(float(aside.max()), piece.where, piece.index)
+        elif how == Away.ZONE and name in piece.poses:
+            own = moved(self._parts[name], inverse(np.array(self._away.pose_to_world)) @ piece.poses[name])
+            beyond = np.abs(np.vstack(own)[:, :2]).max(axis=0) - np.array(self._away.size[:2]) / 2.0
+            self.off.note(float(beyond.max()), piece.where, piece.index)
+
+    def residuals(self) -> tuple[Residual, ...]:
+        """What was found."""
+        return tuple(worst.residual() for worst in (self.other, self.near, self.beside, self.off))
+
+    def _gap(self, own: Sequence[FloatArray], other: str, pose: FloatArray) -> float:
+        """Distance [m] from convex parts in the world to an object that stands, or lies elsewhere by now."""
+        import fcl
+
+        bodies = [fcl_body(part) for part in moved(self._parts[other], pose)]
+        return min(
+            float(fcl.distance(fcl_body(part), body, fcl.DistanceRequest()))
+            for part in own
+            for body in bodies
+        )
+
+
+def own_bodies(plan: PlanData) -> frozenset[str]:
+    """Names of what stands in a plan beside the scene: the box or the area for what is taken."""
+    return (
+        frozenset()
+        if plan.away is None
+        else frozenset({BODIES[Away(plan.away.how)]} if plan.away.how in BODIES else ())
+    )
