@@ -2,7 +2,7 @@
 
 import base64
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
@@ -91,6 +91,11 @@ class Drawing:
         centre = (lower + upper) / 2
         radius = max(float(np.linalg.norm(upper - lower)) / 2, 1e-3)
         return Drawing(objects, centre, radius, up, _standpoint(scene, centre, radius, up))
+
+    def beside(self, name: str, points: FloatArray) -> "Drawing":
+        """The same with something fixed in it that is in no cloud, by points (N, 3) of it."""
+        drawn = _drawn(name, points, None, object_colours([name], [name])[name], True, len(points), self.up)
+        return replace(self, objects=(*self.objects, drawn))
 
     def to_json(self) -> dict[str, Any]:
         """The drawing as the viewer reads it: points as 16-bit steps of the object's box, in base64."""

@@ -12,6 +12,7 @@ from topple.planner.formats.plan_format import Plan
 from topple.planner.formats.plan_robot import arm_from
 from topple.planner.formats.plan_structs import Step
 from topple.planner.formats.verification import Verification
+from topple.planner.placement.away import BODIES
 from topple.planner.report.drawing import Drawing
 from topple.planner.report.html import page, table, viewer
 from topple.planner.report.played import arm_shape, motion_json
@@ -24,10 +25,12 @@ from topple.robots.arm.arm import Arm
 from topple.robots.arm.gripper import ToolState
 from topple.topology.arguments import checked_arguments
 from topple.topology.errors import InvalidInput
+from topple.topology.geometry.samples import sampled
 from topple.topology.io.load import AnyScene, as_scene
 from topple.topology.scene import Scene
 
 Band = tuple[str, float, float]
+SAMPLED = 0.006  # [m] between the points of what is drawn from its parts
 FREE = (SegmentKind.MOVE, SegmentKind.TRANSFER)
 """Ways that are not meant to come near anything."""
 
@@ -107,6 +110,10 @@ class _PlanPage:
     ) -> None:
         self.plan, self.scene, self.relations, self.verification = plan, scene, relations, verification
         self.drawing = Drawing.of(scene)
+        for thing in plan.objects:
+            if thing.name in BODIES.values():  # stood there for the plan: cameras saw none of it
+                parts = [np.array(part) for part in thing.parts]
+                self.drawing = self.drawing.beside(thing.name, sampled(parts, SAMPLED))
         self.index = object_index(self.drawing)
         self.shape = arm_shape(arm.parts)
         self.motion = plan_motion(plan, arm)
@@ -212,7 +219,7 @@ def _how(step: Step) -> str:
     seconds = sum(segment.motion.times[-1] for segment in step.segments if segment.motion is not None)
     free = [segment.clearance for segment in step.segments if segment.certified and segment.kind in FREE]
     parts = [f"{step.grasp.kind} grasp", f"{step.placement.words}, {step.placement.rest}".rstrip(", ")]
-    if step.placement.drop > 5e-4:
+    if step.placement.drop > 5e-4 and step.placement.how != "bin":  # that one is said already
         parts.append(f"let go {millimetres(step.placement.drop)} above its place")
     if free:
         parts.append(f"proven to stay {millimetres(min(free))} clear of everything between")
