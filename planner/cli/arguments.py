@@ -107,7 +107,10 @@ OPTIONS: dict[str, dict[str, Any]] = {
         "help": "by what things of --to are found: by name, or by shape, whatever they are called (name)",
     },
     # arms
-    "--robot": {"metavar": "NAME", "help": "panda, panda-suction, iiwa, xarm6 or FILE.urdf"},
+    "--robot": {
+        "metavar": "NAME",
+        "help": "panda, panda-suction, iiwa, xarm6, FILE.urdf or one a package ships",
+    },
     "--gripper": {
         "metavar": "FILE",
         "help": "with FILE.urdf: its [jaw], [cup], [hand] or [arm], in TOML; the URDF of a hand to mount; or "
@@ -231,7 +234,12 @@ def add_kept(parser: argparse.ArgumentParser) -> None:
 
 def add_robot(parser: argparse.ArgumentParser) -> None:
     """Add the arm and its place."""
-    add(parser, "--robot", default="panda", help="panda, panda-suction, iiwa, xarm6 or FILE.urdf (panda)")
+    add(
+        parser,
+        "--robot",
+        default="panda",
+        help="panda, panda-suction, iiwa, xarm6, FILE.urdf or one a package ships (panda)",
+    )
     add(parser, *SEEN_ROBOT)
 
 

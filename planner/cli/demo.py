@@ -24,7 +24,9 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     add(parser, "--orderer", help="what orders: fewest, cautious or a plugin's (cautious)")
     add(parser, "--rule", "--clamped", *COMMON, *SIMULATION)
     parser.set_defaults(seed=None)  # one of the scene's own that is known to succeed
-    made_for = "panda, panda-suction, iiwa, xarm6 or FILE.urdf (the one the scene is made for)"
+    made_for = (
+        "panda, panda-suction, iiwa, xarm6, FILE.urdf or one a package ships (the one the scene is made for)"
+    )
     add(parser, "--robot", help=made_for)
     parser.add_argument(
         "-o", "--output", default=_FOLDER, metavar="FOLDER", help=f"where everything is written ({_FOLDER})"

@@ -51,7 +51,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     add(
         parser,
         "--robot",
-        help="say what bars the gripper's way: panda, panda-suction, iiwa, xarm6 or FILE.urdf",
+        help="say what bars the gripper's way: panda, panda-suction, iiwa, xarm6, FILE.urdf or a shipped one",
     )
     add(parser, *SEEN_ROBOT)
     parser.add_argument(

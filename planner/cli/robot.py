@@ -20,7 +20,9 @@ if TYPE_CHECKING:
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Add the options; see `topple.planner.cli.main`."""
-    parser.add_argument("robot", metavar="ROBOT", help="FILE.urdf, panda, panda-suction, iiwa or xarm6")
+    parser.add_argument(
+        "robot", metavar="ROBOT", help="panda, panda-suction, iiwa, xarm6, FILE.urdf or one a package ships"
+    )
     add(parser, *GRIPPER, *COMMON)
     parser.add_argument("--no-grasp", action="store_true", help="leave out the grasp in simulation")
     parser.add_argument("-o", "--output", metavar="FILE", help="draw it at home before the block, out.png")
@@ -99,7 +101,8 @@ def _tool_words(tool: dict[str, Any]) -> str:
     if tool["kind"] == "jaw":
         low, high = (1e3 * value for value in tool["opening"])
         pads = " x ".join(f"{1e3 * value:.0f}" for value in tool["pads"])
-        what = f"a jaw that opens {low:.0f} to {high:.0f} mm, pads {pads} mm, {tool['force']:.0f} N"
+        jaw = "hinged jaw" if tool["hinged"] else "jaw"
+        what = f"a {jaw} that opens {low:.0f} to {high:.0f} mm, pads {pads} mm, {tool['force']:.0f} N"
     else:
         what = f"a cup of radius {1e3 * tool['radius']:.0f} mm that holds {tool['force']:.0f} N"
     return f"Tool {tool['name']} at {at} in {tool['link']}: {what}."

@@ -11,6 +11,7 @@ from topple.planner.execution.trial import Trial, trial
 from topple.planner.motion.collision import Checker
 from topple.robots.arm.arm import Arm
 from topple.robots.arm.gripper import ParallelJaw
+from topple.robots.arm.hinged import HingedJaw
 from topple.robots.arm.home import reach_of
 from topple.robots.engines import INSTALLED
 from topple.topology.errors import NotInstalled, ToppleError
@@ -183,6 +184,7 @@ def _tool(arm: Arm, name: str) -> dict[str, Any]:
     if isinstance(held, ParallelJaw):
         return found | {
             "kind": "jaw",
+            "hinged": isinstance(held, HingedJaw),
             "joints": list(held.joints),
             "opening": [float(held.openings[0]), held.max_opening],
             "pads": list(held.pad_size),

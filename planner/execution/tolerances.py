@@ -196,6 +196,9 @@ TRIAL_BLOCK = 0.05
 TRIAL_SHARE = 0.6
 """Of the pads' distance, what the block takes at most: room for what the cameras see wrong."""
 
+TRIAL_SHARE_HINGED = 0.75
+"""The same where one finger turns: the fixed one reaches beyond it, and a low block leaves that no room."""
+
 TRIAL_MASS = 0.1
 """[kg] of the block, as of wood."""
 

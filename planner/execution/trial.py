@@ -17,6 +17,7 @@ from topple.planner.execution.tolerances import (
     TRIAL_OVER,
     TRIAL_SEEDS,
     TRIAL_SHARE,
+    TRIAL_SHARE_HINGED,
     TRIAL_SHARES,
     TRIAL_SPACING,
     TRIAL_STATES,
@@ -27,7 +28,8 @@ from topple.planner.execution.tolerances import (
 from topple.planner.motion.collision import Checker
 from topple.robots.arm.arm import Arm
 from topple.robots.arm.gripper import ParallelJaw
-from topple.robots.arm.home import level_of, reach_of, shoulder_of
+from topple.robots.arm.hinged import HingedJaw
+from topple.robots.arm.home import level_of, reach_of, scale_of, shoulder_of
 from topple.topology.scene import Scene
 
 Place = tuple[float, float, float]
@@ -80,7 +82,8 @@ def trial(arm: Arm, tool: str) -> Trial | None:
         place. At the height of the base's foot where the arm is as low as that.
     """
     jaw = arm.tool(tool).gripper
-    side = min(TRIAL_BLOCK, TRIAL_SHARE * jaw.max_opening) if isinstance(jaw, ParallelJaw) else TRIAL_BLOCK
+    share = TRIAL_SHARE_HINGED if isinstance(jaw, HingedJaw) else TRIAL_SHARE
+    side = min(TRIAL_BLOCK, share * jaw.max_opening) if isinstance(jaw, ParallelJaw) else TRIAL_BLOCK
     for place, bearing in _places(arm, tool, side):
         if _reached(arm, tool, found := Trial(side, place), bearing):
             return found
@@ -114,7 +117,8 @@ def _reached(arm: Arm, tool: str, tried: Trial, bearing: float) -> bool:
     checker = Checker(arm, np.eye(4), {"table": [table]}, tool_state=arm.tool(tool).ready)
     if not checker.free(arm.home)[0]:
         return False
-    for across, above in ((0.0, 0.0), (0.0, TRIAL_OVER), (TRIAL_BESIDE, 0.0), (-TRIAL_BESIDE, 0.0)):
+    over, beside = scale_of(arm) * TRIAL_OVER, scale_of(arm) * TRIAL_BESIDE
+    for across, above in ((0.0, 0.0), (0.0, over), (beside, 0.0), (-beside, 0.0)):
         poses = np.tile(np.diag([1.0, -1.0, -1.0, 1.0]), (TRIAL_TURNS, 1, 1))
         angle = 2.0 * np.pi * np.arange(TRIAL_TURNS) / TRIAL_TURNS
         poses[:, 0, 0], poses[:, 0, 1] = np.cos(angle), np.sin(angle)

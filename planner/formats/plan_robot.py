@@ -12,7 +12,8 @@ import msgspec
 from topple.planner.tolerances import ALIKE
 from topple.robots.arm.gripper import ParallelJaw, SuctionCup, Tool
 from topple.robots.arm.gripper_file import Gripper
-from topple.robots.arm.tolerances import CUP_FRICTION
+from topple.robots.arm.hinged import HingedJaw
+from topple.robots.arm.tolerances import BESIDE, CUP_FRICTION
 from topple.topology.errors import InvalidInput
 
 if TYPE_CHECKING:
@@ -44,6 +45,7 @@ class JawData(msgspec.Struct, frozen=True, omit_defaults=True):
     pad_size: tuple[float, float]
     friction: float
     arc: list[float] = []
+    beside: float | None = None
 
 
 class CupData(msgspec.Struct, frozen=True):
@@ -186,6 +188,7 @@ def _tool_data(tool: Tool) -> ToolData:
         jaw = JawData(
             list(held.joints), list(held.links), held.openings.tolist(), held.joint_values.tolist(),
             held.force, held.pad_size, held.friction, [] if held.arc is None else held.arc.tolist(),
+            BESIDE if isinstance(held, HingedJaw) else None,
         )  # fmt: skip
         return ToolData(tool.name, tool.link, pose, jaw=jaw)
     assert isinstance(held, SuctionCup)

@@ -2,6 +2,7 @@
 
 from topple.planner.grasp.candidates import grasp_candidates
 from topple.planner.grasp.grasp import Grasp
-from topple.planner.grasp.hand import HandShape, Prism
+from topple.planner.grasp.hand import HandShape
+from topple.planner.grasp.prisms import Prism
 
 __all__ = ["Grasp", "HandShape", "Prism", "grasp_candidates"]

@@ -6,7 +6,8 @@ from itertools import product
 import numpy as np
 
 from topple.planner.grasp.grasp import Grasp
-from topple.planner.grasp.hand import HandShape, Prism
+from topple.planner.grasp.hand import HandShape
+from topple.planner.grasp.prisms import Prism
 from topple.planner.grasp.suction import CupShape
 from topple.planner.grasp.tolerances import GRASP_TOLERANCES, SHARES_ASKED, WAY_LAYERS, GraspTolerances
 from topple.robots.arm.gripper import ToolName

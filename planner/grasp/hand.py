@@ -1,13 +1,15 @@
 """The hand as the grasp search sees it: upright prisms in the tool frame."""
 
 from dataclasses import dataclass
-from itertools import pairwise
 from typing import TYPE_CHECKING
 
 import numpy as np
 
+from topple.planner.grasp.hinged_hand import hinged_prisms
+from topple.planner.grasp.prisms import Prism, prisms
 from topple.planner.grasp.tolerances import FINGER_SLABS, HAND_REACH, PRESS
 from topple.robots.arm.gripper import ParallelJaw, ToolName, ToolState
+from topple.robots.arm.hinged import HingedJaw
 from topple.topology.arrays import FloatArray
 from topple.topology.errors import InvalidInput
 
@@ -15,21 +17,6 @@ if TYPE_CHECKING:
     from topple.robots.arm.arm import Arm
 
 Opening = float | FloatArray
-
-
-@dataclass(frozen=True)
-class Prism:
-    """A box of the hand with everything behind it: what sweeps space when the hand comes in along z.
-
-    Attributes:
-        x: Lower and upper bound along the tool's x [m].
-        y: Lower and upper bound along y [m]; for a finger measured from its pad's face, outwards.
-        front: Foremost extent along z [m].
-    """
-
-    x: tuple[float, float]
-    y: tuple[float, float]
-    front: float
 
 
 @dataclass(frozen=True)
@@ -87,7 +74,12 @@ def hand_shape(arm: "Arm") -> HandShape:
     tool = arm.tools[ToolName.FINGERS]
     jaw = tool.gripper
     if not isinstance(jaw, ParallelJaw):
-        raise InvalidInput(f"robot {arm.name!r}: its tool 'fingers' is no parallel jaw")
+        raise InvalidInput(f"robot {arm.name!r}: its tool 'fingers' is no jaw")
+    if isinstance(jaw, HingedJaw):
+        finger, palm = hinged_prisms(lambda opening: hand_bodies(arm, tool.name, ToolState(opening)), jaw)
+        pads = jaw.pad_size
+        force = PRESS * jaw.force
+        return HandShape(jaw.max_opening, *pads, pads[1] / 2.0, finger, palm, force, jaw.give)
     bodies = hand_bodies(arm, ToolName.FINGERS, ToolState(opening=0.0))
     # pads that swing are farthest from the palm as they are shut, and nearest to it as they are open
     shut = tool.pads(0.0)[:3, 3]
@@ -134,35 +126,3 @@ def hand_bodies(arm: "Arm", tool: str, state: ToolState) -> list[tuple[str, Floa
 def _by_link(bodies: list[tuple[str, FloatArray]], links: tuple[str, ...]) -> list[list[FloatArray]]:
     """The parts of each of some links."""
     return [[part for link, part in bodies if link == wanted] for wanted in links]
-
-
-def prisms(vertices: FloatArray, slabs: tuple[float, ...]) -> tuple[Prism, ...]:
-    """Cut a convex body in slabs behind its foremost point and box each of them.
-
-    Args:
-        vertices: (V, 3) vertices of a convex body in the tool frame [m].
-        slabs: Thickness of each slab, from the front backwards [m]; the last prism takes the rest.
-
-    Returns:
-        One prism per slab that is not empty.
-    """
-    low, front = float(vertices[:, 2].min()), float(vertices[:, 2].max())
-    cuts = [front - float(depth) for depth in np.cumsum([0.0, *slabs]) if front - depth > low] + [low]
-    found: list[Prism] = []
-    for upper, lower in pairwise(cuts):
-        inside = vertices[(vertices[:, 2] <= upper + 1e-9) & (vertices[:, 2] >= lower - 1e-9)]
-        piece = np.vstack([inside, _section(vertices, upper), _section(vertices, lower)])
-        if len(piece) > 0:
-            (x0, y0), (x1, y1) = piece[:, :2].min(axis=0), piece[:, :2].max(axis=0)
-            found.append(Prism((float(x0), float(x1)), (float(y0), float(y1)), upper))
-    return tuple(found)
-
-
-def _section(vertices: FloatArray, z: float) -> FloatArray:
-    """Points spanning the cut of a convex body at z: where connections of its vertices cross it."""
-    below, above = vertices[vertices[:, 2] < z], vertices[vertices[:, 2] > z]
-    if len(below) == 0 or len(above) == 0:
-        return np.empty((0, 3))
-    a, b = np.repeat(below, len(above), axis=0), np.tile(above, (len(below), 1))
-    share = (z - a[:, 2]) / (b[:, 2] - a[:, 2])
-    return a + share[:, None] * (b - a)

@@ -10,9 +10,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from topple.planner.grasp.frames import Frames
-from topple.planner.grasp.hand import HandShape, Prism
+from topple.planner.grasp.hand import HandShape
 from topple.planner.grasp.load import chance_to_hold, jaw_load, weight_of
 from topple.planner.grasp.pads import Between, antipodality, between, extents, packed
+from topple.planner.grasp.prisms import Prism
 from topple.planner.grasp.surface import Surface
 from topple.planner.grasp.surroundings import ITSELF, Dropped, Surroundings
 from topple.planner.grasp.tolerances import (

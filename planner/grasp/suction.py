@@ -7,7 +7,8 @@ import numpy as np
 
 from topple.planner.grasp.frames import spread
 from topple.planner.grasp.grasp import GraspKind
-from topple.planner.grasp.hand import Prism, hand_bodies, prisms
+from topple.planner.grasp.hand import hand_bodies
+from topple.planner.grasp.prisms import Prism, prisms
 from topple.planner.grasp.score import score_of
 from topple.planner.grasp.surface import Surface
 from topple.planner.grasp.surroundings import ITSELF, Dropped, Surroundings

@@ -236,3 +236,12 @@ PAD_HALF = 0.01
 
 ROUGH = 1e-5
 """More than single precision is off by at the size of a hand [m]."""
+
+HINGED_OPENINGS = 4
+"""Openings at which a finger that turns is looked at: between them it swings less than it is thick."""
+
+SWUNG = (0.08, 0.003)
+"""[m] from the tip of the turned finger back, and of one prism: it leans by up to its `LEAN`."""
+
+OVER_FACE = 0.002
+"""[m] over the face of the fixed finger that what stands there counts for the finger: hulls are rough."""

@@ -1,6 +1,7 @@
 """Where the arm should stand: reach over what is to be handled, and room to put it down."""
 
 from collections.abc import Sequence
+from dataclasses import replace
 
 import numpy as np
 
@@ -10,6 +11,7 @@ from topple.planner.placement.placement import reachable
 from topple.planner.placement.resting import PLACEMENT_TOLERANCES
 from topple.planner.placement.tolerances import DIRECTIONS, DISTANCES, FOOT, HOVER, SEEDS, STEP
 from topple.robots.arm.arm import Arm
+from topple.robots.arm.home import scale_of
 from topple.topology.arrays import FloatArray
 from topple.topology.bodies.tops import lowest_in_use, tops_of
 from topple.topology.errors import ToppleError
@@ -52,15 +54,15 @@ def choose_base(scene: Scene | Situation, arm: Arm, targets: "tuple[str, ...]" =
     level = _level(scene, up)
     poses = [
         _pose(axes, up, axes @ middle, level, distance, 2.0 * np.pi * k / DIRECTIONS)
-        for distance in DISTANCES
+        for distance in (scale_of(arm) * usual for usual in DISTANCES)
         for k in range(DIRECTIONS)
     ]
-    standing = _standing(poses, scene, axes, up, level)
+    standing = _standing(poses, scene, axes, up, level, scale_of(arm) * FOOT)
     reached: list[tuple[float, FloatArray]] = []
     for pose, reach in zip(standing, _reach(standing, names, scene, arm, up), strict=True):
         if reach > 0.0:
             way = float(np.linalg.norm(pose[:3, 3] - middle))
-            reached.append((reach + 0.3 * _room(pose, spaces, axes) - 0.1 * way, pose))
+            reached.append((reach + 0.3 * _room(pose, spaces, axes, scale_of(arm)) - 0.1 * way, pose))
     if not reached:
         raise NoBase(
             f"no place for {arm.name} from which it reaches {', '.join(names)}: give --base X Y Z YAW"
@@ -92,7 +94,7 @@ def _pose(
 
 
 def _standing(
-    poses: list[FloatArray], scene: Scene, axes: FloatArray, up: FloatArray, level: float
+    poses: list[FloatArray], scene: Scene, axes: FloatArray, up: FloatArray, level: float, foot: float
 ) -> list[FloatArray]:
     """The poses at which nothing that rises above their level is where the arm's foot would be."""
     things: list[FloatArray] = []
@@ -103,14 +105,14 @@ def _standing(
             cloud = np.vstack([*higher, found.rest[found.rest @ up > level + STEP]])
         things.append(voxel_means(cloud, 0.01, ahead=0.0) @ axes.T)
     tree = PointTree(np.vstack([*things, scene.matter @ axes.T]))
-    return [pose for pose in poses if tree.query(axes @ pose[:3, 3])[0] > FOOT]
+    return [pose for pose in poses if tree.query(axes @ pose[:3, 3])[0] > foot]
 
 
 def _reach(
     poses: list[FloatArray], names: "tuple[str, ...]", scene: Scene, arm: Arm, up: FloatArray
 ) -> list[float]:
     """Share of the objects a hand can be over, pointing down, for each base."""
-    tool = next(iter(arm.tools))
+    tool, hover = next(iter(arm.tools)), scale_of(arm) * HOVER
     targets: list[FloatArray] = []
     for pose in poses:
         for name in names:
@@ -118,7 +120,7 @@ def _reach(
             target = np.eye(4)
             target[:3, :3] = np.column_stack([pose[:3, 0], -pose[:3, 1], -up])
             target[:3, 3] = cloud.mean(axis=0)
-            target[:3, 3] += up * (float((cloud @ up).max()) + HOVER - float(target[:3, 3] @ up))
+            target[:3, 3] += up * (float((cloud @ up).max()) + hover - float(target[:3, 3] @ up))
             targets.append(np.linalg.inv(pose) @ target)
     if not targets:
         return []
@@ -127,13 +129,14 @@ def _reach(
     return [float(value) for value in found.reshape(len(poses), len(names)).mean(axis=1)]
 
 
-def _room(pose: FloatArray, spaces: Sequence[FreeSpace], axes: FloatArray) -> float:
+def _room(pose: FloatArray, spaces: Sequence[FreeSpace], axes: FloatArray, scale: float) -> float:
     """Free tops within reach, as a share of the ring the arm reaches."""
-    near, far = PLACEMENT_TOLERANCES.reach
+    near, far = (scale * end for end in PLACEMENT_TOLERANCES.reach)
+    tolerances = replace(PLACEMENT_TOLERANCES, reach=(near, far))
     area = 0.0
     for space in spaces:
         places = space.middles(np.argwhere(space.distance > 0.05))
         rise = space.height - float(pose[:3, 3] @ space.normal)
-        within = reachable(places, rise, axes @ pose[:3, 3], PLACEMENT_TOLERANCES)
+        within = reachable(places, rise, axes @ pose[:3, 3], tolerances)
         area += float(np.count_nonzero(within)) * space.cell**2
     return min(1.0, area / (np.pi * (far**2 - near**2)))

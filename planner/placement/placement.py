@@ -79,6 +79,7 @@ def placements(
     remaining: Collection[str] = (),
     spaces: Sequence[FreeSpace] | None = None,
     limit: int = 24,
+    scale: float = 1.0,
     tolerances: PlacementTolerances = PLACEMENT_TOLERANCES,
 ) -> list[Placement]:
     """Find free places on tops for an object, off the ways out of what remains while there are any.
@@ -91,6 +92,7 @@ def placements(
         remaining: Objects that are still to be taken, or put something on or into.
         spaces: What is free, where that is known; else that of all tops is mapped.
         limit: At most so many, spread over the tops; the last of them in other attitudes.
+        scale: Of the arm, see `topple.robots.arm.home.scale_of`: places are as much nearer to its base.
         tolerances: Distances.
 
     Returns:
@@ -103,6 +105,7 @@ def placements(
     scene, up = situation.scene, situation.up
     if name not in scene.clouds:
         raise UnknownObject(name, scene.names)
+    tolerances = replace(tolerances, reach=(scale * tolerances.reach[0], scale * tolerances.reach[1]))
     cloud, parts = scene.clouds[name], situation.solids[name]
     rests = resting_poses(cloud, parts, up, tolerances, scene.centres.get(name))
     tall = max(float(np.ptp(cloud @ (rest.rotation.T @ up))) for rest in rests)

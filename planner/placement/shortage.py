@@ -6,7 +6,7 @@ from topple.planner.placement.base import NoBase, choose_base
 from topple.planner.placement.placement import Placement, placements
 from topple.planner.placement.resting import PLACEMENT_TOLERANCES
 from topple.robots.arm.arm import Arm
-from topple.robots.arm.home import workplace_of
+from topple.robots.arm.home import scale_of, workplace_of
 from topple.topology.arrays import FloatArray
 from topple.topology.bodies.tops import tops_of
 from topple.topology.geometry.axes import level_axes
@@ -65,7 +65,7 @@ def _out_of_reach(
         base = choose_base(situation, arm, (name,))
     except NoBase:
         return f"{words}; no base was found that reaches {name} at all"
-    if not placements(name, situation, pose_base_to_world=base @ workplace_of(arm)):
+    if not placements(name, situation, pose_base_to_world=base @ workplace_of(arm), scale=scale_of(arm)):
         return f"{words}; no base was found that reaches both {name} and a place for it"
     x, y, z = base[:3, 3]
     yaw = float(np.arctan2(base[1, 0], base[0, 0]))

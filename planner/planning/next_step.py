@@ -24,8 +24,9 @@ from topple.planner.planning.holding import HoldPlanner
 from topple.planner.planning.step import Context, NextStep
 from topple.planner.planning.tolerances import CHOICE, MORE_CHOICE
 from topple.planner.planning.transfers import MORE_HANDS, Transfers
+from topple.planner.transfer.limits import TRANSFER_LIMITS, TransferLimits
 from topple.planner.transfer.segments import SegmentKind
-from topple.planner.transfer.transfer import TRANSFER_LIMITS, Transfer, TransferLimits
+from topple.planner.transfer.transfer import Transfer
 from topple.topology.situation import Situation
 
 Option = tuple[Fallback | None, Callable[[], NextStep | None]]

@@ -18,16 +18,10 @@ from topple.planner.placement.shortage import shortage
 from topple.planner.planning.step import Context
 from topple.planner.planning.tolerances import BESIDE
 from topple.planner.transfer.handling import Handling, Reached
+from topple.planner.transfer.limits import TRANSFER_LIMITS, TransferLimits
 from topple.planner.transfer.segments import SegmentKind
-from topple.planner.transfer.transfer import (
-    NO_PLACE,
-    TRANSFER_LIMITS,
-    Transfer,
-    TransferLimits,
-    no_grasp,
-    plan_transfer,
-)
-from topple.robots.arm.home import workplace_of
+from topple.planner.transfer.transfer import NO_PLACE, Transfer, no_grasp, plan_transfer
+from topple.robots.arm.home import scale_of, workplace_of
 from topple.robots.collision.fcl_bodies import apart
 from topple.topology.arrays import FloatArray
 from topple.topology.situation import Situation
@@ -73,6 +67,7 @@ class Transfers:
             self.situation.with_completed(name),
             pose_base_to_world=station.pose_base_to_world @ workplace_of(station.arm),
             remaining=remaining,
+            scale=scale_of(station.arm),
         )
         places = find(avoid=[own, *wanted]) or find(avoid=wanted) or (find() if wanted else [])
         return self.to(name, standing(places, name, self.situation))

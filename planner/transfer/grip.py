@@ -10,9 +10,10 @@ from topple.planner.grasp.candidates import grasp_candidates
 from topple.planner.grasp.grasp import Grasp
 from topple.planner.placement.placement import Placement
 from topple.planner.transfer.handling import Handling, Reached
+from topple.planner.transfer.limits import TRANSFER_LIMITS, TransferLimits
 from topple.planner.transfer.segments import Segment, SegmentKind
 from topple.planner.transfer.stages import Stage, segments_of
-from topple.planner.transfer.transfer import TRANSFER_LIMITS, Transfer, TransferLimits
+from topple.planner.transfer.transfer import Transfer
 from topple.robots.arm.gripper import ToolName, ToolState
 from topple.topology.arrays import FloatArray
 

@@ -46,3 +46,6 @@ NARROW = 3
 
 LEVEL = 0.02
 """[rad] a placement that tilts a thing less keeps it upright: noise of the up direction."""
+
+ALL_GRASPS = 60
+"""Grasps tried by an arm of few joints: most of those that are tilted are not in its plane."""

@@ -15,59 +15,22 @@ from topple.planner.grasp.grasp import Grasp
 from topple.planner.grasp.hand import hand_shape
 from topple.planner.grasp.load import beyond_arm
 from topple.planner.grasp.surroundings import Dropped
-from topple.planner.grasp.tolerances import GRASP_TOLERANCES
 from topple.planner.placement.away import IN_HAND
 from topple.planner.placement.placement import Placement, placements
 from topple.planner.transfer.handling import Handling, Reached
+from topple.planner.transfer.limits import TRANSFER_LIMITS, TransferLimits
 from topple.planner.transfer.segments import Segment, SegmentKind
 from topple.planner.transfer.stages import Stage, Upright, segments_of
 from topple.planner.transfer.tolerances import LEVEL, MARGIN, NARROW, TIRED
 from topple.robots.arm.arm import Arm
 from topple.robots.arm.gripper import ToolName
-from topple.robots.arm.home import workplace_of
+from topple.robots.arm.home import scale_of, workplace_of
 from topple.topology.arrays import FloatArray, frozen
 from topple.topology.bodies.solids import Solids
 from topple.topology.errors import UnknownObject
 from topple.topology.scene import Scene
 from topple.topology.situation import Situation
 
-
-@dataclass(frozen=True)
-class TransferLimits:
-    """How hard to look, and how fast to move.
-
-    Attributes:
-        enough: Pinches after which no more are looked for, while an arm can make one of them.
-        grasps: Best grasps to ask inverse kinematics for; each is tried with the hand turned half as well.
-        reached: Reachable grasp states to follow up.
-        goals: Placements a motion is planned to at once.
-        approach: Straight way in before the grasp [m].
-        lift: Straight way up after it [m].
-        drop: Straight way down before the release [m].
-        fall: How far more a thing may fall where no hand gets down with it [m]: crockery stands it.
-        retreat: Straight way out after it [m].
-        straight_speed: Of the tool on straight ways [m/s]: lifts at it are known to disturb little.
-        speed: Share of the joints' velocity limits for the other motions.
-        rounds: Batches of branches before the search for one free motion gives up.
-        tilt: Largest tilt of what is carried upright [rad]: a glass filled to nine tenths does not spill.
-    """
-
-    enough: int = 24
-    grasps: int = 24
-    reached: int = 12
-    goals: int = 4
-    approach: float = GRASP_TOLERANCES.way
-    lift: float = 0.10
-    drop: float = 0.06
-    fall: float = 0.02
-    retreat: float = 0.08
-    straight_speed: float = 0.08
-    speed: float = 0.5
-    rounds: int = 500
-    tilt: float = 0.15
-
-
-TRANSFER_LIMITS = TransferLimits()
 NO_GRASP, NO_PLACE = "no grasp that holds and has room", "no free place within reach"
 FALLS = "place: it would not stay as it is let go there, and no drop is allowed"
 
@@ -168,7 +131,7 @@ def plan_transfer(
         grasps = _others(list(grasps), avoid)
     if places is None:
         workplace = pose_base_to_world @ workplace_of(arm)
-        places = placements(name, situation, pose_base_to_world=workplace)
+        places = placements(name, situation, pose_base_to_world=workplace, scale=scale_of(arm))
     handling = Handling(name, situation, arm, np.asarray(pose_base_to_world), tuple(riding), seed, obstacles)
     if words := beyond_arm(handling.load[0], arm):
         return TransferFailure(name, {words: 1}, None, FailedCheck(SegmentKind.GRASP, Check.STRENGTH, words))
@@ -181,6 +144,7 @@ def plan_transfer(
         return TransferFailure(
             name, {NO_PLACE: 1}, None, FailedCheck(SegmentKind.PLACE, Check.ROOM, NO_PLACE)
         )
+    limits = limits.of(arm)
     search = _Search(handling, tuple(places), np.asarray(q_start), level, seed, limits, holds, held)
     by_cup_alone = (
         searched and all(grasp.tool == ToolName.SUCTION for grasp in grasps) and ToolName.FINGERS in arm.tools

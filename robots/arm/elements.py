@@ -2,9 +2,11 @@
 
 import math
 import xml.etree.ElementTree as ElementTree
+from collections.abc import Sequence
 
 import numpy as np
 
+from topple.robots.arm.tolerances import MOST_NAMED
 from topple.topology.arrays import FloatArray
 from topple.topology.errors import InvalidInput
 from topple.topology.tolerances import FARTHEST
@@ -58,3 +60,9 @@ def pose_from_xyz_rpy(xyz: FloatArray, rpy: FloatArray) -> FloatArray:
     ]
     pose[:3, 3] = xyz
     return pose
+
+
+def first_of(names: Sequence[str]) -> str:
+    """Names in a message, and how many more there are."""
+    more = f" and {len(names) - MOST_NAMED} more" if len(names) > MOST_NAMED else ""
+    return f"{', '.join(names[:MOST_NAMED])}{more}"

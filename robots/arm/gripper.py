@@ -70,6 +70,12 @@ class ParallelJaw:
         """How far along the tool's z the pads are at a distance of theirs, both in [m]."""
         return 0.0 if self.arc is None else float(np.interp(opening, self.openings, self.arc))
 
+    def pads(self, opening: float) -> FloatArray:
+        """Middle of the pads (4, 4) in the tool frame at a distance of theirs [m]."""
+        pose = np.eye(4)
+        pose[2, 3] = self.ahead(opening)
+        return pose
+
     def lever(self, joint: str) -> float:
         """Way of one pad for the way of a joint, over the stroke: 1 for a slide, in [m/rad] for a hinge."""
         column = self.joint_values[:, self.joints.index(joint)]
@@ -155,6 +161,10 @@ class SuctionCup:
     retracts: bool = True
     friction: float = CUP_FRICTION
 
+    def pads(self, _: float) -> FloatArray:
+        """The lip (4, 4) in the tool frame."""
+        return np.eye(4)
+
     @property
     def stowed(self) -> float:
         """How far it stands out on the way in [m]."""
@@ -197,9 +207,7 @@ class Tool:
         Returns:
             (4, 4) pose_pads_to_tool.
         """
-        pose = np.eye(4)
-        pose[2, 3] = self.gripper.ahead(width) if isinstance(self.gripper, ParallelJaw) else 0.0
-        return pose
+        return self.gripper.pads(width)
 
 
 def tools_of(

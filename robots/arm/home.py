@@ -16,8 +16,10 @@ from topple.robots.arm.tolerances import (
     HEIGHTS,
     SEEDS,
     SHARES,
+    SMALL_REACH,
     TALL,
     TURNS,
+    USUAL_REACH,
 )
 from topple.robots.collision.separation import Candidates, Frames, gaps
 from topple.topology.arrays import FloatArray, frozen
@@ -52,6 +54,13 @@ def reach_of(arm: Arm, tool: str | None) -> float:
     states = np.random.default_rng(0).uniform(arm.lower, arm.upper, (1000, len(arm.joints)))
     frames = arm.chain.frames(states)
     return float(np.linalg.norm(_pose(arm, tool, states)[:, :3, 3] - frames[:, 1, :3, 3], axis=1).max())
+
+
+@lru_cache(maxsize=16)
+def scale_of(arm: Arm) -> float:
+    """How large an arm is beside those that distances were chosen for: 1 for all but small ones."""
+    reach = reach_of(arm, next(iter(arm.tools), None))
+    return reach / USUAL_REACH if reach < SMALL_REACH else 1.0
 
 
 def level_of(arm: Arm, reach: float) -> float:

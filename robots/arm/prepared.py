@@ -8,7 +8,7 @@ has none, and drives that move.
 
 import hashlib
 import xml.etree.ElementTree as ElementTree
-from collections.abc import Mapping
+from collections.abc import Collection, Mapping
 from pathlib import Path
 
 import numpy as np
@@ -26,7 +26,10 @@ LIGHTEST, HEAVIEST = 0.01, 20.0  # [kg] of such a link
 
 
 def prepared(
-    robot: ElementTree.Element, path: Path, groups: Mapping[str, tuple[str, ...]]
+    robot: ElementTree.Element,
+    path: Path,
+    groups: Mapping[str, tuple[str, ...]],
+    fine: Collection[str] = (),
 ) -> tuple[Path, tuple[str, ...]]:
     """Write a URDF that PyBullet loads as it was read.
 
@@ -35,11 +38,12 @@ def prepared(
         path: The file it is from.
         groups: Link -> links fixed to it whose collision geometry becomes part of its own: a finger with its
             pad.
+        fine: Links whose meshes are cut finely.
 
     Returns:
         The file, in the user's own temporary folder, and what had to be assumed, a sentence each.
     """
-    model = model_of(robot, path)
+    model = model_of(robot, path, fine=fine)
     name = str(robot.get("name", path.stem)) or path.stem
     made = ElementTree.Element("robot", name=name)
     carried = _carried(model, groups)

@@ -24,7 +24,7 @@ IN_SOURCES = ("*/", "*/*/")
 
 
 def geometry_parts(
-    geometry: ElementTree.Element | None, path: Path, where: str, missing: list[str], cut: bool
+    geometry: ElementTree.Element | None, path: Path, where: str, missing: list[str], gain: float | None
 ) -> Sequence[FloatArray]:
     """Read a collision element's geometry.
 
@@ -33,7 +33,7 @@ def geometry_parts(
         path: The URDF.
         where: What to call the element's link in messages.
         missing: Takes down meshes that are not there or cannot be read.
-        cut: Make several convex parts of a concave mesh.
+        gain: Share of its volume that a cut of a concave mesh into convex parts saves; None: it is not cut.
 
     Returns:
         Vertices (V, 3) of each convex part in the element's frame in [m]; none where a mesh is missing.
@@ -71,7 +71,7 @@ def geometry_parts(
     if file.suffix.lower() == ".dae" and find_spec("collada") is None:
         raise NotInstalled(f"{file.name} of {where} is Collada, which needs pycollada", "collada")
     try:
-        parts = [part * scale for part in _mesh_parts(file, file.stat().st_mtime_ns, cut)]
+        parts = [part * scale for part in _mesh_parts(file, file.stat().st_mtime_ns, gain)]
     except Exception as error:  # trimesh raises whatever its format readers raise
         missing.append(f"{name} ({error})")
         return []
@@ -85,7 +85,7 @@ def geometry_parts(
 
 
 @lru_cache(maxsize=256)  # an arm's meshes are read more than once on the way to PyBullet
-def _mesh_parts(file: Path, _changed: int, cut: bool) -> tuple[FloatArray, ...]:
+def _mesh_parts(file: Path, _changed: int, gain: float | None) -> tuple[FloatArray, ...]:
     """Vertices (V, 3) of the convex parts of a mesh file."""
     import trimesh
 
@@ -97,7 +97,9 @@ def _mesh_parts(file: Path, _changed: int, cut: bool) -> tuple[FloatArray, ...]:
     vertices = np.asarray(mesh.vertices, dtype=float).reshape(-1, 3)
     if not len(vertices) or not np.isfinite(vertices).all():
         raise ValueError("no finite vertices")
-    return tuple(convex_pieces(np.array(mesh.triangles))) if cut and len(mesh.faces) else (vertices,)
+    if gain is None or not len(mesh.faces):
+        return (vertices,)
+    return tuple(convex_pieces(np.array(mesh.triangles), gain))
 
 
 def find_mesh(name: str, path: Path) -> Path | None:

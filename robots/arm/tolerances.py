@@ -148,3 +148,13 @@ FULL_TURN = 2 * math.pi
 
 GRAVITY = 9.81
 """Acceleration [m/s2] of what falls freely."""
+
+BESIDE = 0.004
+"""[m] that the fixed finger of a hinged jaw keeps to what it comes beside: `least_side_clearance` of the
+grasps; as the other finger closes the arm gives way by it."""
+
+USUAL_REACH = 0.9
+"""[m] of the arms that ways and places were chosen for."""
+
+SMALL_REACH = 0.6
+"""[m] below which they are scaled down: arms that teach reach 0.3 to 0.5."""

@@ -7,7 +7,7 @@ planner that promises collision-free motion has to refuse such a file, and say w
 import re
 import xml.etree.ElementTree as ElementTree
 from collections import Counter
-from collections.abc import Mapping
+from collections.abc import Collection, Mapping
 from dataclasses import dataclass
 from pathlib import Path
 from xml.parsers import expat
@@ -19,6 +19,7 @@ from topple.robots.arm.elements import number, numbers, origin_of
 from topple.robots.arm.shapes import geometry_parts, missing_meshes
 from topple.robots.arm.tolerances import FULL_TURN, LIKELY_DEGREES, LONGEST, MOST_BODIES
 from topple.robots.collision.convex import hull_of
+from topple.robots.collision.tolerances import FINE, GAIN
 from topple.topology.arrays import FloatArray, frozen
 from topple.topology.errors import InvalidInput
 from topple.topology.geometry.rigid import transformed
@@ -228,13 +229,16 @@ def _parsed(data: bytes) -> ElementTree.Element:
     return ElementTree.fromstring(re.sub(rb"<robot\b", b"<robot" + declared.encode(), data, count=1))
 
 
-def model_of(robot: ElementTree.Element, path: Path, *, cut: bool = True) -> Model:
+def model_of(
+    robot: ElementTree.Element, path: Path, *, cut: bool = True, fine: Collection[str] = ()
+) -> Model:
     """Read a `<robot>` element with the meshes it names.
 
     Args:
         robot: The element.
         path: The file it is from: mesh names are relative to it, and messages name it.
         cut: Make several convex parts of a concave mesh; else each is its hull, as PyBullet has it.
+        fine: Links whose meshes are cut finely: what lies between fingers counts.
 
     Returns:
         The tree, as `read_urdf` gives it.
@@ -248,7 +252,11 @@ def model_of(robot: ElementTree.Element, path: Path, *, cut: bool = True) -> Mod
             raise InvalidInput(f"{path.name}: there are two of {tag} {twice[0]!r}: expected each name once")
     joints = _read_joints(robot, path)
     missing: list[str] = []
-    links = {str(e.get("name")): _read_link(e, path, missing, cut) for e in robot.findall("link")}
+    links = dict[str, Link]()
+    for element in robot.findall("link"):
+        name = str(element.get("name"))
+        gain = FINE if name in fine else GAIN if cut else None
+        links[name] = _read_link(element, path, missing, gain)
     if missing:
         raise InvalidInput(missing_meshes(missing, path))
     return Model(str(robot.get("name", path.stem)), path, _parents_first(links, joints, path), joints)
@@ -354,13 +362,13 @@ def _read_mimic(element: ElementTree.Element, where: str) -> Mimic | None:
     return Mimic(str(mimic.get("joint")), factor, offset)
 
 
-def _read_link(element: ElementTree.Element, path: Path, missing: list[str], cut: bool) -> Link:
+def _read_link(element: ElementTree.Element, path: Path, missing: list[str], gain: float | None) -> Link:
     name = str(element.get("name"))
     parts: list[FloatArray] = []
     for collision in element.findall("collision"):
         where = f"{path.name}: link {name!r}"
         pose = origin_of(collision, where)
-        for vertices in geometry_parts(collision.find("geometry"), path, where, missing, cut):
+        for vertices in geometry_parts(collision.find("geometry"), path, where, missing, gain):
             if not max(np.abs(vertices).max(initial=0.0), np.abs(pose[:3, 3]).max()) < LONGEST:  # nan is not
                 raise InvalidInput(f"{where} has a collision shape beyond {LONGEST:g} m: expected metres")
             try:

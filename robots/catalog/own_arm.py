@@ -10,6 +10,7 @@ from scipy.spatial import QhullError
 
 from topple.robots.arm.arm import Arm
 from topple.robots.arm.arm_chain import arm_chain, hold_still
+from topple.robots.arm.elements import first_of
 from topple.robots.arm.gripper import SuctionCup, Tool, ToolName, ToolState
 from topple.robots.arm.gripper_file import (
     ArmPart,
@@ -26,14 +27,16 @@ from topple.robots.arm.home import home_of
 from topple.robots.arm.prepared import prepared
 from topple.robots.arm.shapes import geometry_parts
 from topple.robots.arm.srdf import Semantics, read_srdf, srdf_beside
-from topple.robots.arm.tolerances import ACCELERATION, ANGULAR_ACCELERATION, MOST_NAMED, SHORTEST_ROD
+from topple.robots.arm.tolerances import ACCELERATION, ANGULAR_ACCELERATION, SHORTEST_ROD
 from topple.robots.arm.torques import springs
 from topple.robots.arm.tree import Tree
 from topple.robots.arm.urdf import Model, model_of, urdf_root
 from topple.robots.catalog.data import data_path
 from topple.robots.catalog.described import described
 from topple.robots.collision.convex import hull_of
-from topple.robots.hands.fingers import Fingers, find_fingers, palm_of, rigid_groups
+from topple.robots.collision.tolerances import GAIN
+from topple.robots.hands.fingers import Fingers, find_fingers, lone_finger, palm_of, rigid_groups
+from topple.robots.hands.hinged import hinged_jaw, last_hinge
 from topple.robots.hands.jaws import measured_jaw
 from topple.robots.hands.mounted import WSG50, flange_of, mount
 from topple.robots.hands.suction_hand import CUP_JOINT, CUP_LINK, CupDesign, cup_xml
@@ -83,10 +86,11 @@ def arm_from_file(
             "clear of anything: expected <collision> in its links, or a <visual> at least that can be read"
         )
     check_names(wanted, model, where)
-    fingers = _fingers(model, wanted.jaw)
-    jaw = None if fingers is None else measured_jaw(model, fingers, wanted.jaw)
-    moved = () if fingers is None else tuple(rigid_groups(model, fingers))
-    fingers = None if jaw is None else fingers
+    model, jaw, fingers = _hinged(robot, model, wanted)
+    fine = () if jaw is None else jaw.links
+    if jaw is None:
+        fingers = _fingers(model, wanted.jaw)
+        jaw = None if fingers is None else measured_jaw(model, fingers, wanted.jaw)
     tools: dict[str, Tool] = {} if jaw is None else {ToolName.FINGERS: jaw}
     if wanted.cup is not None:
         if CUP_LINK in model.links:
@@ -94,18 +98,12 @@ def arm_from_file(
         design, origin = _cup_design(wanted.cup)
         robot.extend(ElementTree.fromstring(f"<robot>{cup_xml(design, wanted.cup.link, origin)}</robot>"))
         tools[ToolName.SUCTION] = _suction(wanted.cup, design, jaw)
-    made, estimated = prepared(robot, path, {} if fingers is None else rigid_groups(model, fingers))
+    made, estimated = prepared(robot, path, {} if fingers is None else rigid_groups(model, fingers), fine)
     frame = _tool_frame(model, fingers, wanted)
     kinds = [joint.kind for joint in model.path_to(frame) if joint.kind != "fixed"]
     acceleration = [ACCELERATION.get(kind, ANGULAR_ACCELERATION) for kind in kinds]
     assumed += (*estimated, _accelerations(path.name), *_guessed_force(model, fingers, wanted))
     arm = Arm.from_urdf(made, frame, tools, name=model.name, acceleration=acceleration, source=path)
-    if jaw is None and wanted.jaw is not None:
-        raise InvalidInput(
-            f"{where}: `$.jaw.joints` {', '.join(wanted.jaw.joints)} of {path.name} move {', '.join(moved)}, "
-            "no two of which close on each other: expected two fingers that do; a cup, or a hand of its own "
-            "(--gripper HAND.urdf), may take the place of the jaw"
-        )
     if wanted.arm is not None:
         arm = replace(arm, apart=frozenset(frozenset(pair) for pair in wanted.arm.apart))
     arm = replace(arm, home=home_of(arm, next(iter(tools), None)))
@@ -141,15 +139,14 @@ def _is_solid(visual: ElementTree.Element, path: Path) -> bool:
     """Whether a visual is there and has a volume."""
     missing = list[str]()
     try:
-        parts = geometry_parts(visual.find("geometry"), path, path.name, missing, cut=True)
+        parts = geometry_parts(visual.find("geometry"), path, path.name, missing, gain=GAIN)
         return bool(parts) and all(len(hull_of(part)[0]) for part in parts)
     except (ToppleError, QhullError):
         return False
 
 
 def _said(what: str, links: list[str]) -> tuple[str, ...]:
-    more = f" and {len(links) - MOST_NAMED} more" if len(links) > MOST_NAMED else ""
-    return (f"{what}: {', '.join(links[:MOST_NAMED])}{more}",) if links else ()
+    return (f"{what}: {first_of(links)}",) if links else ()
 
 
 def _whole(
@@ -203,8 +200,14 @@ def check_tool(arm: Arm) -> None:
 def tool_advice(arm: Arm) -> str:
     """What to write in a gripper file for an arm that has no tool."""
     line = f'cup = {{link = "{_last(arm)}", offset = [0.0, 0.0, 0.1], radius = 0.015}}'
+    finger = lone_finger(arm.model)
+    missing = (
+        f"{_last(arm)!r} at its end carries no hand"
+        if finger is None
+        else f"the finger {finger.child!r}, moved by {finger.name!r}, has none to close on: add the other, or"
+    )
     return (
-        f"{arm.source.name}: no fingers that close on each other, so nothing to take hold with: write "
+        f"{arm.source.name}: {missing}, so nothing to take hold with: write "
         f"{line} (the lip in the link's frame [m]), or [jaw] with its joints, in a file and give it with "
         "--gripper FILE.toml (Python: robot(path, gripper=...)); --gripper HAND.urdf or wsg50 mounts a hand"
     )
@@ -236,6 +239,18 @@ def _gripper(gripper: str | Path | Gripper | Jaw | Cup | None) -> tuple[Gripper,
 def _fingers(model: Model, jaw: Jaw | None) -> Fingers | None:
     """The moving part of the hand: named, or recognised."""
     return find_fingers(model) if jaw is None else Fingers(palm_of(model, jaw.joints), tuple(jaw.joints))
+
+
+def _hinged(
+    robot: ElementTree.Element, model: Model, wanted: Gripper
+) -> tuple[Model, Tool | None, Fingers | None]:
+    """The model, cut for the jaw of which one finger turns where such is at the end, and that jaw."""
+    joint = last_hinge(model)
+    if joint is None or (wanted.jaw is not None and wanted.jaw.joints != [joint.name]):
+        return model, None, None
+    cut = model_of(robot, model.path, fine=(joint.child, joint.parent))
+    jaw = hinged_jaw(cut, joint, wanted.jaw)
+    return (model, None, None) if jaw is None else (cut, jaw, Fingers(joint.parent, (joint.name,)))
 
 
 def _cup_design(cup: Cup) -> tuple[CupDesign, str]:

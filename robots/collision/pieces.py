@@ -48,17 +48,18 @@ class _Piece:
         return [_Piece(_beyond(self.triangles, axis, at, side), self.axes | {axis}) for side in (-1.0, 1.0)]
 
 
-def convex_pieces(triangles: FloatArray) -> list[FloatArray]:
+def convex_pieces(triangles: FloatArray, gain: float = GAIN) -> list[FloatArray]:
     """Cut a surface into convex pieces as long as a cut saves much of the hull's volume.
 
     Args:
         triangles: (T, 3, 3) corners of its triangles in [m].
+        gain: Share of the whole volume that a cut has to save.
 
     Returns:
         The (V, 3) hull vertices of each piece in [m]; one piece where the surface is nearly convex.
     """
     pieces = [_Piece(triangles, frozenset())]
-    least = GAIN * pieces[0].volume
+    least = gain * pieces[0].volume
     while len(pieces) < MOST:
         worst = max(range(len(pieces)), key=lambda k: pieces[k].cut[0])
         if pieces[worst].cut[0] <= least:

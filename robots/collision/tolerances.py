@@ -14,6 +14,9 @@ MOST = 8
 GAIN = 0.2
 """Share of the whole volume that a cut has to save: of a fork most goes, of a tube little."""
 
+FINE = 0.02
+"""The same where a few millimetres are what a hand holds in."""
+
 IN_PLANE = 1e-6
 """[m] a face this near to a plane is a side of what is behind it, whose other faces meet it."""
 

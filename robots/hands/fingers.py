@@ -3,7 +3,11 @@
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
+from topple.robots.arm.elements import first_of
+from topple.robots.arm.tolerances import SERIES
 from topple.robots.arm.urdf import Joint, Model
+from topple.robots.hands.tolerances import LONGEST_STROKE
+from topple.topology.errors import InvalidInput
 
 
 @dataclass(frozen=True)
@@ -29,7 +33,10 @@ def find_fingers(model: Model) -> Fingers | None:
         model: The URDF.
 
     Returns:
-        The fingers, or None where there is nothing like them.
+        The fingers, or None where moving parts branch nowhere behind the second joint.
+
+    Raises:
+        InvalidInput: Parts branch there, and are no two fingers on one drive; the message names the joint.
     """
     children = children_of(model)
     link, above = model.root, 0
@@ -43,13 +50,34 @@ def find_fingers(model: Model) -> Fingers | None:
         return None
     joints = [joint for branch in branches for joint in _moving_joints(model, children, branch)]
     drivers = [joint for joint in joints if joint.mimic is None]
-    names = {joint.name for joint in drivers}
-    if any(joint.mimic is not None and joint.mimic.joint not in names for joint in joints):
-        return None
+    names = [joint.name for joint in drivers]
+    for joint in joints:
+        if joint.mimic is None and not joint.lower < joint.upper:
+            raise InvalidInput(
+                f"{model.path.name}: the finger joint {joint.name!r} has limits of {joint.lower:g} and "
+                f"{joint.upper:g}, so {joint.child!r} cannot move: expected how far it does"
+            )
+        if joint.mimic is not None and joint.mimic.joint not in names:
+            raise InvalidInput(
+                f"{model.path.name}: the finger joint {joint.name!r} mimics {joint.mimic.joint!r}: expected "
+                f"a joint of the hand that is driven itself, one of {', '.join(names) or 'none'}"
+            )
     pair = len(drivers) == 2 == len(joints) and all(joint.kind == "prismatic" for joint in joints)
     if not pair and (len(drivers) != 1 or len(joints) < 2):
-        return None
-    return Fingers(link, tuple(joint.name for joint in drivers))
+        raise InvalidInput(
+            f"{model.path.name}: {link!r} carries {len(branches)} moving parts, driven by {first_of(names)}: "
+            "expected two fingers on one joint which others <mimic>, or on two that slide; name those that "
+            "close in [jaw] joints of a gripper file, or the arm's in [arm] joints, and these hold still"
+        )
+    return Fingers(link, tuple(names))
+
+
+def lone_finger(model: Model) -> Joint | None:
+    """The last joint of an arm, if it slides no farther than a finger does; None if not."""
+    joints = [joint for joint in model.joints.values() if joint.kind != "fixed"]
+    last = max(joints, key=lambda joint: len(model.path_to(joint.child)))
+    short = last.kind == "prismatic" and last.upper - last.lower <= LONGEST_STROKE
+    return last if short and len(joints) > SERIES else None
 
 
 def palm_of(model: Model, drivers: Sequence[str]) -> str:

@@ -33,7 +33,7 @@ from topple.topology.errors import InvalidInput
 from topple.topology.geometry.rigid import transformed
 
 
-def measured_jaw(model: Model, fingers: Fingers, given: Jaw | None = None) -> Tool | None:
+def measured_jaw(model: Model, fingers: Fingers, given: Jaw | None = None) -> Tool:
     """Measure a jaw.
 
     Args:
@@ -42,11 +42,11 @@ def measured_jaw(model: Model, fingers: Fingers, given: Jaw | None = None) -> To
         given: What is known of it and need not be measured.
 
     Returns:
-        The tool "fingers", or None where the parts do not close on each other and nothing was given.
+        The tool "fingers".
 
     Raises:
-        InvalidInput: Something was given, and what it leaves out cannot be measured; or no finger is found,
-            and a part that moves has no shape.
+        InvalidInput: The parts are no two fingers that close on each other, or have no shape; the message
+            names them.
     """
     given = given or Jaw(joints=list(fingers.drivers))
     hand = _Hand(model, fingers)
@@ -55,12 +55,8 @@ def measured_jaw(model: Model, fingers: Fingers, given: Jaw | None = None) -> To
     else:
         links = (hand.carrier(given.links[0]), hand.carrier(given.links[1]))
     if links is None:
-        hand.check_shapes()
-        return None
-    ends = hand.ends(links, given)
-    if ends is None:
-        return None
-    return hand.tool(links, *ends, given)
+        hand.refuse_parts()
+    return hand.tool(links, *hand.ends(links, given), given)
 
 
 class _Hand:
@@ -85,13 +81,20 @@ class _Hand:
             f"they move {', '.join(self._groups)}"
         )
 
-    def check_shapes(self) -> None:
-        """Refuse a hand of which parts that move are nothing but names."""
-        if bare := [carrier for carrier in self._groups if not self._shape(carrier)]:
+    def refuse_parts(self) -> NoReturn:
+        """Refuse a hand of which no two parts close on each other, by what keeps them from it."""
+        groups, drivers = [*self._groups], ", ".join(self._fingers.drivers)
+        if bare := [carrier for carrier in groups if not self._shape(carrier)]:
             raise InvalidInput(
-                f"{self._model.path.name}: what {', '.join(self._fingers.drivers)} would close has no shape, "
+                f"{self._model.path.name}: what {drivers} would close has no shape, "
                 f"neither collision geometry nor a drawn one: add <collision> to {', '.join(bare)}"
             )
+        if len(groups) == 1:
+            self._refuse(f"are {groups[0]!r} alone, which closes on nothing that moves: add the other, or")
+        last = self._model.joints[groups[-1]].name
+        self._refuse(
+            f"({', '.join(groups)}) keep their distance: turn the <axis> or the <mimic> of {last!r} round, or"
+        )
 
     def _shape(self, carrier: str) -> list[FloatArray]:
         """Vertices (V, 3) of the convex parts of a rigid group in the frame of its moving link."""
@@ -153,8 +156,8 @@ class _Hand:
     def _palm_middle(self) -> FloatArray:
         return _middle_of(self._model.links[self._fingers.palm].parts)
 
-    def ends(self, links: tuple[str, str], given: Jaw) -> tuple[dict[str, float], dict[str, float]] | None:
-        """Values of the driven joints with the fingers together and apart; None where they do not close."""
+    def ends(self, links: tuple[str, str], given: Jaw) -> tuple[dict[str, float], dict[str, float]]:
+        """Values of the driven joints with the fingers together and apart."""
         names = self._fingers.drivers
         if given.closed is not None and given.open is not None:
             return (
@@ -176,18 +179,18 @@ class _Hand:
 
     def tool(
         self, links: tuple[str, str], shut: dict[str, float], wide: dict[str, float], given: Jaw
-    ) -> Tool | None:
+    ) -> Tool:
         """The measured tool; what is given goes before what is measured."""
         first, second = links
         across = self._middle(first, wide) - self._middle(second, wide)
         across -= self._middle(first, shut) - self._middle(second, shut)
         if np.linalg.norm(across) < LEAST_STROKE:
-            return None if given.links is None else self._refuse("do not move against each other")
-        across = _snapped(across)
+            self._refuse("do not move against each other:")
+        across = snapped(across)
         if float((self._middle(first, wide) - self._middle(second, wide)) @ across) < 0.0:
             first, second = second, first
         between = (self._middle(first, wide) + self._middle(second, wide)) / 2.0 - self._palm_middle()
-        out = _snapped(between - across * float(across @ between))
+        out = snapped(between - across * float(across @ between))
         out -= across * float(across @ out)
         out /= np.linalg.norm(out)
         turn = np.column_stack([np.cross(across, out), across, out])
@@ -196,12 +199,14 @@ class _Hand:
         tips = [self._tips(first, second, values, turn) for values in states]
         gaps = np.array([_gap(*each) for each in tips])
         ends = np.array([max(float(tip[:, 2].max()) for tip in each) for each in tips])
+        if given.links is None and (third := self._third(links, wide)):
+            self._refuse(f"are three, {first}, {second} and {third}, where two are expected to close:")
         if given.opening is not None:
             gaps = np.interp(share, [0.0, 1.0], given.opening)
         keep = np.flatnonzero(gaps > -OVERLAP)
         keep = keep[max(np.count_nonzero(gaps[keep] <= 0.0) - 1, 0) :]  # closed in one state
         if len(keep) < 2 or not (np.diff(gaps[keep]) > 0).all() or np.ptp(gaps[keep]) < LEAST_STROKE:
-            return None if given.links is None else self._refuse("do not close on each other")
+            self._refuse("do not close on each other:")
         half = int(keep[len(keep) // 2])
         pose, pads = self._frame(first, second, states[half], turn)
         arc = np.round(ends[keep] - ends[half], 6)
@@ -219,6 +224,17 @@ class _Hand:
         )
         hand = tuple(carrier for carrier in self._groups if carrier not in jaw.links)
         return Tool(ToolName.FINGERS, link, pose, jaw, (*jaw.links, *hand), ToolState(jaw.max_opening))
+
+    def _third(self, links: tuple[str, str], values: Mapping[str, float]) -> str | None:
+        """A part of the open hand as far out as its two fingers, and on neither's branch."""
+        centre, taken = self._palm_middle(), {self._branch(link) for link in links}
+        ends = {
+            carrier: max(float(np.linalg.norm(part - centre, axis=1).max()) for part in parts)
+            for carrier in self._groups
+            if (parts := self._parts(carrier, values))
+        }
+        least = min(ends[link] for link in links) - LEAST_STROKE
+        return next((c for c, end in ends.items() if end > least and self._branch(c) not in taken), None)
 
     def _tips(
         self, first: str, second: str, values: Mapping[str, float], turn: FloatArray
@@ -262,7 +278,7 @@ class _Hand:
             return given.link, pose_of_offset(given.offset)
         (anchor, to_anchor), (other, palm_to_anchor) = self._anchored(given.link), self._anchored(palm)
         if anchor != other:
-            self._refuse(f"are not fixed to the link {given.link!r}, so its `offset` must be given,")
+            self._refuse(f"are not fixed to the link {given.link!r}, so its `offset` must be given:")
         return given.link, inverse(to_anchor) @ palm_to_anchor @ pose_in_palm
 
     def _anchored(self, link: str) -> tuple[str, FloatArray]:
@@ -297,8 +313,8 @@ class _Hand:
 
     def _refuse(self, words: str) -> NoReturn:
         raise InvalidInput(
-            f"{self._model.path.name}: the fingers moved by {', '.join(self._fingers.drivers)} {words}: "
-            "see `closed`, `open`, `opening` and `links` of [jaw]"
+            f"{self._model.path.name}: the fingers moved by {', '.join(self._fingers.drivers)} {words} "
+            "see `joints`, `links`, `closed`, `open`, `opening` of [jaw] in a gripper file"
         )
 
 
@@ -314,13 +330,18 @@ def _gap(inner: FloatArray, outer: FloatArray) -> float:
 
 def _above(points: FloatArray, z: float) -> FloatArray:
     """Points that span the part of a convex body above z."""
+    return np.concatenate([points[points[:, 2] > z], section(points, z)])
+
+
+def section(points: FloatArray, z: float) -> FloatArray:
+    """Points (M, 3) that span the cut of a convex body, by its vertices (V, 3), at a height [m]."""
     above, below = points[points[:, 2] > z], points[points[:, 2] <= z]
     a, b = np.repeat(below, len(above), axis=0), np.tile(above, (len(below), 1))
     share = (z - a[:, 2]) / (b[:, 2] - a[:, 2])
-    return np.concatenate([above, a + share[:, None] * (b - a)])
+    return a + share[:, None] * (b - a)
 
 
-def _snapped(direction: FloatArray) -> FloatArray:
+def snapped(direction: FloatArray) -> FloatArray:
     """A unit direction, that of an axis where one is near."""
     unit = direction / np.linalg.norm(direction)
     axis = int(np.argmax(np.abs(unit)))

@@ -2,6 +2,11 @@
 
 import numpy as np
 
+# -- fingers
+
+LONGEST_STROKE = 0.1
+"""[m] that one finger slides at most: fingers of hands for 20 cm do; the axis of a SCARA goes farther."""
+
 # -- jaws
 
 LEAST_STROKE = 0.005
@@ -36,3 +41,30 @@ SAMPLES = 17
 
 SNAP = np.cos(np.radians(20.0))
 """Cosine of the angle within which a hand points along an axis of its mounting link."""
+
+# -- hinged
+
+WIDEST_TURN = 2.6
+"""[rad] that a finger turns at most: a wrist turns farther."""
+
+LEAST_FINGER = 0.03
+"""[m] from its hinge to the tip of a finger at least."""
+
+SHORTER = 0.85
+"""Of the moving finger's length, how far the fixed one reaches beside it at least: they end together; a palm
+beside half a hand does not, and the link before a wrist ends at its axis."""
+
+LEAN = 0.8
+"""[rad] between the faces at most: what friction of 0.5 holds between two is 0.93, twice its cone."""
+
+HINGED_PAD = 0.02
+"""[m] along the fingers, from where the tip of the turned one is at `LEAN`: there they hold at any angle."""
+
+HINGE_STATES = 33
+"""Angles at which the distance is measured: it grows with the tangent."""
+
+LEVELS = 12
+"""Heights of a finger at which its face is looked at."""
+
+EDGE = 0.003
+"""[m] from a tip that is rounded."""

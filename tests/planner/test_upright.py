@@ -6,7 +6,8 @@ from topple.planner.motion.planner import Motion
 from topple.planner.motion.shortcut import densely
 from topple.planner.motion.upright import plan_upright
 from topple.planner.planning.plan import plan
-from topple.planner.transfer.transfer import TRANSFER_LIMITS, Transfer, plan_transfer
+from topple.planner.transfer.limits import TRANSFER_LIMITS
+from topple.planner.transfer.transfer import Transfer, plan_transfer
 from topple.robots.catalog import robot
 from topple.robots.shapes.boxes import box, can
 from topple.robots.shapes.fruit import plum

@@ -21,7 +21,7 @@ from topple.robots.world.world import World
 from topple.topology.errors import InvalidInput
 
 sys.path.insert(0, str(Path(__file__).parent))
-from own_urdf import written
+from own_urdf import linked, written
 
 PANDA = data_path() / "franka_panda" / "panda.urdf"
 XARM = data_path() / "xarm" / "xarm6_with_gripper.urdf"
@@ -149,7 +149,7 @@ def test_without_a_tool_the_arm_is_there_and_the_refusal_can_be_used_as_it_stand
     path = written(tmp_path)
     arm = robot(path)
     assert arm.tools == {}
-    with pytest.raises(InvalidInput, match="nothing to take hold with") as refusal:
+    with pytest.raises(InvalidInput, match=r"arm.urdf: 'tool0' .* carries no hand, so") as refusal:
         check_tool(arm)
     words = str(refusal.value)
     assert "\n" not in words
@@ -218,7 +218,10 @@ def test_a_cup_beside_recognised_fingers_is_drawn_in_on_the_way() -> None:
             "expected 0 <= closed < open",
         ),
         ('[jaw]\njoints = ["left_slide", "right_slide"]\nopen = [0.0]', "`$.jaw.open` is [0.0], expected 2"),
-        ('[jaw]\njoints = ["left_slide"]', "nothing drives the joints right_slide"),
+        (
+            '[jaw]\njoints = ["left_slide"]',
+            "'left' alone, which closes on nothing that moves: add the other",
+        ),
     ],
 )
 def test_a_bad_gripper_file_is_refused_in_one_line_by_its_path(tmp_path: Path, text: str, words: str) -> None:
@@ -326,6 +329,49 @@ def test_a_finger_that_closes_on_nothing_that_moves_is_no_jaw(tmp_path: Path) ->
     path = written(tmp_path, fingers=True)
     text = path.read_text().replace("right_slide' type='prismatic'", "right_slide' type='fixed'")
     path.write_text(text)
-    message = r"gripper: `\$\.jaw\.joints` left_slide of arm\.urdf move left, no two of which close on"
+    message = r"arm\.urdf: .* moved by left_slide are 'left' alone, which closes on nothing that moves"
     with pytest.raises(InvalidInput, match=message):
         robot(path, Jaw(joints=["left_slide"]))
+    with pytest.raises(InvalidInput, match="the finger 'left', moved by 'left_slide', has none to close"):
+        check_tool(robot(path))
+
+
+STROKE = "<limit lower='0.002' upper='0.042'/>"
+FOLLOWS = "<mimic joint='left_slide'/>"
+THIRD = (
+    linked("third", "<box size='0.01 0.02 0.08'/>", "0.005 0 0.04")
+    + "<joint name='third_slide' type='prismatic'><parent link='tool0'/><child link='third'/>"
+    + f"<axis xyz='1 0 0'/>{STROKE}%s</joint><drake:tag/>"
+)
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "words"),
+    [
+        ("<axis xyz='0 -1 0'/>", f"<axis xyz='0 1 0'/>{FOLLOWS}",
+         r"left_slide \(left, right\) keep their distance: turn the <axis> or the <mimic> of 'right_slide'"),
+        (STROKE, "<limit lower='0' upper='0'/>", r"'left_slide' has limits of 0 and 0, so 'left' can"),
+        (STROKE, "", r"'left_slide' has limits of 0 and 0, so 'left' cannot move: expected how far it does"),
+        ("<drake:tag/>", THIRD % "", r"'tool0' carries 3 moving parts, driven by .* expected two"),
+        ("<axis xyz='0 -1 0'/>", "<axis xyz='0 -1 0'/><mimic joint='right_slide'/>",
+         r"'right_slide' mimics 'right_slide': expected a joint .* driven itself, one of left"),
+    ],
+    ids=["same way", "no way", "no limits", "three", "itself"],
+)  # fmt: skip
+def test_a_hand_that_is_no_jaw_is_refused_by_what_keeps_it_from_closing(
+    tmp_path: Path, old: str, new: str, words: str
+) -> None:
+    path = written(tmp_path, fingers=True)
+    path.write_text(path.read_text().replace(old, new))
+    with pytest.raises(InvalidInput, match=f"arm.urdf: .*{words}"):
+        robot(path)
+
+
+def test_of_three_fingers_on_one_drive_two_have_to_be_named(tmp_path: Path) -> None:
+    path = written(tmp_path, fingers=True)
+    text = path.read_text().replace("<axis xyz='0 -1 0'/>", f"<axis xyz='0 -1 0'/>{FOLLOWS}")
+    path.write_text(text.replace("<drake:tag/>", THIRD % FOLLOWS))
+    with pytest.raises(InvalidInput, match=r"arm.urdf: .* are three, .* third.*: see `joints`"):
+        robot(path)
+    named = robot(path, Jaw(joints=["left_slide"], links=["left", "right"]))
+    assert named.jaw is not None and set(named.jaw.links) == {"left", "right"}
