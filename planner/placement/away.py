@@ -20,7 +20,6 @@ from topple.planner.placement.tolerances import (
     BIN_SIZE,
     BIN_SPOTS,
     BIN_WALL,
-    HEADINGS,
     HEIGHTS_IN_BIN,
     HIGHEST,
     LEVEL_WITH,
@@ -28,6 +27,7 @@ from topple.planner.placement.tolerances import (
     RAISED,
     SLAB,
     TOWARDS,
+    YAWS,
 )
 from topple.robots.collision.fcl_bodies import apart
 from topple.robots.poses import inverse
@@ -222,7 +222,7 @@ class Receiver:
         if self.how is Away.HAND_OVER:
             middle = np.vstack(situation.solids[name]).mean(axis=0)
             words, point = "where it is taken over", self.pose[:3, 3]
-            return [self._put(situation, middle, point, k, words) for k in range(HEADINGS)]
+            return [self._put(situation, middle, point, k, words) for k in range(YAWS)]
         if self.how is Away.BIN:
             return self._in_bin(name, situation)
         base = self.pose_base_to_world
@@ -244,9 +244,9 @@ class Receiver:
     ) -> Placement:
         """What has its middle (3,) somewhere, turned about up, brought to another place (3,)."""
         pose = np.eye(4)
-        pose[:3, :3] = about(situation.up, 2.0 * np.pi * yaw / HEADINGS)
+        pose[:3, :3] = about(situation.up, 2.0 * np.pi * yaw / YAWS)
         pose[:3, 3] = to - pose[:3, :3] @ middle
-        return Placement(pose, 1.0 - 0.1 * min(yaw, HEADINGS - yaw) / HEADINGS, words, drop, how=self.how)
+        return Placement(pose, 1.0 - 0.1 * min(yaw, YAWS - yaw) / YAWS, words, drop, how=self.how)
 
     def _clear(self, name: str, situation: "Situation", beside: Solids) -> list[Placement]:
         """Straight up until nothing is near; then the same nearer to the arm, and before it."""
@@ -279,8 +279,7 @@ class Receiver:
                 )[0]
                 words = f"let go {1e2 * drop:.0f} cm above the bin's floor"
                 found += [
-                    self._put(situation, middle, spot - low * up, k, words, drop)
-                    for k in range(0, HEADINGS, 2)
+                    self._put(situation, middle, spot - low * up, k, words, drop) for k in range(0, YAWS, 2)
                 ]
         return found
 

@@ -137,8 +137,5 @@ TOWARDS = (0.0, 0.35, 0.7, 1.0)
 LEVEL_WITH = 0.03
 """[m] that a table may be seen off the level of an area that is vouched for on it."""
 
-HEADINGS = 8
-"""Headings that are tried in the air, and half as many in a box."""
-
 SLAB = 0.01
 """[m] thickness of a level area that is vouched for."""
