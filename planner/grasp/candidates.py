@@ -66,8 +66,8 @@ def grasp_candidates(
         cup: Suction cup to grasp with; measured from the arm where not given.
         wide: Come in with the fingers as far apart as there is room: the object is larger than it looks.
         limit: At most so many, spread over the object.
-        enough: Once so many pinches are found no further points of the object are tried: those around its
-            centre of mass come first.
+        enough: Once so many pinches are found that brush by nothing no further points of the object are
+            tried: those around its centre of mass come first.
         tolerances: Clearances and limits.
         dropped: Takes down what is left out and why, if given.
 
@@ -127,7 +127,7 @@ def _pinch_grasps(
     tolerances: GraspTolerances,
     dropped: Dropped,
 ) -> list[Grasp]:
-    found: list[Grasp] = []
+    found, roomy = list[Grasp](), 0
     for tilts in (tolerances.tilts, tolerances.steep_tilts):
         if len(found) >= tolerances.enough:
             break
@@ -135,7 +135,8 @@ def _pinch_grasps(
             near = around.near(directions.origin, tolerances.reach)
             pinched = pinches(directions, surface, near, up, hand, tolerances, dropped)
             found += [_as_grasp(name, pinch) for pinch in pinched]
-            if len(found) >= enough:
+            roomy += sum(pinch.terms["clearance"] == 1.0 for pinch in pinched)
+            if roomy >= enough:
                 return found
     if len(found) >= tolerances.enough:
         return found

@@ -14,7 +14,7 @@ class TransferLimits:
     """How hard to look, and how fast to move.
 
     Attributes:
-        enough: Pinches after which no more are looked for, while an arm can make one of them.
+        enough: Pinches that brush by nothing after which no more are looked for, while an arm can make one.
         grasps: Best grasps to ask inverse kinematics for; each is tried with the hand turned half as well.
         reached: Reachable grasp states to follow up.
         goals: Placements a motion is planned to at once.
