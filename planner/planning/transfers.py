@@ -94,8 +94,8 @@ class Transfers:
             upright=name in context.upright, held=self._held, obstacles=context.obstacles, seed=context.seed,
             limits=limits,
         )  # fmt: skip
-        if self.context.observed:
-            return transfer()
+        if self.context.observed:  # what is seen of it may be wrong: the best of all hands takes it
+            return transfer(limits=replace(limits, enough=float("inf")))
         beside = {} if context.away is None else context.obstacles
         with Proof(name, self.situation, self.riding(name), beside) as proof:
             found = transfer(holds=proof.holds)

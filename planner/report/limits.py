@@ -25,6 +25,7 @@ class Limits:
         guessed: Surface farther in [m] than this from every point that was seen counts as guessed: more
             than twice the spacing of the completed surface.
         largest: A disc of a picture is at most this share of its height: larger ones take seconds.
+        parts: Spacing in [m] of points of what is drawn from its convex parts.
         hull_vertices: Corners of a drawn hull. The hull of a noisy cloud has hundreds and its edges
             then hide the cloud; the farthest 36 keep its outline within a few percent.
         crease: Edges between hull facets closer in direction than this many degrees are not drawn.
@@ -50,6 +51,7 @@ class Limits:
     finest: float = 0.0025
     normal: int = 26
     guessed: float = 0.008
+    parts: float = 0.006
     largest: int = 130
     hull_vertices: int = 36
     crease: float = 3.0

@@ -15,6 +15,7 @@ from topple.planner.formats.verification import Verification
 from topple.planner.placement.away import BODIES
 from topple.planner.report.drawing import Drawing
 from topple.planner.report.html import page, table, viewer
+from topple.planner.report.limits import LIMITS
 from topple.planner.report.played import arm_shape, motion_json
 from topple.planner.report.show import dependency_section, photo_section
 from topple.planner.report.tables import proof_rows, relation_table, sentence_list
@@ -30,7 +31,6 @@ from topple.topology.io.load import AnyScene, as_scene
 from topple.topology.scene import Scene
 
 Band = tuple[str, float, float]
-SAMPLED = 0.006  # [m] between the points of what is drawn from its parts
 FREE = (SegmentKind.MOVE, SegmentKind.TRANSFER)
 """Ways that are not meant to come near anything."""
 
@@ -113,7 +113,7 @@ class _PlanPage:
         for thing in plan.objects:
             if thing.name in BODIES.values():  # stood there for the plan: cameras saw none of it
                 parts = [np.array(part) for part in thing.parts]
-                self.drawing = self.drawing.beside(thing.name, sampled(parts, SAMPLED))
+                self.drawing = self.drawing.beside(thing.name, sampled(parts, LIMITS.parts))
         self.index = object_index(self.drawing)
         self.shape = arm_shape(arm.parts)
         self.motion = plan_motion(plan, arm)

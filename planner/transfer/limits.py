@@ -29,7 +29,7 @@ class TransferLimits:
         tilt: Largest tilt of what is carried upright [rad]: a glass filled to nine tenths does not spill.
     """
 
-    enough: int = 24
+    enough: float = 24
     grasps: int = 24
     reached: int = 12
     goals: int = 4

@@ -122,7 +122,7 @@ def plan_transfer(
     searched, dropped, changed, few = grasps is None, Dropped(), False, list[Grasp]()
     find = partial(grasp_candidates, name, situation, wide=bool(avoid))
     if grasps is None:
-        few = [] if avoid else find(arm, enough=limits.enough)
+        few = find(arm, enough=limits.enough) if limits.enough < np.inf and not avoid else []
         grasps = few or _others(find(arm, dropped=dropped), avoid)
         if grasps and ToolName.FINGERS in arm.tools and all(grasp.tool in _tired(avoid) for grasp in grasps):
             grasps = _others(find(hand=hand_shape(arm)), avoid) or grasps

@@ -8,10 +8,10 @@ import numpy as np
 from topple.planner.formats.plan_structs import PlanData
 from topple.planner.formats.verification import Residual, Worst
 from topple.planner.placement.away import BODIES, IN_HAND, Away
-from topple.planner.placement.tolerances import LIFT_CLEAR
+from topple.planner.placement.tolerances import BIN_WALL, LIFT_CLEAR
 from topple.planner.verify.bodies import parts_of, tool_poses
 from topple.planner.verify.replay import SegmentReplay
-from topple.planner.verify.tolerances import OFF, SHORT
+from topple.planner.verify.tolerances import FALL, OFF, SHORT
 from topple.robots.arm.arm import Arm
 from topple.robots.collision.fcl_bodies import fcl_body
 from topple.robots.poses import inverse
@@ -23,6 +23,7 @@ HANDED = (
     "short of 15 cm from everything",
     "held out beside the point",
     "off the area that is vouched for",
+    "falls otherwise than it says",
 )
 
 
@@ -41,6 +42,7 @@ class HandedCheck:
     near: Worst = field(default_factory=lambda: Worst(HANDED[1], "m", SHORT))
     beside: Worst = field(default_factory=lambda: Worst(HANDED[2], "m", OFF))
     off: Worst = field(default_factory=lambda: Worst(HANDED[3], "m", OFF))
+    fall: Worst = field(default_factory=lambda: Worst(HANDED[4], "m", FALL))
 
     def __post_init__(self) -> None:
         self._parts, self._away = parts_of(self.plan), self.plan.away
@@ -56,7 +58,9 @@ class HandedCheck:
         """Look at the last segment of a step."""
         if self._away is None or piece.segment is not piece.step.segments[-1]:
             return
-        name, how = piece.step.object, piece.step.placement.how
+        name, how, drop = piece.step.object, piece.step.placement.how, piece.step.placement.drop
+        if how in IN_HAND:
+            self.fall.note(abs(drop) + float(piece.step.placement.falls), piece.where, piece.index)
         if how in IN_HAND and name in piece.held:
             tool = tool_poses(self.arm, self.plan, piece.segment.tool, piece.states[-1:])[0]
             own = moved(self._parts[name], tool @ piece.held[name])
@@ -74,9 +78,19 @@ class HandedCheck:
             beyond = np.abs(np.vstack(own)[:, :2]).max(axis=0) - np.array(self._away.size[:2]) / 2.0
             self.off.note(float(beyond.max()), piece.where, piece.index)
 
+    def let_go(self, piece: SegmentReplay) -> None:
+        """Look how high over the floor of its box a thing is let go."""
+        name, place = piece.step.object, piece.step.placement
+        if self._away is None or place.how != Away.BIN or name not in piece.poses:
+            return
+        pose, up = np.array(self._away.pose_to_world), np.array(self.plan.up)
+        floor = float(pose[:3, 3] @ up) + BIN_WALL
+        lowest = float((np.vstack(moved(self._parts[name], piece.poses[name])) @ up).min())
+        self.fall.note(abs(lowest - floor) + float(place.falls), piece.where, piece.index)
+
     def residuals(self) -> tuple[Residual, ...]:
         """What was found."""
-        return tuple(worst.residual() for worst in (self.other, self.near, self.beside, self.off))
+        return tuple(worst.residual() for worst in (self.other, self.near, self.beside, self.off, self.fall))
 
     def _gap(self, own: Sequence[FloatArray], other: str, pose: FloatArray) -> float:
         """Distance [m] from convex parts in the world to an object that stands, or lies elsewhere by now."""

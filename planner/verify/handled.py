@@ -109,12 +109,12 @@ class HandCheck:
 
         if piece.segment.kind == "place" and piece.step.placement.into == other:
             return True
-        if piece.segment.kind not in ("grasp", "lift") or other not in piece.poses:
+        name, standing = piece.step.object, piece.poses
+        if piece.segment.kind not in ("grasp", "lift") or other not in standing or name not in piece.before:
             return False
-        name = piece.step.object
         for a in self._parts[name]:
             for b in self._parts[other]:
-                first, second = _placed(a, piece.before[name]), _placed(b, piece.poses[other])
+                first, second = _placed(a, piece.before[name]), _placed(b, standing[other])
                 if fcl.distance(first, second, fcl.DistanceRequest()) < NEAR:
                     return True
         return False

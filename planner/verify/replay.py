@@ -139,6 +139,7 @@ class Replay:
         """Close the hand: what is then in it moves with it."""
         tool = tool_poses(self.arm, self.plan, segment.tool, q[None])[0]
         words = "something is in it already" if self._held else None
+        words = f"{part.object} is gone by then" if part.object in self._gone else words
         pads = tool @ self.arm.tool(segment.tool).pads(part.grasp.width)
         words = words or self._grip.fails(part, segment.tool, self._hand, hand, pads, self.poses)
         if words is not None:

@@ -112,6 +112,10 @@ SHORT = 0.002
 """[m] of the distance that a lift ends at may lack: six digits, and the arm's own rounding."""
 
 
+FALL = 0.03
+"""[m] a fall into a box may be off: things are let go from a little higher where no hand gets down."""
+
+
 # -- grip
 
 SPACING = 0.002

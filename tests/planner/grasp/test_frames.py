@@ -16,7 +16,7 @@ def test_sides_of_a_close_up_of_tens_of_thousands_of_points_are_found_in_little_
     cloud = np.vstack([face, side]) @ lean.T
     surface = surface_of(cloud, UP, np.array([[-1.0, 0.5, 0.6]]))
     tracemalloc.start()
-    found = frames(surface, UP, (0.0,), count=2)
+    found = list(frames(surface, UP, (0.0,), count=2))
     peak = tracemalloc.get_traced_memory()[1]
     tracemalloc.stop()
     assert peak < 3e8  # a matrix of each with each would be 4.6e9
