@@ -149,7 +149,7 @@ OPTIONS: dict[str, dict[str, Any]] = {
         "nargs": 7,
         "type": float,
         "metavar": ("X", "Y", "Z", "YAW", "SX", "SY", "SZ"),
-        "help": "where the box of --away bin stands, and its size (40 x 30 x 20 cm, where there is room)",
+        "help": "where the bin of --away bin stands, and its size (40 x 30 x 20 cm, where there is room)",
     },
     "--clamped": {
         **_LIST,

@@ -104,7 +104,7 @@ def away_of(args: argparse.Namespace) -> "Destination":
 
     words = args.away or ["table" if args.bin is None else Away.BIN]
     if args.bin is not None and words != [Away.BIN]:
-        raise InvalidInput(f"--bin says where the box of --away bin stands: found --away {' '.join(words)}")
+        raise InvalidInput(f"--bin says where the bin of --away bin stands: found --away {' '.join(words)}")
     return Destination.of([*words, *(args.bin or [])])
 
 

@@ -17,17 +17,8 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     add_scenes(parser)
     add_task(parser)
     add(parser, "--orderer", help="what orders: fewest, cautious or a plugin's (cautious)")
-    add(
-        parser,
-        "--second-base",
-        "--away",
-        "--bin",
-        "--clamped",
-        "--rule",
-        "--masks-as-they-are",
-        *SIMULATION,
-        *COMMON,
-    )
+    add(parser, "--second-base", "--away", "--bin", "--clamped", "--rule", "--masks-as-they-are")
+    add(parser, *SIMULATION, *COMMON)
     parser.add_argument(
         "--shuffle-labels",
         action="store_true",

@@ -67,7 +67,7 @@ class Judge:
         self._arms = (robot,) if second is None else (robot, second)
         self._robot, self._world, self._fixed, self._up = robot, robot.world, tuple(fixed), up
         self._limits, self._wanted, self._first = limits, wanted, robot.world.poses()
-        self._gone: set[str] = set()  # handed on, or in a box: no more of what the goal is about
+        self._gone: set[str] = set()  # handed on, or in a bin: no more of what the goal is about
         self._rested: dict[str, FloatArray] = {}  # where each thing was when it was last handled, or at first
 
     def begin(self, transfer: Transfer, held: str | None = None, by_second: bool = False) -> None:
@@ -118,7 +118,7 @@ class Judge:
         if not self._missed and self._how in (*IN_HAND, Away.BIN):
             self._gone.add(self._name)
             if self._how is Away.BIN and not State.of(self._world).within(self._name, BODIES[Away.BIN]):
-                wrong.append("it is not in the box")
+                wrong.append("it is not in the bin")
         wrong += self._crept(now, displacements(before, now, handled))
         return Verdict(
             tuple(wrong),

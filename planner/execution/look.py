@@ -237,7 +237,7 @@ def _moved(now: FloatArray, before: FloatArray) -> bool:
 
 
 def without(look: Look, gone: Collection[str]) -> Look:
-    """A look without what is none of the scene's any more, though a camera may see it in its box."""
+    """A look without what is none of the scene's any more, though a camera may see it in its bin."""
     names = [name for name in look.scene.names if name in gone]
     said = {name: text for name, text in look.surprises.items() if name not in gone}
     return replace(look, situation=look.situation.without(*names), surprises=said) if names else look

@@ -28,7 +28,7 @@ from topple.planner.planning.goal_task import GoalTask
 from topple.planner.planning.holding import check_second
 from topple.planner.planning.order import cautious
 from topple.planner.planning.step import NextStep, Orderer, Task
-from topple.planner.transfer.afterwards import after
+from topple.planner.transfer.prediction import after
 from topple.robots.driver import Driver, Fixture
 from topple.robots.world.acting_arm import ActingArm
 from topple.robots.world.bodies import Body
@@ -153,7 +153,7 @@ class ClosedLoop:
             wanted: Where things shall truly lie in the end, (4, 4) poses by name, for the judge; where None,
                 by the goal.
             second: An arm beside it that holds what would not stand.
-            away: Where things go that are taken: a box is put into the world; what is lifted or held out is
+            away: Where things go that are taken: a bin is put into the world; what is lifted or held out is
                 taken out of the hand, and stands far away from then on.
             **more: As the attributes of this class.
 

@@ -15,7 +15,7 @@ from typing import Any
 
 from topple.planner.decide.goal import Goal
 from topple.planner.planning.step import Context, NextStep, Task
-from topple.planner.transfer.afterwards import after
+from topple.planner.transfer.prediction import after
 from topple.planner.transfer.recertify import recertified
 from topple.planner.transfer.transfer import Transfer
 from topple.topology.bodies.solids import Solids

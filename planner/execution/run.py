@@ -11,7 +11,7 @@ from topple.planner.execution.rehearsal import Rehearsal, Z
 from topple.planner.execution.two_arms import check_recording
 from topple.planner.formats.run_record import RunRecord
 from topple.planner.grasp.given import OwnGrasps, own_grasps
-from topple.planner.placement.away import Away, Destination, Receiver
+from topple.planner.placement.away import Away, Destination
 from topple.planner.planning.goal_task import GoalTask
 from topple.planner.planning.order import cautious, check_clamped, check_masks
 from topple.planner.planning.step import Orderer, Task
@@ -29,7 +29,6 @@ from topple.topology.arrays import FloatArray
 from topple.topology.checks import as_pose
 from topple.topology.files import write_whole
 from topple.topology.io.load import AnyScene, as_scene
-from topple.topology.scene import Scene
 from topple.topology.situation import Situation
 from topple.topology.statics.gravity import check_up
 
@@ -109,7 +108,7 @@ def run(
         acting = arm_in(stage.world, arm, stage.pose_base_to_world)
         to_world = stage.pose_scene_to_world
         there = None if second_base is None else to_world @ as_pose(second_base, "second_base")
-        receiver = _receiver(Destination.of(away), scene, stage)
+        receiver = Destination.of(away).at(Situation(scene), inverse(to_world) @ stage.pose_base_to_world)
         loop = ClosedLoop.simulated(
             stage.world,
             acting,
@@ -140,11 +139,3 @@ def run(
         if rerun is not None and recording is not None:
             write_whole(rerun, rerun_file(record, recording))
     return record
-
-
-def _receiver(destination: Destination, scene: Scene, stage: Rehearsal) -> Receiver | None:
-    """Where things go that are taken, in the frame of the scene; None where that is what is seen."""
-    if destination.how is Away.TABLE:
-        return None
-    base = inverse(stage.pose_scene_to_world) @ stage.pose_base_to_world
-    return destination.at(Situation(scene), base)

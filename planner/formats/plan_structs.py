@@ -122,7 +122,7 @@ class PlacementData(msgspec.Struct, frozen=True):
             return f"put down {self.how or 'on'} {self.into}"
         return {
             "lift": "held clear of everything",
-            "bin": "put into the box",
+            "bin": "put into the bin",
             "zone": "put onto the area that is vouched for",
             "hand-over": "held out",
         }.get(self.how, "put down")

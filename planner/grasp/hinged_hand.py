@@ -12,7 +12,7 @@ from topple.planner.grasp.prisms import Prism, prisms
 from topple.planner.grasp.tolerances import FINGER_SLABS, GRASP_TOLERANCES, HINGED_OPENINGS, OVER_FACE, SWUNG
 from topple.robots.arm.hinged import HingedJaw
 from topple.robots.arm.tolerances import BESIDE
-from topple.robots.hands.jaws import section
+from topple.robots.collision.convex import section
 from topple.topology.arrays import FloatArray
 
 Bodies = list[tuple[str, FloatArray]]

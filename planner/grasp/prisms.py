@@ -5,6 +5,7 @@ from itertools import pairwise
 
 import numpy as np
 
+from topple.robots.collision.convex import section
 from topple.topology.arrays import FloatArray
 
 
@@ -38,18 +39,8 @@ def prisms(vertices: FloatArray, slabs: tuple[float, ...]) -> tuple[Prism, ...]:
     found: list[Prism] = []
     for upper, lower in pairwise(cuts):
         inside = vertices[(vertices[:, 2] <= upper + 1e-9) & (vertices[:, 2] >= lower - 1e-9)]
-        piece = np.vstack([inside, _section(vertices, upper), _section(vertices, lower)])
+        piece = np.vstack([inside, section(vertices, upper), section(vertices, lower)])
         if len(piece) > 0:
             (x0, y0), (x1, y1) = piece[:, :2].min(axis=0), piece[:, :2].max(axis=0)
             found.append(Prism((float(x0), float(x1)), (float(y0), float(y1)), upper))
     return tuple(found)
-
-
-def _section(vertices: FloatArray, z: float) -> FloatArray:
-    """Points spanning the cut of a convex body at z: where connections of its vertices cross it."""
-    below, above = vertices[vertices[:, 2] < z], vertices[vertices[:, 2] > z]
-    if len(below) == 0 or len(above) == 0:
-        return np.empty((0, 3))
-    a, b = np.repeat(below, len(above), axis=0), np.tile(above, (len(below), 1))
-    share = (z - a[:, 2]) / (b[:, 2] - a[:, 2])
-    return a + share[:, None] * (b - a)

@@ -127,16 +127,21 @@ class Destination:
             raise InvalidInput(f"away {how} is {given}: it has no room, expected {names} of some size")
         return Destination(how, pose, size)
 
-    def at(self, situation: "Situation", pose_base_to_world: FloatArray) -> "Receiver":
+    def at(self, situation: "Situation", pose_base_to_world: FloatArray) -> "Receiver | None":
         """Stand it beside an arm.
 
         Args:
             situation: What is seen.
             pose_base_to_world: (4, 4) where the arm stands.
 
+        Returns:
+            It, as it stands; None for the table, which is seen.
+
         Raises:
             InvalidInput: There is no room for a bin beside the arm, or it stands in something.
         """
+        if self.how is Away.TABLE:
+            return None
         if self.how is not Away.BIN:
             pose = np.eye(4) if self.pose is None else self.pose
             found = Receiver(self.how, pose_base_to_world @ pose, self.size, pose_base_to_world)
@@ -277,9 +282,8 @@ class Receiver:
                 spot = transformed(
                     np.array([[x * self.size[0], y * self.size[1], BIN_WALL + drop]]), self.pose
                 )[0]
-                words = f"let go {1e2 * drop:.0f} cm above the bin's floor"
                 found += [
-                    self._put(situation, middle, spot - low * up, k, words, drop) for k in range(0, YAWS, 2)
+                    self._put(situation, middle, spot - low * up, k, "", drop) for k in range(0, YAWS, 2)
                 ]
         return found
 
@@ -296,7 +300,7 @@ class Receiver:
         x, y, z = np.round(self.pose[:3, 3], 3).tolist()
         wide, deep, high = (f"{1e2 * length:.0f}" for length in self.size)
         said: Mapping[Away, str] = {
-            Away.BIN: f"a box of {wide} x {deep} x {high} cm stands at {x:g} {y:g} {z:g}, unseen",
+            Away.BIN: f"a bin of {wide} x {deep} x {high} cm stands at {x:g} {y:g} {z:g}, unseen",
             Away.ZONE: f"{wide} x {deep} cm at {x:g} {y:g} {z:g} are level and free, unseen",
             Away.LIFT: "what is lifted is put away by other means before the next step begins",
             Away.HAND_OVER: "what is held out is taken from the hand before the next step begins",

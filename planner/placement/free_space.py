@@ -110,9 +110,7 @@ def _free_space(
     scene, solids = situation.scene, situation.solids
     axes = np.stack(level_axes(situation.up))
     ground = top.points @ axes.T
-    origin = ground.min(axis=0)
-    shape = np.ceil((ground.max(axis=0) - origin) / tolerances.cell).astype(int) + 1
-    middles = origin + (np.argwhere(np.ones(tuple(shape))).reshape(*shape, 2) + 0.5) * tolerances.cell
+    origin, middles = _grid(ground, tolerances.cell)
     boards = [part for part in solids[owner] if abs(float(top.above(part).max())) < SKIN] or [top.points]
     free = np.any([_within(middles, board @ axes.T) for board in boards], axis=0)
     edge = _to_nearest(free) * tolerances.cell
@@ -165,14 +163,20 @@ def free_around(
         tolerances: Grid and distance from the edge.
     """
     ground, height = corners @ axes.T, float((corners @ up).max())
-    origin, shape = ground.min(axis=0), np.ceil(np.ptp(ground, axis=0) / tolerances.cell).astype(int) + 1
-    middles = origin + (np.argwhere(np.ones(tuple(shape))).reshape(*shape, 2) + 0.5) * tolerances.cell
+    origin, middles = _grid(ground, tolerances.cell)
     free = _within(middles, ground)
     for part in (part for parts in bodies.values() for part in parts):
         if float((part @ up).max()) > height + SKIN:
             free &= ~_within(middles, part @ axes.T)
     distance = _to_nearest(free) * tolerances.cell
     return FreeSpace(owner, origin, distance, np.zeros_like(free), up, height, tolerances.cell)
+
+
+def _grid(ground: FloatArray, cell: float) -> tuple[FloatArray, FloatArray]:
+    """Corner (2,) of the grid over level points (N, 2), and the middles (I, J, 2) of its cells [m]."""
+    origin = ground.min(axis=0)
+    shape = np.ceil((ground.max(axis=0) - origin) / cell).astype(int) + 1
+    return origin, origin + (np.argwhere(np.ones(tuple(shape))).reshape(*shape, 2) + 0.5) * cell
 
 
 def _to_nearest(free: BoolArray) -> FloatArray:

@@ -13,9 +13,9 @@ from topple.planner.motion.other_arm import arm_bodies, surface_points
 from topple.planner.planning.step import Context, NextStep, Station
 from topple.planner.planning.tolerances import APART, GRIPS
 from topple.planner.planning.transfers import Transfers
-from topple.planner.transfer.afterwards import after
 from topple.planner.transfer.grip import Grip, Grips, letting_go
 from topple.planner.transfer.handling import Handling, Reached
+from topple.planner.transfer.prediction import after
 from topple.robots.arm.arm import Arm
 from topple.robots.arm.gripper import ToolName
 from topple.topology.arrays import FloatArray

@@ -15,9 +15,9 @@ from topple.planner.formats.verification import BROKEN, UNFOUND
 from topple.planner.grasp.given import OwnGrasps, own_grasps
 from topple.planner.placement.away import Away, Destination
 from topple.planner.placement.base import choose_base
+from topple.planner.planning.builder import PlanBuilder, Progress, check_relations
 from topple.planner.planning.goal_task import GoalTask
 from topple.planner.planning.order import check_clamped, check_masks, ordered
-from topple.planner.planning.planning import Planning, Progress, fitting
 from topple.planner.planning.start import check_start, check_upright
 from topple.planner.planning.step import NextStep, Orderer, Station, Task
 from topple.robots.arm.arm import Arm
@@ -117,8 +117,8 @@ def plan(
     check_start(situation, arm, pose, start)
     level, fixture = check_upright(scene, upright), check_clamped(scene, clamped)
     asked = None if relations is None or isinstance(relations, Relations) else relations
-    first = fitting(relations if isinstance(relations, Relations) else asked and asked(scene), scene)
-    planning = Planning(
+    first = check_relations(relations if isinstance(relations, Relations) else asked and asked(scene), scene)
+    planning = PlanBuilder(
         Situation.of(situation, first).with_level_undersides(),
         wanted,
         arm,
@@ -130,7 +130,7 @@ def plan(
         allow_drop,
         clamped=fixture,
     )
-    planning.receive(Destination.of(away))
+    planning.send_away(Destination.of(away))
     planning.grasps = {} if grasps is None else own_grasps(grasps, scene, arm)
     planning.orderer = orderer
     planning.run(task, asked)
@@ -214,7 +214,7 @@ def plan_as_done(
         The plan; an assumption says that the arm goes home between the steps.
     """
     arm, pose, start = station.arm, station.pose_base_to_world, station.q
-    planning = Planning(
+    planning = PlanBuilder(
         Situation(scene).with_level_undersides(),
         goal,
         arm,

@@ -11,7 +11,7 @@ from topple.planner.planning.holding import SECOND, check_second, standing_by
 from topple.planner.planning.start import check_start
 from topple.planner.planning.step import Context, NextStep, Station, Task
 from topple.planner.planning.tolerances import MOST_STEPS
-from topple.planner.transfer.afterwards import after
+from topple.planner.transfer.prediction import after
 from topple.robots.arm.arm import Arm
 from topple.robots.catalog import robot as robot_named
 from topple.topology.arguments import checked_arguments

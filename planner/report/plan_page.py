@@ -219,7 +219,7 @@ def _how(step: Step) -> str:
     seconds = sum(segment.motion.times[-1] for segment in step.segments if segment.motion is not None)
     free = [segment.clearance for segment in step.segments if segment.certified and segment.kind in FREE]
     parts = [f"{step.grasp.kind} grasp", f"{step.placement.words}, {step.placement.rest}".rstrip(", ")]
-    if step.placement.drop > 5e-4 and step.placement.how != "bin":  # that one is said already
+    if step.placement.drop > 5e-4:
         parts.append(f"let go {millimetres(step.placement.drop)} above its place")
     if free:
         parts.append(f"proven to stay {millimetres(min(free))} clear of everything between")

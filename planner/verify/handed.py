@@ -1,14 +1,15 @@
-"""Whether things end where a plan says that they go: clear of everything, held out, in a box, on an area."""
+"""Whether things end where a plan says that they go: clear of everything, held out, in a bin, on an area."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass, field
 
 import numpy as np
 
-from topple.planner.formats.plan_structs import PlanData
+from topple.planner.formats.plan_structs import AwayData, PlanData
 from topple.planner.formats.verification import Residual, Worst
 from topple.planner.placement.away import BODIES, IN_HAND, Away
 from topple.planner.placement.tolerances import BIN_WALL, LIFT_CLEAR
+from topple.planner.transfer.segments import SegmentKind
 from topple.planner.verify.bodies import parts_of, tool_poses
 from topple.planner.verify.replay import SegmentReplay
 from topple.planner.verify.tolerances import FALL, OFF, SHORT
@@ -46,22 +47,22 @@ class HandedCheck:
 
     def __post_init__(self) -> None:
         self._parts, self._away = parts_of(self.plan), self.plan.away
-        self._how = "" if self._away is None else self._away.how
+        how = "" if self._away is None else self._away.how
         for index, step in enumerate(self.plan.steps):
-            placed = step.action == "place"
-            if step.placement.how not in ("on", "within") and step.placement.how != (
-                "" if placed else self._how
-            ):
-                self.other.count(f"step {index + 1} ({step.object}): {step.placement.how or 'table'}", index)
+            told = step.placement.how
+            fine = ("on", "within", "") if step.action == "place" else ("on", "within", how)
+            if told not in fine:
+                self.other.count(f"step {index + 1} ({step.object}): {told or 'table'}", index)
 
     def look(self, piece: SegmentReplay) -> None:
-        """Look at the last segment of a step."""
-        if self._away is None or piece.segment is not piece.step.segments[-1]:
+        """Look at where a step lets go of its object, and at how it ends."""
+        name, place = piece.step.object, piece.step.placement
+        how, last = place.how, piece.segment is piece.step.segments[-1]
+        if self._away is None:
             return
-        name, how, drop = piece.step.object, piece.step.placement.how, piece.step.placement.drop
-        if how in IN_HAND:
-            self.fall.note(abs(drop) + float(piece.step.placement.falls), piece.where, piece.index)
-        if how in IN_HAND and name in piece.held:
+        if how in IN_HAND and last:
+            self.fall.note(abs(place.drop) + float(place.falls), piece.where, piece.index)
+        if how in IN_HAND and last and name in piece.held:
             tool = tool_poses(self.arm, self.plan, piece.segment.tool, piece.states[-1:])[0]
             own = moved(self._parts[name], tool @ piece.held[name])
             if how == Away.LIFT:
@@ -73,20 +74,20 @@ class HandedCheck:
                 point, corners = np.array(self._away.pose_to_world)[:3, 3], np.vstack(own)
                 aside = np.maximum(corners.min(axis=0) - point, point - corners.max(axis=0))
                 self.beside.note(float(aside.max()), piece.where, piece.index)
-        elif how == Away.ZONE and name in piece.poses:
+        elif how == Away.ZONE and last and name in piece.poses:
             own = moved(self._parts[name], inverse(np.array(self._away.pose_to_world)) @ piece.poses[name])
             beyond = np.abs(np.vstack(own)[:, :2]).max(axis=0) - np.array(self._away.size[:2]) / 2.0
             self.off.note(float(beyond.max()), piece.where, piece.index)
+        elif how == Away.BIN and piece.segment.kind == SegmentKind.RELEASE and name in piece.poses:
+            self._falls(piece, self._away)
 
-    def let_go(self, piece: SegmentReplay) -> None:
-        """Look how high over the floor of its box a thing is let go."""
-        name, place = piece.step.object, piece.step.placement
-        if self._away is None or place.how != Away.BIN or name not in piece.poses:
-            return
-        pose, up = np.array(self._away.pose_to_world), np.array(self.plan.up)
-        floor = float(pose[:3, 3] @ up) + BIN_WALL
+    def _falls(self, piece: SegmentReplay, away: AwayData) -> None:
+        """Look how high over the floor of its bin a thing is let go."""
+        name, up = piece.step.object, np.array(self.plan.up)
+        floor = float(np.array(away.pose_to_world)[:3, 3] @ up) + BIN_WALL
         lowest = float((np.vstack(moved(self._parts[name], piece.poses[name])) @ up).min())
-        self.fall.note(abs(lowest - floor) + float(place.falls), piece.where, piece.index)
+        falls = float(piece.step.placement.falls)
+        self.fall.note(abs(lowest - floor) + falls, piece.where, piece.index)
 
     def residuals(self) -> tuple[Residual, ...]:
         """What was found."""
@@ -105,7 +106,7 @@ class HandedCheck:
 
 
 def own_bodies(plan: PlanData) -> frozenset[str]:
-    """Names of what stands in a plan beside the scene: the box or the area for what is taken."""
+    """Names of what stands in a plan beside the scene: the bin or the area for what is taken."""
     return (
         frozenset()
         if plan.away is None

@@ -11,7 +11,7 @@ from topple.planner.formats.plan_structs import PlanData
 from topple.planner.formats.verification import BROKEN, OFF_PLACE, UNFOUND, Residual, Worst
 from topple.planner.placement.away import Away
 from topple.planner.tolerances import DISTURBED
-from topple.planner.transfer.afterwards import rested
+from topple.planner.transfer.prediction import rested
 from topple.planner.verify.bodies import completed_of
 from topple.planner.verify.tolerances import ROUNDED_SCORE, SURFACE
 from topple.topology.arrays import FloatArray

@@ -97,7 +97,6 @@ def verify(
                 if of_scene is not None:
                     of_scene.look(piece)
             if piece.segment.kind == "release":
-                handed.let_go(piece)
                 put.append(piece)
     rest = RestCheck(plan)
     for piece in put:

@@ -130,3 +130,11 @@ def padded(sets: list[FloatArray]) -> NDArray[np.float32]:
         result[i] = vertices[0]
         result[i, : len(vertices)] = vertices
     return result
+
+
+def section(points: FloatArray, z: float) -> FloatArray:
+    """Points (M, 3) that span the cut of a convex body, by its vertices (V, 3), at a height [m]."""
+    above, below = points[points[:, 2] > z], points[points[:, 2] <= z]
+    a, b = np.repeat(below, len(above), axis=0), np.tile(above, (len(below), 1))
+    share = (z - a[:, 2]) / (b[:, 2] - a[:, 2])
+    return a + share[:, None] * (b - a)

@@ -14,7 +14,8 @@ from topple.robots.arm.gripper_file import Jaw
 from topple.robots.arm.hinged import HingedJaw
 from topple.robots.arm.kinematics import pose_of_joint
 from topple.robots.arm.urdf import Joint, Model
-from topple.robots.hands.jaws import section, snapped
+from topple.robots.collision.convex import section
+from topple.robots.hands.jaws import snapped
 from topple.robots.hands.tolerances import (
     EDGE,
     FORCE,

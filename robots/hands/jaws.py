@@ -13,6 +13,7 @@ from topple.robots.arm.gripper import ParallelJaw, Tool, ToolName, ToolState
 from topple.robots.arm.gripper_file import Jaw, pose_of_offset
 from topple.robots.arm.kinematics import joint_value, pose_of_joint
 from topple.robots.arm.urdf import Model
+from topple.robots.collision.convex import section
 from topple.robots.hands.fingers import Fingers, moves, rigid_groups
 from topple.robots.hands.tolerances import (
     FLAT,
@@ -331,14 +332,6 @@ def _gap(inner: FloatArray, outer: FloatArray) -> float:
 def _above(points: FloatArray, z: float) -> FloatArray:
     """Points that span the part of a convex body above z."""
     return np.concatenate([points[points[:, 2] > z], section(points, z)])
-
-
-def section(points: FloatArray, z: float) -> FloatArray:
-    """Points (M, 3) that span the cut of a convex body, by its vertices (V, 3), at a height [m]."""
-    above, below = points[points[:, 2] > z], points[points[:, 2] <= z]
-    a, b = np.repeat(below, len(above), axis=0), np.tile(above, (len(below), 1))
-    share = (z - a[:, 2]) / (b[:, 2] - a[:, 2])
-    return a + share[:, None] * (b - a)
 
 
 def snapped(direction: FloatArray) -> FloatArray:

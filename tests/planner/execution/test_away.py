@@ -1,4 +1,4 @@
-"""Runs in which what is taken goes into a box, onto an area, out to somebody, or only clear of everything."""
+"""Runs in which what is taken goes into a bin, onto an area, out to somebody, or only clear of everything."""
 
 from functools import partial
 
@@ -32,7 +32,7 @@ def test_both_blocks_go_there_and_nothing_else_moves(away: str | tuple[str | flo
     assert {"upper", "lower"}.isdisjoint(record.scene.names) == (away[0] != "zone")
 
 
-def test_a_box_that_is_not_there_is_told_by_where_things_truly_are() -> None:
+def test_a_bin_that_is_not_there_is_told_by_where_things_truly_are() -> None:
     arm = robot("panda")
     with Rehearsal.of(SCENE, arm, BASE) as stage:
         base = inverse(stage.pose_scene_to_world) @ stage.pose_base_to_world
@@ -54,7 +54,7 @@ def test_a_box_that_is_not_there_is_told_by_where_things_truly_are() -> None:
         stage.world.add(body, far, fixed=True)
         record = loop.run(look)
     assert not record.success
-    assert any("it is not in the box" in text for text in record.violations)
+    assert any("it is not in the bin" in text for text in record.violations)
 
 
 def test_what_is_lifted_is_left_to_a_skill_of_ones_own() -> None:

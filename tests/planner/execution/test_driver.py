@@ -8,7 +8,7 @@ import pytest
 from topple.planner.execution.execute import LET_GO, MISSED, TAKEN, execute
 from topple.planner.execution.look import Look
 from topple.planner.execution.loop import ClosedLoop
-from topple.planner.transfer.afterwards import after
+from topple.planner.transfer.prediction import after
 from topple.planner.transfer.transfer import Transfer, plan_transfer
 from topple.robots import shapes
 from topple.robots.arm.arm import Arm

@@ -5,8 +5,8 @@ import pytest
 from on_table import BASE, on_table
 
 from topple.planner.placement.base import NoBase, choose_base
-from topple.planner.transfer.afterwards import after
 from topple.planner.transfer.handling import Handling
+from topple.planner.transfer.prediction import after
 from topple.planner.transfer.segments import SegmentKind, no_faster_than
 from topple.planner.transfer.transfer import Transfer, TransferFailure, plan_transfer
 from topple.robots.catalog import robot

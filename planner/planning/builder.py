@@ -29,7 +29,7 @@ from topple.planner.placement.away import Away, Destination, Receiver
 from topple.planner.planning.order import ordered
 from topple.planner.planning.step import Context, NextStep, Orderer, Station, Task
 from topple.planner.planning.tolerances import MOST_STEPS
-from topple.planner.transfer.afterwards import after
+from topple.planner.transfer.prediction import after
 from topple.robots.arm.arm import Arm
 from topple.topology.arrays import FloatArray
 from topple.topology.bodies.solids import moved
@@ -42,7 +42,7 @@ Progress = Callable[[str], None]
 
 
 @dataclass
-class Planning:
+class PlanBuilder:
     """A plan in the making: the situation as it should be by now, and the steps that lead there.
 
     `reasons` has each dependency with the index of the step it was first seen at.
@@ -92,22 +92,23 @@ class Planning:
             done.append((chosen.transfer.object, chosen.action))
             if asked is not None:
                 scene = self.situation.scene
-                self.situation = Situation.of(self.situation, fitting(asked(scene), scene))
+                self.situation = Situation.of(self.situation, check_relations(asked(scene), scene))
         again = ", ".join(sorted({step.object for step in self.steps[-3:]}))
         words = f"no end after {len(self.steps)} steps: the last ones move {again} again and again"
         raise NoSafePlan(words, (words,))
 
-    def receive(self, destination: Destination) -> None:
+    def send_away(self, destination: Destination) -> None:
         """Have things go somewhere else than to what is seen.
 
         Raises:
             InvalidInput: There is no room for it, or the goal is an arrangement.
         """
-        if destination.how is Away.TABLE:
+        away = destination.at(self.situation, self.pose_base_to_world)
+        if away is None:
             return
         if self.goal.poses:
             raise InvalidInput(f"away {destination.how}: an arrangement puts things to places of its own")
-        self.away = away = destination.at(self.situation, self.pose_base_to_world)
+        self.away = away
         self.beside.update(away.bodies)
         self.objects += [ObjectData(name, True, rounded_parts(some)) for name, some in away.bodies.items()]
 
@@ -219,7 +220,7 @@ class Planning:
             self.progress(f"{count}: {chosen.action} {transfer.object}: {reason}")
 
 
-def fitting(relations: Relations | None, scene: Scene) -> Relations | None:
+def check_relations(relations: Relations | None, scene: Scene) -> Relations | None:
     """Refuse relations of other objects than the scene's."""
     if relations is not None and tuple(relations.objects) != tuple(scene.names):
         told = ", ".join(relations.objects)
