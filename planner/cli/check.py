@@ -2,6 +2,7 @@
 
 import argparse
 from functools import partial
+from pathlib import Path
 from typing import Any
 
 from topple.planner.cli.arguments import COMMON, add, add_jobs, add_kept, add_scenes
@@ -11,6 +12,7 @@ from topple.planner.cli.many import Kept, for_each_scene, kept_in, stored
 from topple.planner.cli.options import Reading, scene_paths
 from topple.planner.cli.progress import Progress
 from topple.planner.cli.tables import models_in, print_assumptions
+from topple.topology.files import check_writable, write_whole
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
@@ -28,6 +30,11 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         help="also let time start in simulation, and show where what moves is not what statics says",
     )
     parser.add_argument(
+        "--report",
+        metavar="FILE",
+        help="draw one scene, with forces and margins as arrows, e.g. out.html",
+    )
+    parser.add_argument(
         "--mend",
         metavar="FILE",
         help="write the least shifts, under 5 mm, that make one scene stand there, as poses (JSON)",
@@ -36,15 +43,17 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 def execute(args: argparse.Namespace) -> int:
     """Check every scene; 1 where something does not stand, 2 where a scene cannot be read."""
-    paths = scene_paths(args, many=args.mend is None)  # which may be among the names of --fixed
+    alone = args.mend is not None or args.report is not None
+    paths = scene_paths(args, many=not alone)  # which may be among the names of --fixed
     if args.mend is not None:
         return _mend(Reading.of(args), paths[0], args.mend, args.json)
-    work = partial(_document, Reading.of(args), not args.no_margins, args.play)
+    drawn = None if args.report is None else check_writable(args.report)
+    work = partial(_document, Reading.of(args), not args.no_margins, args.play, drawn)
     with kept_in(args, _code) as kept, Progress("check") as progress:
         return for_each_scene(args, work, partial(_show, args.json, kept), progress, kept=kept)
 
 
-def _document(reading: Reading, margins: bool, played: bool, path: str) -> dict[str, Any]:
+def _document(reading: Reading, margins: bool, played: bool, drawn: Path | None, path: str) -> dict[str, Any]:
     from topple.planner.stability.check import check
     from topple.topology.situation import Situation
 
@@ -55,6 +64,10 @@ def _document(reading: Reading, margins: bool, played: bool, path: str) -> dict[
         from topple.planner.simulate.play import play
 
         document["played"] = play(situation, found).to_json()
+    if drawn is not None:
+        from topple.planner.report.check_page import check_page
+
+        write_whole(drawn, check_page(situation.scene, document, Path(path).name))
     return document
 
 
@@ -63,7 +76,6 @@ def _mend(reading: Reading, path: str, output: str, as_json: bool) -> int:
     import json
 
     from topple.planner.stability.mend import mend
-    from topple.topology.files import check_writable, write_whole
 
     place = check_writable(output)
     found = mend(reading.scene(path))

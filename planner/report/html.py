@@ -14,6 +14,11 @@ Motion = Sequence[tuple[str, float, float]]
 _LETTER = 0.016
 """Share of a time line that a letter takes: a name with less room is left to the tooltip."""
 
+_LINES = (
+    " Solid lines were observed, dashed ones inferred; disjoint pairs have no line, or a grey one where one "
+    "side alone shows contact."
+)
+
 _POLICY = "default-src 'none'; style-src 'unsafe-inline'; script-src 'unsafe-inline'; img-src data:"
 """What a page may load: what it carries itself."""
 
@@ -70,7 +75,9 @@ def embedded(data: Any) -> str:
     return text.replace("<", "\\u003c").replace(">", "\\u003e").replace("&", "\\u0026")
 
 
-def viewer(number: int, *, ordered: bool, path: bool = False, motion: Motion | None = None) -> str:
+def viewer(
+    number: int, *, ordered: bool, path: bool = False, motion: Motion | None = None, arrows: str = ""
+) -> str:
     """The element of a 3-D view with its switches.
 
     Args:
@@ -78,11 +85,12 @@ def viewer(number: int, *, ordered: bool, path: bool = False, motion: Motion | N
         ordered: There is an order whose numbers can be shown.
         path: There is a tool path.
         motion: What the arm does one after the other, see `played.spans`; None where it does nothing.
+        arrows: The legend of arrows that are drawn in place of relations.
 
     Returns:
         HTML the viewer script fills.
     """
-    switches = ["surfaces", "hulls", "relations", "names"]
+    switches = ["surfaces", "hulls", "arrows" if arrows else "relations", "names"]
     switches += ["order"] if ordered else []
     switches += ["path"] if path else []
     switches += ["arm"] if motion else []
@@ -97,11 +105,10 @@ def viewer(number: int, *, ordered: bool, path: bool = False, motion: Motion | N
         '<button type="button" data-reset>reset view</button></div>'
         '<div class="stage"><canvas tabindex="0" role="img" aria-label="3-D view of the scene"></canvas>'
         f'<div class="info" hidden></div></div>{player(motion) if motion else ""}'
-        f"<figcaption>{relation_legend()}"
+        f"<figcaption>{arrows or relation_legend()}"
         '<span class="note">Drag to turn, shift-drag to move, wheel to zoom; click an object to keep it lit. '
-        "Hatched surface is guessed: no camera saw it. Solid lines were observed, dashed ones inferred; "
-        "disjoint pairs have no line, or a grey one where one side alone shows contact."
-        "</span></figcaption></figure>"
+        f"Hatched surface is guessed: no camera saw it.{'' if arrows else _LINES}</span>"
+        "</figcaption></figure>"
     )
 
 

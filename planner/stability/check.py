@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 
 from topple.planner.stability.footing import Footing
-from topple.planner.stability.margins import Carry, Island, Margins, beyond_support, islands_of
+from topple.planner.stability.margins import Carry, Direction, Island, Margins, beyond_support, islands_of
 from topple.planner.stability.stack import as_stack
 from topple.planner.stability.verdicts import GONE, STANDING, Finding, Verdict, find_verdicts, held
 from topple.topology.arguments import checked_arguments
@@ -77,6 +77,8 @@ class ObjectCheck:
                 "centre_mm": round(1e3 * self.margins.centre, 2),
                 "tilt_degrees": round(float(np.degrees(self.margins.tilt)), 2),
                 "push_newton": round(self.margins.push, 3),
+                "centre_along": [round(value, 3) for value in self.margins.aside],
+                "push_along": [round(value, 3) for value in self.margins.pushed],
             }
         if self.stands:
             document["carried_by"] = [
@@ -198,14 +200,15 @@ def _standing(island: Island, verdicts: Mapping[str, Finding], footing: Footing)
             None,
             loads[name],
             island.by_friction(name),
-            Margins(
-                island.centre_margin(name),
-                island.tilt_margin,
-                min(pushes[other] for other in (name, *island.above(name))),
-            )
-            if pushes
-            else None,
+            _margins(island, name, pushes) if pushes else None,
             island.falls_without(name),
         )
         for name in island.names
     }
+
+
+def _margins(island: Island, name: str, pushes: Mapping[str, tuple[float, Direction]]) -> Margins:
+    """What an object withstands, of which it has the pushes of all that is above it."""
+    centre, aside = island.centre_margin(name)
+    push, pushed = min(pushes[other] for other in (name, *island.above(name)))
+    return Margins(centre, island.tilt_margin, push, aside, pushed)

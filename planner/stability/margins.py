@@ -20,6 +20,8 @@ from topple.topology.statics.contact import Contact
 from topple.topology.statics.equilibrium import balance, demanded, force_columns, islands, rising
 from topple.topology.statics.tolerances import CONE_EDGES, DENSITY
 
+Direction = tuple[float, float, float]
+
 
 @dataclass(frozen=True)
 class Margins:
@@ -29,11 +31,15 @@ class Margins:
         centre: How far its centre of mass may be aside, in the worst level direction [m].
         tilt: By how much the ground may be tilted until something it stands with moves [rad].
         push: Least level push at the top of it, or of anything above it, that moves something [N].
+        aside: (3,) the level direction in the world in which its centre may be aside least.
+        pushed: (3,) the direction of the least push.
     """
 
     centre: float
     tilt: float
     push: float
+    aside: Direction
+    pushed: Direction
 
 
 @dataclass(frozen=True)
@@ -50,7 +56,7 @@ class Carry:
 
     name: str
     force: float
-    at: tuple[float, float, float]
+    at: Direction
     points: int
     inferred: bool
 
@@ -116,12 +122,12 @@ class Island:
         start = 6 * self.names.index(name)
         return slice(start, start + 6)
 
-    def centre_margin(self, name: str) -> float:
-        """How far the centre of mass of an object may be aside in the worst direction [m]."""
+    def centre_margin(self, name: str) -> tuple[float, Direction]:
+        """How far the centre of mass of an object may be aside in the worst direction [m], and that."""
         ways = around(WAYS)
         reach = self.asides(name, ways)
         inner = inset(ways * reach[:, None], np.zeros((1, 2))) if reach.min() > 0 else np.zeros(1)
-        return self._footing.unit * max(float(inner[0]), 0.0)
+        return self._footing.unit * max(float(inner[0]), 0.0), self._direction(ways[reach.argmin()])
 
     def asides(self, name: str, ways: FloatArray) -> FloatArray:
         """How far (K,) the centre of mass of an object may be aside along ways (K, 2) [m]."""
@@ -134,11 +140,17 @@ class Island:
         direction[self._rows(name)] = np.array([0, 0, 0, way[1], -way[0], 0]) / size
         return direction
 
-    def push_margin(self, name: str, top: float) -> float:
-        """Least level push at a height [m] over the centre of mass of an object [N]."""
-        weight = self.weights[name]
-        most = float(self.pushes(name, top, around(WAYS)).min())
-        return most * weight.mass * self._footing.unit**3 * GRAVITY
+    def push_margin(self, name: str, top: float) -> tuple[float, Direction]:
+        """Least level push at a height [m] over the centre of mass of an object [N], and where to."""
+        ways = around(WAYS)
+        most = self.pushes(name, top, ways)
+        newton = float(most.min()) * self.weights[name].mass * self._footing.unit**3 * GRAVITY
+        return newton, self._direction(ways[most.argmin()])
+
+    def _direction(self, way: FloatArray) -> Direction:
+        """A level direction (2,) of the frame of the contacts, in the world."""
+        x, y, z = (np.append(way, 0.0) @ self._footing.rotation).tolist()
+        return x, y, z
 
     def pushes(self, name: str, top: float, ways: FloatArray) -> FloatArray:
         """Most level pushes (K,) along ways (K, 2), `top` [m] over an object's centre, in its weights."""
@@ -162,8 +174,9 @@ class Island:
         return self.most(list(slopes.reshape(len(ways), -1)), STEEPEST)
 
     def loads(self) -> Mapping[str, tuple[Carry, ...]]:
-        """What carries each object."""
-        footing, found = self._footing, {name: list[Carry]() for name in self.names}
+        """What carries each object: what is below it, or holds it from beside where nothing is."""
+        footing, below = self._footing, {name: list[Carry]() for name in self.names}
+        beside = {name: list[Carry]() for name in self.names}
         loads = balance(self.weights, self.contacts).loads
         for contact, load in zip(self.contacts, loads, strict=True):
             force = float(load.sum())
@@ -171,9 +184,10 @@ class Island:
                 continue
             middle = load @ contact.points / force
             for name, other in ((contact.a, contact.b), (contact.b, contact.a)):
-                if name in found and footing.carries(contact, name):
-                    found[name].append(self.carry(other, contact, force, middle))
-        return {name: tuple(some) for name, some in found.items()}
+                if name in below:
+                    where = below if footing.carries(contact, name) else beside
+                    where[name].append(self.carry(other, contact, force, middle))
+        return {name: tuple(below[name] or beside[name]) for name in self.names}
 
     def carry(self, carrier: str, contact: Contact, litres: float, middle: FloatArray) -> Carry:
         """What carries as many litres of the usual matter at (3,) a point of the upright frame."""

@@ -226,7 +226,7 @@ def force_columns(
 
 
 def cone_edges(normals: FloatArray, friction: FloatArray) -> FloatArray:
-    """Edges of the friction pyramids.
+    """Edges of the friction pyramids, one of them up the slope, along which most friction is asked for.
 
     Args:
         normals: (k, 3) unit normals into the pushed object.
@@ -235,10 +235,10 @@ def cone_edges(normals: FloatArray, friction: FloatArray) -> FloatArray:
     Returns:
         (k, E, 3) forces with unit normal part.
     """
-    helper = np.where(np.abs(normals[:, [2]]) < 0.9, [[0.0, 0.0, 1.0]], [[1.0, 0.0, 0.0]])
-    first = np.cross(normals, helper)
-    first /= np.linalg.norm(first, axis=1, keepdims=True)
-    second = np.cross(normals, first)
+    helper = np.where(np.abs(normals[:, [2]]) < 0.999, [[0.0, 0.0, 1.0]], [[1.0, 0.0, 0.0]])
+    level = np.cross(normals, helper)
+    level /= np.linalg.norm(level, axis=1, keepdims=True)
+    steepest = np.cross(level, normals)
     angles = 2 * np.pi * np.arange(CONE_EDGES) / CONE_EDGES
-    sideways = first[:, None] * np.cos(angles)[:, None] + second[:, None] * np.sin(angles)[:, None]
+    sideways = steepest[:, None] * np.cos(angles)[:, None] + level[:, None] * np.sin(angles)[:, None]
     return normals[:, None] + friction[:, None, None] * sideways

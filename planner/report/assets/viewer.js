@@ -27,7 +27,7 @@ class Viewer {
   constructor(canvas, scene, onPick) {
     this.canvas = canvas;
     this.scene = scene;
-    this.show = { surfaces: true, hulls: false, relations: true, names: true, order: true, path: true, arm: true };
+    this.show = { surfaces: true, hulls: false, relations: true, names: true, order: true, path: true, arm: true, arrows: true };
     this.also = []; // corners that are to stay in sight besides
     this.moved = new Map(); // number of an object -> where it is now, if it is not where it was
     this.busy = false; // turned or played: drawn coarser, at once
@@ -143,6 +143,7 @@ class Viewer {
     if (this.show.hulls) this.drawHulls(context);
     if (this.show.relations) this.drawRelations(context);
     if (this.show.path && this.scene.path) this.drawPath(context);
+    if (this.show.arrows && this.scene.arrows) this.drawArrows(context);
     this.drawLabels(context);
   }
 
@@ -288,15 +289,28 @@ class Viewer {
     return add(beside, this.up, dot(sub(centre, beside), this.up));
   }
 
-  arrow(context, from, to) {
+  // With its head after a share of the way.
+  arrow(context, from, to, share = 0.62) {
     const dx = to[0] - from[0], dy = to[1] - from[1], n = Math.hypot(dx, dy), size = 9 * this.scale;
-    if (n < 2 * size) return;
-    const [x, y] = [from[0] + 0.62 * dx, from[1] + 0.62 * dy], [u, v] = [dx / n * size, dy / n * size];
+    if (n < (share < 1 ? 2 : 1) * size) return;
+    const [x, y] = [from[0] + share * dx, from[1] + share * dy], [u, v] = [dx / n * size, dy / n * size];
     context.beginPath();
     context.moveTo(x, y);
     context.lineTo(x - u - v * 0.45, y - v + u * 0.45);
     context.lineTo(x - u + v * 0.45, y - v - u * 0.45);
     context.fill();
+  }
+
+  // Forces and margins: each has its head at its end.
+  drawArrows(context) {
+    context.lineWidth = 2.4 * this.scale;
+    for (const { from, to, colour, object } of this.scene.arrows) {
+      context.globalAlpha = this.dimmed(object) ? 0.1 : 1;
+      context.strokeStyle = context.fillStyle = colour;
+      const ends = this.line(context, from, to);
+      if (ends) this.arrow(context, ...ends, 1);
+    }
+    context.globalAlpha = 1;
   }
 
   drawPath(context) {

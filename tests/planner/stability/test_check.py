@@ -13,6 +13,8 @@ import topple
 from topple.benchmarks.check import SPOILS, cases
 from topple.benchmarks.truth.designed import designed
 from topple.planner.cli.main import main
+from topple.planner.report.check_page import ASIDE, CARRIES, FAILS, PUSHED, check_page
+from topple.planner.report.palette import css
 from topple.planner.simulate.play import play
 from topple.planner.stability.check import StabilityCheck, check
 from topple.robots.collision.convex import hull_of
@@ -36,6 +38,9 @@ def box(
 
 TABLE = box((1.0, 1.0, 0.04), (0, 0, -0.02))
 BOOK = box((0.2, 0.15, 0.03), (0, 0, 0.015))
+
+
+FRICTION_OF_BRICKS = {"left": 0.8, "right": 0.8, "block": 0.8}
 
 
 def scene(meshes: Mapping[str, Mesh], fixed: tuple[str, ...] = ("table",), **given: object) -> Scene:
@@ -140,6 +145,41 @@ def test_friction_holds_on_a_slope_up_to_its_angle(degrees: float, verdict: str)
     found = check(scene(meshes, ("table", "ramp")))
     assert verdicts(found) == {"block": verdict}
     assert found.objects["block"].by_friction == (verdict == "stands")
+
+
+@pytest.mark.parametrize("yaw", [0.0, 0.4, 1.3])
+def test_friction_counts_in_full_up_the_slope(yaw: float) -> None:
+    slope = np.arctan(0.5)
+    for angle, verdict in ((slope - 0.01, "stands"), (slope + 0.01, "slides")):
+        turn = Rotation.from_euler("z", yaw) * Rotation.from_euler("y", angle)
+        ramp = Mesh(turn.apply(CUBE * [0.3, 0.2, 0.02]) + [0, 0, 0.3], FACES)
+        block = Mesh(turn.apply(CUBE * [0.06, 0.05, 0.03] + [0, 0, 0.025]) + [0, 0, 0.3], FACES)
+        friction = {"ramp": 1.0, "block": 0.5}
+        found = check(scene({"ramp": ramp, "block": block}, ("table", "ramp"), friction=friction))
+        assert verdicts(found) == {"block": verdict}
+
+
+def test_what_two_walls_hold_by_friction_is_carried_by_them() -> None:
+    walls = {"left": box((0.1, 0.2, 0.4), (-0.1, 0, 0.2)), "right": box((0.1, 0.2, 0.4), (0.1, 0, 0.2))}
+    held = {**walls, "block": box((0.1, 0.1, 0.05), (0, 0, 0.25))}
+    found = check(scene(held, ("table", "left", "right"), masses={"block": 1.0}, friction=FRICTION_OF_BRICKS))
+    block = found.objects["block"]
+    assert {carry.name for carry in block.carried_by} == {"left", "right"}
+    assert block.by_friction
+    assert sum(carry.force for carry in block.carried_by) * 0.64 >= 9.8
+
+
+def test_the_page_of_a_check_says_the_verdict_and_draws_forces(tmp_path: Path) -> None:
+    meshes = {"book": BOOK, "mug": box((0.08, 0.08, 0.1), (0.104, 0, 0.08))}
+    tipping = scene(meshes, masses={"book": 0.5})
+    text = check_page(tipping, check(tipping).to_json(), "shelf")
+    assert "<h1>1 of 2 stand</h1>" in text
+    assert "mug tips over the edge of book, 4 mm beyond" in text
+    (view,) = json.loads(text.split('id="data">')[1].split("</script>")[0])["views"]
+    assert {arrow["colour"] for arrow in view["arrows"]} == {css(c) for c in (FAILS, CARRIES, ASIDE, PUSHED)}
+    carrying = next(arrow for arrow in view["arrows"] if arrow["colour"] == css(CARRIES))
+    assert carrying["to"][:2] == pytest.approx([0, 0], abs=0.05), "under the book"
+    assert carrying["to"][2] > carrying["from"][2], "upwards"
 
 
 def test_pybullet_scenes_at_rest_stand() -> None:

@@ -1,0 +1,111 @@
+"""The page of a check: what stands and by how much, with forces and margins as arrows."""
+
+from collections.abc import Mapping, Sequence
+from html import escape
+from typing import Any
+
+import numpy as np
+
+from topple.planner.report.drawing import Drawing
+from topple.planner.report.html import page, table, viewer
+from topple.planner.report.palette import Colour, css
+from topple.planner.report.show import photo_section
+from topple.planner.report.tables import sentence_list
+from topple.planner.report.view import Document, object_index, view_data
+from topple.topology.arrays import FloatArray
+from topple.topology.scene import Scene
+
+CARRIES: Colour = (26, 150, 65)
+PUSHED: Colour = (204, 120, 0)
+ASIDE: Colour = (43, 105, 214)
+FAILS: Colour = (214, 39, 40)
+LONGEST = 0.35
+"""Length of the longest arrow of a force, as a share of the radius of the view."""
+NAMES = {
+    CARRIES: "carries, the longer the more",
+    PUSHED: "least push that moves it, the longer the more",
+    ASIDE: "how far its centre of mass may be aside, to scale where it is little",
+    FAILS: "does not stand",
+}
+
+
+def check_page(scene: Scene, found: Document, title: str) -> str:
+    """Draw a check as one self-contained page: the verdict first.
+
+    Args:
+        scene: The scene that was checked.
+        found: The JSON of `topple check`.
+        title: Title of the page.
+    """
+    drawing = Drawing.of(scene)
+    data = view_data(drawing, {"relations": []}, None)
+    data["arrows"] = [
+        {"from": start.tolist(), "to": end.tolist(), "colour": css(colour), "object": number}
+        for start, end, colour, number in arrows(drawing, found)
+    ]
+    verdict, *reasons = str(found["verdict"]).split("; ")
+    body = f'<header><h1>{escape(verdict)}</h1><p class="lead">{escape("; ".join([title, *reasons]))}.</p>'
+    body += f'</header><main class="columns"><div>{viewer(0, ordered=False, arrows=_legend())}</div><div>'
+    body += photo_section(scene, drawing, None) + _table(found["objects"], object_index(drawing))
+    body += sentence_list(list(found["assumptions"]), "Assumptions") + "</div></main>"
+    return page(title, body, {"views": [data]}, ["viewer.js", "motion.js", "page.js", "show.js"])
+
+
+def arrows(drawing: Drawing, found: Document) -> list[tuple[FloatArray, FloatArray, Colour, int]]:
+    """From where to where (3,) [m], in which colour and of which object arrows are."""
+    index = object_index(drawing)
+    standing = [each for each in found["objects"] if "margins" in each]
+    most = max((each["margins"]["push_newton"] for each in standing), default=1.0) or 1.0
+    carried = [carry["newton"] for each in found["objects"] for carry in each.get("carried_by", ())]
+    heaviest = max(carried, default=1.0) or 1.0
+    long = LONGEST * drawing.radius
+    drawn: list[tuple[FloatArray, FloatArray, Colour, int]] = []
+    for each in found["objects"]:
+        number = index[each["object"]]
+        shown = drawing.objects[number]
+        if not each["stands"]:
+            drawn.append((shown.top, shown.top - long * drawing.up, FAILS, number))
+        for carry in each.get("carried_by", ()):
+            end = np.asarray(carry["at"], np.float64)
+            length = long * float(np.sqrt(carry["newton"] / heaviest))
+            drawn.append((end - length * drawing.up, end, CARRIES, number))
+        if margins := each.get("margins"):
+            way = np.asarray(margins["centre_along"], np.float64)
+            far = min(1e-3 * margins["centre_mm"], long)
+            drawn.append((shown.centre, shown.centre + far * way, ASIDE, number))
+            length = long * float(np.sqrt(margins["push_newton"] / most))
+            way = np.asarray(margins["push_along"], np.float64)
+            drawn.append((shown.top - length * way, shown.top, PUSHED, number))
+    return drawn
+
+
+def _legend() -> str:
+    return "".join(
+        f'<span class="key"><i style="background:{css(colour)}"></i>{escape(words)}</span>'
+        for colour, words in NAMES.items()
+    )
+
+
+def _table(objects: Sequence[Mapping[str, Any]], index: Mapping[str, int]) -> str:
+    """A row for each object, those that do not stand first."""
+    headings = ("object", "verdict", "carried by", "centre mm", "tilt °", "push N", "falls with it")
+    rows = ""
+    for each in sorted(objects, key=lambda one: one["stands"]):
+        margins = each.get("margins", {})
+        carried = ", ".join(f"{c['object']} {c['newton']:.3g} N" for c in each.get("carried_by", ()))
+        carried += " by friction" if each.get("by_friction") else ""
+        said = each["verdict"] if each["stands"] else each["sentence"].removeprefix(each["object"] + " ")
+        cells = [said, carried]
+        cells += [f"{margins[key]:.3g}" if margins else "" for key in MARGINS]
+        cells.append(", ".join(each.get("falls_with", ())))
+        numbers = {2, 3, 4}
+        shown = "".join(
+            f"<td{' class=number' if k in numbers else ''}>{escape(cell)}</td>"
+            for k, cell in enumerate(cells)
+        )
+        name = escape(each["object"])
+        rows += f'<tr data-object="{index[each["object"]]}"><td>{name}</td>{shown}</tr>'
+    return "<h2>Objects</h2>" + table(headings, rows, numbers=headings[3:6])
+
+
+MARGINS = ("centre_mm", "tilt_degrees", "push_newton")
