@@ -16,6 +16,15 @@ def packages_of(extra: str) -> list[str]:
     ]
 
 
+def near_miss(name: str, known: Iterable[str]) -> str:
+    """Ask whether a known name was meant, as "did you mean 'plate'? "; empty where none is like it."""
+    from difflib import get_close_matches
+
+    by_letters = {each.lower(): each for each in known}
+    close = get_close_matches(name.lower(), by_letters, n=1)
+    return f"did you mean {by_letters[close[0]]!r}? " if close else ""
+
+
 class ToppleError(Exception):
     """Base of every error raised on purpose; its text is one line fit to be printed as it is."""
 
@@ -56,7 +65,8 @@ class UnknownObject(InvalidInput):
         self.name = name
         self.known = tuple(sorted(known))
         self._role = role
-        super().__init__(f"unknown {role} {name!r}: the scene has {', '.join(self.known) or 'no objects'}")
+        has = f"the scene has {', '.join(self.known) or 'no objects'}"
+        super().__init__(f"unknown {role} {name!r}: {near_miss(name, self.known)}{has}")
 
     def __reduce__(self) -> tuple[object, ...]:
         """Pickle by its parts, so that it can come back from another process."""

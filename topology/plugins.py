@@ -7,7 +7,7 @@ from functools import cached_property, partial
 from importlib.metadata import EntryPoint, entry_points
 from typing import Any, Generic, TypeVar, cast
 
-from topple.topology.errors import InvalidInput, ToppleError
+from topple.topology.errors import InvalidInput, ToppleError, near_miss
 
 log = logging.getLogger(__name__)
 
@@ -74,7 +74,8 @@ class Table(Generic[Kind]):
             InvalidInput: There is nothing of that name, or it cannot be imported.
         """
         if name not in self:
-            raise InvalidInput(f"there is no {self.role} {name!r}: expected {', '.join(self)}")
+            meant = near_miss(name, self)
+            raise InvalidInput(f"there is no {self.role} {name!r}: {meant}expected {', '.join(self)}")
         if name in self._own:
             return self._own[name].load()
         with self.blamed(name):

@@ -27,7 +27,7 @@ _WITH_VALUES = (
         "DIR",
         "relate, order, run, rearrange, towers, libero, assemblies, speed, truth: recorded data of a folder",
     ),
-    ("--piles", "DIR", "order: score recorded piles of a folder; truth: those too (piles beside --data)"),
+    ("--piles", "DIR", "order: score recorded piles of a folder; truth: those too, beside --data"),
     (
         "--against",
         "COMMIT",

@@ -55,7 +55,10 @@ OPTIONS: dict[str, dict[str, Any]] = {
         "metavar": "N",
         "help": "which image of a BOP scene or frame of a recording (its first)",
     },
-    "--keyframe": {"metavar": "NAME", "help": "name or number of a keyframe of an MJCF scene (initial)"},
+    "--keyframe": {
+        "metavar": "NAME",
+        "help": "name or number of a keyframe of an MJCF scene (initial)",
+    },
     "--models": {
         "nargs": "?",
         "const": True,
@@ -70,7 +73,11 @@ OPTIONS: dict[str, dict[str, Any]] = {
     "--info": {"metavar": "TOPIC", "help": "topic of its camera's intrinsics (the only one)"},
     "--labels": {"metavar": "TOPIC", "help": "topic of its masks (the only one)"},
     # many scenes
-    "--jobs": {"type": count, "metavar": "N", "help": "several scenes: so many processes (one a core)"},
+    "--jobs": {
+        "type": count,
+        "metavar": "N",
+        "help": "several scenes: so many processes (one a core)",
+    },
     "--cluster": {"metavar": "ADDRESS", "help": "several scenes: the workers of a dask scheduler"},
     # relations and orders
     "--rule": {
@@ -99,7 +106,7 @@ OPTIONS: dict[str, dict[str, Any]] = {
     "--to": {
         "metavar": "GOAL",
         "help": "how things shall lie: another scene of them, what `topple relate --json` wrote, or words "
-        "(cup left of plate)",
+        "such as cup left of plate",
     },
     "--match": {
         "choices": ("name", "shape"),
@@ -114,7 +121,7 @@ OPTIONS: dict[str, dict[str, Any]] = {
     "--gripper": {
         "metavar": "FILE",
         "help": "with FILE.urdf: its [jaw], [cup], [hand] or [arm], in TOML; the URDF of a hand to mount; or "
-        "wsg50 (a parallel jaw of the URDF is recognised)",
+        "wsg50; a parallel jaw of the URDF is recognised",
     },
     "--srdf": {
         "metavar": "FILE",
@@ -188,12 +195,34 @@ OPTIONS: dict[str, dict[str, Any]] = {
         "choices": ENGINES,
         "help": f"what plays the world: PyBullet, or MuJoCo (extra 'mujoco'; one arm) ({DEFAULT_ENGINE})",
     },
-    "--video": {"metavar": "FILE", "help": "write a film of it, out.mp4 (extra 'video')"},
+    "--video": {"metavar": "FILE", "help": "write a film of it, out.mp4, with the extra 'video'"},
     "--rerun": {
         "metavar": "FILE",
-        "help": "write a recording for the Rerun viewer, out.rrd (extra 'rerun')",
+        "help": "write a recording for the Rerun viewer, out.rrd, with the extra 'rerun'",
     },
 }
+
+GROUPS = {
+    "scene": (
+        *("--fixed", "--up", "--view", "--image", "--keyframe", "--models", "--depth", "--info", "--labels"),
+        *("--masks-as-they-are",),
+    ),
+    "question": ("--target", "--goal", "--to", "--match", "--away", "--bin", "--rule", "--orderer"),
+    "robot": (
+        *("--robot", "--gripper", "--srdf", "--group", "--base", "--joints", "--second-base", "--clamped"),
+    ),
+    "simulation": (
+        "--cameras",
+        "--mask-noise",
+        "--wrist-camera",
+        "--ahead",
+        "--engine",
+        "--video",
+        "--rerun",
+    ),
+    "advanced": ("--max-mb", "--allow-outside", "--max-objects", "--budget", "--seed", "--jobs", "--cluster"),
+}
+"""Under which heading the help of a command has an option; others are the command's own."""
 
 COMMON = ("--max-mb", "--allow-outside", "--fixed", "--up", "--seed", "--json", "--version")
 FORMATS = ("--view", "--image", "--keyframe", "--models", "--depth", "--info", "--labels")
@@ -205,7 +234,16 @@ SIMULATION = ("--cameras", "--mask-noise", "--wrist-camera", "--ahead", "--engin
 def add(parser: argparse.ArgumentParser, *names: str, **changed: Any) -> None:
     """Add some of `OPTIONS`; `changed` is what is otherwise for this command."""
     for name in names:
-        parser.add_argument(name, **{**OPTIONS[name], **changed})
+        _group(parser, name).add_argument(name, **{**OPTIONS[name], **changed})
+
+
+def _group(parser: argparse.ArgumentParser, option: str) -> Any:
+    """The part of the help that an option belongs to."""
+    title = next((title for title, names in GROUPS.items() if option in names), None)
+    if title is None:
+        return parser
+    known = {group.title: group for group in parser._action_groups}  # pyright: ignore[reportPrivateUsage]
+    return known[title] if title in known else parser.add_argument_group(title)
 
 
 def add_scenes(
@@ -221,7 +259,7 @@ def add_scenes(
 
 def add_jobs(parser: argparse.ArgumentParser) -> None:
     """Add where many scenes are worked on: one of the two."""
-    where = parser.add_mutually_exclusive_group()
+    where = _group(parser, "--jobs").add_mutually_exclusive_group()
     for name in ("--jobs", "--cluster"):
         where.add_argument(name, **OPTIONS[name])
 

@@ -37,7 +37,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         "--mend",
         metavar="FILE",
-        help="write the least shifts, under 5 mm, that make one scene stand there, as poses (JSON)",
+        help="write the least shifts, under 5 mm, that make one scene stand there, as poses in JSON",
     )
 
 

@@ -6,7 +6,7 @@ from pathlib import Path
 from typing import Any
 
 from topple.planner.cli.arguments import COMMON, SIMULATION, add
-from topple.planner.cli.console import complain, print_json, print_text
+from topple.planner.cli.console import complain, print_json, print_table, print_text
 from topple.planner.cli.main import DONE, INTERRUPTED, NO_SAFE_PLAN
 from topple.planner.cli.options import orderer_of, rule_of
 from topple.planner.cli.progress import Progress
@@ -21,6 +21,7 @@ _FILES = ("relations.json", "order.json", "plan.json", "run.json", "report.html"
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Add the options; see `topple.planner.cli.main`."""
     parser.add_argument("name", nargs="?", default="dishes", metavar="NAME", help="the scene (dishes)")
+    parser.add_argument("--list", action="store_true", help="say which scenes there are, and leave")
     add(parser, "--orderer", help="what orders: fewest, cautious or a plugin's (cautious)")
     add(parser, "--rule", "--clamped", *COMMON, *SIMULATION)
     parser.set_defaults(seed=None)  # one of the scene's own that is known to succeed
@@ -29,12 +30,18 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     )
     add(parser, "--robot", help=made_for)
     parser.add_argument(
-        "-o", "--output", default=_FOLDER, metavar="FOLDER", help=f"where everything is written ({_FOLDER})"
+        "-o",
+        "--output",
+        default=_FOLDER,
+        metavar="FOLDER",
+        help=f"where everything is written ({_FOLDER})",
     )
 
 
 def execute(args: argparse.Namespace) -> int:
     """Play the scene and say what happened; 1 where the goal was not reached or a thing disturbed."""
+    if args.list:
+        return _list(args.json)
     if args.fixed or args.up:
         complain("--fixed and --up are ignored: a built-in scene knows its table and which way is up")
     folder, orderer, relating = Path(args.output), orderer_of(args), rule_of(args)
@@ -55,6 +62,18 @@ def execute(args: argparse.Namespace) -> int:
         _print_demo(args.name, folder, run, as_counted=_as_counted(args))
     complain(*(f"{args.name}: {violation}" for violation in run["violations"]))
     return INTERRUPTED if record.interrupted else DONE if record.success else NO_SAFE_PLAN
+
+
+def _list(as_json: bool) -> int:
+    """Print every scene with the first line of what it is."""
+    from topple.robots.scenarios import SCENARIOS, described
+
+    found = {name: described(name) for name in SCENARIOS}
+    if as_json:
+        print_json({"format": "topple.scenes", "format_version": 1, "scenes": found})
+    else:
+        print_table(("scene", "what is to be done"), list(found.items()))
+    return DONE
 
 
 def _as_counted(args: argparse.Namespace) -> bool:

@@ -11,6 +11,7 @@ import importlib
 import io
 import logging
 import os
+import re
 import sys
 import warnings
 from collections.abc import Sequence
@@ -40,6 +41,27 @@ COMMANDS = {
     "show": "draw a scene with its relations and its order",
 }
 
+EXAMPLES = {
+    "relate": ("relate frame.npz", "relate clouds/ --fixed table --json"),
+    "order": ("order frame.npz plate", "order clouds/ --fixed table --up 0 0 1 --target plate --json"),
+    "check": ("check scene.xml", "check frame.npz --report page.html"),
+    "plan": (
+        "plan frame.npz plate -o plan.json",
+        "plan frame.npz --goal 'empty bowl' --robot iiwa --away bin",
+    ),
+    "run": ("run frame.npz plate --report run.html", "run frame.npz --robot ur5e --gripper robotiq_2f_85"),
+    "robot": ("robot ur5e --gripper robotiq_2f_85", "robot arm.urdf --gripper hand.toml"),
+    "scene": ("scene left.npz right.npz -o both.npz", "scene left.npz right.npz --same-labels --json"),
+    "rank": ("rank frame.npz grasps.npy", "rank frame.npz grasps.npy --object mug --json"),
+    "score": ("score pile.npz", "score piles/*.npz --json"),
+    "demo": ("demo --list", "demo pile --cameras 1 --wrist-camera"),
+    "bench": ("bench relate --quick", "bench check --markdown"),
+    "export": ("export plan.json --to pddl", "export plan.json --to bt -o tree.xml"),
+    "view": ("view frame.npz", "view frame.npz --plan plan.json"),
+    "show": ("show frame.npz -o page.html", "show frame.npz --target plate -o picture.png"),
+}
+"""Two calls of each command, as its help ends with them."""
+
 _MEASURING = ("bench", "score")  # which stand in the layer above
 
 _START = """topple says what a robot can safely take next from a cluttered scene, and why.
@@ -48,21 +70,43 @@ _START = """topple says what a robot can safely take next from a cluttered scene
   topple order SCENE.npz --target NAME        what must go first to free NAME, and why
   topple show SCENE.npz -o page.html          the same as a page to turn and zoom
 
-SCENE is a cloud or mesh per object, or an RGB-D frame with a mask. All commands: topple --help
+SCENE is a cloud or mesh per object, or an RGB-D frame with a mask. All commands: topple help
 """
 
 _EPILOG = (
-    "exit codes: 0 done; 1 no safe plan or a failed run; 2 wrong use or unreadable input; 70 a fault of "
-    "topple itself; 130 interrupted"
+    "exit codes: 0 done; 1 no safe plan or a failed run; 2 wrong use or unreadable input;\n"
+    "70 a fault of topple itself; 130 interrupted"
 )
+
+
+class Help(argparse.RawDescriptionHelpFormatter):
+    """Help that keeps the lines of its examples; what an option says last, in brackets, is its default."""
+
+    def _get_help_string(self, action: argparse.Action) -> str | None:
+        words = action.help
+        return None if words is None else re.sub(r" \(([^()]+)\)$", r" [default: \1]", words)
 
 
 class Parser(argparse.ArgumentParser):
     """A parser whose errors are one line."""
 
     def error(self, message: str) -> NoReturn:
-        """Print what is wrong and where to read on, and leave with exit code 2."""
+        """Print what is wrong, what was meant and where to read on, and leave with exit code 2."""
+        from topple.topology.errors import near_miss
+
+        wrong = re.search(r"invalid choice: '([^']*)' \(choose from (.*)\)", message)
+        if wrong:
+            meant = near_miss(wrong[1], re.findall(r"[\w-]+", wrong[2])).strip()
+            message += f"; {meant}" if meant else ""
         self.exit(WRONG_USE, f"{self.prog}: {message} (see {self.prog} --help)\n")
+
+    def refuse(self, unknown: Sequence[str]) -> NoReturn:
+        """Leave because of arguments that it does not have."""
+        from topple.topology.errors import near_miss
+
+        options = [flag for action in self._actions for flag in action.option_strings]  # pyright: ignore[reportPrivateUsage]
+        meant = near_miss(unknown[0].partition("=")[0], options) if unknown[0].startswith("--") else ""
+        self.error("; ".join(filter(None, [f"unrecognized arguments: {' '.join(unknown)}", meant.strip()])))
 
 
 class ShowCompletion(argparse.Action):
@@ -151,12 +195,16 @@ def _crashed(error: Exception, arguments: list[str]) -> str:
 
 
 def _run(arguments: list[str]) -> int:
+    if arguments[:1] == ["help"]:
+        arguments = [*arguments[1:2], "--help"]
     chosen = next((argument for argument in arguments if not argument.startswith("-")), None)
     parser, commands = _parser(chosen)
     if not arguments:
         sys.stdout.write(_START)
         return DONE
-    args = parser.parse_args([_plain_number(argument) for argument in arguments])
+    args, unknown = parser.parse_known_args([_plain_number(argument) for argument in arguments])
+    if unknown:
+        commands.get(args.command, parser).refuse(unknown)
     if args.command is None:
         parser.error(f"no command given; choose from {', '.join(COMMANDS)}")
     command = _module(args.command)
@@ -201,7 +249,11 @@ def _parser(chosen: str | None) -> tuple[Parser, dict[str, Parser]]:
     commands: dict[str, Parser] = {}
     for name, purpose in COMMANDS.items():
         commands[name] = actions.add_parser(
-            name, help=purpose, description=purpose[0].upper() + purpose[1:] + ".", epilog=_EPILOG
+            name,
+            help=purpose,
+            description=purpose[0].upper() + purpose[1:] + ".",
+            epilog="\n".join(["examples:", *(f"  topple {call}" for call in EXAMPLES[name]), "", _EPILOG]),
+            formatter_class=Help,
         )
         if name == chosen and not _is_here(name):
             parser.error(f"{name} works in a checkout of topple alone, which has what it measures")

@@ -55,7 +55,7 @@ def scene_paths(args: argparse.Namespace, *, many: bool = True) -> list[str]:
 
     A list option before the scene swallows it, `--fixed 1 scene.npz`: from the first value on that is an
     existing scene file (or, with no scene given otherwise, that exists at all), its values are scenes. So is
-    what `--models` swallows, which needs no folder.
+    what `--models` swallows, which needs no folder. Bare names after a scene, `scene.npz plate`, are targets.
 
     Args:
         args: The parsed arguments; `scenes` and the list options are put right.
@@ -76,6 +76,9 @@ def scene_paths(args: argparse.Namespace, *, many: bool = True) -> list[str]:
     models = getattr(args, "models", None)
     if isinstance(models, str) and (_is_scene(models, anything=not paths) or _is_bop(models)):
         paths, args.models = [*paths, models], True
+    if "target" in args and not args.target:
+        args.target = [path for path in paths[1:] if _is_name(path)] or None
+        paths = [path for path in paths if path not in (args.target or ())]
     if not paths:
         args.parser.error("no scene given: expected an .npz, an .npy or a folder")
     if len(paths) > 1 and not many:
@@ -86,6 +89,11 @@ def scene_paths(args: argparse.Namespace, *, many: bool = True) -> list[str]:
 
 def _is_scene(value: str, *, anything: bool) -> bool:
     return os.path.exists(value) and (anything or value.lower().endswith(_SCENE_SUFFIXES))
+
+
+def _is_name(value: str) -> bool:
+    """Whether a value is no path: nothing of that name is there, and it looks like none."""
+    return not os.path.exists(value) and os.sep not in value and "." not in value
 
 
 def _is_bop(value: str) -> bool:

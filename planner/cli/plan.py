@@ -42,7 +42,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         "--verify",
         action="store_true",
-        help="check the plan again by other means (python-fcl at 0.002 rad, PyBullet, limits, physics, goal)",
+        help="check the plan again by other means: python-fcl at 0.002 rad, PyBullet, limits, physics, goal",
     )
     parser.add_argument("-o", "--output", metavar="FILE", help="where to write the plan, e.g. plan.json")
     parser.add_argument(

@@ -28,7 +28,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         "--plain",
         action="store_true",
-        help="the paper's rule to the letter of its Table 1 (deviation 0.002 unless given)",
+        help="the paper's rule to the letter of its Table 1 with a deviation of 0.002 unless given",
     )
     parser.add_argument(
         "--all-pairs",

@@ -33,7 +33,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         help="what to write: .html, .png, the order animated as .gif, the graph alone as .svg or .pdf "
         "(the scene's name with .html)",
     )
-    parser.add_argument("--gif", action="store_true", help="animate the order (the scene's name with .gif)")
+    parser.add_argument("--gif", action="store_true", help="animate the order; the scene's name with .gif")
 
 
 def execute(args: argparse.Namespace) -> int:

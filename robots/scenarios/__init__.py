@@ -1,6 +1,8 @@
 """Built-in scenes: settled worlds with cameras, a robot's place and a task, each made from a seed."""
 
+import sys
 from collections.abc import Callable
+from functools import partial
 
 from topple.robots.engines import DEFAULT_ENGINE, playing_on
 from topple.robots.scenarios.dishes import dishes
@@ -36,9 +38,20 @@ SCENARIOS: Table[Callable[[int], Scenario]] = Table(
 """Every scenario by its name, to be called with a seed; other packages add theirs."""
 
 __all__ = [
-    "SCENARIOS", "Scenario", "dishes", "hold", "lemon_in_bowl", "pack", "pile", "restack",
+    "SCENARIOS", "Scenario", "described", "dishes", "hold", "lemon_in_bowl", "pack", "pile", "restack",
     "scenario_called", "set_table", "sort", "swap", "tower",
 ]  # fmt: skip
+
+
+def described(name: str) -> str:
+    """What a scene is, in a line: the first of its module.
+
+    Raises:
+        InvalidInput: If there is no such scene.
+    """
+    made = SCENARIOS[name]
+    function = made.args[-1] if isinstance(made, partial) else made  # another package's, and topple's own
+    return (sys.modules[function.__module__].__doc__ or "").partition("\n")[0]
 
 
 def scenario_called(name: str, seed: int = 0, engine: str = DEFAULT_ENGINE) -> Scenario:

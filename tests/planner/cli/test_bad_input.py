@@ -227,6 +227,27 @@ def test_wrong_commands(refused: Refused) -> None:
     assert "--json" in refused("--json")
 
 
+@pytest.mark.parametrize(
+    ("argv", "meant"),
+    [
+        (["ordr"], "order"),
+        (["plan", "scene.npz", "--tarqet", "mug"], "--target"),
+        (["demo", "dishs", "--json"], "dishes"),
+        (["robot", "pnda"], "panda"),
+        (["order", "scene.npz", "mugg"], "mug"),
+    ],
+)
+def test_what_was_meant_is_asked(
+    refused: Refused, argv: list[str], meant: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    _npz(tmp_path, **FINE)
+    monkeypatch.chdir(tmp_path)
+    line = refused(*argv)
+    assert f"did you mean {meant!r}?" in line
+    if argv[0] == "plan":
+        assert "topple plan --help" in line, "where that command's options are"
+
+
 def test_an_output_that_cannot_be_written_is_refused_before_the_work(
     refused: Refused, tmp_path: Path
 ) -> None:

@@ -2,6 +2,7 @@
 
 import json
 import os
+import shlex
 import subprocess
 import sys
 from pathlib import Path
@@ -9,7 +10,8 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from topple.planner.cli.main import COMMANDS, main
+from topple.planner.cli.main import COMMANDS, _parser, main
+from topple.robots.scenarios import SCENARIOS
 
 DATA = Path(__file__).resolve().parents[3].parent / "shared" / "data" / "rgbd"
 FRAMES = sorted(DATA.glob("osd_test4[2-9].npz")) + sorted(DATA.glob("ycbvideo*.npz"))
@@ -251,6 +253,35 @@ def test_every_command_takes_the_common_options(command: str, capsys: pytest.Cap
     out = capsys.readouterr().out
     for option in ("--json", "--seed", "--fixed", "--up", "--version"):
         assert option in out
+
+
+@pytest.mark.parametrize("command", COMMANDS)
+def test_help_of_a_command_ends_with_two_calls_that_it_takes(
+    command: str, capsys: pytest.CaptureFixture[str]
+) -> None:
+    assert main(["help", command]) == 0
+    out = capsys.readouterr().out
+    calls = [line.split("topple ", 1)[1] for line in out.splitlines() if line.startswith("  topple ")]
+    assert len(calls) == 2
+    for call in calls:
+        parser = _parser(command)[0]
+        _, unknown = parser.parse_known_args(shlex.split(call))
+        assert not unknown
+    assert "(0)" not in out, "defaults are said to be some"
+
+
+def test_a_bare_name_after_a_scene_is_a_target(stack: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    assert main(["order", str(stack), "--target", "below", "--json"]) == 0
+    asked = capsys.readouterr().out
+    assert main(["order", str(stack), "below", "--json"]) == 0
+    assert capsys.readouterr().out == asked
+
+
+def test_the_scenes_of_the_demo_are_listed(capsys: pytest.CaptureFixture[str]) -> None:
+    assert main(["demo", "--list"]) == 0
+    out = capsys.readouterr().out
+    assert all(name in out for name in SCENARIOS)
+    assert "free the plate" in out
 
 
 def test_without_a_command_it_says_where_to_begin() -> None:

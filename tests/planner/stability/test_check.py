@@ -152,8 +152,9 @@ def test_friction_counts_in_full_up_the_slope(yaw: float) -> None:
     slope = np.arctan(0.5)
     for angle, verdict in ((slope - 0.01, "stands"), (slope + 0.01, "slides")):
         turn = Rotation.from_euler("z", yaw) * Rotation.from_euler("y", angle)
-        ramp = Mesh(turn.apply(CUBE * [0.3, 0.2, 0.02]) + [0, 0, 0.3], FACES)
-        block = Mesh(turn.apply(CUBE * [0.06, 0.05, 0.03] + [0, 0, 0.025]) + [0, 0, 0.3], FACES)
+        above = np.array([0, 0, 0.3])
+        ramp = Mesh(above + turn.apply(CUBE * [0.3, 0.2, 0.02]), FACES)
+        block = Mesh(above + turn.apply(np.array([0, 0, 0.025]) + CUBE * [0.06, 0.05, 0.03]), FACES)
         friction = {"ramp": 1.0, "block": 0.5}
         found = check(scene({"ramp": ramp, "block": block}, ("table", "ramp"), friction=friction))
         assert verdicts(found) == {"block": verdict}
