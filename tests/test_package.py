@@ -151,7 +151,7 @@ def test_a_missing_part_is_wrong_use_that_names_its_packages() -> None:
         for extra in groups
         if extra
     }
-    assert {"sim", "video", "rerun"} <= named <= extras
+    assert {"sim", "video", "view"} <= named <= extras
     error = NotInstalled("films need PyAV", "video")
     assert isinstance(error, InvalidInput)
     assert str(error) == "films need PyAV: pip install 'av>=12'"

@@ -196,10 +196,6 @@ OPTIONS: dict[str, dict[str, Any]] = {
         "help": f"what plays the world: PyBullet, or MuJoCo (extra 'mujoco'; one arm) ({DEFAULT_ENGINE})",
     },
     "--video": {"metavar": "FILE", "help": "write a film of it, out.mp4, with the extra 'video'"},
-    "--rerun": {
-        "metavar": "FILE",
-        "help": "write a recording for the Rerun viewer, out.rrd, with the extra 'rerun'",
-    },
 }
 
 GROUPS = {
@@ -211,15 +207,7 @@ GROUPS = {
     "robot": (
         *("--robot", "--gripper", "--srdf", "--group", "--base", "--joints", "--second-base", "--clamped"),
     ),
-    "simulation": (
-        "--cameras",
-        "--mask-noise",
-        "--wrist-camera",
-        "--ahead",
-        "--engine",
-        "--video",
-        "--rerun",
-    ),
+    "simulation": ("--cameras", "--mask-noise", "--wrist-camera", "--ahead", "--engine", "--video"),
     "advanced": ("--max-mb", "--allow-outside", "--max-objects", "--budget", "--seed", "--jobs", "--cluster"),
 }
 """Under which heading the help of a command has an option; others are the command's own."""
@@ -228,7 +216,7 @@ COMMON = ("--max-mb", "--allow-outside", "--fixed", "--up", "--seed", "--json", 
 FORMATS = ("--view", "--image", "--keyframe", "--models", "--depth", "--info", "--labels")
 GRIPPER = ("--gripper", "--srdf", "--group")
 SEEN_ROBOT = (*GRIPPER, "--base", "--joints")
-SIMULATION = ("--cameras", "--mask-noise", "--wrist-camera", "--ahead", "--engine", "--video", "--rerun")
+SIMULATION = ("--cameras", "--mask-noise", "--wrist-camera", "--ahead", "--engine", "--video")
 
 
 def add(parser: argparse.ArgumentParser, *names: str, **changed: Any) -> None:

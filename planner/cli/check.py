@@ -32,7 +32,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         "--report",
         metavar="FILE",
-        help="draw one scene, with forces and margins as arrows, e.g. out.html",
+        help="draw one scene, with forces and margins as arrows: out.html, or out.png",
     )
     parser.add_argument(
         "--mend",
@@ -65,9 +65,11 @@ def _document(reading: Reading, margins: bool, played: bool, drawn: Path | None,
 
         document["played"] = play(situation, found).to_json()
     if drawn is not None:
-        from topple.planner.report.check_page import check_page
+        from topple.planner.report.check_page import check_page, check_picture
 
-        write_whole(drawn, check_page(situation.scene, document, Path(path).name))
+        as_picture = drawn.suffix.lower() == ".png"
+        draw = check_picture if as_picture else partial(check_page, title=Path(path).name)
+        write_whole(drawn, draw(situation.scene, document))
     return document
 
 

@@ -10,7 +10,7 @@ from topple.planner.cli.console import complain, print_json, print_table, print_
 from topple.planner.cli.main import DONE, INTERRUPTED, NO_SAFE_PLAN
 from topple.planner.cli.options import orderer_of, rule_of
 from topple.planner.cli.progress import Progress
-from topple.planner.cli.robot_options import recordings_of
+from topple.planner.cli.robot_options import film_of
 from topple.planner.cli.tables import print_order, print_relations, print_run
 from topple.robots.engines import BULLET
 
@@ -49,11 +49,11 @@ def execute(args: argparse.Namespace) -> int:
         progress(f"setting up {args.name}")
         from topple.planner.execution.demo import demo
 
-        video, rerun = recordings_of(args)
+        video = film_of(args)
         record = demo(
             args.name, seed=args.seed, robot=args.robot, cameras=args.cameras, mask_noise=args.mask_noise,
             wrist_camera=args.wrist_camera, ahead=args.ahead, clamped=args.clamped, engine=args.engine,
-            folder=folder, video=video, rerun=rerun, orderer=orderer, relate=relating, progress=progress,
+            folder=folder, video=video, orderer=orderer, relate=relating, progress=progress,
         )  # fmt: skip
     run = record.to_json()
     if args.json:

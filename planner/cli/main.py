@@ -117,7 +117,7 @@ class ShowCompletion(argparse.Action):
         from topple.planner.cli.completion import completion
 
         parsers = {name: _parser(name)[1][name] for name in COMMANDS if _is_here(name)}
-        sys.stdout.write(completion(str(shell), parsers, {name: COMMANDS[name] for name in parsers}))
+        sys.stdout.write(completion(str(shell), parsers))
         parser.exit(DONE)
 
 
@@ -238,13 +238,8 @@ def _parser(chosen: str | None) -> tuple[Parser, dict[str, Parser]]:
         epilog=_EPILOG,
     )
     parser.add_argument("--version", action=ShowVersion, nargs=0, help="print version and kernels, and leave")
-    shells = ("bash", "zsh", "fish")
-    parser.add_argument(
-        "--completion",
-        action=ShowCompletion,
-        choices=shells,
-        help="print a shell's completion script and leave",
-    )
+    told = "print a shell's completion script and leave"
+    parser.add_argument("--completion", action=ShowCompletion, choices=("bash", "zsh"), help=told)
     actions = parser.add_subparsers(dest="command", metavar="COMMAND", parser_class=Parser)
     commands: dict[str, Parser] = {}
     for name, purpose in COMMANDS.items():

@@ -12,9 +12,6 @@ from topple.planner.cli.robot_options import output_of, robot_of
 from topple.topology.files import write_whole
 
 if TYPE_CHECKING:
-    from pathlib import Path
-
-    from topple.planner.execution.examine import Examined
     from topple.robots.arm.arm import Arm
 
 
@@ -25,7 +22,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     )
     add(parser, *GRIPPER, *COMMON)
     parser.add_argument("--no-grasp", action="store_true", help="leave out the grasp in simulation")
-    parser.add_argument("-o", "--output", metavar="FILE", help="draw it at home before the block, out.png")
+    parser.add_argument("-o", "--output", metavar="FILE", help="draw it at home, out.png")
 
 
 def execute(args: argparse.Namespace) -> int:
@@ -39,7 +36,7 @@ def execute(args: argparse.Namespace) -> int:
         found = examine(arm, grasp=not args.no_grasp, seed=args.seed, progress=progress)
         if place is not None:
             progress("drawing")
-            _draw(found, place)
+            write_whole(place, _picture(arm))
     line = _line(args)
     if args.json:
         head: dict[str, Any] = {"format": "topple.robot", "format_version": 1, "robot": args.robot}
@@ -124,7 +121,21 @@ def _grasp_words(said: dict[str, Any]) -> str:
     return f"Grasp in simulation: {what} failed. {'; '.join(grasp['why'])}."
 
 
-def _draw(found: "Examined", path: "Path") -> None:
-    from topple.planner.report.portrait import portrait
+def _picture(arm: "Arm") -> bytes:
+    """An arm at home, as PNG."""
+    import numpy as np
 
-    write_whole(path, portrait(found.arm, None if found.grasped is None else found.grasped.trial))
+    from topple.planner.formats.pictures import picture
+    from topple.robots.world.camera import Camera
+    from topple.robots.world.simulated_arm import SimulatedArm
+    from topple.robots.world.world import World
+    from topple.topology.geometry.rigid import transformed
+
+    placed = zip(arm.parts, arm.forward(arm.home)[0], strict=True)
+    points = np.concatenate([transformed(part, pose) for parts, pose in placed for part in parts])
+    low, high = points.min(axis=0), points.max(axis=0)
+    eye = (low + high) / 2.0 + np.array([0.6, -1.0, 0.5]) * np.linalg.norm(high - low)
+    with World() as world:
+        SimulatedArm(world, arm, np.eye(4))
+        camera = Camera.looking_at(tuple(eye.tolist()), tuple(((low + high) / 2.0).tolist()))
+        return picture(camera.picture(world))

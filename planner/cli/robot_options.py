@@ -42,8 +42,8 @@ def robot_of(args: argparse.Namespace) -> "Arm":
     return robot(args.robot, args.gripper, srdf=args.srdf, group=args.group)
 
 
-def recordings_of(args: argparse.Namespace) -> "tuple[Path | None, Path | None]":
-    """Where the film and the recording go, None where not wanted; checked before anything is done.
+def film_of(args: argparse.Namespace) -> "Path | None":
+    """Where the film goes, None where not wanted; checked before anything is done.
 
     Raises:
         InvalidInput: Nothing can be written there, or what writes it is not installed.
@@ -52,11 +52,7 @@ def recordings_of(args: argparse.Namespace) -> "tuple[Path | None, Path | None]"
         from topple.robots.world.film import encoder
 
         encoder()
-    if args.rerun is not None:
-        from topple.planner.report.rerun_file import library
-
-        library()
-    return output_of(args, "video"), output_of(args, "rerun")
+    return output_of(args, "video")
 
 
 def output_of(args: argparse.Namespace, name: str) -> "Path | None":

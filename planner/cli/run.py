@@ -7,7 +7,7 @@ from topple.planner.cli.console import complain, print_json, print_text
 from topple.planner.cli.main import DONE, INTERRUPTED, NO_SAFE_PLAN
 from topple.planner.cli.options import goal_of, orderer_of, read_scene, rule_of, scene_paths
 from topple.planner.cli.progress import Progress
-from topple.planner.cli.robot_options import arm_of, away_of, base_of, output_of, recordings_of
+from topple.planner.cli.robot_options import arm_of, away_of, base_of, film_of, output_of
 from topple.planner.cli.tables import print_run
 from topple.topology.files import write_whole
 
@@ -31,7 +31,7 @@ def execute(args: argparse.Namespace) -> int:
     """Rebuild the scene, act, and say what happened; 1 where the goal was not reached or things moved."""
     (path,) = scene_paths(args, many=False)
     goal = goal_of(args)
-    place, (video, rerun) = output_of(args, "report"), recordings_of(args)
+    place, video = output_of(args, "report"), film_of(args)
     orderer, relating, away = orderer_of(args), rule_of(args), away_of(args)
     with Progress("run") as progress:
         progress(f"reading {path}")
@@ -45,7 +45,7 @@ def execute(args: argparse.Namespace) -> int:
             second_base=base_of(args, scene, "--second-base"), clamped=args.clamped,
             away=away, cameras=args.cameras,
             mask_noise=args.mask_noise, shuffle_labels=args.shuffle_labels, wrist_camera=args.wrist_camera,
-            ahead=args.ahead, engine=args.engine, video=video, rerun=rerun, photos=place is not None,
+            ahead=args.ahead, engine=args.engine, video=video, photos=place is not None,
             orderer=orderer or cautious, relate=relating,
             seed=args.seed, progress=progress,
         )  # fmt: skip
@@ -59,7 +59,7 @@ def execute(args: argparse.Namespace) -> int:
     else:
         print_run(path, document)
         print_text(*(f"Note: {note.rstrip('.')}." for note in record.notes))
-        for written in filter(None, (place, video, rerun)):
+        for written in filter(None, (place, video)):
             print_text(f"Written: {written}")
     complain(*(f"{path}: {violation}" for violation in record.violations))
     return INTERRUPTED if record.interrupted else DONE if record.success else NO_SAFE_PLAN

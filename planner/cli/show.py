@@ -18,8 +18,8 @@ if TYPE_CHECKING:
     from topple.topology.relations import Relations
     from topple.topology.scene import Scene
 
-_KINDS = (".html", ".png", ".gif", ".svg", ".pdf")
-_OF_ORDERS = (".gif", ".svg", ".pdf")
+_KINDS = (".html", ".png", ".gif", ".svg")
+_OF_ORDERS = (".gif", ".svg")
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
@@ -30,10 +30,9 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         "-o",
         "--output",
         metavar="FILE",
-        help="what to write: .html, .png, the order animated as .gif, the graph alone as .svg or .pdf "
+        help="what to write: .html, .png, the order animated as .gif, the graph alone as .svg "
         "(the scene's name with .html)",
     )
-    parser.add_argument("--gif", action="store_true", help="animate the order; the scene's name with .gif")
 
 
 def execute(args: argparse.Namespace) -> int:
@@ -41,9 +40,7 @@ def execute(args: argparse.Namespace) -> int:
     from topple.topology.relations import relate
 
     (path,) = scene_paths(args, many=False)
-    place = _output(args.output, path, ".gif" if args.gif else ".html")
-    if args.gif and place.suffix.lower() != ".gif":
-        raise InvalidInput(f"{place}: --gif writes an animation, expected a name ending in .gif")
+    place = _output(args.output, path)
     relating = rule_of(args) or relate
     with Progress("show") as progress:
         progress(f"1 of 3: reading {path}")
@@ -70,8 +67,8 @@ def execute(args: argparse.Namespace) -> int:
     return DONE
 
 
-def _output(given: str | None, scene: str, ending: str) -> Path:
-    place = Path(given) if given is not None else Path(f"{Path(scene).resolve().stem}{ending}")
+def _output(given: str | None, scene: str) -> Path:
+    place = Path(given or f"{Path(scene).resolve().stem}.html")
     if place.suffix.lower() not in _KINDS:
         raise InvalidInput(
             f"{place}: cannot tell what to write, expected a name ending in {', '.join(_KINDS)}"
@@ -98,17 +95,13 @@ def _drawn(
 ) -> str | bytes:
     kind = place.suffix.lower()
     if kind == ".gif" and order is not None:
-        from topple.planner.report.animation import order_gif
+        from topple.planner.report.figure import order_gif
 
         return order_gif(scene, order, progress)
     if kind == ".svg" and order is not None:
-        from topple.planner.report.svg_file import graph_file
+        from topple.planner.report.graph import graph_file
 
         return graph_file(scene, order.to_json())
-    if kind == ".pdf" and order is not None:
-        from topple.planner.report.pdf_file import graph_pdf
-
-        return graph_pdf(scene, order.to_json())
     if kind == ".png":
         from topple.planner.report.figure import show_picture
 

@@ -26,12 +26,13 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 def execute(args: argparse.Namespace) -> int:
     """Serve the scene until interrupted."""
+    from topple.planner.planning.order import ordered
     from topple.planner.report.live import LivePage
 
     (path,) = scene_paths(args, many=False)
     if not 0 < args.port < 65536:
         args.parser.error(f"--port {args.port} is no port: expected 1 to 65535")
-    orderer = orderer_of(args)
+    orderer = orderer_of(args) or ordered
     rule_of(args)  # refused before anything is read
     with Progress("view") as progress:
         progress(f"reading {path}")
@@ -39,7 +40,13 @@ def execute(args: argparse.Namespace) -> int:
         plan = None if args.plan is None else read_plan(args.plan)
         progress(f"{path}: relating {len(scene.names)} objects")
         page = LivePage(
-            scene, plan, rule=args.rule, orderer=orderer, seed=args.seed, host=args.host, port=args.port
+            scene,
+            plan,
+            rule=args.rule,
+            orderer=orderer,
+            seed=args.seed,
+            host=args.host,
+            port=args.port,
         )
     try:
         if args.json:

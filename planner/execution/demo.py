@@ -12,7 +12,6 @@ from topple.planner.errors import NoSafePlan
 from topple.planner.execution.demo_seeds import CAMERAS, default_seed
 from topple.planner.execution.look import Look, Observer, Relate
 from topple.planner.execution.loop import ClosedLoop
-from topple.planner.execution.two_arms import check_recording
 from topple.planner.formats.plan_format import plan_to_json
 from topple.planner.formats.run_record import INTERRUPTED, Document, RunRecord
 from topple.planner.planning.goal_task import GoalTask
@@ -21,8 +20,6 @@ from topple.planner.planning.plan import plan, plan_as_done
 from topple.planner.planning.step import Orderer, Station, Task, order_by
 from topple.planner.rearranging.arrangement import Arrangement
 from topple.planner.rearranging.task import ArrangementTask
-from topple.planner.report.rerun_file import RATE as RERUN_RATE
-from topple.planner.report.rerun_file import rerun_file
 from topple.planner.report.run_page import run_page
 from topple.robots.catalog import robot as robot_named
 from topple.robots.engines import DEFAULT_ENGINE, arm_in, fixture_in
@@ -30,9 +27,8 @@ from topple.robots.scenarios import SCENARIOS, Scenario, scenario_called
 from topple.robots.world.acting_arm import ActingArm
 from topple.robots.world.camera import Camera
 from topple.robots.world.film import filmed
-from topple.robots.world.recording import Recording
 from topple.topology.arguments import checked_arguments
-from topple.topology.files import check_writable, make_folder, write_all, write_whole
+from topple.topology.files import check_writable, make_folder, write_all
 from topple.topology.workers import serve
 
 Progress = Callable[[str], None]
@@ -55,7 +51,6 @@ def demo(
     engine: str = DEFAULT_ENGINE,
     folder: str | Path = "topple-demo",
     video: Path | None = None,
-    rerun: Path | None = None,
     orderer: Orderer | None = None,
     relate: Relate | None = None,
     progress: Progress | None = None,
@@ -75,7 +70,6 @@ def demo(
         engine: What it is played on, one of `topple.robots.engines.ENGINES`.
         folder: Where relations.json, order.json, plan.json, run.json and report.html are written.
         video: Where a film of it is written, an MP4 file.
-        rerun: Where a recording for the Rerun viewer is written, an .rrd file.
         orderer: What decides the order; the least risk where None.
         relate: What relates what is seen, a function of the scene; topple's own rule where None.
         progress: Called with a line before and after each action.
@@ -84,8 +78,7 @@ def demo(
         The run.
 
     Raises:
-        InvalidInput: There is no such scene or robot, the folder cannot be written, or a recording of two
-            arms is asked for.
+        InvalidInput: There is no such scene or robot, or the folder cannot be written.
     """
     seed, orderer = default_seed(name) if seed is None else seed, orderer or cautious
     _ = SCENARIOS[name]  # an unknown scene is refused before a folder is made
@@ -95,7 +88,6 @@ def demo(
     with scenario_called(name, seed, engine) as stage:
         fixture = frozenset(clamped)
         two = stage.pose_second_to_world is not None and not fixture
-        check_recording(rerun, two)
         robot = robot or stage.robot
         loop = loop_in(
             stage, robot=robot, cameras=cameras, mask_noise=mask_noise, wrist_camera=wrist_camera,
@@ -110,7 +102,6 @@ def demo(
             task = (first.scene, loop.task, robot)
             asked = {"base": base, "orderer": orderer, "relations": relate, "clamped": fixture, "seed": seed}
             planned = None if two else other.apply_async(plan, task, asked)
-            recording = Recording(acting, RERUN_RATE) if rerun is not None else None
             with filmed(video, acting, stage.cameras[0]):
                 record = loop.run(first)
             try:
@@ -126,8 +117,6 @@ def demo(
                 first.scene, goal, Station(arm, base, arm.home), loop.followed, seed, fixture
             )
         decided = _decided_by(record, first, stage, orderer, seed)
-        if rerun is not None and recording is not None:
-            write_whole(rerun, rerun_file(record, recording))
     texts = (
         _text(first.relations.to_json()),
         _text(decided),

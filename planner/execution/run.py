@@ -8,26 +8,21 @@ from topple.planner.decide.hold import fixture_assumptions
 from topple.planner.execution.look import Relate
 from topple.planner.execution.loop import ClosedLoop, Progress
 from topple.planner.execution.rehearsal import Rehearsal, Z
-from topple.planner.execution.two_arms import check_recording
 from topple.planner.formats.run_record import RunRecord
 from topple.planner.grasp.given import OwnGrasps, own_grasps
 from topple.planner.placement.away import Away, Destination
 from topple.planner.planning.goal_task import GoalTask
 from topple.planner.planning.order import cautious, check_clamped, check_masks
 from topple.planner.planning.step import Orderer, Task
-from topple.planner.report.rerun_file import RATE as RERUN_RATE
-from topple.planner.report.rerun_file import rerun_file
 from topple.robots.arm.arm import Arm
 from topple.robots.catalog import robot as robot_named
 from topple.robots.catalog.own_arm import check_tool
 from topple.robots.engines import DEFAULT_ENGINE, arm_in, playing_on
 from topple.robots.poses import inverse
 from topple.robots.world.film import filmed
-from topple.robots.world.recording import Recording
 from topple.topology.arguments import checked_arguments
 from topple.topology.arrays import FloatArray
 from topple.topology.checks import as_pose
-from topple.topology.files import write_whole
 from topple.topology.io.load import AnyScene, as_scene
 from topple.topology.situation import Situation
 from topple.topology.statics.gravity import check_up
@@ -50,7 +45,6 @@ def run(
     ahead: bool = False,
     engine: str = DEFAULT_ENGINE,
     video: Path | None = None,
-    rerun: Path | None = None,
     photos: bool = False,
     grasps: OwnGrasps | None = None,
     orderer: Orderer = cautious,
@@ -77,7 +71,6 @@ def run(
             spawned, so the program has to be safe to import.
         engine: What plays it, one of `topple.robots.engines.ENGINES`.
         video: Where a film of it is written, an MP4 file.
-        rerun: Where a recording for the Rerun viewer is written, an .rrd file.
         photos: Whether photos for people are taken at every look, for `run_page`: a second each.
         grasps: Grasps of your own, in the scene's frame, as for `topple.planner.plan`. They count for an
             object until the arm has tried to take it: where it is then has to be seen, and grasps for it
@@ -93,7 +86,7 @@ def run(
     Raises:
         InvalidInput: The goal is none, names what is not there, the scene has no table, no up or hangs in the
             air with it, or the arm has no tool; there are two arms, and they cannot hold, or play on another
-            engine, have a camera at the wrist or are to be recorded for Rerun.
+            engine or have a camera at the wrist.
         NoBase: The arm reaches nothing from anywhere.
     """
     scene, arm = as_scene(scene), robot_named(robot) if isinstance(robot, str) else robot
@@ -102,7 +95,6 @@ def run(
     check_up(scene)
     scene = check_masks(scene, task.goal(scene).names)
     own = {} if grasps is None else own_grasps(grasps, scene, arm)
-    check_recording(rerun, second_base is not None)
     fixture = check_clamped(scene, clamped)
     with playing_on(engine), Rehearsal.of(scene, arm, base, fixture) as stage:
         acting = arm_in(stage.world, arm, stage.pose_base_to_world)
@@ -130,12 +122,9 @@ def run(
             fixture=stage.fixture,
             away=receiver and receiver.moved(to_world),
         )
-        recording = Recording(acting, RERUN_RATE) if rerun is not None else None
         with filmed(video, acting, stage.cameras[0]):
             record = loop.run()
         kept = (*fixture_assumptions(fixture), *([] if receiver is None else [receiver.assumption()]))
         said = (*scene.assumptions, *arm.assumptions, *stage.notes(), *kept, *record.notes)
         record = replace(record, notes=said)
-        if rerun is not None and recording is not None:
-            write_whole(rerun, rerun_file(record, recording))
     return record

@@ -1,7 +1,6 @@
 """Two arms at work, one at a time: one holds what would not stand while the other takes something."""
 
 from dataclasses import replace
-from pathlib import Path
 
 import numpy as np
 
@@ -13,7 +12,6 @@ from topple.planner.planning.step import NextStep, Station
 from topple.planner.transfer.transfer import Transfer
 from topple.robots.driver import Driver, Fixture
 from topple.topology.bodies.solids import Solids
-from topple.topology.errors import InvalidInput
 
 
 class TwoArms:
@@ -141,20 +139,6 @@ def _gave_way(robot: Driver, grip: Transfer) -> float:
     """How far [m] a link of an arm that holds is from where the plan has it."""
     there, here = robot.arm.forward(np.stack([grip.q_end, robot.q_target]))[:, :, :3, 3]
     return float(np.linalg.norm(there - here, axis=1).max())
-
-
-def check_recording(rerun: Path | None, two: bool) -> None:
-    """Refuse what would show half of a run.
-
-    Args:
-        rerun: Where a recording for the Rerun viewer is wanted, if it is.
-        two: Whether there are two arms.
-
-    Raises:
-        InvalidInput: A recording of two arms is wanted.
-    """
-    if rerun is not None and two:
-        raise InvalidInput("a recording for Rerun shows one arm: leave it out, a video shows both")
 
 
 def _station(robot: Driver) -> Station:

@@ -6,14 +6,13 @@ from topple.planner.export.behavior_tree import behavior_tree
 from topple.planner.export.graph import dot, graphml
 from topple.planner.export.moveit import moveit_scene
 from topple.planner.export.pddl import pddl
-from topple.planner.formats.plan_format import Plan, plan_to_json
+from topple.planner.formats.plan_format import Plan
 from topple.topology.plugins import Table
 
 EXPORTERS: Table[Callable[[Plan], str | bytes]] = Table(
     "topple.exporters",
     "format",
     {
-        "json": "topple.planner.export:as_json",
         "dot": "topple.planner.export.graph:dot",
         "graphml": "topple.planner.export.graph:graphml",
         "pddl": "topple.planner.export.pddl:pddl",
@@ -23,11 +22,6 @@ EXPORTERS: Table[Callable[[Plan], str | bytes]] = Table(
     },
 )
 """By name: a plan to what is written in a file, text or bytes; other packages add theirs."""
-
-
-def as_json(plan: Plan) -> str:
-    """The plan as topple itself keeps it."""
-    return plan_to_json(plan).decode("utf-8")
 
 
 def export(plan: Plan, to: str) -> str | bytes:
@@ -47,4 +41,4 @@ def export(plan: Plan, to: str) -> str | bytes:
     return EXPORTERS[to](plan)
 
 
-__all__ = ["EXPORTERS", "as_json", "behavior_tree", "dot", "export", "graphml", "moveit_scene", "pddl"]
+__all__ = ["EXPORTERS", "behavior_tree", "dot", "export", "graphml", "moveit_scene", "pddl"]

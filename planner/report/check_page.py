@@ -1,4 +1,4 @@
-"""The page of a check: what stands and by how much, with forces and margins as arrows."""
+"""The page and the picture of a check: what stands and by how much, with forces and margins as arrows."""
 
 from collections.abc import Mapping, Sequence
 from html import escape
@@ -6,12 +6,12 @@ from typing import Any
 
 import numpy as np
 
-from topple.planner.report.drawing import Drawing
-from topple.planner.report.html import page, table, viewer
+from topple.planner.report.drawing import Document, Drawing, view_data
+from topple.planner.report.figure import draw_list, draw_view, side_by_side
+from topple.planner.report.html import table, view_page
 from topple.planner.report.palette import Colour, css
-from topple.planner.report.show import photo_section
-from topple.planner.report.tables import sentence_list
-from topple.planner.report.view import Document, object_index, view_data
+from topple.planner.report.photo import photo
+from topple.planner.report.tables import object_name, sentence_list
 from topple.topology.arrays import FloatArray
 from topple.topology.scene import Scene
 
@@ -21,12 +21,13 @@ ASIDE: Colour = (43, 105, 214)
 FAILS: Colour = (214, 39, 40)
 LONGEST = 0.35
 """Length of the longest arrow of a force, as a share of the radius of the view."""
-NAMES = {
-    CARRIES: "carries, the longer the more",
-    PUSHED: "least push that moves it, the longer the more",
-    ASIDE: "how far its centre of mass may be aside, to scale where it is little",
-    FAILS: "does not stand",
+KEYS = {
+    "carries": CARRIES,
+    "least push that moves it": PUSHED,
+    "its weight may be as far aside": ASIDE,
+    "does not stand": FAILS,
 }
+MARGINS = ("centre_mm", "tilt_degrees", "push_newton")
 
 
 def check_page(scene: Scene, found: Document, title: str) -> str:
@@ -38,22 +39,44 @@ def check_page(scene: Scene, found: Document, title: str) -> str:
         title: Title of the page.
     """
     drawing = Drawing.of(scene)
-    data = view_data(drawing, {"relations": []}, None)
-    data["arrows"] = [
-        {"from": start.tolist(), "to": end.tolist(), "colour": css(colour), "object": number}
-        for start, end, colour, number in arrows(drawing, found)
-    ]
     verdict, *reasons = str(found["verdict"]).split("; ")
-    body = f'<header><h1>{escape(verdict)}</h1><p class="lead">{escape("; ".join([title, *reasons]))}.</p>'
-    body += f'</header><main class="columns"><div>{viewer(0, ordered=False, arrows=_legend())}</div><div>'
-    body += photo_section(scene, drawing, None) + _table(found["objects"], object_index(drawing))
-    body += sentence_list(list(found["assumptions"]), "Assumptions") + "</div></main>"
-    return page(title, body, {"views": [data]}, ["viewer.js", "motion.js", "page.js", "show.js"])
+    head = f'<header><h1>{escape(verdict)}</h1><p class="lead">{escape("; ".join([title, *reasons]))}.</p>'
+    beside = photo(scene, drawing, None) + _table(found["objects"], drawing.index)
+    beside += sentence_list(list(found["assumptions"]), "Assumptions")
+    return view_page(title, head + "</header>", _view(drawing, found), ("", beside))
 
 
-def arrows(drawing: Drawing, found: Document) -> list[tuple[FloatArray, FloatArray, Colour, int]]:
+def check_picture(scene: Scene, found: Document) -> bytes:
+    """Draw a check as a PNG picture: the view with its arrows, and a sentence for each object."""
+    drawing = Drawing.of(scene)
+    lines = [
+        (None if each["stands"] else FAILS, _sentence(each))
+        for each in sorted(found["objects"], key=lambda one: one["stands"])
+    ]
+    verdict = str(found["verdict"]).partition("; ")[0]
+    return side_by_side(draw_view(drawing, _view(drawing, found)), draw_list(verdict, lines))
+
+
+def _sentence(found: Document) -> str:
+    """What becomes of an object, and what it withstands."""
+    margins = found.get("margins")
+    if not margins:
+        return found["sentence"]
+    push, tilt, aside = (margins[key] for key in ("push_newton", "tilt_degrees", "centre_mm"))
+    return f"{found['sentence']}; moves at {push:.2g} N, {tilt:.2g}° or with its weight {aside:.2g} mm aside"
+
+
+def _view(drawing: Drawing, found: Document) -> dict[str, Any]:
+    arrows = [
+        {"from": start.tolist(), "to": end.tolist(), "colour": css(colour), "object": number}
+        for start, end, colour, number in _arrows(drawing, found)
+    ]
+    return {**view_data(drawing, {}, None), "arrows": arrows, "keys": KEYS}
+
+
+def _arrows(drawing: Drawing, found: Document) -> list[tuple[FloatArray, FloatArray, Colour, int]]:
     """From where to where (3,) [m], in which colour and of which object arrows are."""
-    index = object_index(drawing)
+    index = drawing.index
     standing = [each for each in found["objects"] if "margins" in each]
     most = max((each["margins"]["push_newton"] for each in standing), default=1.0) or 1.0
     carried = [carry["newton"] for each in found["objects"] for carry in each.get("carried_by", ())]
@@ -79,13 +102,6 @@ def arrows(drawing: Drawing, found: Document) -> list[tuple[FloatArray, FloatArr
     return drawn
 
 
-def _legend() -> str:
-    return "".join(
-        f'<span class="key"><i style="background:{css(colour)}"></i>{escape(words)}</span>'
-        for colour, words in NAMES.items()
-    )
-
-
 def _table(objects: Sequence[Mapping[str, Any]], index: Mapping[str, int]) -> str:
     """A row for each object, those that do not stand first."""
     headings = ("object", "verdict", "carried by", "centre mm", "tilt °", "push N", "falls with it")
@@ -103,9 +119,5 @@ def _table(objects: Sequence[Mapping[str, Any]], index: Mapping[str, int]) -> st
             f"<td{' class=number' if k in numbers else ''}>{escape(cell)}</td>"
             for k, cell in enumerate(cells)
         )
-        name = escape(each["object"])
-        rows += f'<tr data-object="{index[each["object"]]}"><td>{name}</td>{shown}</tr>'
+        rows += f"<tr><td>{object_name(each['object'], index)}</td>{shown}</tr>"
     return "<h2>Objects</h2>" + table(headings, rows, numbers=headings[3:6])
-
-
-MARGINS = ("centre_mm", "tilt_degrees", "push_newton")

@@ -1,129 +1,163 @@
-"""What is drawn of a scene: surfaces as lit points, hull outlines, centres, and where to look from."""
+"""What is drawn of a scene: surfaces as lit points, hull outlines, relation lines, and where to look from."""
 
 import base64
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
-from typing import Any
+from typing import Any, Protocol, runtime_checkable
 
 import numpy as np
+from trimesh import Trimesh
 
 from topple.planner.report.limits import LIMITS
-from topple.planner.report.palette import Colour, css, ink_on, object_colours
+from topple.planner.report.palette import FIXED_COLOUR, Colour, css, ink_on, object_colours, relation_colour
+from topple.planner.report.words import because, places, said
+from topple.robots.collision.convex import hull_of, reduced
 from topple.topology.arrays import FloatArray, IntArray
 from topple.topology.bodies.surfaces import whole_surfaces
 from topple.topology.cloud import clean
-from topple.topology.geometry.hull import Hull
 from topple.topology.geometry.thin import voxel_means
 from topple.topology.kernels.neighbours import PointTree
 from topple.topology.kernels.planes import patch_planes
 from topple.topology.scene import Scene
+from topple.topology.sixim.table import ONE_SIDED_CONTACT, Relation
+
+Document = Mapping[str, Any]
+
+
+@runtime_checkable
+class Documented(Protocol):
+    """A result that gives its JSON document: Relations, Order."""
+
+    def to_json(self) -> dict[str, Any]: ...  # noqa: D102
+
+
+def document(result: Documented | Document) -> Document:
+    """The JSON document of a result, which may be one already."""
+    return result if isinstance(result, Mapping) else result.to_json()
 
 
 @dataclass(frozen=True, eq=False)
 class DrawnObject:
-    """One object as it is drawn.
-
-    Attributes:
-        name: The object's name.
-        colour: Its colour.
-        fixed: It never moves.
-        points: (N, 3) points of its surface [m], thinned: those that were seen, then those that are guessed.
-        normals: (N, 3) unit normals of the surface there, of either sign.
-        seen: How many of the points were seen.
-        spacing: Typical distance of a point to its nearest neighbour [m]; the size of a drawn dot.
-        centre: (3,) centroid of the whole cloud [m].
-        top: (3,) point above the centroid at the height of the highest corner [m]; where the name stands.
-        corners: (V, 3) corners of the drawn hull [m].
-        edges: (E, 2) indices into `corners`.
-    """
+    """One object as it is drawn."""
 
     name: str
     colour: Colour
     fixed: bool
-    points: FloatArray
-    normals: FloatArray
-    seen: int
-    spacing: float
-    centre: FloatArray
-    top: FloatArray
-    corners: FloatArray
-    edges: IntArray
+    points: FloatArray  # (N, 3) of its surface [m], thinned: first what was seen, then what is guessed
+    normals: FloatArray  # (N, 3) unit normals of the surface there, of either sign
+    seen: int  # how many of the points were seen
+    spacing: float  # typical distance of a point to its nearest neighbour [m]; the size of a drawn dot
+    centre: FloatArray  # (3,) centroid of the whole cloud [m]
+    top: FloatArray  # (3,) above the centroid at the height of the highest corner [m]; where the name stands
+    corners: FloatArray  # (V, 3) of the drawn hull [m]
+    edges: IntArray  # (E, 2) indices into `corners`
 
 
 @dataclass(frozen=True, eq=False)
 class Drawing:
-    """A scene as it is drawn.
+    """A scene as it is drawn."""
 
-    Attributes:
-        objects: The objects, in the scene's order.
-        centre: (3,) point the view turns about [m].
-        radius: Radius about it that holds everything movable [m].
-        up: (3,) direction drawn upwards.
-        eye: (3,) point to look from at first [m].
-    """
-
-    objects: tuple[DrawnObject, ...]
-    centre: FloatArray
-    radius: float
-    up: FloatArray
-    eye: FloatArray
+    objects: tuple[DrawnObject, ...]  # in the scene's order
+    centre: FloatArray  # (3,) point the view turns about [m]
+    radius: float  # about it, that holds everything movable [m]
+    up: FloatArray  # (3,) direction drawn upwards
+    eye: FloatArray  # (3,) point to look from at first [m]
 
     @staticmethod
     def of(scene: Scene, points: int = LIMITS.page_points) -> "Drawing":
-        """Thin a scene's clouds, add what is guessed of their surfaces, and outline their hulls.
-
-        Args:
-            scene: The scene.
-            points: Points that may be drawn in all.
-
-        Returns:
-            The drawing; the same scene gives the same drawing.
-        """
-        colours = object_colours(scene.names, scene.fixed)
-        shares = _shares(scene, points)
-        up = _up(scene)
+        """Thin a scene's clouds to some points in all, add what is guessed, and outline their hulls."""
+        colours, shares, up = object_colours(scene.names, scene.fixed), _shares(scene, points), _up(scene)
         whole = whole_surfaces(scene) if scene.up is not None and len(scene.viewpoints) else {}
         objects = tuple(
-            _drawn(name, cloud, whole.get(name), colours[name], name in scene.fixed, shares[name], up)
+            _drawn(name, cloud, whole.get(name), (colours[name], name in scene.fixed), shares[name], up)
             for name, cloud in scene.clouds.items()
         )
-        lower, upper = _box(objects)
+        # of what is movable, since a table may be metres wide; of everything where nothing is
+        chosen = [drawn for drawn in objects if not drawn.fixed] or list(objects)
+        corners = np.concatenate([drawn.corners for drawn in chosen])
+        lower, upper = corners.min(axis=0), corners.max(axis=0)
         centre = (lower + upper) / 2
         radius = max(float(np.linalg.norm(upper - lower)) / 2, 1e-3)
         return Drawing(objects, centre, radius, up, _standpoint(scene, centre, radius, up))
 
     def beside(self, name: str, points: FloatArray) -> "Drawing":
         """The same with something fixed in it that is in no cloud, by points (N, 3) of it."""
-        drawn = _drawn(name, points, None, object_colours([name], [name])[name], True, len(points), self.up)
+        drawn = _drawn(name, points, None, (FIXED_COLOUR, True), len(points), self.up)
         return replace(self, objects=(*self.objects, drawn))
 
-    def to_json(self) -> dict[str, Any]:
-        """The drawing as the viewer reads it: points as 16-bit steps of the object's box, in base64."""
-        return {
-            "centre": _rounded(self.centre),
-            "radius": round(self.radius, 5),
-            "up": _rounded(self.up),
-            "eye": _rounded(self.eye),
-            "objects": [_object_json(drawn) for drawn in self.objects],
-        }
+    @property
+    def index(self) -> dict[str, int]:
+        """Name -> number of every drawn object."""
+        return {drawn.name: number for number, drawn in enumerate(self.objects)}
+
+    @property
+    def colours(self) -> dict[str, Colour]:
+        """Name -> colour of every drawn object."""
+        return {drawn.name: drawn.colour for drawn in self.objects}
 
 
-def thin_path(path: FloatArray) -> list[list[float]]:
-    """At most `LIMITS.path_points` of a (k, 3) path [m], ends kept, as plain numbers."""
-    path = np.asarray(path, dtype=np.float64).reshape(-1, 3)
+def view_data(
+    drawing: Drawing,
+    relations: Document,
+    order: Document | None,
+    tool_path: FloatArray | None = None,
+    motion: Document | None = None,
+) -> dict[str, Any]:
+    """What the viewer script reads of a drawing, ready for JSON.
+
+    The path has shape (k, 3) [m]; the motion is what `played.motion_json` gave.
+    """
+    index, place = drawing.index, {} if order is None else places(order)
+    lines = [_line(pair, index) for pair in relations.get("relations", ())]
+    path = np.asarray([] if tool_path is None else tool_path, dtype=np.float64).reshape(-1, 3)
     kept = np.unique(np.linspace(0, len(path) - 1, min(len(path), LIMITS.path_points)).astype(np.int64))
-    return [_rounded(point) for point in path[kept]]
+    return {
+        "centre": _rounded(drawing.centre),
+        "radius": round(drawing.radius, 5),
+        "up": _rounded(drawing.up),
+        "eye": _rounded(drawing.eye),
+        "objects": [_object_json(drawn) for drawn in drawing.objects],
+        "relations": [line for line in lines if line is not None],
+        "converse": {str(relation): str(relation.converse) for relation in Relation},
+        "places": None if order is None else [place.get(name, 0) for name in index],
+        "dependencies": [
+            {"first": index[first], "then": index[then], "text": because([first], said(tie))}
+            for tie in (order or {}).get("dependencies", ())
+            if (first := str(tie["first"])) in index and (then := str(tie["then"])) in index
+        ],
+        "path": [_rounded(point) for point in path[kept]] or None,
+        "motion": motion,
+    }
+
+
+def is_inferred(pair: Mapping[str, Any]) -> bool:
+    """The relation was concluded, not seen."""
+    return bool(pair.get("inferred", False)) or not pair.get("observed", True)
+
+
+def _line(pair: Mapping[str, Any], index: Mapping[str, int]) -> dict[str, Any] | None:
+    """A relation as a line; disjoint pairs have none, except contact that one side alone shows."""
+    a, b, relation, kind = str(pair["a"]), str(pair["b"]), str(pair["relation"]), pair.get("kind")
+    faint = relation == Relation.DISJOINT
+    if a not in index or b not in index or (faint and kind != ONE_SIDED_CONTACT):
+        return None
+    return {
+        "a": index[a],
+        "b": index[b],
+        "relation": relation,
+        "kind": None if kind is None else str(kind),
+        "colour": css(relation_colour(relation)),
+        "dashed": faint or is_inferred(pair),
+        "faint": faint,
+    }
 
 
 def _shares(scene: Scene, points: int) -> Mapping[str, int]:
     """Points each object may keep: equal shares of the budget; what small clouds leave goes to others."""
     shares: dict[str, int] = {}
-    for names, budget in (
-        ([name for name in scene.names if name in scene.fixed], int(points * LIMITS.fixed_share)),
-        (list(scene.movable), int(points * (1 - LIMITS.fixed_share))),
-    ):
-        left = budget
-        for position, name in enumerate(sorted(names, key=lambda name: len(scene.clouds[name]))):
+    for names, part in ((scene.fixed, LIMITS.fixed_share), (scene.movable, 1 - LIMITS.fixed_share)):
+        left = int(points * part)
+        for position, name in enumerate(sorted(names, key=lambda name: (len(scene.clouds[name]), name))):
             share = max(left // (len(names) - position), LIMITS.least_points)
             shares[name] = min(share, len(scene.clouds[name]))
             left -= shares[name]
@@ -134,21 +168,21 @@ def _drawn(
     name: str,
     cloud: FloatArray,
     whole: FloatArray | None,
-    colour: Colour,
-    fixed: bool,
+    paint: tuple[Colour, bool],
     share: int,
     up: FloatArray,
 ) -> DrawnObject:
-    seen = clean(_thinned(cloud, share))
-    points = seen
+    points = seen = clean(_thinned(cloud, share))
     if whole is not None and len(whole):
         hidden = whole[PointTree(cloud).query(whole)[0] > LIMITS.guessed]
         points = np.concatenate([seen, _thinned(hidden, share)]) if len(hidden) else seen
-    corners, edges = hull_outline(cloud)
+    mesh: Any = Trimesh(*outline(cloud), process=False)
+    corners = mesh.vertices.view(np.ndarray)
+    edges = mesh.face_adjacency_edges[mesh.face_adjacency_angles > np.radians(LIMITS.crease)]
     centre = cloud.mean(axis=0)
     top = centre + up * float(((corners - centre) @ up).max())
     spacing, normals = _spacing_and_normals(points)
-    return DrawnObject(name, colour, fixed, points, normals, len(seen), spacing, centre, top, corners, edges)
+    return DrawnObject(name, *paint, points, normals, len(seen), spacing, centre, top, corners, edges)
 
 
 def _thinned(cloud: FloatArray, share: int) -> FloatArray:
@@ -169,57 +203,9 @@ def _spacing_and_normals(points: FloatArray) -> tuple[float, FloatArray]:
     return spacing, patch_planes(points[np.asarray(neighbours)])[1]
 
 
-def hull_outline(cloud: FloatArray) -> tuple[FloatArray, IntArray]:
-    """Corners and creases of a cloud's hull, few enough to look at.
-
-    Args:
-        cloud: (N, 3) points [m].
-
-    Returns:
-        (V, 3) corners [m] and (E, 2) edges between them; no edge for a single point.
-    """
-    hull = Hull.of(cloud)
-    if len(hull.vertices) > LIMITS.hull_vertices:
-        hull = Hull.of(_farthest(hull.vertices, LIMITS.hull_vertices))
-    if hull.dimension == 1:
-        return hull.vertices, np.array([[0, 1]], dtype=np.int64)
-    return hull.vertices, _creases(hull)
-
-
-def _farthest(points: FloatArray, count: int) -> FloatArray:
-    """Choose points one by one, each the farthest from those chosen before."""
-    chosen = [int(np.linalg.norm(points - points.mean(axis=0), axis=1).argmax())]
-    distance = np.linalg.norm(points - points[chosen[0]], axis=1)
-    while len(chosen) < count:
-        chosen.append(int(distance.argmax()))
-        distance = np.minimum(distance, np.linalg.norm(points - points[chosen[-1]], axis=1))
-    return points[np.array(chosen)]
-
-
-def _creases(hull: Hull) -> IntArray:
-    """Edges between facets that differ in direction, and edges with one facet only."""
-    corners = hull.vertices[hull.faces]
-    normals = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
-    length = np.linalg.norm(normals, axis=1, keepdims=True)
-    normals = normals / np.where(length > 0, length, 1.0)
-    beside: dict[tuple[int, int], list[int]] = {}
-    for index, face in enumerate(hull.faces.tolist()):
-        for a, b in zip(face, (*face[1:], face[0]), strict=True):
-            beside.setdefault((min(a, b), max(a, b)), []).append(index)
-    straight = np.cos(np.radians(LIMITS.crease))
-    creases = [
-        edge
-        for edge, faces in beside.items()
-        if len(faces) != 2 or float(normals[faces[0]] @ normals[faces[1]]) < straight
-    ]
-    return np.array(sorted(creases), dtype=np.int64).reshape(-1, 2)
-
-
-def _box(objects: tuple[DrawnObject, ...]) -> tuple[FloatArray, FloatArray]:
-    """Box of what is movable, since a table may be metres wide; of everything where nothing is movable."""
-    chosen = [drawn for drawn in objects if not drawn.fixed] or list(objects)
-    corners = np.concatenate([drawn.corners for drawn in chosen])
-    return corners.min(axis=0), corners.max(axis=0)
+def outline(points: FloatArray) -> tuple[FloatArray, IntArray]:
+    """The hull of points, few enough corners to look at: (V, 3) [m] and triangles (F, 3)."""
+    return hull_of(reduced(hull_of(points)[0], LIMITS.outline)[0])
 
 
 def _up(scene: Scene) -> FloatArray:

@@ -1,6 +1,8 @@
-"""The picture of one scene: surfaces and relation lines at the left, graph and order at the right."""
+"""Pictures of one scene: surfaces, relations, graph and order as PNG; the order as a moving GIF."""
 
-from collections.abc import Iterator, Sequence
+import io
+from collections.abc import Callable, Iterator, Sequence
+from dataclasses import replace
 from functools import cache
 from itertools import pairwise
 from typing import TYPE_CHECKING, Any
@@ -8,117 +10,161 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from topple.planner.formats.pictures import png
-from topple.planner.report.drawing import Drawing, DrawnObject
-from topple.planner.report.graph import DrawnGraph, arrow_head
-from topple.planner.report.layout import Point
-from topple.planner.report.palette import FIXED_COLOUR, RELATION_COLOURS, Colour, ink_on
-from topple.planner.report.pen import INK, PAPER, draw_graph
+from topple.planner.report.drawing import Document, Documented, Drawing, DrawnObject, document, view_data
+from topple.planner.report.graph import BADGE, HIGH, DrawnGraph, Point, arrow_head
+from topple.planner.report.html import legend
+from topple.planner.report.limits import LIMITS
+from topple.planner.report.palette import (
+    FIXED_COLOUR,
+    Colour,
+    ink_on,
+    reason_colour,
+    relation_colour,
+)
 from topple.planner.report.raster import Projection, render_clouds
-from topple.planner.report.view import Document, Documented, document, object_index, view_data
 from topple.planner.report.words import order_in_words, ordinal, shortened
 from topple.topology.arrays import FloatArray
+from topple.topology.errors import InvalidInput
 from topple.topology.scene import Scene
 
 if TYPE_CHECKING:
     from PIL import Image
 
+PAPER: Colour = (255, 255, 255)
+INK: Colour = (28, 30, 33)
 SOFT: Colour = (93, 97, 103)
-WIDTH, HEIGHT, SIDE = 1000, 780, 620
-"""Size of the view and width of the column beside it [px]."""
-FINE = 2
-"""Everything is drawn this many times larger and then shrunk, which smooths lines and text."""
+LINE: Colour = (217, 217, 213)
+WIDTH, HEIGHT, SIDE, ROW = 1000, 780, 620, 19  # [px]: the view, the column beside it, a line of words
+FINE = 2  # everything is drawn this many times larger and then shrunk, which smooths lines and text
+SIZE = (640, 480)  # width and height of a moving picture [px], without the words below
+RISE, LIFT = 6, 0.9  # pictures in which an object rises, and how far, in radii of the scene
+WAITS = (1400, 70, 2200)  # [ms] that a picture stands: before something is taken, as it rises, at the end
 
 
 def show_picture(
     scene: Scene, relations: Documented | Document, order: Documented | Document | None = None
 ) -> bytes:
-    """Draw a scene as a PNG picture, in the colours of the page.
+    """Draw a scene as a PNG picture, in the colours of the page, as high as graph and order need.
 
     Args:
         scene: The scene; `up` may be unknown.
         relations: What `relate` found in it, or the JSON document of that.
         order: What `order` found, or the JSON document of that; None draws the relations alone.
-
-    Returns:
-        The bytes of a PNG file, 780 pixels high or higher where graph and order need it.
     """
-    found = document(relations)
-    planned = None if order is None else document(order)
-    drawing = Drawing.of(scene)
-    view = _view(drawing, view_data(drawing, found, planned))
+    planned, drawing = None if order is None else document(order), Drawing.of(scene)
+    view = draw_view(drawing, view_data(drawing, document(relations), planned))
     if planned is None:
-        return png(view.resize((WIDTH, HEIGHT)))
-    return png(_composed(view, _graph_image(scene, drawing, planned), drawing, planned))
+        return side_by_side(view)
+    return side_by_side(view, _graph(scene, drawing, planned), _order(drawing, planned))
 
 
-def _composed(view: "Image.Image", graph: "Image.Image", drawing: Drawing, order: Document) -> "Image.Image":
-    """View at the left, graph at the right; the order below the graph, or below the view where it is long."""
-    from PIL import Image
-
-    words = _order_image(drawing, order, SIDE)
-    place = (view.width, graph.height)
-    if graph.height + words.height > view.height:
-        words, place = _order_image(drawing, order, WIDTH), (0, view.height)
-    height = max(view.height, graph.height, place[1] + words.height)
-    whole = Image.new("RGB", (view.width + graph.width, height), PAPER)
+def side_by_side(view: "Image.Image", *column: "Image.Image") -> bytes:
+    """A view and what is drawn in the column at its right, one below the other, as PNG."""
+    size = WIDTH + SIDE * bool(column), max(view.height, sum(part.height for part in column)) // FINE
+    whole, low = _Pen(*size).image, 0
     whole.paste(view, (0, 0))
-    whole.paste(graph, (view.width, 0))
-    whole.paste(words, place)
-    return whole.resize((whole.width // FINE, height // FINE))
+    for part in column:
+        whole.paste(part, (view.width, low))
+        low += part.height
+    return png(whole.resize(size))
 
 
-def caption(picture: "Image.Image", words: str) -> "Image.Image":
-    """A picture with up to two lines of words under it."""
+def order_gif(
+    scene: Scene, order: Documented | Document, progress: Callable[[str], None] | None = None
+) -> bytes:
+    """Animate an order as a GIF: before each object rises and is gone, which one and why.
+
+    Args:
+        scene: The scene.
+        order: What `order` found in it, or the JSON document of that.
+        progress: Called with a line before each object is drawn.
+
+    Raises:
+        InvalidInput: The order takes nothing.
+    """
+    told = order_in_words(document(order))
+    if not told:
+        raise InvalidInput("nothing to animate: the order takes nothing")
+    drawing = Drawing.of(scene, LIMITS.picture_points)
+    fine, coarse = (Projection(drawing, SIZE[0] * scale, SIZE[1] * scale) for scale in (FINE, 1))
+    frames: list[tuple[Image.Image, int]] = []
+    left = {drawn.name: drawn for drawn in drawing.objects}
+    for place, (name, why) in enumerate(told, start=1):
+        if name not in left:  # it made room before
+            continue
+        words = f"{place}. {name}: {why}"
+        if progress is not None:
+            progress(f"drawing how {name} is taken: {place} of {len(told)}")
+        frames.append((_frame(drawing, [*left.values()], fine, words), WAITS[0]))
+        taken = left.pop(name)
+        for step in range(1, RISE):
+            way = drawing.up * LIFT * drawing.radius * (step / RISE) ** 2
+            lifted = replace(taken, points=taken.points + way)
+            frames.append((_frame(drawing, [*left.values(), lifted], coarse, words), WAITS[1]))
+    frames.append((_frame(drawing, [*left.values()], fine, "Done."), WAITS[2]))
+    first, *others = (picture.quantize(128) for picture, _ in frames)
+    waits, buffer = [wait for _, wait in frames], io.BytesIO()
+    first.save(buffer, "GIF", save_all=True, append_images=others, duration=waits, loop=0, optimize=True)
+    return buffer.getvalue()
+
+
+def _frame(
+    drawing: Drawing, objects: Sequence[DrawnObject], projection: Projection, words: str
+) -> "Image.Image":
+    """One picture of a moving one, with up to two lines of words under it."""
     from PIL import Image
 
-    lines = _wrapped(words, picture.width - 32.0)[:2]
-    below = Image.new("RGB", (picture.width * FINE, 52 * FINE), PAPER)
-    pen = _Pen(below)
-    for row, line in enumerate(lines):
-        pen.text(16, 16 + 19 * row, line, size=13)
-    whole = Image.new("RGB", (picture.width, picture.height + 52), PAPER)
-    whole.paste(picture, (0, 0))
-    whole.paste(below.resize((picture.width, 52), Image.Resampling.LANCZOS), (0, picture.height))
+    shown = replace(drawing, objects=tuple(objects))
+    pixels = render_clouds(shown, projection, PAPER) if objects else None
+    pen = _Pen(SIZE[0], SIZE[1] + 52)
+    for row, line in enumerate(_wrapped(words, SIZE[0] - 32.0, 13)[:2]):
+        pen.text(16, SIZE[1] + 16 + ROW * row, line)
+    whole = pen.image.resize((SIZE[0], SIZE[1] + 52), Image.Resampling.LANCZOS)
+    view = _Pen(*SIZE, pixels).image
+    whole.paste(view.resize(SIZE, Image.Resampling.LANCZOS), (0, 0))
     return whole
 
 
 class _Pen:
-    """Draws in the coordinates of the final picture."""
+    """Draws in the coordinates of the final picture, y downwards."""
 
-    def __init__(self, image: "Image.Image") -> None:
-        from PIL import ImageDraw
+    def __init__(self, width: int, height: int, pixels: Any = None) -> None:
+        from PIL import Image, ImageDraw
 
-        self.draw: ImageDraw.ImageDraw = ImageDraw.Draw(image)
+        size = (width * FINE, height * FINE)
+        self.image = Image.new("RGB", size, PAPER) if pixels is None else Image.fromarray(pixels)
+        self.draw = ImageDraw.Draw(self.image)
 
     def line(self, points: Sequence[Point], colour: Colour, width: float, *, dashed: bool = False) -> None:
         for part in _dashes(points) if dashed else [points]:
-            self.draw.line([(x * FINE, y * FINE) for x, y in part], fill=colour, width=round(width * FINE))
+            self.draw.line(_fine(part), fill=colour, width=round(width * FINE))
 
     def polygon(self, points: Sequence[Point], colour: Colour) -> None:
-        self.draw.polygon([(x * FINE, y * FINE) for x, y in points], fill=colour)
+        self.draw.polygon(_fine(points), fill=colour)
 
     def box(
         self, left: float, top: float, right: float, low: float, fill: Colour, edge: Colour | None = None
     ) -> None:
-        corners = [(left * FINE, top * FINE), (right * FINE, low * FINE)]
-        self.draw.rectangle(corners, fill=fill, outline=edge, width=FINE)
+        self.draw.rectangle(_fine([(left, top), (right, low)]), fill=fill, outline=edge, width=FINE)
 
     def text(
         self, x: float, y: float, text: str, *, size: float = 13, colour: Colour = INK, anchor: str = "lm"
     ) -> None:
+        """Write a line, its middle at `y`: from `x` to the right ("lm"), or about `x` ("mm")."""
         self.draw.text((x * FINE, y * FINE), text, fill=colour, font=_font(size), anchor=anchor)
 
-    def width(self, text: str, size: float) -> float:
-        return float(_font(size).getlength(text)) / FINE
+
+def _fine(points: Sequence[Point]) -> list[Point]:
+    return [(x * FINE, y * FINE) for x, y in points]
 
 
-def _dashes(points: Sequence[Point], dash: float = 6.0, gap: float = 5.0) -> Iterator[list[Point]]:
-    """The dashes [px] of a line."""
-    for start, end in pairwise(np.asarray(points, dtype=np.float64)):
-        length = max(float(np.linalg.norm(end - start)), 1e-6)
-        for begin in np.arange(0.0, length, dash + gap):
-            parts = (start + (end - start) * min(at / length, 1.0) for at in (begin, begin + dash))
-            yield [_point(part) for part in parts]
+def _dashes(points: Sequence[Point]) -> Iterator[list[Point]]:
+    """The dashes of a line: six pixels, and five between them."""
+    for (x, y), (u, v) in pairwise(points):
+        length = max(float(np.hypot(u - x, v - y)), 1e-6)
+        for begin in np.arange(0.0, length, 11.0).tolist():
+            shares = [min(at / length, 1.0) for at in (begin, begin + 6.0)]
+            yield [(x + (u - x) * share, y + (v - y) * share) for share in shares]
 
 
 @cache
@@ -132,18 +178,49 @@ def _width(text: str, size: float) -> float:
     return float(_font(size).getlength(text)) / FINE
 
 
-def _view(drawing: Drawing, data: dict[str, Any]) -> "Image.Image":
-    """The 3-D view: surfaces, relation lines with arrows, names, legend."""
-    from PIL import Image
+def _wrapped(text: str, width: float, size: float) -> list[str]:
+    """A text in lines of at most a width [px]."""
+    lines = [""]
+    for word in text.split():
+        longer = f"{lines[-1]} {word}".strip()
+        if lines[-1] and _width(longer, size) > width:
+            lines.append(word)
+        else:
+            lines[-1] = longer
+    return lines
 
+
+def draw_view(drawing: Drawing, data: dict[str, Any]) -> "Image.Image":
+    """The 3-D view: surfaces, relation lines or other arrows, names, legend."""
     projection = Projection(drawing, WIDTH, HEIGHT)
-    image = Image.fromarray(render_clouds(drawing, Projection(drawing, WIDTH * FINE, HEIGHT * FINE), PAPER))
-    pen = _Pen(image)
+    surfaces = render_clouds(drawing, Projection(drawing, WIDTH * FINE, HEIGHT * FINE), PAPER)
+    pen = _Pen(WIDTH, HEIGHT, surfaces)
     for line in data["relations"]:
         _draw_relation(pen, projection, drawing, line)
+    for arrow in data.get("arrows", ()):
+        _draw_arrow(pen, projection, arrow)
     _draw_names(pen, projection, drawing, data["places"])
-    _draw_legend(pen)
-    return image
+    pen.box(0, HEIGHT - 36, WIDTH, HEIGHT, PAPER)
+    x, y = 16.0, HEIGHT - 20.0
+    for word, colour in legend(data).items():
+        pen.line([(x, y), (x + 20, y)], colour, 3)
+        pen.text(x + 26, y, word, size=12, colour=SOFT)
+        x += 44 + _width(word, 12)
+    lines = (
+        "hatched: guessed" if "arrows" in data else "disjoint: no line; dashed: inferred; hatched: guessed"
+    )
+    pen.text(x, y, lines, size=12, colour=SOFT)
+    return pen.image
+
+
+def _draw_arrow(pen: _Pen, projection: Projection, arrow: dict[str, Any]) -> None:
+    ends, depth = projection.pixels(np.array([arrow["from"], arrow["to"]]))
+    if np.isfinite(depth).all():
+        (x, y), (u, v) = ends.tolist()
+        red, green, blue = bytes.fromhex(arrow["colour"].lstrip("#"))
+        pen.line([(x, y), (u, v)], (red, green, blue), 2.4)
+        if np.hypot(u - x, v - y) > 9:
+            pen.polygon(arrow_head([(x, y), (u, v)], 9.0), (red, green, blue))
 
 
 def _draw_relation(pen: _Pen, projection: Projection, drawing: Drawing, line: dict[str, Any]) -> None:
@@ -151,14 +228,11 @@ def _draw_relation(pen: _Pen, projection: Projection, drawing: Drawing, line: di
     places, depth = projection.pixels(np.stack([_anchor(drawing, a, b), _anchor(drawing, b, a)]))
     if not np.isfinite(depth).all():
         return
-    colour = _rgb(line["colour"])
-    start, end = places
-    width = 1.2 if line["faint"] else 2.4
-    pen.line([_point(start), _point(end)], colour, width, dashed=line["dashed"])
-    length = float(np.linalg.norm(end - start))
-    if not line["faint"] and length > 18:
-        middle = start + (end - start) * 0.62
-        pen.polygon(arrow_head([_point(start), _point(middle)], 9.0), colour)
+    (x, y), (u, v) = places.tolist()
+    colour, width = relation_colour(line["relation"]), 1.2 if line["faint"] else 2.4
+    pen.line([(x, y), (u, v)], colour, width, dashed=line["dashed"])
+    if not line["faint"] and np.hypot(u - x, v - y) > 18:
+        pen.polygon(arrow_head([(x, y), (x + (u - x) * 0.62, y + (v - y) * 0.62)], 9.0), colour)
 
 
 def _anchor(drawing: Drawing, drawn: DrawnObject, other: DrawnObject) -> FloatArray:
@@ -170,100 +244,79 @@ def _anchor(drawing: Drawing, drawn: DrawnObject, other: DrawnObject) -> FloatAr
 
 def _draw_names(pen: _Pen, projection: Projection, drawing: Drawing, places: list[int] | None) -> None:
     """Names with their place in the order, near objects first; one that would cover another is left out."""
-    taken: list[tuple[float, float, float, float]] = []
+    taken: list[tuple[float, float, float]] = []
     at, depth = projection.pixels(np.stack([drawn.top for drawn in drawing.objects]))
     for number in np.argsort(depth):
         drawn = drawing.objects[number]
         if drawn.fixed or not np.isfinite(depth[number]):
             continue
-        place = places[number] if places else 0
-        name = shortened(drawn.name)
+        place, name = places[number] if places else 0, shortened(drawn.name)
         badge = max(18.0, _width(ordinal(place), 12) + 10) if place else 4.0
         width = badge + _width(name, 12) + 10
-        left, top = float(at[number, 0]) - width / 2, float(at[number, 1]) - 18
-        if any(
-            abs(left - x) < (w + width) / 2 + abs(w - width) / 2 and abs(top - y) < 19 for x, y, w, _ in taken
-        ):
+        left, low = float(at[number, 0]) - width / 2, float(at[number, 1])
+        if any(left < x + w and x < left + width and abs(low - y) < ROW for x, y, w in taken):
             continue
-        taken.append((left, top, width, 18.0))
-        pen.box(left, top, left + width, top + 18, PAPER)
-        pen.box(left, top, left + badge, top + 18, drawn.colour)
-        pen.text(left + badge + 5, top + 9, name, size=12)
+        taken.append((left, low, width))
+        pen.box(left, low - 18, left + width, low, PAPER)
+        pen.box(left, low - 18, left + badge, low, drawn.colour)
+        pen.text(left + badge + 5, low - 9, name, size=12)
         if place:
-            pen.text(
-                left + badge / 2, top + 9, ordinal(place), size=12, colour=ink_on(drawn.colour), anchor="mm"
-            )
+            ink = ink_on(drawn.colour)
+            pen.text(left + badge / 2, low - 9, ordinal(place), size=12, colour=ink, anchor="mm")
 
 
-def _draw_legend(pen: _Pen) -> None:
-    x = 16.0
-    pen.box(0, HEIGHT - 36, WIDTH, HEIGHT, PAPER)
-    for relation, colour in RELATION_COLOURS.items():
-        if relation == "disjoint":
-            continue
-        pen.line([(x, HEIGHT - 20), (x + 20, HEIGHT - 20)], colour, 3)
-        pen.text(x + 26, HEIGHT - 20, str(relation), size=12, colour=SOFT)
-        x += 44 + _width(str(relation), 12)
-    pen.text(x, HEIGHT - 20, "disjoint: no line; dashed: inferred; hatched: guessed", size=12, colour=SOFT)
-
-
-def _graph_image(scene: Scene, drawing: Drawing, order: Document) -> "Image.Image":
+def _graph(scene: Scene, drawing: Drawing, order: Document) -> "Image.Image":
     """The dependency graph, shrunk to the column where it is wider."""
-    from PIL import Image
-
     graph = DrawnGraph.of(scene.movable, order, row=SIDE - 40.0)
-    shrink = min(1.0, (SIDE - 40) / max(graph.layout.width, 1.0))
-    height = round(46 + graph.layout.height * shrink + 10)
-    image = Image.new("RGB", (SIDE * FINE, height * FINE), PAPER)
-    pen = _Pen(image)
-    pen.text(16, 26, "Dependency graph: an arrow from a to b says a goes before b", size=13, colour=SOFT)
-    draw_graph(pen, graph, {drawn.name: drawn.colour for drawn in drawing.objects}, 16, 46, shrink)
-    return image
+    shrink = min(1.0, (SIDE - 40) / graph.width)
+    pen = _Pen(SIDE, round(56 + graph.height * shrink))
+    pen.text(16, 26, "Dependency graph: an arrow from a to b says a goes before b", colour=SOFT)
+
+    def placed(point: Point) -> Point:
+        return 16 + point[0] * shrink, 46 + point[1] * shrink
+
+    for edge, route in graph.routes.items():
+        colour, points = reason_colour(graph.reasons[edge][0]), [placed(point) for point in route]
+        pen.line(points, colour, 1.6, dashed=graph.confidence[edge] < 0.5)
+        pen.polygon(arrow_head(points, 8 * shrink), colour)
+    size = max(7.0, 11 * shrink)  # smaller letters cannot be read
+    for edge, centre in graph.labels.items():
+        (x, y), text = placed(centre), ", ".join(graph.reasons[edge])
+        half = _width(text, size) / 2 + 2
+        pen.box(x - half, y - size / 2, x + half, y + size / 2, PAPER)
+        pen.text(x, y, text, size=size, colour=reason_colour(graph.reasons[edge][0]), anchor="mm")
+    size, badge, colours = max(7.0, 12 * shrink), BADGE * shrink, drawing.colours
+    for name, (across, down, width) in graph.boxes.items():
+        (x, y), half, high = placed((across, down)), width / 2 * shrink, HIGH / 2 * shrink
+        pen.box(x - half, y - high, x + half, y + high, PAPER, INK if name in graph.targets else LINE)
+        pen.box(x - half, y - high, x - half + badge, y + high, paint := colours.get(name, FIXED_COLOUR))
+        if name in graph.places:
+            place = ordinal(graph.places[name])
+            pen.text(x - half + badge / 2, y, place, size=size, colour=ink_on(paint), anchor="mm")
+        pen.text(x + badge / 2, y, shortened(name), size=size, anchor="mm")
+    return pen.image
 
 
-def _order_image(drawing: Drawing, order: Document, width: int) -> "Image.Image":
-    """The order in words, wrapped to a width [px]."""
-    from PIL import Image
-
-    colours = {drawn.name: drawn.colour for drawn in drawing.objects}
-    lines = _order_lines(order, object_index(drawing), width - 60.0)
-    image = Image.new("RGB", (width * FINE, (62 + 19 * len(lines)) * FINE), PAPER)
-    pen = _Pen(image)
-    pen.text(16, 18, "Safe order", size=15)
-    for row, (name, text) in enumerate(lines):
-        y = 46 + 19 * row
-        if name:
-            pen.box(16, y - 7, 30, y + 7, colours.get(name, FIXED_COLOUR))
-        pen.text(38, y, text, size=12.5)
-    return image
-
-
-def _order_lines(order: Document, known: dict[str, int], width: float) -> list[tuple[str, str]]:
-    """Lines of the order wrapped to a width; the first of each object carries its name."""
-    lines: list[tuple[str, str]] = []
-    for place, (name, sentence) in enumerate(order_in_words(order), start=1):
-        for row, text in enumerate(_wrapped(f"{place}. {shortened(name)}: {sentence}", width)):
-            lines.append((name if row == 0 and name in known else "", text))
+def _order(drawing: Drawing, order: Document) -> "Image.Image":
+    """The order in words, and what has none."""
+    lines: list[tuple[Colour | None, str]] = []
+    for place, (name, why) in enumerate(order_in_words(order), start=1):
+        lines.append((drawing.colours.get(name, FIXED_COLOUR), f"{place}. {shortened(name)}: {why}"))
     for cycle in order.get("unresolved", ()):
-        names = [cycle] if isinstance(cycle, str) else [str(name) for name in cycle]
-        lines += [("", text) for text in _wrapped("No safe order among " + ", ".join(names) + ".", width)]
-    return lines
+        names = cycle if isinstance(cycle, str) else ", ".join(str(name) for name in cycle)
+        lines.append((None, f"No safe order among {names}."))
+    return draw_list("Safe order", lines)
 
 
-def _wrapped(text: str, width: float) -> list[str]:
-    lines = [""]
-    for word in text.split():
-        longer = f"{lines[-1]} {word}".strip()
-        if _width(longer, 12.5) <= width or not lines[-1]:
-            lines[-1] = longer
-        else:
-            lines.append(word)
-    return lines
-
-
-def _point(place: FloatArray) -> Point:
-    return float(place[0]), float(place[1])
-
-
-def _rgb(colour: str) -> Colour:
-    return int(colour[1:3], 16), int(colour[3:5], 16), int(colour[5:7], 16)
+def draw_list(title: str, lines: Sequence[tuple[Colour | None, str]]) -> "Image.Image":
+    """A column of sentences, wrapped, each with its colour before it where it has one."""
+    wrapped = [(colour, _wrapped(text, SIDE - 60.0, 12.5)) for colour, text in lines]
+    pen, y = _Pen(SIDE, 62 + ROW * sum(len(texts) for _, texts in wrapped)), 46
+    pen.text(16, 18, title, size=15)
+    for colour, texts in wrapped:
+        if colour:
+            pen.box(16, y - 7, 30, y + 7, colour)
+        for text in texts:
+            pen.text(38, y, text, size=12.5)
+            y += ROW
+    return pen.image

@@ -3,18 +3,19 @@
 import io
 from collections.abc import Sequence
 from contextlib import redirect_stdout
+from functools import partial
 from types import ModuleType
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
+from scipy.spatial.transform import Rotation
 
 from topple.planner.planning.order import ordered
 from topple.planner.planning.step import Orderer, order_by
-from topple.planner.report.drawing import Drawing
+from topple.planner.report.drawing import Drawing, DrawnObject, is_inferred
 from topple.planner.report.limits import LIMITS
 from topple.planner.report.palette import relation_colour
 from topple.planner.report.plan_page import check_scene
-from topple.planner.report.view import is_inferred
 from topple.topology.arrays import FloatArray
 from topple.topology.errors import NotInstalled
 from topple.topology.relations import relate
@@ -25,7 +26,6 @@ if TYPE_CHECKING:
     from topple.planner.formats.plan_format import Plan
 
 Moves = Sequence[tuple[str, FloatArray | None]]
-"""What each step does: the object, and the rigid transform (4, 4) of it; None takes it away."""
 LEAST, MOST = 0.5, 12.0  # [mm] of the deviation: below any camera's noise, and above the worst
 
 
@@ -44,7 +44,7 @@ class LivePage:
         plan: "Plan | None" = None,
         *,
         rule: str | None = None,
-        orderer: Orderer | None = None,
+        orderer: Orderer = ordered,
         seed: int = 0,
         host: str = "127.0.0.1",
         port: int = 8080,
@@ -55,7 +55,7 @@ class LivePage:
             scene: The scene; without `up` there is no order.
             plan: What is done in it; the order, where None.
             rule: Name of what relates; topple's own where None.
-            orderer: What orders; the fewest removals where None.
+            orderer: What orders; the fewest removals where not given.
             seed: Of every search of the order.
             host: Which addresses may connect: this machine alone, or "0.0.0.0" for any.
             port: Where to listen, or the next that is free.
@@ -65,19 +65,26 @@ class LivePage:
             InvalidInput: The plan is of other objects, or there is no such rule.
         """
         viser = _viser()
-        self._rule = rule
+        self._rule, self._host = rule, host
         self.scene, self.relations, self.step = scene, relate(scene, rule=rule), 0
-        self.moves = _done_by(plan, scene) if plan is not None else self._taken(orderer or ordered, seed)
+        self.moves: Moves = []
+        if plan is not None:
+            check_scene(plan, scene)
+            self.moves = [(step.object, np.array(step.placement.pose_before_to_after)) for step in plan.steps]
+        elif scene.up is not None and scene.movable:
+            self.moves = [(n, None) for n in order_by(orderer, scene, None, self.relations, seed).order]
         self._drawing = Drawing.of(scene, LIMITS.live_points)
         with redirect_stdout(io.StringIO()):  # its banner: what is said, the caller says
             self._server: Any = viser.ViserServer(host=host, port=port, label="topple", verbose=False)
-        self._host = host
         self._server.scene.set_up_direction(tuple(self._drawing.up.tolist()))
-        self._objects: dict[str, list[Any]] = {}
+        self._objects = {drawn.name: self._drawn(drawn) for drawn in self._drawing.objects}
         self._lines: list[Any] = []
-        self._draw()
-        self._sliders()
-        self.show_step(0)
+        gui, begun = self._server.gui, 1e3 * self.relations.deviation
+        deviation = gui.add_slider("deviation [mm]", LEAST, max(MOST, begun), 0.1, round(begun, 1))
+        steps = gui.add_slider("steps done", 0, max(len(self.moves), 1), 1, 0, disabled=not self.moves)
+        self._told, self._table = gui.add_markdown(""), gui.add_markdown("")
+        deviation.on_update(lambda event: self.show_deviation(1e-3 * float(event.target.value)))
+        steps.on_update(lambda event: self.show_step(int(event.target.value)))
         self.show_deviation(self.relations.deviation)
 
     @property
@@ -86,21 +93,28 @@ class LivePage:
         return f"http://{'localhost' if self._host == '0.0.0.0' else self._host}:{self._server.get_port()}"
 
     def show_deviation(self, deviation: float) -> None:
-        """Relate the scene at another deviation, and draw that.
-
-        Args:
-            deviation: The deviation factor δ [m].
-        """
+        """Relate the scene at another deviation δ [m], and draw lines between what meets, and their table."""
         if deviation != self.relations.deviation:
             self.relations = relate(self.scene, deviation, rule=self._rule)
-        self._relate()
+        for line in self._lines:
+            line.remove()
+        centres = {drawn.name: drawn.centre for drawn in self._drawing.objects}
+        meeting = [pair for pair in self.relations if pair.relation is not Relation.DISJOINT]
+        draw = partial(self._server.scene.add_line_segments, thickness_units="screen")
+        self._lines = [
+            draw(f"/relations/{number}", ends, relation_colour(pair.relation), thickness=thick)
+            for number, pair in enumerate(meeting)
+            for ends in [np.array([[centres[pair.a], centres[pair.b]]])]
+            for thick in [1.5 if is_inferred(pair.to_json()) else 3.0]
+        ]
+        rows = [f"| {_cell(p.a)} | {p.relation} | {_cell(p.b)} | {1e3 * p.gap:.1f} |" for p in meeting]
+        more = f"\n\n{len(rows) - LIMITS.rows} more" if len(rows) > LIMITS.rows else ""
+        head = ["| a | relation | b | gap mm |", "|---|---|---|---|"]
+        self._table.content = "\n".join([*head, *rows[: LIMITS.rows]]) + more
+        self.show_step(self.step)
 
     def show_step(self, count: int) -> None:
-        """Show the scene as it is after some steps.
-
-        Args:
-            count: How many are done.
-        """
+        """Show the scene as it is after some steps."""
         self.step = min(max(count, 0), len(self.moves))
         poses: dict[str, FloatArray | None] = {name: np.eye(4) for name in self.scene.names}
         for name, move in self.moves[: self.step]:
@@ -110,7 +124,8 @@ class LivePage:
             for handle in self._objects[name]:
                 handle.visible = pose is not None
                 if pose is not None:
-                    handle.position, handle.wxyz = pose[:3, 3], _quaternion(pose)
+                    turn = Rotation.from_matrix(pose[:3, :3]).as_quat()
+                    handle.position, handle.wxyz = pose[:3, 3], np.roll(turn, 1)
         for line in self._lines:
             line.visible = self.step == 0  # relations are those of the scene that was seen
         done = [name for name, _ in self.moves[: self.step]]
@@ -125,60 +140,14 @@ class LivePage:
         with redirect_stdout(io.StringIO()):
             self._server.stop()
 
-    def _taken(self, orderer: Orderer, seed: int) -> Moves:
-        """The order that an orderer gives of the scene, each object taken away."""
-        if self.scene.up is None or not self.scene.movable:
-            return []
-        found = order_by(orderer, self.scene, None, self.relations, seed)
-        return [(name, None) for name in found.order]
-
-    def _draw(self) -> None:
-        add = self._server.scene
-        for drawn in self._drawing.objects:
-            points = add.add_point_cloud(
-                f"/objects/{drawn.name}/surface",
-                drawn.points.astype(np.float32),
-                drawn.colour,
-                point_size=max(drawn.spacing, 0.002),
-                point_shape="circle",
-                precision="float32",
-            )
-            self._objects[drawn.name] = [points]
-            if not drawn.fixed:
-                add.add_label(f"/objects/{drawn.name}/surface/name", drawn.name, position=drawn.top)
-
-    def _sliders(self) -> None:
-        gui, begun = self._server.gui, 1e3 * self.relations.deviation
-        deviation = gui.add_slider("deviation [mm]", LEAST, max(MOST, begun), 0.1, round(begun, 1))
-        steps = gui.add_slider("steps done", 0, max(len(self.moves), 1), 1, 0, disabled=not self.moves)
-        self._told = gui.add_markdown("")
-        self._table = gui.add_markdown("")
-        deviation.on_update(lambda event: self.show_deviation(1e-3 * float(event.target.value)))
-        steps.on_update(lambda event: self.show_step(int(event.target.value)))
-
-    def _relate(self) -> None:
-        """Lines between the objects that meet, and the table of them."""
-        for line in self._lines:
-            line.remove()
-        centres = {drawn.name: drawn.centre for drawn in self._drawing.objects}
-        meeting = [pair for pair in self.relations if pair.relation is not Relation.DISJOINT]
-        self._lines = [
-            self._server.scene.add_line_segments(
-                f"/relations/{number}",
-                np.array([[centres[pair.a], centres[pair.b]]]),
-                relation_colour(pair.relation),
-                thickness=1.5 if is_inferred(pair.to_json()) else 3.0,
-                thickness_units="screen",
-            )
-            for number, pair in enumerate(meeting)
-        ]
-        rows = [
-            f"| {_cell(p.a)} | {p.relation} | {_cell(p.b)} | {1e3 * p.gap:.1f} |"
-            for p in meeting[: LIMITS.rows]
-        ]
-        more = f"\n\n{len(meeting) - LIMITS.rows} more" if len(meeting) > LIMITS.rows else ""
-        self._table.content = "\n".join(["| a | relation | b | gap mm |", "|---|---|---|---|", *rows]) + more
-        self.show_step(self.step)
+    def _drawn(self, drawn: DrawnObject) -> list[Any]:
+        place, size = f"/objects/{drawn.name}/surface", max(drawn.spacing, 0.002)
+        how: Any = {"point_size": size, "point_shape": "circle", "precision": "float32"}
+        cloud = drawn.points.astype(np.float32)
+        points = self._server.scene.add_point_cloud(place, cloud, drawn.colour, **how)
+        if not drawn.fixed:
+            self._server.scene.add_label(f"{place}/name", drawn.name, position=drawn.top)
+        return [points]
 
 
 def _viser() -> ModuleType:
@@ -189,19 +158,6 @@ def _viser() -> ModuleType:
     return viser
 
 
-def _done_by(plan: "Plan", scene: Scene) -> Moves:
-    """What each step of a plan does."""
-    check_scene(plan, scene)
-    return [(step.object, np.array(step.placement.pose_before_to_after)) for step in plan.steps]
-
-
 def _cell(name: str) -> str:
     """A name in a table of Markdown, none of it taken for markup."""
     return "".join(f"\\{letter}" if letter in "\\`*_{}[]()<>#+-.!|&$~" else letter for letter in name)
-
-
-def _quaternion(pose: FloatArray) -> FloatArray:
-    """The turn of a pose (4, 4) as w, x, y, z."""
-    from scipy.spatial.transform import Rotation
-
-    return np.roll(Rotation.from_matrix(pose[:3, :3]).as_quat(), 1)

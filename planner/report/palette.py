@@ -1,6 +1,6 @@
 """The colours of the pages and pictures: relations as in the paper's Figure 6, objects apart from them."""
 
-import math
+import colorsys
 import re
 from collections import Counter
 from collections.abc import Collection, Iterable
@@ -9,8 +9,7 @@ import numpy as np
 
 from topple.topology.sixim.table import Relation
 
-Colour = tuple[int, int, int]
-"""Red, green, blue, 0..255."""
+Colour = tuple[int, int, int]  # red, green, blue, 0..255
 
 RELATION_COLOURS: dict[str, Colour] = {
     Relation.TOUCH: (214, 39, 40),
@@ -34,20 +33,20 @@ REASON_COLOURS: dict[str, Colour] = {
 }
 """One colour for each reason a dependency can have, as it is said."""
 
-FIXED_COLOUR: Colour = (158, 156, 148)
-"""Tables and shelves: grey, because nobody takes them away."""
+FIXED_COLOUR: Colour = (158, 156, 148)  # tables and shelves: grey, because nobody takes them away
 
 _GOLDEN_TURN = 0.61803398875
-_LIGHTNESS = (0.62, 0.50, 0.70)
-_CHROMA = 0.105
+_LIGHTNESS = (0.5, 0.38, 0.62)
+_SATURATION = 0.42
+_ALIKE = 0.05  # turns between hues that look the same; all words in use leave some
 _HUES = {
-    "red": 0.08,
-    "orange": 0.16,
-    "yellow": 0.28,
-    "green": 0.40,
-    "blue": 0.72,
-    "purple": 0.84,
-    "pink": 0.97,
+    "red": 0.0,
+    "orange": 0.08,
+    "yellow": 0.15,
+    "green": 0.36,
+    "blue": 0.61,
+    "purple": 0.77,
+    "pink": 0.92,
 }
 """Turns of the hue that a word in a name stands for: a cube called green is drawn green."""
 
@@ -60,66 +59,38 @@ def object_colours(names: Iterable[str], fixed: Collection[str] = ()) -> dict[st
         fixed: Names drawn in grey.
 
     Returns:
-        Name -> colour. Hues step by the golden ratio, so that neighbours in the list never look alike;
-        chroma stays below that of the relation colours, so that lines stand out from clouds. Where a word
-        of the name is a colour, it has that hue.
+        Name -> colour. Hues step by the golden ratio, so that neighbours in the list never look alike; they
+        are less saturated than those of relations, so that lines stand out. Where a word of the name is a
+        colour, it has that hue.
     """
     every = tuple(names)
-    words = {name: word for name in every if name not in fixed and (word := _colour_word(name))}
-    taken = [_HUES[word] for word in words.values()]
+    said_of = {name: [w for w in re.findall("[a-z]+", name.lower()) if w in _HUES] for name in every}
+    words = {name: found[0] for name, found in said_of.items() if found and name not in fixed}
+    taken, turn, said = [_HUES[word] for word in words.values()], 0, Counter[str]()
     colours: dict[str, Colour] = {}
-    said = Counter[str]()
-    turn = 0
     for name in every:
         if name in fixed:
             colours[name] = FIXED_COLOUR
-        elif name in words:
-            word = words[name]
-            colours[name] = _oklch(_LIGHTNESS[said[word] % 3], _CHROMA, _HUES[word])
+        elif word := words.get(name):
+            colours[name] = _paint(said[word], _HUES[word])
             said[word] += 1
         else:
-            while any(_alike(_hue(turn), hue) for hue in taken):
+            while any(abs((_hue(turn) - hue + 0.5) % 1.0 - 0.5) < _ALIKE for hue in taken):
                 turn += 1
-            colours[name] = _oklch(_LIGHTNESS[turn % 3], _CHROMA, _hue(turn))
+            colours[name] = _paint(turn, _hue(turn))
             turn += 1
     return colours
 
 
-def _colour_word(name: str) -> str:
-    """The first word of a name that is a colour, empty where none is."""
-    return next((word for word in re.findall("[a-z]+", name.lower()) if word in _HUES), "")
-
-
 def _hue(turn: int) -> float:
     """The hue of an object whose name says no colour."""
-    return (0.17 + turn * _GOLDEN_TURN) % 1.0
+    return (0.06 + turn * _GOLDEN_TURN) % 1.0
 
 
-def _alike(one: float, other: float) -> bool:
-    """Whether two hues look the same: under a twentieth of a turn; all words in use leave some."""
-    return abs((one - other + 0.5) % 1.0 - 0.5) < 0.05
-
-
-def _oklch(lightness: float, chroma: float, hue: float) -> Colour:
-    """A colour of the OKLab space, in which equal numbers look equally light and strong.
-
-    The two matrices are those of B. Ottosson, "A perceptual color space for image processing" (2020).
-    """
-    a, b = chroma * math.cos(2 * math.pi * hue), chroma * math.sin(2 * math.pi * hue)
-    long = (lightness + 0.3963377774 * a + 0.2158037573 * b) ** 3
-    medium = (lightness - 0.1055613458 * a - 0.0638541728 * b) ** 3
-    short = (lightness - 0.0894841775 * a - 1.2914855480 * b) ** 3
-    return (
-        _encoded(4.0767416621 * long - 3.3077115913 * medium + 0.2309699292 * short),
-        _encoded(-1.2684380046 * long + 2.6097574011 * medium - 0.3413193965 * short),
-        _encoded(-0.0041960863 * long - 0.7034186147 * medium + 1.7076147010 * short),
-    )
-
-
-def _encoded(linear: float) -> int:
-    """A linear light value as an sRGB byte."""
-    value = min(max(linear, 0.0), 1.0)
-    return round(255 * (12.92 * value if value <= 0.0031308 else 1.055 * value ** (1 / 2.4) - 0.055))
+def _paint(number: int, hue: float) -> Colour:
+    """A colour of muted strength; three in turn differ in lightness."""
+    red, green, blue = colorsys.hls_to_rgb(hue, _LIGHTNESS[number % 3], _SATURATION)
+    return round(255 * red), round(255 * green), round(255 * blue)
 
 
 def css(colour: Colour) -> str:
@@ -129,10 +100,8 @@ def css(colour: Colour) -> str:
 
 def ink_on(colour: Colour) -> Colour:
     """Black or white, whichever is easier to read on a colour (relative luminance of WCAG 2)."""
-    linear = [
-        part / 12.92 if part <= 0.04045 else ((part + 0.055) / 1.055) ** 2.4
-        for part in np.divide(colour, 255)
-    ]
+    part = np.divide(colour, 255)
+    linear = np.where(part <= 0.04045, part / 12.92, ((part + 0.055) / 1.055) ** 2.4)
     return (255, 255, 255) if float(np.dot(linear, (0.2126, 0.7152, 0.0722))) < 0.179 else (0, 0, 0)
 
 

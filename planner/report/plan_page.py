@@ -1,6 +1,6 @@
 """The page of a plan: what the arm will do, on a time line that can be scrubbed, and why in that order."""
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from html import escape
 from typing import Any
 
@@ -13,14 +13,14 @@ from topple.planner.formats.plan_robot import arm_from
 from topple.planner.formats.plan_structs import Step
 from topple.planner.formats.verification import Verification
 from topple.planner.placement.away import BODIES
-from topple.planner.report.drawing import Drawing
-from topple.planner.report.html import page, table, viewer
+from topple.planner.report.drawing import Document, Documented, Drawing, document, view_data
+from topple.planner.report.html import Span, bullets, folded, plain_table, view_page
 from topple.planner.report.limits import LIMITS
+from topple.planner.report.photo import photo
 from topple.planner.report.played import arm_shape, motion_json
-from topple.planner.report.show import dependency_section, photo_section
+from topple.planner.report.show import dependency_section
 from topple.planner.report.tables import proof_rows, relation_table, sentence_list
-from topple.planner.report.view import Document, Documented, document, object_index, view_data
-from topple.planner.report.words import TARGET, UNTIED, millimetres, order_in_words, sentence
+from topple.planner.report.words import TARGET, UNTIED, counted, millimetres, order_in_words, sentence
 from topple.planner.transfer.segments import SegmentKind
 from topple.robots.arm.arm import Arm
 from topple.robots.arm.gripper import ToolState
@@ -30,9 +30,7 @@ from topple.topology.geometry.samples import sampled
 from topple.topology.io.load import AnyScene, as_scene
 from topple.topology.scene import Scene
 
-Band = tuple[str, float, float]
-FREE = (SegmentKind.MOVE, SegmentKind.TRANSFER)
-"""Ways that are not meant to come near anything."""
+FREE = (SegmentKind.MOVE, SegmentKind.TRANSFER)  # ways that are not meant to come near anything
 
 
 @checked_arguments
@@ -44,7 +42,7 @@ def plan_page(
     arm: Arm | None = None,
     verification: Verification | None = None,
 ) -> str:
-    """Draw a plan as one self-contained HTML page.
+    """Draw a plan as one self-contained HTML page: the arm's motion on a time line, and every step.
 
     Args:
         plan: The plan.
@@ -52,10 +50,6 @@ def plan_page(
         relations: What `relate` found in the scene; found anew where None.
         arm: The arm; found by what the plan says of it where None.
         verification: What `Plan.verify` found, if it was asked.
-
-    Returns:
-        The page: the arm and what it carries move along a time line in a 3-D view to turn and zoom; beside it
-        every step with its reason, grasp, place and proven clearance.
 
     Raises:
         InvalidInput: The plan names what is not in the scene, or its arm is not here.
@@ -70,20 +64,30 @@ def plan_page(
         if plan.arm is None:
             raise InvalidInput(f"the plan does not say where its arm {plan.robot!r} is described: give arm")
         arm = arm_from(plan.arm, plan.robot)
-    return _PlanPage(plan, scene, document(relations), arm, verification).build()
+    drawing = Drawing.of(scene)
+    for thing in plan.objects:
+        if thing.name in BODIES.values():  # stood there for the plan: cameras saw none of it
+            parts = [np.array(part) for part in thing.parts]
+            drawing = drawing.beside(thing.name, sampled(parts, LIMITS.parts))
+    shape, motion, order, bands, told = arm_shape(arm.parts), plan_motion(plan, arm), order_of(plan), [], None
+    if motion is not None:
+        ends = [float(motion.times[last]) for last in motion.ends]
+        named = enumerate(zip(plan.steps, [0.0, *ends], ends, strict=False), start=1)
+        bands = [(f"{number}. {step.object}", since, until) for number, (step, since, until) in named]
+        told = motion_json(motion, shape, drawing.index, drawing.centre, bands)
+    found = document(relations)
+    right = f"<h2>Steps</h2>{step_list(plan, order, drawing.index)}{_checked(verification)}"
+    right += photo(scene, drawing, order) + "<h2>Relations</h2>" + relation_table(found, drawing.index)
+    right += sentence_list(list(dict.fromkeys(plan.assumptions)), "Assumptions")
+    top = _head(plan, bands, refuted=verification is not None and not verification.ok)
+    view, below = view_data(drawing, found, order, None, told), dependency_section(scene, drawing, order)
+    return view_page(f"topple: plan to {plan.goal}", top, view, (below, right), arm=shape)
 
 
 def check_scene(plan: Plan, scene: Scene) -> None:
-    """Refuse a plan of another scene.
-
-    Raises:
-        InvalidInput: It moves what is not in the scene.
-    """
-    missing = sorted({step.object for step in plan.steps} - set(scene.names))
-    if missing:
-        raise InvalidInput(
-            f"the plan moves {', '.join(missing)}, which the scene has not: give the plan's own scene"
-        )
+    """Refuse a plan that moves what is not in a scene, by an `InvalidInput`."""
+    if missing := ", ".join(sorted({step.object for step in plan.steps} - set(scene.names))):
+        raise InvalidInput(f"the plan moves {missing}, which the scene has not: give the plan's own scene")
 
 
 def plan_motion(plan: Plan, arm: Arm) -> ArmMotion | None:
@@ -102,116 +106,62 @@ def _carry(step: Step, up: Any) -> Carry:
     return Carry(drives, [held.object for held in step.attachments], -step.placement.drop * up)
 
 
-class _PlanPage:
-    """What the parts of the page share."""
+def _head(plan: Plan, bands: Sequence[Span], *, refuted: bool) -> str:
+    x, y, z = (row[3] for row in plan.pose_base_to_world[:3])
+    where = "searched" if plan.base_searched else "given"
+    facts = [
+        counted(len(plan.steps), "step"),
+        f"{plan.seconds:.1f} s of motion" + (f", {bands[-1][2]:.1f} s with the hand's" if bands else ""),
+        f"{'every' if plan.certified else 'not every'} motion certified",
+        f"{plan.robot} at {x:.2f} {y:.2f} {z:.2f} m (base {where})",
+        f"seed {plan.seed}",
+    ]
+    kind = "bad" if refuted or not plan.certified else "good"
+    marks = "".join(
+        f'<li><button type="button" data-time="{since}"><b>{escape(name)}</b>'
+        f"<span>{escape(step.action)}</span></button></li>"
+        for (name, since, _), step in zip(bands, plan.steps, strict=False)
+    )
+    return (
+        f'<header><h1>{escape(plan.goal)}: <span class="{kind}">'
+        f"{'refuted by its own check' if refuted else 'planned'}</span></h1>"
+        f'<p class="lead">{escape(", ".join(facts))}.</p></header><ol class="timeline">{marks}</ol>'
+    )
 
-    def __init__(
-        self, plan: Plan, scene: Scene, relations: Document, arm: Arm, verification: Verification | None
-    ) -> None:
-        self.plan, self.scene, self.relations, self.verification = plan, scene, relations, verification
-        self.drawing = Drawing.of(scene)
-        for thing in plan.objects:
-            if thing.name in BODIES.values():  # stood there for the plan: cameras saw none of it
-                parts = [np.array(part) for part in thing.parts]
-                self.drawing = self.drawing.beside(thing.name, sampled(parts, LIMITS.parts))
-        self.index = object_index(self.drawing)
-        self.shape = arm_shape(arm.parts)
-        self.motion = plan_motion(plan, arm)
-        self.order: Document = {
-            "order": plan.order,
-            "targets": [step.object for step in plan.steps if step.action != "remove"],
-            "dependencies": to_builtins(plan.dependencies),
-        }
 
-    def build(self) -> str:
-        plan, bands = self.plan, self.bands()
-        told = None
-        if self.motion is not None:
-            told = motion_json(self.motion, self.shape, self.index, self.drawing.centre, bands)
-        body = self.head(bands) + '<main class="columns"><div>'
-        body += viewer(0, ordered=True, motion=bands if told else None)
-        body += dependency_section(self.scene, self.drawing, self.order) + "</div><div>"
-        body += "<h2>Steps</h2>" + self.steps() + self.checked()
-        body += photo_section(self.scene, self.drawing, self.order)
-        body += "<h2>Relations</h2>" + relation_table(self.relations, self.index)
-        body += sentence_list(list(dict.fromkeys(plan.assumptions)), "Assumptions") + "</div></main>"
-        view = view_data(self.drawing, self.relations, self.order, None, told)
-        return page(
-            f"topple: plan to {plan.goal}",
-            body,
-            {"views": [view], "arm": self.shape},
-            ["viewer.js", "motion.js", "page.js", "show.js"],
+def _checked(found: Verification | None) -> str:
+    """What its own check by other means found."""
+    if found is None:
+        return ""
+    count = len(found.residuals)
+    if found.ok:
+        said = f"Verified: {count} checks at {found.states} states, by other means than it was planned with."
+        html = f'<p class="good">{said}</p>'
+    else:
+        html = f'<p class="bad">{len(found.failed)} of {count} checks failed.</p>' + bullets(
+            [f"{bad.name}: {bad.value:.2g} {bad.unit}, {bad.witness}" for bad in found.failed]
         )
+    shown = folded("What is shown by which means", plain_table(("what", "by", "steps"), proof_rows(found)))
+    return f"<h2>Verification</h2>{html}{shown}"
 
-    def bands(self) -> list[Band]:
-        """Each step, from when and until when [s]."""
-        if self.motion is None:
-            return []
-        ends = [float(self.motion.times[last]) for last in self.motion.ends]
-        names = [f"{number}. {step.object}" for number, step in enumerate(self.plan.steps, start=1)]
-        return [
-            (name, *span) for name, span in zip(names, zip([0.0, *ends], ends, strict=False), strict=False)
-        ]
 
-    def head(self, bands: Sequence[Band]) -> str:
-        plan = self.plan
-        x, y, z = (row[3] for row in plan.pose_base_to_world[:3])
-        where = "base searched" if plan.base_searched else "base given"
-        facts = [
-            f"{len(plan.steps)} step{'' if len(plan.steps) == 1 else 's'}",
-            f"{plan.seconds:.1f} s of motion" + (f", {bands[-1][2]:.1f} s with the hand's" if bands else ""),
-            "every motion certified" if plan.certified else "not every motion certified",
-            f"{plan.robot} at {x:.2f} {y:.2f} {z:.2f} m ({where})",
-            f"seed {plan.seed}",
-        ]
-        refuted = self.verification is not None and not self.verification.ok
-        word = "refuted by its own check" if refuted else "planned"
-        kind = "bad" if refuted or not plan.certified else "good"
-        marks = "".join(
-            f'<li><button type="button" data-time="{since}"><b>{escape(name)}</b>'
-            f"<span>{escape(step.action)}</span></button></li>"
-            for (name, since, _), step in zip(bands, plan.steps, strict=False)
-        )
-        return (
-            f'<header><h1>{escape(plan.goal)}: <span class="{kind}">{word}</span></h1>'
-            f'<p class="lead">{escape(", ".join(facts))}.</p></header><ol class="timeline">{marks}</ol>'
-        )
+def order_of(plan: Plan) -> Document:
+    """What an order's document would say of a plan."""
+    targets = [step.object for step in plan.steps if step.action != "remove"]
+    return {"order": plan.order, "targets": targets, "dependencies": to_builtins(plan.dependencies)}
 
-    def steps(self) -> str:
-        told = [text for _, text in order_in_words(self.order)]
-        items = "".join(
-            f'<li data-object="{self.index.get(step.object, -1)}" tabindex="0">'
-            f'<b class="name">{escape(step.object)}</b>: '
-            f"{escape(sentence(step.reason) if text in (f'{UNTIED}.', f'{TARGET}.') else text)}"
-            f'<span class="kind">{escape(_how(step))}</span></li>'
-            for step, text in zip(self.plan.steps, told, strict=True)
-        )
-        return f'<ol class="order steps">{items}</ol>' if items else "<p>There is nothing to do.</p>"
 
-    def checked(self) -> str:
-        """What its own check by other means found."""
-        found = self.verification
-        if found is None:
-            return ""
-        html = "<h2>Verification</h2>"
-        if found.ok:
-            html += (
-                f'<p class="good">Verified: {len(found.residuals)} checks at {found.states} states, by other '
-                "means than it was planned with.</p>"
-            )
-        else:
-            items = "".join(
-                f"<li>{escape(bad.name)}: {bad.value:.2g} {escape(bad.unit)}, {escape(bad.witness)}</li>"
-                for bad in found.failed
-            )
-            count = f"{len(found.failed)} of {len(found.residuals)}"
-            html += f'<p class="bad">{count} checks failed.</p><ul>{items}</ul>'
-        rows = "".join(
-            f"<tr><td>{escape(what)}</td><td>{escape(means)}</td><td>{escape(steps)}</td></tr>"
-            for what, means, steps in proof_rows(found)
-        )
-        shown = table(("what", "by", "steps"), rows)
-        return f"{html}<details><summary>What is shown by which means</summary>{shown}</details>"
+def step_list(plan: Plan, order: Document, index: Mapping[str, int]) -> str:
+    """The steps of a plan with their reasons as HTML."""
+    told = [text for _, text in order_in_words(order)]
+    items = "".join(
+        f'<li data-object="{index.get(step.object, -1)}" tabindex="0">'
+        f'<b class="name">{escape(step.object)}</b>: '
+        f"{escape(sentence(step.reason) if text in (f'{UNTIED}.', f'{TARGET}.') else text)}"
+        f'<span class="kind">{escape(_how(step))}</span></li>'
+        for step, text in zip(plan.steps, told, strict=False)
+    )
+    return f'<ol class="order steps">{items}</ol>' if items else "<p>There is nothing to do.</p>"
 
 
 def _how(step: Step) -> str:

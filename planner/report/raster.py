@@ -11,12 +11,7 @@ from topple.topology.arrays import FloatArray
 
 
 class Projection:
-    """The pinhole view of a drawing from where it is first looked at.
-
-    Attributes:
-        width: Width of the image [px].
-        height: Height of the image [px].
-    """
+    """The pinhole view of a drawing from where it is first looked at, in an image of some size [px]."""
 
     def __init__(self, drawing: Drawing, width: int, height: int) -> None:
         self.width, self.height = width, height
@@ -25,7 +20,8 @@ class Projection:
         right = np.cross(self._forward, drawing.up)
         self._right = right / np.linalg.norm(right)
         self._down = np.cross(self._forward, self._right)
-        self._up = drawing.up
+        lamp = 0.9 * drawing.up - self._forward - 0.5 * self._right  # over the viewer's shoulder
+        self._lamp = lamp / np.linalg.norm(lamp)
         self._focal = 1.5 * min(width, height)
         distance = self._fit(drawing)
         self._eye = drawing.centre - self._forward * distance
@@ -41,14 +37,7 @@ class Projection:
         return max(float(distance.max()), drawing.radius * 1.5)
 
     def pixels(self, points: FloatArray) -> tuple[FloatArray, FloatArray]:
-        """Where points fall.
-
-        Args:
-            points: (N, 3) points [m].
-
-        Returns:
-            (N, 2) pixel coordinates (x, y) and (N,) depths [m]; a depth is infinite behind the eye.
-        """
+        """Where points (N, 3) [m] fall: (N, 2) pixels (x, y) and (N,) depths [m], infinite behind the eye."""
         away = np.atleast_2d(points) - self._eye
         depth = away @ self._forward
         behind = depth < self._near
@@ -57,37 +46,20 @@ class Projection:
         y = self.height / 2 + scale * (away @ self._down)
         return np.stack([x, y], axis=1), np.where(behind, np.inf, depth)
 
-    def size(self, length: float, depth: FloatArray) -> FloatArray:
-        """Pixels that a length [m] takes at some depths [m]."""
-        return length * self._focal / depth
+    def size(self, depth: FloatArray) -> FloatArray:
+        """Pixels that a metre takes at some depths [m]."""
+        return self._focal / depth
 
     def lit(self, normals: FloatArray) -> tuple[FloatArray, FloatArray]:
-        """How the lamp over the viewer's shoulder falls on surfaces.
-
-        Args:
-            normals: (N, 3) unit normals, of either sign.
-
-        Returns:
-            (N,) light, 0..1, and (N, 2) by how much depth grows across and down the image, per unit.
-        """
-        lamp = 0.9 * self._up - self._forward - 0.5 * self._right
+        """Light (N,), 0 to 1, on surfaces of unit normals (N, 3), and how depth grows by pixel (N, 2)."""
         facing = normals @ self._forward
         steep = np.where(facing < 0, -1.0, 1.0) * np.maximum(np.abs(facing), 0.3)
         slopes = -np.stack([normals @ self._right, normals @ self._down], axis=1) / steep[:, None]
-        return np.abs(normals @ (lamp / np.linalg.norm(lamp))), slopes
+        return np.abs(normals @ self._lamp), slopes
 
 
 def render_clouds(drawing: Drawing, projection: Projection, paper: tuple[int, int, int]) -> Pixels:
-    """Draw surfaces as the pages do: each point is a lit disc that lies in them; what is guessed is hatched.
-
-    Args:
-        drawing: The scene as it is drawn.
-        projection: The view.
-        paper: Background colour.
-
-    Returns:
-        (H, W, 3) uint8.
-    """
+    """Draw surfaces (H, W, 3) as the pages do: points are lit discs that lie in them; guesses are hatched."""
     height, width = projection.height, projection.width
     depth = np.full(height * width, np.inf)
     owner = np.full(height * width, -1, dtype=np.int64)
@@ -109,23 +81,22 @@ def render_clouds(drawing: Drawing, projection: Projection, paper: tuple[int, in
     table = np.where(hidden & stripe, 0.85, 0.7)
     faint = np.where(fixed, table, np.where(light < 0, np.where(stripe, 0.72, 0.3), 0.0))[:, None]
     image = np.minimum(colours[owner] * bright[:, None], 255.0)
-    background = np.array(paper, dtype=np.float64)
-    image = np.where((owner >= 0)[:, None], image + (background - image) * faint, background)
+    image = np.where((owner >= 0)[:, None], image + (np.array(paper) - image) * faint, paper)
     return image.round().astype(np.uint8).reshape(height, width, 3)
 
 
 def _discs(projection: Projection, drawn: DrawnObject) -> tuple[NDArray[np.int64], FloatArray, FloatArray]:
     """The pixels that an object's discs cover: their number, depth [m], and light, below 0 where guessed."""
     places, depth = projection.pixels(drawn.points)
-    kept = np.isfinite(depth)
-    places, depth, normals = places[kept], depth[kept], drawn.normals[kept]
-    side, slopes = projection.lit(normals)
-    shine = (0.5 + 0.55 * side) * np.where(np.arange(len(drawn.points))[kept] < drawn.seen, 1.0, -1.0)
-    scale = projection.size(1.0, depth)
+    side, slopes = projection.lit(drawn.normals)
+    shine = (0.5 + 0.55 * side) * np.where(np.arange(len(depth)) < drawn.seen, 1.0, -1.0)
+    scale = projection.size(depth)
     half = np.clip(scale * max(drawn.spacing * 1.15, 8e-4), 0.8, projection.height / LIMITS.largest)
-    largest = np.argsort(-half)  # first, so that those that reach an offset come first
-    places, depth, shine, slopes = places[largest], depth[largest], shine[largest], slopes[largest]
-    half, scale, cells = half[largest], scale[largest], np.rint(places).astype(np.int64)
+    order = np.argsort(-half)  # the largest first, so that those that reach an offset come first
+    order = order[np.isfinite(depth[order])]
+    places, depth, shine = places[order], depth[order], shine[order]
+    slopes, half, scale = slopes[order], half[order], scale[order]
+    cells = np.rint(places).astype(np.int64)
     pixel, far, shines = [np.zeros(0, dtype=np.int64)], [np.zeros(0)], [np.zeros(0)]
     reach = int(np.ceil(half.max(initial=0.0)))
     for offset in np.ndindex(2 * reach + 1, 2 * reach + 1):
@@ -134,8 +105,7 @@ def _discs(projection: Projection, drawn: DrawnObject) -> tuple[NDArray[np.int64
         cell = cells[:count] + step
         off = cell - places[:count]
         inside = ((off**2).sum(axis=1) <= half[:count] ** 2) & (cell >= 0).all(axis=1)
-        inside &= (cell < (projection.width, projection.height)).all(axis=1)
-        at = np.nonzero(inside)[0]
+        at = np.nonzero(inside & (cell < (projection.width, projection.height)).all(axis=1))[0]
         pixel.append(cell[at, 1] * projection.width + cell[at, 0])
         far.append(depth[at] + (slopes[at] * off[at]).sum(axis=1) / scale[at])
         shines.append(shine[at])
@@ -143,7 +113,7 @@ def _discs(projection: Projection, drawn: DrawnObject) -> tuple[NDArray[np.int64
 
 
 def _fill(owner: NDArray[np.int64], tables: list[int]) -> NDArray[np.bool_]:
-    """Close the holes of a table in place: its points lie too far apart for discs of bounded size.
+    """Close the holes of a table in place, whose points lie too far apart for discs of bounded size.
 
     Returns:
         (H, W) what is left of holes in it: the table where something stood that has been taken away.
@@ -160,11 +130,6 @@ def _fill(owner: NDArray[np.int64], tables: list[int]) -> NDArray[np.bool_]:
 
 def _fold(depth: FloatArray, slack: FloatArray) -> FloatArray:
     """By how much [m] the neighbours of a pixel stand in front of it: edges."""
-    fold, depth = (
-        np.zeros_like(depth),
-        np.where(np.isfinite(depth), depth, 1e9),
-    )  # nothing stands before nothing
-    for axis in (0, 1):
-        for step in (-2, 2):
-            fold += np.clip(depth - np.roll(depth, step, axis=axis) - slack, 0.0, 0.03)
-    return fold
+    deep = np.where(np.isfinite(depth), depth, 1e9)  # nothing stands before nothing
+    near = [np.roll(deep, step, axis=axis) for axis in (0, 1) for step in (-2, 2)]
+    return np.sum([np.clip(deep - beside - slack, 0.0, 0.03) for beside in near], axis=0)

@@ -3,15 +3,12 @@
 from html import escape
 from typing import Any
 
-from topple.planner.report.drawing import Drawing
-from topple.planner.report.graph import DrawnGraph, graph_svg
-from topple.planner.report.html import page, viewer
-from topple.planner.report.matrix import relation_matrix
+from topple.planner.report.drawing import Document, Documented, Drawing, document, view_data
+from topple.planner.report.graph import DrawnGraph, graph_box
+from topple.planner.report.html import view_page
 from topple.planner.report.photo import photo
-from topple.planner.report.tables import order_list, relation_table, sentence_list
-from topple.planner.report.view import Document, Documented, document, object_index, view_data
-from topple.planner.report.words import listed, places, sentences
-from topple.topology.photo import Photo
+from topple.planner.report.tables import order_list, relation_matrix, relation_table, sentence_list
+from topple.planner.report.words import listed, sentences
 from topple.topology.scene import Scene
 
 
@@ -22,52 +19,35 @@ def show_page(
     *,
     title: str = "",
 ) -> str:
-    """Draw a scene as one self-contained HTML page.
+    """Draw a scene as one self-contained HTML page: 3-D view, photo, graph, order, relations.
 
     Args:
         scene: The scene; `up` may be unknown.
         relations: What `relate` found in it, or the JSON document of that.
         order: What `order` found, or the JSON document of that; None shows the relations alone.
         title: Title of the page; the number of objects where none is given.
-
-    Returns:
-        The page: a 3-D view to turn and zoom, the relation table, the dependency graph, the order with its
-        reasons, the assumptions. It fetches nothing and stays below some 4 MB.
     """
-    found = document(relations)
-    planned = None if order is None else document(order)
-    drawing = Drawing.of(scene)
-    index = object_index(drawing)
-    body = _head(scene, planned, title)
-    body += '<main class="columns"><div>' + viewer(0, ordered=planned is not None)
-    if planned is not None:
-        body += dependency_section(scene, drawing, planned)
-    body += "</div><div>" + photo_section(scene, drawing, planned)
-    if planned is not None:
-        body += "<h2>Safe order</h2>" + order_list(planned, index)
-    body += "<h2>Relations</h2>" + relation_matrix(found, index) + relation_table(found, index)
-    body += sentence_list(_assumptions(scene, order, planned), "Assumptions")
-    body += "</div></main>"
-    return page(
-        title or "topple: what is where",
-        body,
-        {"views": [view_data(drawing, found, planned)]},
-        ["viewer.js", "motion.js", "page.js", "show.js"],
+    found, planned, drawing = (
+        document(relations),
+        None if order is None else document(order),
+        Drawing.of(scene),
     )
+    left, right = "", photo(scene, drawing, planned)
+    if planned is not None:
+        left += dependency_section(scene, drawing, planned)
+        right += "<h2>Safe order</h2>" + order_list(planned, drawing.index)
+    right += (
+        "<h2>Relations</h2>" + relation_matrix(found, drawing.index) + relation_table(found, drawing.index)
+    )
+    right += sentence_list(_assumptions(scene, order, planned), "Assumptions")
+    view, head = view_data(drawing, found, planned), _head(scene, planned, title)
+    return view_page(title or "topple: what is where", head, view, (left, right))
 
 
 def dependency_section(scene: Scene, drawing: Drawing, order: Document) -> str:
     """The dependency graph under its heading."""
     graph = DrawnGraph.of(scene.movable, order, row=760.0)
-    colours = {drawn.name: drawn.colour for drawn in drawing.objects}
-    svg = graph_svg(graph, colours, object_index(drawing))
-    return f'<h2>Dependency graph</h2><div class="graph-box">{svg}</div>'
-
-
-def photo_section(scene: Scene, drawing: Drawing, order: Document | None, taken: Photo | None = None) -> str:
-    """The photo with its masks in the colours of the drawing; nothing where the scene has none."""
-    colours = {drawn.name: drawn.colour for drawn in drawing.objects}
-    return photo(scene, colours, object_index(drawing), {} if order is None else places(order), taken)
+    return f"<h2>Dependency graph</h2>{graph_box(graph, drawing.colours, drawing.index)}"
 
 
 def _head(scene: Scene, order: Document | None, title: str) -> str:
@@ -79,11 +59,8 @@ def _head(scene: Scene, order: Document | None, title: str) -> str:
         facts.append("which way is up is not known, so the view may lie on its side")
     if order is not None:
         targets = [str(name) for name in order.get("targets", ())]
-        facts.append(
-            f"to free: {listed(targets)}"
-            if targets and len(targets) < len(scene.movable)
-            else "to clear everything"
-        )
+        some = targets and len(targets) < len(scene.movable)
+        facts.append(f"to free: {listed(targets)}" if some else "to clear everything")
     heading = title or f"Scene of {len(scene.names)} objects"
     return f'<header><h1>{escape(heading)}</h1><p class="lead">{escape("; ".join(facts))}.</p></header>'
 

@@ -1,15 +1,16 @@
 """Tables of the pages as HTML: relations, the order in words, risks, what bars the way."""
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
 from html import escape
-from typing import Any
+from typing import Any, NamedTuple
 
 from topple.planner.formats.verification import Verification
-from topple.planner.report.html import table
-from topple.planner.report.palette import css, relation_colour
-from topple.planner.report.view import is_inferred
+from topple.planner.report.drawing import Document, is_inferred
+from topple.planner.report.html import bullets, folded, table
+from topple.planner.report.limits import LIMITS
+from topple.planner.report.palette import RELATION_COLOURS, css, ink_on, relation_colour
 from topple.planner.report.words import (
+    counted,
     holds_in_words,
     how_sure,
     listed,
@@ -17,39 +18,25 @@ from topple.planner.report.words import (
     order_in_words,
     said,
     sentences,
+    shortened,
 )
 from topple.topology.sixim.table import Relation
 
-Document = Mapping[str, Any]
 _UNSEEN = "not seen"
+LETTERS = dict(zip(RELATION_COLOURS, ("T", "X", "W", "PW", "C", "PC", "D"), strict=True))
+"""What a cell says of its relation besides its colour."""
 
 
 def relation_table(relations: Document, index: Mapping[str, int]) -> str:
-    """The 6IM relation of every pair; disjoint pairs stand in a part that opens on demand.
-
-    Args:
-        relations: A `topple.relations` document.
-        index: Object -> its number in the viewer.
-
-    Returns:
-        HTML, every name escaped.
-    """
+    """The 6IM relation of every pair as HTML; disjoint pairs stand in a part that opens on demand."""
     pairs = list(relations.get("relations", ()))
     meeting = [pair for pair in pairs if pair["relation"] != Relation.DISJOINT]
     apart = [pair for pair in pairs if pair["relation"] == Relation.DISJOINT]
     apart.sort(key=lambda pair: float(pair.get("gap") or 0.0))
-    html = (
-        _pair_table(meeting, index)
-        if meeting
-        else '<p class="note">No two objects meet: all are disjoint.</p>'
-    )
-    if apart:
-        html += (
-            f"<details><summary>{len(apart)} disjoint pair{'s' if len(apart) > 1 else ''}</summary>"
-            f"{_pair_table(apart, index)}</details>"
-        )
-    deviation = relations.get("deviation")
-    if deviation is not None:
+    html = '<p class="note">No two objects meet: all are disjoint.</p>'
+    html = _pair_table(meeting, index) if meeting else html
+    html += folded(counted(len(apart), "disjoint pair"), _pair_table(apart, index)) if apart else ""
+    if (deviation := relations.get("deviation")) is not None:
         html += (
             '<p class="note">Rows read “A relation B”. Evidence: seen or inferred, and the share of such '
             "evidence that was right on scenes of known truth. "
@@ -58,28 +45,66 @@ def relation_table(relations: Document, index: Mapping[str, int]) -> str:
     return html
 
 
+def relation_matrix(relations: Document, index: Mapping[str, int]) -> str:
+    """All relations as a square of letters; nothing above `LIMITS.matrix` objects, where they do not fit."""
+    pairs = list(relations.get("relations", ()))
+    names = list(dict.fromkeys(str(pair[end]) for pair in pairs for end in ("a", "b")))
+    if not pairs or len(names) > LIMITS.matrix:
+        return ""
+    cells: dict[tuple[str, str], str] = {}
+    for pair in pairs:
+        ends, inferred = (str(pair["a"]), str(pair["b"])), is_inferred(pair)
+        relation = Relation(pair["relation"])
+        for (x, y), word in ((ends, relation), (ends[::-1], relation.converse)):
+            said_so = escape(f"{x} {word} {y}") + ", inferred" * inferred
+            both = f"{index.get(x, -1)} {index.get(y, -1)}"
+            cells[x, y] = f'<td data-ends="{both}" title="{said_so}">{_letter(word, inferred)}</td>'
+    head = "".join(
+        f'<th scope="col" title="{escape(b)}"><span>{escape(shortened(b))}</span></th>' for b in names
+    )
+    rows = "".join(
+        f'<tr><th scope="row" title="{escape(a)}">{escape(shortened(a))}</th>'
+        f"{''.join(cells.get((a, b), '<td></td>') for b in names)}</tr>"
+        for a in names
+    )
+    legend = "".join(f'<span class="key">{_letter(each)}{escape(each)}</span>' for each in RELATION_COLOURS)
+    return (
+        f'<div class="scroll" tabindex="0"><table class="matrix"><thead><tr><td></td>{head}</tr></thead>'
+        f'<tbody>{rows}</tbody></table></div><p class="legend matrix">{legend}<span class="note">Read a row: '
+        "the object at its left is in this relation to the one above. Dashed: inferred.</span></p>"
+    )
+
+
+def _letter(relation: str, inferred: bool = False) -> str:
+    """A relation in its colour; disjoint pairs, which are most, stay in the background."""
+    if relation == Relation.DISJOINT:
+        return '<b class="apart">D</b>'
+    colour, kind = relation_colour(relation), ' class="inferred"' if inferred else ""
+    style = f"background:{css(colour)};color:{css(ink_on(colour))}"
+    return f'<b{kind} style="{style}">{LETTERS[relation]}</b>'
+
+
 def _pair_table(pairs: Sequence[Mapping[str, Any]], index: Mapping[str, int]) -> str:
     rows = "".join(_pair_row(pair, index) for pair in pairs)
     return table(("A", "relation", "B", "gap", "evidence"), rows, numbers=("gap",))
 
 
 def _pair_row(pair: Mapping[str, Any], index: Mapping[str, int]) -> str:
-    a, b, relation = str(pair["a"]), str(pair["b"]), str(pair["relation"])
-    gap = pair.get("gap")
+    a, b, relation, gap = str(pair["a"]), str(pair["b"]), str(pair["relation"]), pair.get("gap")
     shown = "" if gap is None else ("" if pair.get("gap_exact", True) else "≥ ") + millimetres(float(gap))
     sure = "" if pair.get("confidence") is None else f", {float(pair['confidence']):.2f}"
-    dot = f'<i class="dot" style="background:{css(relation_colour(relation))}"></i>'
-    evidence = "inferred" if is_inferred(pair) else "observed"
-    notes = [str(pair[key]) for key in ("kind", "reason") if pair.get(key)]
-    note = f' <span class="kind">{escape(", ".join(notes))}</span>' if notes else ""
-    matrix = pair.get("matrix")
-    title = f' title="6IM matrix {escape(str(matrix))}"' if matrix is not None else ""
+    notes = ", ".join(str(pair[key]) for key in ("kind", "reason") if pair.get(key))
+    title = "" if pair.get("matrix") is None else f' title="6IM matrix {escape(str(pair["matrix"]))}"'
     return (
-        f'<tr data-ends="{index.get(a, -1)} {index.get(b, -1)}"{title}>'
-        f"<td>{object_name(a, index)}</td><td class=relation>{dot}{escape(relation)}{note}</td>"
-        f"<td>{object_name(b, index)}</td><td class=number>{shown}</td>"
-        f"<td class=evidence>{evidence}{sure}</td></tr>"
+        f'<tr data-ends="{index.get(a, -1)} {index.get(b, -1)}"{title}><td>{object_name(a, index)}</td>'
+        f'<td class=relation><i class="dot" style="background:{css(relation_colour(relation))}"></i>'
+        f"{escape(relation)}{_aside(notes)}</td><td>{object_name(b, index)}</td><td class=number>{shown}</td>"
+        f"<td class=evidence>{'inferred' if is_inferred(pair) else 'observed'}{sure}</td></tr>"
     )
+
+
+def _aside(words: str) -> str:
+    return f' <span class="kind">{escape(words)}</span>' if words else ""
 
 
 def object_name(name: str, index: Mapping[str, int]) -> str:
@@ -90,55 +115,42 @@ def object_name(name: str, index: Mapping[str, int]) -> str:
 
 
 def order_list(order: Document, index: Mapping[str, int]) -> str:
-    """The safe order with the reason for each place, and what an order says besides.
-
-    Args:
-        order: A `topple.order` document.
-        index: Object -> its number in the viewer.
-
-    Returns:
-        HTML, every name escaped.
-    """
+    """The order with the reason for each place as HTML, and what its `topple.order` document says besides."""
     risk: Mapping[str, float] = order.get("risk") or {}
+    words = {name: how_sure(risk.get(name) or 0.0) for name in order.get("order", ())}
     items = "".join(
         f'<li data-object="{index.get(name, -1)}" tabindex="0"><b class="name">{escape(name)}</b>: '
-        f"{escape(sentence)}{_risk(risk.get(name))}</li>"
+        f"{escape(sentence)}{_aside('' if words[name] == 'sure' else words[name])}</li>"
         for name, sentence in order_in_words(order)
     )
     html = f'<ol class="order">{items}</ol>' if items else '<p class="note">There is nothing to take.</p>'
-    html += _certificates(order, index)
-    return html
-
-
-def _risk(risk: float | None) -> str:
-    """How sure a step is, where that is worth a word."""
-    word = how_sure(risk or 0.0)
-    return "" if word == "sure" else f' <span class="kind">{word}</span>'
+    return html + _certificates(order, index)
 
 
 def _certificates(order: Document, index: Mapping[str, int]) -> str:
     """Groups, unresolved cycles, what carries what, and what only bars the gripper's way."""
-    html = ""
-    for group in order.get("groups", ()):
-        names = [object_name(str(name), index) for name in group]
-        html += f'<p class="certificate">Held or taken together: {listed(names)}.</p>'
-    for words in holds_in_words(order):
-        html += f'<p class="certificate">With a second hand, {escape(words)}.</p>'
+
+    def named(names: Sequence[Any] | str) -> str:
+        some = [names] if isinstance(names, str) else names
+        return listed([object_name(str(name), index) for name in some])
+
+    lines = [("", f"Held or taken together: {named(group)}.") for group in order.get("groups", ())]
+    lines += [("", f"With a second hand, {escape(words)}.") for words in holds_in_words(order)]
     for cycle in order.get("unresolved", ()):
-        members = [cycle] if isinstance(cycle, str) else list(cycle)
-        names = [object_name(str(name), index) for name in members]
-        html += f'<p class="certificate bad">No safe order among {listed(names)}: each holds another.</p>'
-    supports = list(order.get("supports") or ())
-    if supports:
-        lying = {
-            (str(edge["then"]), str(edge["first"])): said(edge) for edge in order.get("dependencies", ())
-        }
+        lines.append((" bad", f"No safe order among {named(cycle)}: each holds another."))
+    html = "".join(f'<p class="certificate{kind}">{words}</p>' for kind, words in lines)
+    if supports := list(order.get("supports") or ()):
+        ties = order.get("dependencies", ())
+        lying = {(str(tie["then"]), str(tie["first"])): said(tie) for tie in ties}
         rows = "".join(f"<li>{_support(support, index, lying)}</li>" for support in supports)
-        html += f"<details><summary>What carries what ({len(supports)})</summary><ul>{rows}</ul></details>"
-    access = list(order.get("access") or ())
-    if access:
-        rows = "".join(f"<li>{_bar(bar, index)}</li>" for bar in access)
-        html += f"<details><summary>{len(access)} in the gripper's way</summary><ul>{rows}</ul></details>"
+        html += folded(f"What carries what ({len(supports)})", f"<ul>{rows}</ul>")
+    if access := list(order.get("access") or ()):
+        rows = "".join(
+            f"<li>{named(str(bar['first']))} bars the way to {named(str(bar['then']))}"
+            f"{': ' + escape(str(bar['reason'])) if bar.get('reason') else ''}</li>"
+            for bar in access
+        )
+        html += folded(f"{len(access)} in the gripper's way", f"<ul>{rows}</ul>")
     return html
 
 
@@ -151,22 +163,14 @@ def _support(
     if kind == "leans on":
         kind = {"lying": "lies on", "contained": "lies in"}.get(lying.get(names, ""), kind)
     evidence = "inferred" if support.get("inferred", False) else "observed"
-    sure = f"{float(support.get('confidence', 1.0)):.2f}"
-    return f'{upper} {kind} {lower} <span class="kind">{evidence}, confidence {sure}</span>'
-
-
-def _bar(bar: Mapping[str, Any], index: Mapping[str, int]) -> str:
-    first, then = object_name(str(bar["first"]), index), object_name(str(bar["then"]), index)
-    why = f": {escape(str(bar['reason']))}" if bar.get("reason") else ""
-    return f"{first} bars the way to {then}{why}"
+    sure = f"{evidence}, confidence {float(support.get('confidence', 1.0)):.2f}"
+    return f"{upper} {kind} {lower}{_aside(sure)}"
 
 
 def sentence_list(lines: Sequence[str], title: str) -> str:
     """A titled list of sentences; nothing where there are none."""
     told = [line for text in lines for line in sentences(text)]
-    if not told:
-        return ""
-    return f"<h2>{escape(title)}</h2><ul>{''.join(f'<li>{escape(line)}</li>' for line in told)}</ul>"
+    return f"<h2>{escape(title)}</h2>{bullets(told)}" if told else ""
 
 
 def proof_rows(checked: Verification) -> list[tuple[str, str, str]]:
@@ -184,17 +188,11 @@ def proof_rows(checked: Verification) -> list[tuple[str, str, str]]:
     ]
 
 
-@dataclass(frozen=True)
-class Change:
-    """A pair whose relation is not the predicted one.
+class Change(NamedTuple):
+    """A pair whose relation is not the predicted one: "a relation b", or "not seen".
 
-    Attributes:
-        a: One object.
-        b: The other one.
-        predicted: "a relation b" as it was predicted; "not seen" where it was not.
-        observed: As it was seen.
-        counts: It is a contradiction: in contact instead of apart, or the other way round, and both were
-            observed; or an object is gone. The loop counts the same (`execution.look.unexpected`).
+    `counts` says that it is a contradiction: in contact instead of apart, or the other way round, and both
+    were observed; or an object is gone. The loop counts the same (`execution.look.unexpected`).
     """
 
     a: str
@@ -205,22 +203,16 @@ class Change:
 
 
 def relation_changes(predicted: Document, observed: Document) -> list[Change]:
-    """Pairs whose relation is not the predicted one.
-
-    Args:
-        predicted: A `topple.relations` document.
-        observed: Another, of what was seen.
-    """
+    """Pairs whose relation in one `topple.relations` document is not that of another, of what was seen."""
     expected, seen = _by_pair(predicted), _by_pair(observed)
     changes: list[Change] = []
     for pair in dict.fromkeys([*expected, *seen]):
         before, sure_before = expected.get(pair, (_UNSEEN, True))
         after, sure_after = seen.get(pair, (_UNSEEN, True))
-        if before == after:
-            continue
         apart = (before == Relation.DISJOINT) != (after == Relation.DISJOINT)
         counts = after == _UNSEEN or (apart and before != _UNSEEN and sure_before and sure_after)
-        changes.append(Change(*pair, before, after, counts))
+        if before != after:
+            changes.append(Change(*pair, before, after, counts))
     return changes
 
 

@@ -9,20 +9,7 @@ from topple.topology.rounded import rounded
 
 Document = Mapping[str, Any]
 
-_BEGINNINGS = (
-    "it ",
-    "the ",
-    "nothing ",
-    "a ",
-    "an ",
-    "no ",
-    "what ",
-    "bodies ",
-    "at ",
-    "after ",
-    "before ",
-    "from ",
-)
+_BEGINNINGS = tuple(f"{word} " for word in "it the nothing a an no what bodies at after before from".split())
 """Words that sentences begin with; anything else may be the name of an object."""
 
 UNTIED = "nothing depends on it, and it depends on nothing"
@@ -42,15 +29,12 @@ _BECAUSE = {
 
 
 def because(first: Sequence[str], reason: str, then: str = "it") -> str:
-    """Why some objects have to go before another, as a clause.
+    """Say why some objects have to go before another, as a clause such as "cup and spoon rest on it".
 
     Args:
         first: Names of those that go before, at least one.
-        reason: Reason of these dependencies.
+        reason: Reason of these dependencies; an unknown one is quoted as it is.
         then: What goes after them, in the clause.
-
-    Returns:
-        A clause such as "cup and spoon rest on it"; an unknown reason is quoted as it is.
     """
     one, several = _BECAUSE.get(reason, ("goes before {it}, " + reason, "go before {it}, " + reason))
     return f"{listed(first)} {one if len(first) == 1 else several}".replace("{it}", then)
@@ -68,34 +52,16 @@ def said(dependency: Mapping[str, Any]) -> str:
 
 
 def order_in_words(order: Document) -> list[tuple[str, str]]:
-    """Each object of an order with the reason for its place.
-
-    Args:
-        order: A `topple.order` document.
-
-    Returns:
-        (name, sentence) in the order of removal.
-    """
-    before: dict[str, list[Mapping[str, Any]]] = {}
-    holds: dict[str, list[Mapping[str, Any]]] = {}
-    for dependency in order.get("dependencies", ()):
-        before.setdefault(str(dependency["then"]), []).append(dependency)
-        holds.setdefault(str(dependency["first"]), []).append(dependency)
-    together = {
-        str(name): [str(other) for other in group] for group in order.get("groups", ()) for name in group
-    }
-    targets = {str(name) for name in order.get("targets", ())}
-    told: list[tuple[str, str]] = []
-    done: set[str] = set()
+    """Each object of a `topple.order` document with the reason for its place, in the order of removal."""
     names = [str(name) for name in order.get("order", ())]
     explained = [line.partition(": ")[2] for line in order.get("explanation", ())]
-    otherwise = explained if len(explained) == len(names) else [""] * len(names)
-    for name, else_said in zip(names, otherwise, strict=True):
-        ties = before.get(name, ()), holds.get(name, ()), together.get(name, ())
-        why = "" if name in done else _sentence(name, *ties, targets, done)  # it made room, and comes back
-        why = why or else_said or UNTIED
+    told: list[tuple[str, str]] = []
+    for place, name in enumerate(names):
+        why = (
+            "" if name in names[:place] else _reason(order, name, names[:place])
+        )  # it made room, and is back
+        why = why or (explained[place] if len(explained) == len(names) else "") or UNTIED
         told.append((name, f"{why}."))
-        done.add(name)
     return told
 
 
@@ -107,52 +73,45 @@ def places(order: Document) -> dict[str, int]:
 
 def holds_in_words(order: Document) -> list[str]:
     """What to hold while an order is carried out, a sentence each, of a `topple.order` document."""
-    holds = [
-        Hold(
-            str(hold["object"]),
-            str(hold["since"]),
-            str(hold["until"]),
-            str(hold["because"]),
-            fixture=bool(hold.get("fixture")),
+    told: list[str] = []
+    for hold in order.get("holds", ()):
+        thing, since, until, why = (str(hold[key]) for key in ("object", "since", "until", "because"))
+        told.append(
+            Hold(thing, since, until, why, fixture=bool(hold.get("fixture"))).sentence(order["order"])
         )
-        for hold in order.get("holds", ())
-    ]
-    return [hold.sentence(order["order"]) for hold in holds]
+    return told
 
 
-def _sentence(
-    name: str,
-    before: Sequence[Mapping[str, Any]],
-    holds: Sequence[Mapping[str, Any]],
-    together: Sequence[str],
-    targets: set[str],
-    done: set[str],
-) -> str:
-    others = [other for other in together if other != name]
+def _reason(order: Document, name: str, done: Sequence[str]) -> str:
+    """Why an object goes where it does in an order, some of which is done; empty where nothing ties it."""
     parts: list[str] = []
-    if needed := _by_reason(before, "first", done):
+    if needed := _by_reason(order, name, "then", done):
         earlier = list(dict.fromkeys(first for names in needed.values() for first in names))
         why = listed([because(first, reason) for reason, first in needed.items()])
         parts.append(f"after {listed(earlier)}, because {why}")
-    if freed := _by_reason(holds, "then", None):
+    if freed := _by_reason(order, name, "first", None):
         parts.append(listed([because(["it"], reason, listed(then)) for reason, then in freed.items()]))
-    if others:
-        parts.append("taken or held together with " + listed(others))
-    if name in targets:
+    for group in order.get("groups", ()):
+        if name in (names := [str(other) for other in group]) and len(names) > 1:
+            parts.append("taken or held together with " + listed([other for other in names if other != name]))
+    if name in [str(target) for target in order.get("targets", ())]:
         parts.append(TARGET)
     return "; ".join(parts)
 
 
-def _by_reason(
-    dependencies: Sequence[Mapping[str, Any]], end: str, among: set[str] | None
-) -> dict[str, list[str]]:
-    """Names at one end of dependencies, by reason, each once; only those in `among` where it is given."""
-    names: dict[str, list[str]] = {}
-    for dependency in dependencies:
-        name, same = str(dependency[end]), names.setdefault(said(dependency), [])
-        if name not in same and (among is None or name in among):
-            same.append(name)
-    return {reason: same for reason, same in names.items() if same}
+def _by_reason(order: Document, name: str, end: str, among: Sequence[str] | None) -> dict[str, list[str]]:
+    """Names at the other end of an object's dependencies, by reason, each once; only some where given."""
+    names: dict[str, dict[str, None]] = {}
+    for dependency in order.get("dependencies", ()):
+        other = str(dependency["first" if end == "then" else "then"])
+        if str(dependency[end]) == name and (among is None or other in among):
+            names.setdefault(said(dependency), {})[other] = None
+    return {reason: list(same) for reason, same in names.items()}
+
+
+def counted(number: int, thing: str) -> str:
+    """A number of things: "1 step", "2 steps"."""
+    return f"{number} {thing}{'' if number == 1 else 's'}"
 
 
 def ordinal(place: int) -> str:
@@ -181,9 +140,7 @@ def listed(words: Sequence[str]) -> str:
 
 def sentences(text: Any) -> list[str]:
     """An explanation as lines, whether it came as one text or as several."""
-    if text is None:
-        return []
-    lines = text.splitlines() if isinstance(text, str) else [str(line) for line in text]
+    lines = (text or "").splitlines() if text is None or isinstance(text, str) else map(str, text)
     return [line.strip() for line in lines if line.strip()]
 
 

@@ -35,15 +35,14 @@ def offered(shell, script, typed):
     asks = {
         "bash": f"source {script}; COMP_WORDS=(topple {' '.join(words[:-1])} '{words[-1]}'); "
         f"COMP_CWORD={len(words)}; _topple; printf '%s\\n' \"${{COMPREPLY[@]}}\"",
-        "zsh": "compdef() { }; _files() { }; compadd() { [[ $1 == -- ]] && shift; print -l -- $@ }; "
-        "_describe() { print -l -- ${${(P)2}%%:*} }; " + f"source {script}; words=(topple {typed}); "
-        f"(( $#words == {len(words)} )) && words+=('' ); CURRENT={len(words) + 1}; _topple",
-        "fish": f"source {script}; complete --do-complete 'topple {typed}'",
+        "zsh": "autoload -U compinit && compinit -D; compadd() { print -l -- $@ }; "
+        f"source {script}; words=(topple {' '.join(words[:-1])} '{words[-1]}'); CURRENT={len(words) + 1}; "
+        "_bash_complete -o default -F _topple",
     }
-    flags = {"fish": ["--no-config"], "zsh": ["-f"], "bash": ["--norc"]}[shell]
+    flags = {"zsh": ["-f"], "bash": ["--norc"]}[shell]
     done = subprocess.run([shell, *flags, "-c", asks[shell]], capture_output=True, text=True, timeout=30)
     assert done.stderr == ""
-    return {line.split("\t")[0] for line in done.stdout.splitlines()}
+    return set(done.stdout.split())
 
 
 @pytest.mark.parametrize("shell", SHELLS)

@@ -110,10 +110,6 @@ def test_a_recording_of_ros_2_does_what_the_plan_does(
     assert placed.transform.translation.x == pytest.approx(-0.5)
 
 
-def test_json_is_the_same_plan(plan_file: Path, capsys: pytest.CaptureFixture[str]) -> None:
-    assert plan_from_json(_exported(capsys, plan_file, "json")) == plan_from_json(plan_file.read_bytes())
-
-
 def test_pddl_goes_to_one_file_or_two(plan_file: Path, capsys: pytest.CaptureFixture[str]) -> None:
     both = _exported(capsys, plan_file, "pddl")
     assert both.count("(define") == 2
@@ -197,7 +193,7 @@ def test_what_is_no_plan_is_refused(
 @pytest.mark.parametrize(
     ("more", "words"),
     [
-        (["--to", "png"], "expected json, dot"),
+        (["--to", "png"], "expected dot"),
         (["--to", "dot", "-o", "no/such/folder/plan.dot"], "does not exist"),
         (["--to", "dot", "-o", "."], "it is a folder"),
         ([], "--to"),

@@ -10,17 +10,14 @@ import pytest
 from PIL import Image
 from scipy.spatial import KDTree
 
-from topple.planner.report.animation import RISE, SIZE, order_gif
 from topple.planner.report.drawing import Drawing
-from topple.planner.report.figure import show_picture
+from topple.planner.report.figure import PAPER, RISE, SIZE, order_gif, show_picture
+from topple.planner.report.graph import graph_file
 from topple.planner.report.limits import LIMITS
-from topple.planner.report.matrix import relation_matrix
 from topple.planner.report.palette import RELATION_COLOURS, css, object_colours
-from topple.planner.report.pdf_file import POINTS, graph_pdf
-from topple.planner.report.pen import PAPER
 from topple.planner.report.raster import Projection, render_clouds
 from topple.planner.report.show import show_page
-from topple.planner.report.svg_file import graph_file
+from topple.planner.report.tables import relation_matrix
 from topple.planner.report.words import order_in_words
 from topple.topology.errors import InvalidInput
 from topple.topology.geometry.thin import voxel_means
@@ -281,19 +278,6 @@ def test_the_graph_for_a_paper_stands_alone(stack):
         if node.get("x"):
             assert 0 <= float(node.get("x")) + float(node.get("width")) <= width
             assert float(node.get("y")) <= height
-
-
-def test_the_graph_as_pdf_is_as_large_as_the_svg_and_has_its_letters_in_it(stack):
-    pytest.importorskip("reportlab", reason="ReportLab is not installed: pip install '.[pdf]'")
-    scene, _, found = stack
-    svg = ElementTree.fromstring(graph_file(scene, found.to_json()))
-    pdf = graph_pdf(scene, found.to_json())
-    assert pdf == graph_pdf(scene, found.to_json())
-    (box,) = re.findall(rb"/MediaBox \[ 0 0 ([0-9.]+) ([0-9.]+) \]", pdf)
-    sizes = [float(svg.get(side)) * POINTS for side in ("width", "height")]
-    assert [float(side) for side in box] == pytest.approx(sizes, abs=0.5)
-    fonts = set(re.findall(rb"/BaseFont /([\w+-]+)", pdf))
-    assert len(fonts) == 1 and pdf.count(b"/FontFile2") == 1, fonts
 
 
 def test_what_lies_on_something_is_not_said_to_lean_on_it(stack):

@@ -1,5 +1,6 @@
 """What stands, tips, slides, floats, falls and is in each other: from meshes of any size, and clouds."""
 
+import io
 import json
 from collections.abc import Mapping
 from dataclasses import replace
@@ -7,13 +8,14 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from PIL import Image
 from scipy.spatial.transform import Rotation
 
 import topple
 from topple.benchmarks.check import SPOILS, cases
 from topple.benchmarks.truth.designed import designed
 from topple.planner.cli.main import main
-from topple.planner.report.check_page import ASIDE, CARRIES, FAILS, PUSHED, check_page
+from topple.planner.report.check_page import ASIDE, CARRIES, FAILS, PUSHED, check_page, check_picture
 from topple.planner.report.palette import css
 from topple.planner.simulate.play import play
 from topple.planner.stability.check import StabilityCheck, check
@@ -181,6 +183,9 @@ def test_the_page_of_a_check_says_the_verdict_and_draws_forces(tmp_path: Path) -
     carrying = next(arrow for arrow in view["arrows"] if arrow["colour"] == css(CARRIES))
     assert carrying["to"][:2] == pytest.approx([0, 0], abs=0.05), "under the book"
     assert carrying["to"][2] > carrying["from"][2], "upwards"
+    picture = Image.open(io.BytesIO(check_picture(tipping, check(tipping).to_json())))
+    drawn = {tuple(colour) for colour in np.asarray(picture.convert("RGB")).reshape(-1, 3).tolist()}
+    assert {FAILS, CARRIES, PUSHED} <= drawn
 
 
 def test_pybullet_scenes_at_rest_stand() -> None:
