@@ -247,7 +247,7 @@ def _parser(chosen: str | None) -> tuple[Parser, dict[str, Parser]]:
             name,
             help=purpose,
             description=purpose[0].upper() + purpose[1:] + ".",
-            epilog="\n".join(["examples:", *(f"  topple {call}" for call in EXAMPLES[name]), "", _EPILOG]),
+            epilog="\n".join(["examples:", *(f"  topple {call}" for call in EXAMPLES.get(name, ())), "", _EPILOG]),
             formatter_class=Help,
         )
         if name == chosen and not _is_here(name):
