@@ -2,7 +2,7 @@
 # `make test` leaves out the tests marked slow, `make test-all` runs every one.
 PYTHON ?= $(shell command -v python3.11 || command -v python3.10 || command -v python3.12 || command -v python3.13 || command -v python3)
 BIN := .venv/bin
-KERNELS := $(wildcard topology/kernels/*.cpp) topology/kernels/build.py
+KERNELS := $(wildcard topology/kernels/*.?pp) topology/kernels/build.py
 # One process a core, each with one thread: more threads in each would take the cores from the other. The tests of
 # a file stay in one process, which makes their fixtures once.
 TESTS := OMP_NUM_THREADS=1 OPENBLAS_NUM_THREADS=1 $(BIN)/python -m pytest -n 2 --dist loadfile --no-loadscope-reorder

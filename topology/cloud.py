@@ -4,7 +4,8 @@ from collections.abc import Mapping
 
 import numpy as np
 
-from topple.topology.arrays import FloatArray, middle_of
+from topple.topology.arrays import FloatArray, lengths, middle_of
+from topple.topology.kernels.cells import within_reach
 from topple.topology.kernels.neighbours import PointTree
 from topple.topology.kernels.planes import patch_planes
 from topple.topology.scene import Scene
@@ -33,8 +34,11 @@ def noise_and_spacing(points: FloatArray) -> tuple[float, float]:
     if len(points) < 6:
         return 0.0, 0.0
     if len(points) > REGION:
-        offset = points - points[len(points) // 2]
-        points = points[np.argpartition(np.einsum("ni,ni->n", offset, offset), REGION)[:REGION]]
+        place = points[len(points) // 2]
+        some = np.sort(lengths(points[:: -(-len(points) // (2 * REGION))] - place))
+        reach = some[len(some) * REGION // len(points)] * (1 + 1e-9)  # within it, too, as it may round
+        near = within_reach(points, place, reach)
+        points = points.take(np.flatnonzero(near), axis=0)
     probes = points[:: -(-len(points) // PROBES)]
     tree = PointTree(points)
     distance, index = tree.query(probes, k=min(NEIGHBOURS, len(points)))
@@ -73,7 +77,8 @@ def unit_of(scene: Scene | Mapping[str, FloatArray]) -> float:
     """
     clouds = [scene.clouds[name] for name in scene.movable] if isinstance(scene, Scene) else scene.values()
     # twice how far nearly all points are from their middle: a few may be astray
-    reach = [np.quantile(np.linalg.norm(cloud - middle_of(cloud), axis=1), 0.95) for cloud in clouds]
+    some = [cloud[:: -(-len(cloud) // REGION)] for cloud in clouds]
+    reach = [np.quantile(lengths(cloud - middle_of(cloud)), 0.95) for cloud in some]
     size = 2.0 * float(np.median(reach)) if reach else USUAL
     return 1.0 if size == 0.0 or USUAL_SIZES[0] <= size <= USUAL_SIZES[1] else size / USUAL
 

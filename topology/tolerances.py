@@ -91,10 +91,10 @@ DUPLICATE_POINTS = 200
 NEIGHBOURS = 12
 """Points of a local plane: enough to fit one, few enough to stay on one face."""
 
-REGION = 20000
+REGION = 2000
 """Points of a dense cloud that are looked at, all from one place: noise hardly varies over an object."""
 
-PROBES = 300
+PROBES = 150
 """Points per cloud at which spacing and noise are measured."""
 
 STRAY = 2.5

@@ -26,8 +26,8 @@ COMPILERS = ("c++", "g++", "clang++")
 
 
 def sources() -> list[Path]:
-    """The files that are compiled, by name."""
-    return sorted(FOLDER.glob("*.cpp"))
+    """The files that are compiled and those these include, by name."""
+    return sorted(FOLDER.glob("*.?pp"))
 
 
 def library() -> Path:
@@ -57,7 +57,8 @@ def build(flags: tuple[str, ...] = (), target: Path | None = None) -> str | None
         return "no C++ compiler was found (CXX names one)"
     path = target or library()
     fresh = path.with_suffix(f".{os.getpid()}")  # a process that loads meanwhile finds it whole or not at all
-    given = [command, *FLAGS, *flags, *map(str, sources()), "-o", str(fresh)]
+    units = [str(path) for path in sources() if path.suffix == ".cpp"]
+    given = [command, *FLAGS, *flags, *units, "-o", str(fresh)]
     done = subprocess.run(given, capture_output=True, text=True, check=False)
     if done.returncode or not fresh.exists():
         fresh.unlink(missing_ok=True)

@@ -1,8 +1,9 @@
 // Points sorted into the cubic cells of a grid, which may lie along axes of its own; means by cell.
 #include <algorithm>
+#include <array>
 #include <cstdint>
 #include <limits>
-#include <vector>
+#include <memory>
 
 namespace {
 
@@ -18,6 +19,45 @@ inline void turned(const double *points, int64_t i, const double *turn, double *
     }
     const double x = p[0] - points[0], y = p[1] - points[1], z = p[2] - points[2];
     for (int k = 0; k < 3; ++k) place[k] = x * turn[3 * k] + y * turn[3 * k + 1] + z * turn[3 * k + 2];
+}
+
+// See `cells_sort`; the narrower the keys the sooner.
+template <class Key>
+int64_t sort(const double *points, int64_t count, const double *turn, const double *first, const int64_t *along,
+             double edge, int64_t *order, int64_t *starts) {
+    struct Entry {
+        Key key, row;
+    };
+    const std::unique_ptr<Entry[]> held(new Entry[2 * count]);
+    Entry *entries = held.get(), *sorted = entries + count;
+    const double scale = 1.0 / edge;
+    double place[3];
+    Key most = 0;
+    for (int64_t i = 0; i < count; ++i) {
+        turned(points, i, turn, place);
+        Key key = 0;
+        for (int k = 0; k < 3; ++k) {
+            const double cell = std::min(std::max((place[k] - first[k]) * scale, 0.0), MOST);
+            key = key * static_cast<Key>(along[k]) + static_cast<Key>(static_cast<int64_t>(cell));
+        }
+        entries[i] = {key, static_cast<Key>(i)};
+        most = std::max(most, key);
+    }
+    for (unsigned shift = 0; shift < 8 * sizeof(Key) && most >> shift != 0; shift += DIGIT) {  // stable, by digits
+        std::array<int64_t, (1 << DIGIT) + 1> begin = {};
+        const Key mask = (1 << DIGIT) - 1;
+        for (int64_t i = 0; i < count; ++i) ++begin[(entries[i].key >> shift & mask) + 1];
+        for (int64_t d = 0; d < 1 << DIGIT; ++d) begin[d + 1] += begin[d];
+        for (int64_t i = 0; i < count; ++i) sorted[begin[entries[i].key >> shift & mask]++] = entries[i];
+        std::swap(entries, sorted);
+    }
+    int64_t cells = 0;
+    for (int64_t i = 0; i < count; ++i) {
+        if (i == 0 || entries[i].key != entries[i - 1].key) starts[cells++] = i;
+        order[i] = static_cast<int64_t>(entries[i].row);
+    }
+    starts[cells] = count;
+    return cells;
 }
 
 }  // namespace
@@ -43,38 +83,17 @@ void cells_bounds(const double *points, int64_t count, const double *turn, doubl
 // and has so many cells along each axis; they follow each other along the last axis first.
 int64_t cells_sort(const double *points, int64_t count, const double *turn, const double *first,
                    const int64_t *along, double edge, int64_t *order, int64_t *starts) {
-    struct Entry {
-        uint64_t key;
-        int64_t row;
-    };
-    std::vector<Entry> entries(count), sorted(count);
-    double place[3];
-    uint64_t most = 0;
+    const double cells = static_cast<double>(along[0]) * static_cast<double>(along[1]) * static_cast<double>(along[2]);
+    return cells < 4e9 ? sort<uint32_t>(points, count, turn, first, along, edge, order, starts)
+                       : sort<uint64_t>(points, count, turn, first, along, edge, order, starts);
+}
+
+// Which points (count, 3) have a square of at most a limit from a place.
+void cells_within(const double *points, int64_t count, const double *place, double limit, uint8_t *within) {
     for (int64_t i = 0; i < count; ++i) {
-        turned(points, i, turn, place);
-        uint64_t key = 0;
-        for (int k = 0; k < 3; ++k) {
-            const double cell = std::min(std::max((place[k] - first[k]) / edge, 0.0), MOST);
-            key = key * static_cast<uint64_t>(along[k]) + static_cast<uint64_t>(cell);
-        }
-        entries[i] = {key, i};
-        most = std::max(most, key);
+        const double x = points[3 * i] - place[0], y = points[3 * i + 1] - place[1], z = points[3 * i + 2] - place[2];
+        within[i] = x * x + y * y + z * z <= limit;
     }
-    for (int shift = 0; shift < 64 && most >> shift != 0; shift += DIGIT) {  // stable, digit by digit
-        std::vector<int64_t> begin((1 << DIGIT) + 1, 0);
-        const uint64_t mask = (1 << DIGIT) - 1;
-        for (const Entry &entry : entries) ++begin[(entry.key >> shift & mask) + 1];
-        for (int64_t d = 0; d < 1 << DIGIT; ++d) begin[d + 1] += begin[d];
-        for (const Entry &entry : entries) sorted[begin[entry.key >> shift & mask]++] = entry;
-        entries.swap(sorted);
-    }
-    int64_t cells = 0;
-    for (int64_t i = 0; i < count; ++i) {
-        if (i == 0 || entries[i].key != entries[i - 1].key) starts[cells++] = i;
-        order[i] = entries[i].row;
-    }
-    starts[cells] = count;
-    return cells;
 }
 
 // The (cells, 3) means of the points of each cell, summed in the order of their rows.

@@ -8,7 +8,7 @@ import numpy as np
 from topple.topology.kernels.compiled import address, kernels
 
 if TYPE_CHECKING:
-    from topple.topology.arrays import FloatArray, IntArray
+    from topple.topology.arrays import BoolArray, FloatArray, IntArray
 
 
 @dataclass(frozen=True, eq=False)
@@ -46,19 +46,31 @@ class Cells:
         return found
 
 
-def turned_bounds(points: "FloatArray", turn: "FloatArray") -> "tuple[FloatArray, FloatArray]":
+def turned_bounds(points: "FloatArray", turn: "FloatArray | None" = None) -> "tuple[FloatArray, FloatArray]":
     """Least and greatest coordinates, (3,) each [m], of points (N, 3) along axes, the rows of `turn` (3, 3).
 
-    N >= 1. They count from the first point, which turns with the others.
+    N >= 1. They count from the first point, which turns with the others; along the frame's where None.
     """
     compiled = kernels()
     if compiled is None:
-        local = (points - points[0]) @ turn.T
+        local = points if turn is None else (points - points[0]) @ turn.T
         return local.min(axis=0), local.max(axis=0)
-    given, axes = np.ascontiguousarray(points, dtype=np.float64), np.ascontiguousarray(turn)
-    found = np.empty((2, 3))
-    compiled.cells_bounds(address(given), len(given), address(axes), address(found))
+    given, found = np.ascontiguousarray(points, dtype=np.float64), np.empty((2, 3))
+    axes = None if turn is None else np.ascontiguousarray(turn)
+    compiled.cells_bounds(address(given), len(given), None if axes is None else address(axes), address(found))
     return found[0], found[1]
+
+
+def within_reach(points: "FloatArray", place: "FloatArray", reach: float) -> "BoolArray":
+    """Tell which points (N, 3) are at most so far from a place (3,) [m]: (N,)."""
+    compiled = kernels()
+    if compiled is None:
+        away = points - place
+        return np.einsum("ni,ni->n", away, away) <= reach**2
+    given, found = np.ascontiguousarray(points, dtype=np.float64), np.empty(len(points), dtype=np.bool_)
+    at = np.ascontiguousarray(place)
+    compiled.cells_within(address(given), len(given), address(at), reach**2, address(found))
+    return found
 
 
 def cells_of(
@@ -78,11 +90,11 @@ def cells_of(
         turn: (3, 3) axes of the grid, its rows; points, `lower` and `upper` then count along them from the
             first point. Along those of the frame where None.
     """
-    along = ((upper - lower) / edge).astype(np.int64) + 1
+    along = ((upper - lower) * (1.0 / edge)).astype(np.int64) + 1
     compiled = kernels()
     if compiled is None:
         local = points if turn is None else (points - points[0]) @ turn.T
-        x, y, z = ((local - lower) / edge).astype(np.int64).T
+        x, y, z = ((local - lower) * (1.0 / edge)).astype(np.int64).T
         keys = (x * along[1] + y) * along[2] + z
         order = np.argsort(keys, kind="stable")
         ordered = keys[order]

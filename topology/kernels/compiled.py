@@ -22,11 +22,19 @@ _SIGNATURES = {
         None, _ARRAY, _ARRAY, _COUNT, _ARRAY, _ARRAY, _COUNT, _COUNT, _NUMBER, _ARRAY, _ARRAY,
     ),
     "tree_within": (_COUNT, _ARRAY, _ARRAY, _COUNT, _ARRAY, _COUNT, _NUMBER, _ARRAY, _ARRAY, _COUNT),
-    "tree_sums": (None, _ARRAY, _ARRAY, _COUNT, _ARRAY, _NUMBER, _ARRAY, _ARRAY),
+    "tree_around": (
+        None, _ARRAY, _ARRAY, _COUNT, _ARRAY, _NUMBER, _ARRAY, _COUNT, _ARRAY, _ARRAY, _ARRAY,
+    ),
     "pieces_of_links": (None, _ARRAY, _COUNT, _COUNT, _ARRAY),
+    "cavity_walled": (
+        None, _ARRAY, _COUNT, _ARRAY, _COUNT, _NUMBER, _NUMBER, _COUNT, _COUNT, _ARRAY,
+    ),
+    "cavity_roofed": (None, _ARRAY, _COUNT, _ARRAY, _COUNT, _NUMBER, _NUMBER, _ARRAY),
     "cells_bounds": (None, _ARRAY, _COUNT, _ARRAY, _ARRAY),
     "cells_sort": (_COUNT, _ARRAY, _COUNT, _ARRAY, _ARRAY, _ARRAY, _NUMBER, _ARRAY, _ARRAY),
+    "cells_within": (None, _ARRAY, _COUNT, _ARRAY, _NUMBER, _ARRAY),
     "cells_means": (None, _ARRAY, _ARRAY, _ARRAY, _COUNT, _ARRAY),
+    "closest_places": (None, *[_ARRAY] * 5, _COUNT, _COUNT, _ARRAY, _ARRAY),
     "continued_planes": (None, *_PICTURE, _ARRAY, _COUNT, _ARRAY),
     "continued_surfaces": (
         None, *_PICTURE, _ARRAY, _COUNT, _COUNT, _NUMBER, _NUMBER, _COUNT, _COUNT, _COUNT, _ARRAY, _COUNT,

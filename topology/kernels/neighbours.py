@@ -102,17 +102,31 @@ class PointTree:
         first = np.repeat(np.arange(len(counts)), counts)
         return np.stack([first, rows], axis=1)[first < rows]
 
-    def sums_around(self, weights: "FloatArray", r: float) -> "FloatArray":
-        """(N,) sums of the weights (N,) of all points within a radius r [m] of each, itself among them."""
+    def around(self, weights: "FloatArray", r: float, k: int) -> "tuple[FloatArray, FloatArray, IntArray]":
+        """Look around every point, once.
+
+        Args:
+            weights: (N,) one for each point.
+            r: A radius [m].
+            k: How many neighbours, 2 or more.
+
+        Returns:
+            (N,) sums of the weights of all points within the radius, each itself among them; (N, k) distances
+            [m] and rows of the nearest points, as `query` has them.
+        """
         if self._kernels is None:
             sums, pairs = weights.copy(), self.query_pairs(r)
             for one, other in ((0, 1), (1, 0)):
                 sums += np.bincount(pairs[:, one], weights=weights[pairs[:, other]], minlength=len(weights))
-            return sums
+            return sums, *self.query(self.data, k)
         given, sums = np.ascontiguousarray(weights, dtype=np.float64), np.zeros(len(self.data))
+        distances, rows = np.empty((len(sums), k)), np.empty((len(sums), k), dtype=np.int64)
         if len(sums):
-            self._kernels.tree_sums(*self._arrays(), address(self._points), r, address(given), address(sums))
-        return sums
+            self._kernels.tree_around(
+                *self._arrays(), address(self._points), r, address(given), k, address(sums),
+                address(distances), address(rows),
+            )  # fmt: skip
+        return sums, distances, rows
 
     def _arrays(self) -> tuple[int, int, int]:
         return address(self._leaves), address(self._groups), len(self.data)

@@ -38,3 +38,8 @@ NARROW = 0.3
 OFF = 0.005
 """[m] at a metre and nearer, beyond with its square, that a pixel lies off the surface that it is of, at
 most: above a depth camera's noise and steps, and what a surface bends within a few pixels."""
+
+# -- cavity
+
+LOOKED_ALONG = 1 << 14
+"""Lines of sight looked along at once (0.4 MB): they stay in a core's own cache."""

@@ -4,11 +4,9 @@ import numpy as np
 
 from topple.topology.arrays import BoolArray, FloatArray, bounds, within_corners
 from topple.topology.geometry.axes import perpendiculars
+from topple.topology.kernels import cavity
 from topple.topology.rule.tolerances import AZIMUTHS
 from topple.topology.tolerances import TOLERANCES
-
-BLOCK = 1 << 14
-"""Lines of sight looked along at once (1 MB): they stay in a core's own cache."""
 
 
 def surrounded(places: FloatArray, wall: FloatArray, up: FloatArray, height: float) -> BoolArray:
@@ -24,22 +22,8 @@ def surrounded(places: FloatArray, wall: FloatArray, up: FloatArray, height: flo
         (N,) True where the wall rises by `height` and by `wall_slope` in `wall_azimuths` of the directions.
     """
     axes = np.stack([*perpendiculars(up), up], axis=1)
-    local, standing = places @ axes, wall @ axes
-    found = np.zeros(len(places), dtype=np.bool_)
-    step = max(1, BLOCK // max(len(wall), 1))
-    for start in range(0, len(places), step):
-        block = local[start : start + step]
-        along = standing[:, 0] - block[:, None, 0]
-        across = standing[:, 1] - block[:, None, 1]
-        rise = standing[:, 2] - block[:, None, 2]
-        place, point = np.nonzero(
-            (rise >= height) & (rise * rise >= TOLERANCES.wall_slope**2 * (along * along + across * across))
-        )
-        turn = np.arctan2(across[place, point], along[place, point]) / (2 * np.pi) + 0.5
-        seen = np.zeros((len(block), AZIMUTHS), dtype=np.bool_)
-        seen[place, np.minimum((turn * AZIMUTHS).astype(np.int64), AZIMUTHS - 1)] = True
-        found[start : start + step] = seen.mean(axis=1) >= TOLERANCES.wall_azimuths
-    return found
+    least = int(np.ceil(TOLERANCES.wall_azimuths * AZIMUTHS))
+    return cavity.walled(places @ axes, wall @ axes, height, TOLERANCES.wall_slope, AZIMUTHS, least)
 
 
 def roofed(places: FloatArray, wall: FloatArray, up: FloatArray, height: float, aside: float) -> BoolArray:
@@ -55,23 +39,10 @@ def roofed(places: FloatArray, wall: FloatArray, up: FloatArray, height: float, 
     Returns:
         (N,) True where a point of the wall is there.
     """
-    found = np.zeros(len(places), dtype=np.bool_)
     if len(places) == 0:
-        return found
-    wall = _beside(places, wall, up, aside)
-    step = max(1, BLOCK // max(len(wall), 1))
-    for start in range(0, len(places), step):
-        offset = wall[None] - places[start : start + step, None]
-        rise = offset @ up
-        beside = np.einsum("nmi,nmi->nm", offset, offset) - rise**2
-        found[start : start + step] = ((rise > height) & (beside < aside**2)).any(axis=1)
-    return found
-
-
-def _beside(places: FloatArray, wall: FloatArray, up: FloatArray, aside: float) -> FloatArray:
-    """The wall over and under the places' box in plan, in its order: the rest of a room is beside them."""
-    level = np.stack(perpendiculars(up), axis=1)
-    lower, upper = bounds(places @ level)
-    margin = aside * (1 + 1e-6) + 1e-9  # more than rounding takes away
-    flat = wall @ level
-    return wall[within_corners(flat, lower - margin, upper + margin)]
+        return np.zeros(0, dtype=np.bool_)
+    axes = np.stack([*perpendiculars(up), up], axis=1)
+    local, standing = places @ axes, wall @ axes
+    lower, upper = bounds(local[:, :2])
+    near = within_corners(standing[:, :2], lower - aside, upper + aside)
+    return cavity.roofed(local, standing[near], height, aside)

@@ -12,6 +12,7 @@ from topple.topology.bodies.surfaces import carry_over, surfaces_of
 from topple.topology.confidence import Evidence, confidence
 from topple.topology.geometry.axes import level_axes
 from topple.topology.geometry.outline import amid, covers, outline
+from topple.topology.geometry.tolerances import ENOUGH
 from topple.topology.pair import PairRelation
 from topple.topology.relation_table import AnyTable, RelationTable
 from topple.topology.rule.tolerances import CLOSE, FEW_IN_PLAN
@@ -174,7 +175,7 @@ def _holds(pair: PairRelation, height: Callable[[str], float], fixed: frozenset[
 
 def _height(points: FloatArray, up: FloatArray) -> float:
     """Middle height of points (N, 3) along `up` [m]: strays do not move it."""
-    return float(np.median(points @ up))
+    return float(np.median(points[:: -(-len(points) // ENOUGH)] @ up))
 
 
 def _may_touch(pair: PairRelation) -> bool:

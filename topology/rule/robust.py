@@ -121,10 +121,10 @@ class RobustRule:
     def _interior(self, a: SurfaceCloud, b: SurfaceCloud) -> BoolArray:
         """Which mean points of A lie in B's solid or hollow: in its hull, with B standing higher around."""
         inside = np.zeros(a.size, dtype=np.bool_)
-        if (a.lower > b.hull.upper).any() or (a.upper < b.hull.lower).any() or b.hull.dimension < 3:
-            return inside
-        candidates = np.flatnonzero(within_corners(a.coarse, b.hull.lower, b.hull.upper))
-        candidates = candidates[b.hull.facet_distance(a.coarse[candidates]) < -self.deviation]
+        lower, upper = b.tree.box[0] + self.deviation, b.tree.box[1] - self.deviation
+        candidates = np.flatnonzero(within_corners(a.coarse, lower, upper))
+        if len(candidates) > CONTENT:
+            candidates = candidates[b.hull.facet_distance(a.coarse[candidates]) < -self.deviation]
         if len(candidates) == 0:
             return inside
         step = -(-len(candidates) // CONTENT)
@@ -135,6 +135,9 @@ class RobustRule:
             walled = surrounded(a.coarse[chosen], wall, up, self.deviation)
             walled[walled] = ~self._under(a.coarse[chosen[walled]], b, up)
             held |= walled
+        if not held.any() or b.hull.dimension < 3:  # mostly the hull is not asked for
+            return inside
+        held[held] = b.hull.facet_distance(a.coarse[chosen[held]]) < -self.deviation
         inside[chosen[held]] = True
         if step > 1:  # the points between follow the nearest one that was looked at
             nearest = PointTree(a.coarse[chosen]).query(a.coarse[candidates])[1]

@@ -5,15 +5,14 @@ from functools import cached_property
 
 import numpy as np
 
-from topple.topology.arrays import BoolArray, FloatArray, IntArray, bounds, lengths, middle_of
+from topple.topology.arrays import BoolArray, FloatArray, IntArray, middle_of
 from topple.topology.geometry.axes import own_axes
 from topple.topology.geometry.hull import Hull
-from topple.topology.geometry.thin import cell_keys
 from topple.topology.geometry.tolerances import BEFORE
 from topple.topology.kernels.cells import Cells, cells_of, turned_bounds
+from topple.topology.kernels.closest import closest_places
 from topple.topology.kernels.neighbours import PointTree
 from topple.topology.kernels.pieces import pieces_of_links
-from topple.topology.kernels.planes import patch_planes
 from topple.topology.rule.tolerances import (
     AROUND,
     BESIDE,
@@ -32,9 +31,6 @@ from topple.topology.rule.tolerances import (
 )
 from topple.topology.tolerances import TOLERANCES
 
-CROPPED = 0.5
-"""Share of a surface below which a search tree of that part alone pays."""
-
 
 @dataclass(frozen=True, eq=False)
 class SurfaceCloud:
@@ -42,8 +38,9 @@ class SurfaceCloud:
 
     Attributes:
         name: Name of the object.
-        points: (N, 3) kept points, grouped by cell [m].
-        starts: (M + 1,) rows of `points` at which the cells begin.
+        cloud: (K, 3) points as they were given [m].
+        order: (N,) rows of the kept ones, cell after cell.
+        starts: (M + 1,) places in `order` at which the cells begin.
         coarse: (M, 3) mean point of each cell [m].
         cell: Edge of the cells [m], 0 where every point is a cell of its own.
         dropped: Number of stray points left out.
@@ -52,7 +49,8 @@ class SurfaceCloud:
     """
 
     name: str
-    points: FloatArray
+    cloud: FloatArray
+    order: IntArray
     starts: IntArray
     coarse: FloatArray
     cell: float
@@ -69,20 +67,16 @@ class SurfaceCloud:
             cloud: (N, 3) points [m].
         """
         cells, cell = _cells(cloud)
-        points, starts, sizes, coarse = cloud[cells.order], cells.starts, cells.sizes, cells.means()
+        order, starts, sizes, coarse = cells.order, cells.starts, cells.sizes, cells.means()
         tree = PointTree(coarse)
-        kept = _well_connected(tree, sizes, cell)
-        tree = tree if kept.all() else PointTree(coarse[kept])
-        main, fourth = _main_pieces(tree)
-        kept[kept] = main
-        dropped = len(points) - int(sizes[kept].sum())
+        around, distance, index = tree.around(sizes.astype(np.float64), AROUND * cell, LINKS + 1)
+        kept = _main_pieces(coarse, _well_connected(coarse, around, cell), distance, index)
+        spacing = float(np.median(distance[kept, 4])) if len(coarse) >= 5 else 0.0
+        dropped = len(order) - int(sizes[kept].sum())
         if dropped:
-            points, sizes, coarse = points[np.repeat(kept, sizes)], sizes[kept], coarse[kept]
-            starts = np.concatenate([[0], np.cumsum(sizes)])
-            if not main.all():
-                tree = PointTree(coarse)
-                fourth = tree.query(tree.data, 5)[0][:, -1]
-        return SurfaceCloud(name, points, starts, coarse, cell, dropped, tree, float(np.median(fourth)))
+            order, sizes, coarse = order[np.repeat(kept, sizes)], sizes[kept], coarse[kept]
+            starts, tree = np.concatenate([[0], np.cumsum(sizes)]), PointTree(coarse)
+        return SurfaceCloud(name, cloud, order, starts, coarse, cell, dropped, tree, spacing)
 
     @cached_property
     def hull(self) -> Hull:
@@ -95,8 +89,13 @@ class SurfaceCloud:
         return self.hull.spread(PLACES)
 
     @cached_property
+    def points(self) -> FloatArray:
+        """(N, 3) kept points, grouped by cell [m]."""
+        return self.cloud.take(self.order, axis=0)  # a quarter of what indexing takes
+
+    @cached_property
     def _box(self) -> tuple[FloatArray, FloatArray]:
-        return bounds(self.points)
+        return turned_bounds(self.points if self.dropped else self.cloud)
 
     @property
     def lower(self) -> FloatArray:
@@ -113,11 +112,14 @@ class SurfaceCloud:
         """Number of mean points: what the matrix counts."""
         return len(self.coarse)
 
-    def rows_of(self, cells: IntArray) -> FloatArray:
-        """The kept points of some cells, (n, 3) [m]."""
-        sizes = self.starts[cells + 1] - self.starts[cells]
-        first = np.repeat(self.starts[cells] - (np.cumsum(sizes) - sizes), sizes)
-        return self.points[first + np.arange(len(first))]
+    def some_of(self, cells: IntArray, most: int) -> tuple[FloatArray, IntArray]:
+        """At most so many kept points (n, 3) [m] of some cells, evenly, and (n,) the cell of each."""
+        ends = np.cumsum(self.starts[cells + 1] - self.starts[cells])
+        count = int(ends[-1]) if len(ends) else 0
+        chosen = np.arange(0, count, max(1, -(-count // most)))
+        cell = np.searchsorted(ends, chosen, side="right")
+        place = chosen + (self.starts[cells + 1] - ends)[cell]
+        return self.cloud.take(self.order[place], axis=0), cells[cell]
 
 
 def _cells(cloud: FloatArray) -> tuple[Cells, float]:
@@ -129,49 +131,45 @@ def _cells(cloud: FloatArray) -> tuple[Cells, float]:
     extent = upper - lower
     cell = max(float(extent.max()), 1e-9) / 40
     # Cells of a surface go with the inverse square of their edge: one look at a part settles the edge.
-    probe = (cloud[:: -(-len(cloud) // (8 * COARSE))] - cloud[0]) @ turn.T
-    occupied = len(np.unique(cell_keys(probe, lower, upper, cell)))
+    probe = cloud[:: -(-len(cloud) // (8 * COARSE))]  # from the first point on, as the grid
+    occupied = len(cells_of(probe, lower - BEFORE, upper, cell, turn).sizes)
     cell = min(float(np.clip(cell * (occupied / COARSE) ** 0.5, cell / 6, 2 * cell)), LARGEST_CELL)
     return cells_of(cloud, lower - BEFORE, upper, cell, turn), cell
 
 
-def _well_connected(tree: PointTree, sizes: IntArray, cell: float) -> BoolArray:
-    """Which cells are filled like a surface, or lie beside one that is.
+def _well_connected(coarse: FloatArray, around: FloatArray, cell: float) -> BoolArray:
+    """Which cells are filled like a surface, by the points around each, or lie beside one that is.
 
     At a mask's edge pixels show the neighbour, or hang in the air between the two: lines of cells that hold
     few points.
     """
-    kept = np.ones(len(sizes), dtype=np.bool_)
+    kept = np.ones(len(coarse), dtype=np.bool_)
     if cell == 0:
         return kept
-    around = tree.sums_around(sizes.astype(np.float64), AROUND * cell)
     core = around >= FILLED * np.median(around)
     if core.any() and not core.all():
-        coarse = np.asarray(tree.data)
         kept[~core] = PointTree(coarse[core]).query(coarse[~core])[0] <= BESIDE * cell
     return kept
 
 
-def _main_pieces(tree: PointTree) -> tuple[BoolArray, FloatArray]:
-    """Which points belong to a piece of the cloud that is no stray: large enough a share of the whole.
+def _main_pieces(coarse: FloatArray, kept: BoolArray, distance: FloatArray, index: IntArray) -> BoolArray:
+    """Which of the kept points belong to a piece of the cloud that is no stray: large enough a share of it.
 
-    Also the distance of each to its fourth neighbour [m], of few points 0.
+    They hang together by their nearest neighbours, given by distance [m] and row as far as there are any.
     """
-    coarse = np.asarray(tree.data)
-    if len(coarse) < 30:
-        fourth = tree.query(tree.data, 5)[0][:, -1] if len(coarse) >= 5 else np.zeros(len(coarse))
-        return np.ones(len(coarse), dtype=np.bool_), fourth
-    distance, index = tree.query(tree.data, LINKS + 1)
-    limit = BREAK * float(np.median(distance[:, 4]))
-    rows = np.repeat(np.arange(len(coarse)), LINKS)
-    linked = (distance[:, 1:] <= limit).ravel()
-    links = np.stack([rows[linked], index[:, 1:].ravel()[linked]], axis=1)
-    labels = pieces_of_links(links, len(coarse))
-    sizes = np.bincount(labels)
-    stray = sizes < min(TOLERANCES.stray_share * len(coarse), sizes.max())
+    count = np.count_nonzero(kept)
+    if count < 30:
+        return kept
+    limit = BREAK * float(np.median(distance[kept, 4]))
+    own = np.arange(len(kept))[:, None]
+    linked = (distance[:, 1:] <= limit) & kept[index[:, 1:]] & kept[:, None]
+    links = np.stack(np.broadcast_arrays(own, np.where(linked, index[:, 1:], own)), axis=-1)
+    labels = pieces_of_links(links.reshape(-1, 2), len(kept))
+    sizes = np.bincount(labels, weights=kept)
+    stray = sizes < min(TOLERANCES.stray_share * count, sizes.max())
     for label in np.flatnonzero(stray & (sizes >= FEW)):
         stray[label] = _width(coarse[labels == label]) < limit / BREAK
-    return ~stray[labels], distance[:, 4]
+    return kept & ~stray[labels]
 
 
 def _width(points: FloatArray) -> float:
@@ -194,27 +192,19 @@ class Closest:
 
     Attributes:
         gap: Distance of the surfaces [m], by the closest points that are no strays.
-        pairs: (k, 2, 3) closest points, on the first and on the second surface [m].
+        apart: Distance of the closest samples [m], which is never less than the surfaces'.
         of_a: How far the mean points of the first are from those of the second.
         of_b: The other way round; None where that was not asked.
     """
 
     gap: float
-    pairs: FloatArray
+    apart: float
     of_a: "Reaching"
     of_b: "Reaching | None"
 
-    @property
-    def apart(self) -> float:
-        """Distance of the closest samples [m], which is never less than the surfaces'."""
-        return float(lengths(self.pairs[:, 0] - self.pairs[:, 1]).min())
-
 
 def closest(a: SurfaceCloud, b: SurfaceCloud) -> Closest:
-    """Distance of two surfaces and where they are closest.
-
-    The distance from a point to a sampled surface is that to the plane through the nearest samples, as far
-    as they reach: sparse clouds of surfaces in contact do not seem apart by their spacing.
+    """Measure the distance of two surfaces.
 
     Args:
         a: One surface.
@@ -229,31 +219,14 @@ def closest(a: SurfaceCloud, b: SurfaceCloud) -> Closest:
     of_a = Reaching(near_a, bound + slack)
     apart = float(near_a.min())
     if 0 < FAR * slack < apart:
-        return _far(a, b, of_a)
+        return Closest(apart, apart, of_a, None)  # how points lie in their cells hardly lengthens that
     limit = apart * more + slack
     near_b = distances(b.coarse, a, limit)
-    fine_a, about_a = _fine(a, near_a, limit)
-    fine_b, about_b = _fine(b, near_b, limit)
-    tree_a, tree_b = PointTree(fine_a), PointTree(fine_b)
-    fine_a = _nearest(fine_a, about_a, tree_b)
-    fine_b = _nearest(fine_b, about_b, tree_a)
-    rank = min(8, 1 + min(len(a.points), len(b.points)) // 60)  # so many strays may come closer
-    forward, feet = _to_surface(fine_a, tree_b)
-    backward, heads = _to_surface(fine_b, tree_a)
-    first, second = np.argsort(forward, kind="stable")[:64], np.argsort(backward, kind="stable")[:64]
-    pairs = np.concatenate(
-        [np.stack([fine_a[first], feet[first]], axis=1), np.stack([heads[second], fine_b[second]], axis=1)]
-    )
-    gap = min(_ranked(forward, rank), _ranked(backward, rank))
-    return Closest(gap, pairs, of_a, Reaching(near_b, limit))
-
-
-def _far(a: SurfaceCloud, b: SurfaceCloud, of_a: Reaching) -> Closest:
-    """The nearest mean points: how they lie in their cells hardly lengthens a distance of many cells."""
-    chosen = np.argsort(of_a.distances, kind="stable")[:64]
-    feet = b.coarse[b.tree.query(a.coarse[chosen])[1]]
-    pairs = np.stack([a.coarse[chosen], feet], axis=1)
-    return Closest(float(of_a.distances[chosen[0]]), pairs, of_a, None)
+    found = closest_places(_fine(a, near_a, limit), _fine(b, near_b, limit), CANDIDATES, PATCH)
+    rank = min(8, 1 + min(len(a.order), len(b.order)) // 60)  # so many strays may come closer
+    gap = min(_ranked(surface, rank) for surface, _ in found)
+    sample = min(float(samples.min()) for _, samples in found)
+    return Closest(gap, sample, of_a, Reaching(near_b, limit))
 
 
 def distances(points: FloatArray, other: SurfaceCloud, limit: float) -> FloatArray:
@@ -267,41 +240,8 @@ def distances(points: FloatArray, other: SurfaceCloud, limit: float) -> FloatArr
     Returns:
         (N,) distances [m], infinite beyond the limit.
     """
-    chosen = np.flatnonzero(within_box(points, *other.tree.box, limit))
-    distance = np.full(len(points), np.inf)
-    if len(chosen):
-        within = np.nextafter(limit, np.inf)  # the search leaves out its bound itself
-        tree = _around(other, points[chosen], limit)
-        distance[chosen] = tree.query(points[chosen], distance_upper_bound=within)[0]
-    return distance
-
-
-def _around(surface: SurfaceCloud, points: FloatArray, limit: float) -> PointTree:
-    """A search tree that has all mean points of a surface which are within a limit of points.
-
-    From the middle of a room all of its walls are equally far, and a search tree of them goes through them
-    all for every point. What is within the limit of the points' box is little of that.
-    """
-    near = within_box(surface.coarse, *bounds(points), limit)
-    few = 0 < np.count_nonzero(near) < CROPPED * surface.size
-    return PointTree(surface.coarse[near]) if few else surface.tree
-
-
-def within_box(points: FloatArray, lower: FloatArray, upper: FloatArray, limit: float) -> BoolArray:
-    """Which points are at most so far from a box.
-
-    Args:
-        points: (N, 3) points [m].
-        lower: (3,) least corner of the box [m].
-        upper: (3,) greatest corner [m].
-        limit: Distance [m].
-
-    Returns:
-        (N,) True for those.
-    """
-    apart = np.maximum(np.maximum(lower - points, points - upper), 0.0)
-    reach = limit * (1 + 1e-9)  # as rounding may have it
-    return np.asarray(np.einsum("ni,ni->n", apart, apart) <= reach**2)
+    within = np.nextafter(limit, np.inf)  # the search leaves out its bound itself
+    return other.tree.query(points, distance_upper_bound=within)[0]
 
 
 def _ranked(values: FloatArray, rank: int) -> float:
@@ -315,40 +255,6 @@ def _at_most(points: FloatArray, count: int) -> FloatArray:
 
 
 def _fine(surface: SurfaceCloud, near: FloatArray, limit: float) -> tuple[FloatArray, FloatArray]:
-    """The kept points (N, 3) of the cells within a limit [m], and (N,) how far away their cells are [m]."""
-    cells = np.flatnonzero(near <= limit)
-    about = np.repeat(near[cells], surface.starts[cells + 1] - surface.starts[cells])
-    return _at_most(surface.rows_of(cells), FINE), _at_most(about, FINE)
-
-
-def _nearest(points: FloatArray, about: FloatArray, tree: PointTree) -> FloatArray:
-    """The points nearest to the samples of a surface: where the surfaces are closest, one of them is.
-
-    Those whose cells are nearest bound how far the others may be: most are not searched for.
-    """
-    if len(points) <= CANDIDATES:
-        return points
-    likely = np.argpartition(about, CANDIDATES)[:CANDIDATES]
-    bound = float(np.max(tree.query(points[likely])[0]))
-    distance = tree.query(points, distance_upper_bound=np.nextafter(bound, np.inf))[0]
-    return points[np.sort(np.argpartition(distance, CANDIDATES)[:CANDIDATES])]
-
-
-def _to_surface(points: FloatArray, tree: PointTree) -> tuple[FloatArray, FloatArray]:
-    """(N,) distances of points to the surface that samples show, and the (N, 3) nearest samples."""
-    surface = np.asarray(tree.data)
-    count = min(PATCH, len(surface))
-    distance, index = tree.query(points, k=count)
-    distance, index = distance.reshape(len(points), count), index.reshape(len(points), count)
-    nearest = surface[index[:, 0]]
-    if count < 3:
-        return distance[:, 0], nearest
-    patch = surface[index]
-    middle, normal, _ = patch_planes(patch)
-    height = np.abs(np.einsum("ni,ni->n", points - middle, normal))
-    # Samples reach half their spacing beyond the last one.
-    reach = 0.5 * np.linalg.norm(patch[:, 1:4] - nearest[:, None], axis=2).mean(axis=1)
-    beside = np.sqrt(
-        np.maximum(distance[:, 0] ** 2 - np.einsum("ni,ni->n", points - nearest, normal) ** 2, 0)
-    )
-    return np.minimum(distance[:, 0], np.hypot(height, np.maximum(beside - reach, 0.0))), nearest
+    """Kept points (n, 3) of the cells within a limit [m], and (n,) how far away their cells are [m]."""
+    points, cells = surface.some_of(np.flatnonzero(near <= limit), FINE)
+    return points, near[cells]

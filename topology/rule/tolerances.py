@@ -85,7 +85,7 @@ BREAK = 4.0
 PROBES = 32
 """Points that bound the distance of two surfaces before all are looked at."""
 
-CANDIDATES = 400
+CANDIDATES = 128
 """Points whose distance to the other surface is measured with planes, the nearest to its samples."""
 
 PATCH = 8

@@ -7,7 +7,9 @@ import pytest
 
 from topple.topology.arrays import bounds
 from topple.topology.kernels import build, compiled
-from topple.topology.kernels.cells import cells_of, turned_bounds
+from topple.topology.kernels.cavity import roofed, walled
+from topple.topology.kernels.cells import cells_of, turned_bounds, within_reach
+from topple.topology.kernels.closest import closest_places
 from topple.topology.kernels.continued import continued, planes_around
 from topple.topology.kernels.heights import heights_over
 from topple.topology.kernels.neighbours import PointTree
@@ -83,8 +85,18 @@ def test_what_is_within_a_radius_is_what_scipy_finds(twins, name):
     assert all(np.array_equal(one, other) for one, other in zip(found, expected, strict=True))
     pairs, others = (tree.query_pairs(radius) for tree in (ours, twin))
     assert sorted(map(tuple, pairs.tolist())) == sorted(map(tuple, others.tolist()))
+
+
+@pytest.mark.parametrize("name", CLOUDS)
+def test_a_look_around_every_point_is_that_of_scipy(twins, name):
+    points = CLOUDS[name]
+    ours, twin = twins(points)
     weights = RNG.integers(1, 9, len(points)).astype(float)
-    assert np.array_equal(ours.sums_around(weights, radius), twin.sums_around(weights, radius))
+    for radius in (0.21 * max(float(np.ptp(points)), 1e-3), 1e-9):
+        (sums, distances, rows), expected = (tree.around(weights, radius, 7) for tree in (ours, twin))
+        assert np.array_equal(sums, expected[0]) and np.array_equal(distances, expected[1])
+        known, nearest = ours.query(points, 7)
+        assert np.array_equal(distances, known) and np.array_equal(rows, nearest)
 
 
 def test_pieces_are_numbered_by_their_first_rows(monkeypatch):
@@ -140,8 +152,11 @@ def test_cells_hold_the_same_points_and_have_the_same_means(monkeypatch, name):
         cells = cells_of(points, lower - 1e-9, upper, edge)
         least, most = turned_bounds(points, turn)
         turned = cells_of(points, least - 1e-9, most, edge, turn)
-        found.append((cells, cells.means(), np.concatenate([least, most]), turned))
-    (ours, means, corners, turned), (twin, expected, others, other) = found
+        narrow = cells_of(points, lower - 1e-9, upper, 1e-4 * edge).order  # more of them than 32 bits count
+        near = within_reach(points, points[0], 3 * edge)
+        found.append((cells, cells.means(), np.concatenate([least, most]), turned, narrow, near))
+    (ours, means, corners, turned, narrow, near), (twin, expected, others, other, thin, reached) = found
+    assert np.array_equal(narrow, thin) and np.array_equal(near, reached) and near[0]
     assert np.array_equal(ours.order, twin.order) and np.array_equal(ours.starts, twin.starts)
     assert np.array_equal(means, expected) and ours.sizes.sum() == len(points) > 0
     assert np.abs(corners - others).max() <= 1e-14 * (float(np.abs(points - points[0]).max()) + 1e-12)
@@ -183,6 +198,40 @@ def test_heights_over_a_plan_are_the_same(monkeypatch, name, highest):
     monkeypatch.setenv(compiled.VARIABLE, "numpy")
     assert ours.shape == (9, 14)
     assert np.array_equal(ours, heights_over(*asked))
+
+
+@pytest.mark.parametrize("name", ["one", "few", "a leaf and one", "in a plane", "on a ball"])
+@pytest.mark.parametrize("other", ["few", "in a plane", "on a ball"])
+@pytest.mark.parametrize("most", [5, 128])
+def test_the_closest_places_are_as_far(monkeypatch, name, other, most):
+    a, b = CLOUDS[name], CLOUDS[other] + RNG.normal(scale=0.5, size=3)
+    samples = [(points, RNG.random(len(points))) for points in (a, b)]
+    found = []
+    for path in ("", "numpy"):
+        monkeypatch.setenv(compiled.VARIABLE, path)
+        found.append(closest_places(*samples, most, 8))
+    for (away, nearest), (expected, others), points in zip(*found, (a, b), strict=True):
+        assert len(away) == min(most, len(points)) and (away <= nearest).all()
+        assert np.allclose(nearest, others, rtol=1e-12, atol=1e-12)
+        assert np.allclose(away, expected, rtol=1e-6, atol=1e-7)
+
+
+@pytest.mark.parametrize("share", [0.3, 0.75, 1.0])
+def test_the_same_walls_stand_around_and_above(monkeypatch, share):
+    turn = RNG.random(2000) * share * 2 * np.pi
+    rim = np.stack([np.cos(turn), np.sin(turn), RNG.random(2000)], axis=1)
+    places = RNG.uniform(-1.2, 1.2, (300, 3))
+    found = []
+    for path in ("", "numpy"):
+        monkeypatch.setenv(compiled.VARIABLE, path)
+        found.append((walled(places, rim, 0.1, 0.04, 24, 18), roofed(places, rim, 0.1, 0.05)))
+        assert (
+            not walled(places, rim[:0], 0.1, 0.04, 24, 18).any()
+            and len(roofed(places[:0], rim, 0.1, 0.05)) == 0
+        )
+    (around, above), (expected, over) = found
+    assert np.array_equal(around, expected) and np.array_equal(above, over)
+    assert above.any() and not above.all() and around.any() == (share > 0.5)
 
 
 @pytest.mark.parametrize("name", CLOUDS)
