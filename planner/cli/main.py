@@ -243,11 +243,12 @@ def _parser(chosen: str | None) -> tuple[Parser, dict[str, Parser]]:
     actions = parser.add_subparsers(dest="command", metavar="COMMAND", parser_class=Parser)
     commands: dict[str, Parser] = {}
     for name, purpose in COMMANDS.items():
+        calls = [f"  topple {call}" for call in EXAMPLES.get(name, ())]
         commands[name] = actions.add_parser(
             name,
             help=purpose,
             description=purpose[0].upper() + purpose[1:] + ".",
-            epilog="\n".join(["examples:", *(f"  topple {call}" for call in EXAMPLES.get(name, ())), "", _EPILOG]),
+            epilog="\n".join(["examples:", *calls, "", _EPILOG]),
             formatter_class=Help,
         )
         if name == chosen and not _is_here(name):
