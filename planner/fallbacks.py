@@ -50,7 +50,8 @@ FALLBACKS: dict[Fallback, Description] = {
         "takes what barred the hand, or stands beside, out of the way, each thing once",
     ),
     Fallback.LOOK_LONGER: Description(
-        "something is to go into a vessel that holds other things, and the best spots are not reached",
+        "something is to go into a vessel that holds other things, and the best spots are not reached; or "
+        "nothing that may go can be taken, and making room does not help",
         "asks for four times the spots and all hands: taking things out of a heap stirs it",
     ),
     Fallback.EMPTY: Description(

@@ -63,7 +63,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         nargs="?",
         metavar="NAME",
         help="relate, order, build, rearrange, motion, paper, run or demo (all of these, one by one), "
-        "or check, towers, libero, assemblies, engines, reliability, speed or truth",
+        "or check, towers, libero, assemblies, textbook, engines, reliability, speed or truth",
     )
     for option, metavar, purpose in _WITH_VALUES:
         parser.add_argument(option, metavar=metavar, help=purpose)

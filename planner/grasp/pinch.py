@@ -91,9 +91,8 @@ def pinches(
     hold = hold.of(over)
     clearance = _room(look, hold, surface.points, around, hand, tolerances, dropped)
     hold, clearance = hold.of(clearance > 0.0), clearance[clearance > 0.0]
-    held = antipodality(
-        look.held.of(hold.row), hold.window, hold.low, hold.high, hold.opening, hand, tolerances
-    )
+    wide = hold.high - hold.low + 2.0 * tolerances.side_clearance  # the slope goes on where the jaw ends
+    held = antipodality(look.held.of(hold.row), hold.window, hold.low, hold.high, wide, hand, tolerances)
     dropped.note(SLIDES, int(np.count_nonzero(held <= 0.0)))
     hold, clearance, held = hold.of(held > 0.0), clearance[held > 0.0], held[held > 0.0]
     return _best_and_deepest(look, hold, clearance, held, surface, up, hand, tolerances)

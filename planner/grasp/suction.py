@@ -130,11 +130,13 @@ def patches(
     if not facing.any():
         dropped.note(STEEP)
         return []
-    spots = surface.points[facing]
+    spots, normals = surface.points[facing], surface.normals[facing]
     flat_centre = surface.centre + up * float(np.median((spots - surface.centre) @ up))
     found: list[Patch] = []
     for index in spread(spots, flat_centre, count):
-        patch = _patch(spots[index], surface, dense, around, up, cup, tolerances, dropped)
+        near = dense[np.linalg.norm(dense - spots[index], axis=1) < 1.4 * cup.radius]
+        near = near[_this_side(near - spots[index], normals[index], cup.lip_depth)]
+        patch = _patch(spots[index], surface, near, around, up, cup, tolerances, dropped)
         if patch is not None:
             found.append(patch)
     return sorted(found, key=lambda patch: -score_of(GraspKind.SUCTION, patch.terms))
@@ -143,14 +145,13 @@ def patches(
 def _patch(
     spot: FloatArray,
     surface: Surface,
-    dense: FloatArray,
+    near: FloatArray,
     around: Surroundings,
     up: FloatArray,
     cup: CupShape,
     tolerances: GraspTolerances,
     dropped: Dropped,
 ) -> Patch | None:
-    near = dense[np.linalg.norm(dense - spot, axis=1) < 1.4 * cup.radius]
     if len(near) < 4 * SECTORS:
         dropped.note(SPARSE)
         return None
@@ -179,6 +180,14 @@ def _patch(
     pose = np.eye(4)
     pose[:3, :3], pose[:3, 3] = rotation, centre
     return Patch(pose, residual, terms)
+
+
+def _this_side(offsets: FloatArray, normal: FloatArray, gap: float) -> BoolArray:
+    """Which points (N, 3) from a spot [m] are not below a gap under it: thin things show their undersides."""
+    heights = offsets @ normal
+    below = np.append(0.0, -np.sort(-heights[heights < 0.0]))
+    jumps = np.flatnonzero(-np.diff(below) > gap)
+    return heights >= (below[jumps[0]] if len(jumps) else -np.inf)
 
 
 def _robust_plane(points: FloatArray, up: FloatArray) -> tuple[FloatArray, FloatArray]:

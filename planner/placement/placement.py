@@ -13,7 +13,8 @@ from topple.planner.placement.resting import (
     about,
     resting_poses,
 )
-from topple.planner.placement.tolerances import KEPT, PLACEMENT_SPARE
+from topple.planner.placement.tolerances import KEPT, SPARE_SHARE
+from topple.planner.tolerances import ALIKE
 from topple.topology.arrays import BoolArray, FloatArray, frozen
 from topple.topology.errors import UnknownObject
 from topple.topology.geometry.axes import level_axes
@@ -63,6 +64,10 @@ class Placement:
         drop = self.drop + by
         words = f"{self.rest}, let go {1e3 * drop:.0f} mm above"
         return replace(self, pose_before_to_after=pose, drop=drop, rest=words)
+
+    def same(self, other: "Placement") -> bool:
+        """Whether another place is this one, to the last digits."""
+        return np.allclose(self.pose_before_to_after, other.pose_before_to_after, atol=ALIKE)
 
     def tilt(self, up: FloatArray) -> float:
         """Angle by which it is tilted against up (3,), a unit vector, from how it stands now [rad]."""
@@ -124,7 +129,7 @@ def placements(
     ]
     best = _spread_out([place for places in found for place in places], middle, limit)
     worse = [places for places in found if not any(place in best for place in places)]
-    spare = [place for places in worse for place in _spread_out(places, middle, PLACEMENT_SPARE)]
+    spare = [place for places in worse for place in _spread_out(places, middle, limit // SPARE_SHARE)]
     return [*best[: max(limit - len(spare), limit // 2)], *spare][:limit]
 
 

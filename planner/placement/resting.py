@@ -6,7 +6,7 @@ from dataclasses import dataclass
 import numpy as np
 from scipy.spatial import ConvexHull, QhullError
 
-from topple.planner.placement.tolerances import ALIKE, FLAT_SHARE, FLATNESS, MOST_TILT
+from topple.planner.placement.tolerances import ALIKE, FLAT_SHARE, FLATNESS, MOST_RESTS, MOST_TILT
 from topple.topology.arrays import FloatArray
 from topple.topology.bodies.solids import hull_vertices
 from topple.topology.geometry.axes import level_axes
@@ -72,6 +72,10 @@ class Rest:
     barrier: float = 0.0
     rolls: bool = False
 
+    def alike(self, other: "Rest") -> bool:
+        """Whether another way is this one to a hand, but for its heading."""
+        return bool(np.trace(self.rotation.T @ other.rotation) > 1.0 + 2.0 * np.cos(ALIKE))
+
 
 def resting_poses(
     cloud: FloatArray,
@@ -113,7 +117,10 @@ def resting_poses(
     found.sort(
         key=lambda rest: (rest.rolls, rest.turn - 0.15 * min(1.0, rest.steadiness / tolerances.steady))
     )
-    kept = found[:3]
+    kept = list[Rest]()
+    for rest in found:  # facets that noise cuts into a face are no faces of their own
+        if len(kept) < MOST_RESTS and not any(rest.alike(other) for other in kept):
+            kept.append(rest)
     if all(rest.turn > ALIKE for rest in kept):  # a hand may reach nothing but how it lies now
         least = min(found, key=lambda rest: rest.turn)
         kept.append(least if least.turn <= ALIKE else Rest(np.eye(3), 0.0, 0.0, rolls=True))

@@ -44,8 +44,9 @@ SKIN = 0.01
 
 # -- placement
 
-PLACEMENT_SPARE = 3
-"""Places of each attitude that comes off worse: a hand may not get down in the better ones."""
+SPARE_SHARE = 8
+"""Of the places one in so many is for each attitude that comes off worse: a hand may not get down in the
+better ones."""
 
 KEPT = 80
 """Best places of each attitude and heading that are compared."""
@@ -70,6 +71,9 @@ FLATNESS = 0.2
 
 MOST_TILT = 0.35
 """What turned over by so much comes to lie on another face [rad]."""
+
+MOST_RESTS = 3
+"""Attitudes of a thing that are tried: each takes its share of the places."""
 
 ALIKE = 0.2
 """[rad] attitudes closer than this are one to a hand."""

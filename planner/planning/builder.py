@@ -30,6 +30,7 @@ from topple.planner.planning.order import ordered
 from topple.planner.planning.step import Context, NextStep, Orderer, Station, Task
 from topple.planner.planning.tolerances import MOST_STEPS
 from topple.planner.transfer.prediction import after
+from topple.planner.transfer.transfer import Transfer
 from topple.robots.arm.arm import Arm
 from topple.topology.arrays import FloatArray
 from topple.topology.bodies.solids import moved
@@ -39,13 +40,16 @@ from topple.topology.scene import Scene
 from topple.topology.situation import Situation
 
 Progress = Callable[[str], None]
+_Before = tuple[Situation, FloatArray, dict[str, FloatArray], dict[str, Sequence[FloatArray]]]
+"""The situation, the joint values [rad], how things were moved and what is beside."""
 
 
 @dataclass
 class PlanBuilder:
     """A plan in the making: the situation as it should be by now, and the steps that lead there.
 
-    `reasons` has each dependency with the index of the step it was first seen at.
+    `reasons` has each dependency with the index of the step it was first seen at, `chosen` each step as it
+    was chosen, `before` what held before each, and `barred` what was undone.
     """
 
     situation: Situation
@@ -59,7 +63,9 @@ class PlanBuilder:
     allow_drop: bool = False
     steps: list[Step] = field(default_factory=list[Step])
     tried: Counter[str] = field(default_factory=Counter[str])
-    seconds: float = 0.0
+    chosen: list[NextStep] = field(default_factory=list[NextStep])
+    before: list[_Before] = field(default_factory=list[_Before])
+    barred: list[Transfer] = field(default_factory=list[Transfer])
     reasons: dict[tuple[str, str], tuple[int, DependencyData]] = field(
         default_factory=dict[tuple[str, str], tuple[int, DependencyData]]
     )
@@ -77,19 +83,21 @@ class PlanBuilder:
 
     def run(self, task: Task, asked: Callable[[Scene], Relations] | None) -> None:
         """Choose one step after the other; `asked` gives the relations before each where there is one."""
-        done: list[tuple[str, str]] = []
         for _ in range(MOST_STEPS * len(self.situation.movable)):
             station = Station(self.arm, self.pose_base_to_world, self.q)
+            avoid = dict[str, list[Grasp]]()
+            for transfer in self.barred:
+                avoid.setdefault(transfer.object, []).append(transfer.grasp)
             context = Context(
-                station, done, upright=self.upright, allow_drop=self.allow_drop, orderer=self.orderer,
+                station, self.done(), upright=self.upright, allow_drop=self.allow_drop, orderer=self.orderer,
                 grasps=self.own(), seed=self.seed, clamped=self.clamped - self.moved.keys(),
-                obstacles=dict(self.beside), away=self.away,
+                obstacles=dict(self.beside), away=self.away, avoid=avoid,
+                barred=[transfer.placement for transfer in self.barred],
             )  # fmt: skip
             chosen = task.chooser(self.situation, self.goal, context).choose()
             if chosen is None:
                 return
             self.take(chosen)
-            done.append((chosen.transfer.object, chosen.action))
             if asked is not None:
                 scene = self.situation.scene
                 self.situation = Situation.of(self.situation, check_relations(asked(scene), scene))
@@ -111,6 +119,17 @@ class PlanBuilder:
         self.away = away
         self.beside.update(away.bodies)
         self.objects += [ObjectData(name, True, rounded_parts(some)) for name, some in away.bodies.items()]
+
+    def done(self) -> list[tuple[str, str]]:
+        """Object and action of each step so far."""
+        return [(chosen.transfer.object, chosen.action) for chosen in self.chosen]
+
+    def undo(self, index: int) -> None:
+        """Take back the steps from one on, whose grasp and place are not tried again if there are others."""
+        self.barred.append(self.chosen[index].transfer)
+        self.situation, self.q, self.moved, self.beside = self.before[index]
+        self.reasons = {pair: since for pair, since in self.reasons.items() if since[0] < index}
+        del self.steps[index:], self.chosen[index:], self.before[index:]
 
     def own(self) -> GraspsByObject:
         """The caller's grasps where their objects are by now."""
@@ -148,7 +167,7 @@ class PlanBuilder:
             certified=all(
                 segment.certified for step in self.steps for segment in step.segments if segment.motion
             ),
-            seconds=round(self.seconds, 3),
+            seconds=round(sum(chosen.transfer.seconds for chosen in self.chosen), 3),
             planning_seconds=round(self.last - self.started, 3),
             tried=dict(self.tried),
         )
@@ -178,6 +197,8 @@ class PlanBuilder:
 
     def take(self, chosen: NextStep) -> None:
         """Add a step, and go on from where it leads."""
+        self.before.append((self.situation, self.q, dict(self.moved), dict(self.beside)))
+        self.chosen.append(chosen)
         for edge in chosen.order.graph.dependencies:
             self.reasons.setdefault((edge.first, edge.then), (len(self.steps), dependency_data(edge)))
         transfer = chosen.transfer
@@ -207,7 +228,6 @@ class PlanBuilder:
             )
         )
         self.tried.update(transfer.tried)
-        self.seconds += transfer.seconds
         pose = transfer.placement.pose_at_rest(self.up)
         if transfer.placement.how is Away.ZONE:
             self.beside[transfer.object] = moved(self.situation.solids[transfer.object], pose)

@@ -91,6 +91,7 @@ class StepChooser:
         options: list[Option] = [
             (None, lambda: self._in_turn(chosen, targets, action, why, failures)),
             (Fallback.MAKE_ROOM, lambda: self._make_room(failures)),
+            (Fallback.LOOK_LONGER, lambda: self._in_turn(chosen, targets, action, why, [], longer=True)),
         ]
         if (step := _first(options)) is not None:
             return step
@@ -107,6 +108,7 @@ class StepChooser:
         action: Action,
         why: str,
         failures: list[TransferFailure],
+        longer: bool = False,
     ) -> NextStep | None:
         """The first object of an order that may go and can be taken; what the others fail of is noted.
 
@@ -114,7 +116,7 @@ class StepChooser:
         """
         unseen: NextStep | None = None
         for name in self._alone(chosen):
-            found = self.aside(name)
+            found = self.aside(name, longer)
             if isinstance(found, Transfer):
                 is_target = name in targets
                 reason = (why or "nothing has to go before it") if is_target else why_first(name, chosen)
@@ -246,9 +248,9 @@ class StepChooser:
                 scene = scene.without(rider).with_cloud(name, cloud).weighed(together)
         return self.situation if scene is self.scene else Situation(scene)
 
-    def aside(self, name: str) -> Transfer | TransferFailure:
-        """An object to a free place on a table."""
-        return self.transfers.aside(name, self._remaining(name))
+    def aside(self, name: str, longer: bool = False) -> Transfer | TransferFailure:
+        """An object to a free place on a table; `longer` looks at more places and hands."""
+        return self.transfers.aside(name, self._remaining(name), longer=longer)
 
     def _remaining(self, name: str) -> frozenset[str]:
         """What is still to be taken once an object is gone, or to have something put on or into it."""

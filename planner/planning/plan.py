@@ -20,6 +20,7 @@ from topple.planner.planning.goal_task import GoalTask
 from topple.planner.planning.order import check_clamped, check_masks, ordered
 from topple.planner.planning.start import check_start, check_upright
 from topple.planner.planning.step import NextStep, Orderer, Station, Task
+from topple.planner.planning.tolerances import TRIES
 from topple.robots.arm.arm import Arm
 from topple.robots.catalog import robot as robot_named
 from topple.robots.catalog.own_arm import check_tool
@@ -34,6 +35,7 @@ from topple.topology.statics.gravity import check_up
 from topple.topology.workers import all_of
 
 UNPROVEN = "placements were not let go in simulation: no engine is installed"
+REFUTED = "does not hold its own check"
 UNCHECKED = "the plan was not checked by other means: PyBullet is not installed"
 
 
@@ -86,8 +88,9 @@ def plan(
         allow_drop: Whether an object that stays nowhere the arm can put it may be let go to fall; its step
             then says so. Later steps take it to be where it was let go.
         check: Whether the plan is checked by other means before it is returned, as `Plan.verify` does, which
-            takes a third of the time; without PyBullet it cannot be. An order or relations of your own are
-            not held against the dependencies that topple finds.
+            takes a third of the time; without PyBullet it cannot be. From a step that it refutes on is
+            planned anew, with another grasp or place, three times at most. An order or relations of your own
+            are not held against the dependencies that topple finds.
         budget: Wall-clock seconds for the whole call: what takes longer fails.
         seed: Of every search.
         progress: Called with a line for each step.
@@ -133,16 +136,15 @@ def plan(
     planning.send_away(Destination.of(away))
     planning.grasps = {} if grasps is None else own_grasps(grasps, scene, arm)
     planning.orderer = orderer
-    planning.run(task, asked)
     missing = [UNPROVEN] * (not INSTALLED) + [UNCHECKED] * (BULLET not in INSTALLED)
-    found = planning.plan(
-        start, given is None, (*scene.assumptions, *arm.assumptions, *wanted.assumptions, *missing)
-    )
-    if check and BULLET in INSTALLED:
-        if progress is not None:
-            progress(f"checking the plan by other means (steps: {len(found.steps)})")
-        _hold(found, scene, arm, orderer is ordered and relations is None)
-    return found
+    assumed = (*scene.assumptions, *arm.assumptions, *wanted.assumptions, *missing)
+
+    def attempt() -> Plan:
+        planning.run(task, asked)
+        return planning.plan(start, given is None, assumed)
+
+    own = () if orderer is ordered and relations is None else (BROKEN, UNFOUND)
+    return _held(attempt, planning, scene, own) if check and BULLET in INSTALLED else attempt()
 
 
 @checked_arguments
@@ -183,13 +185,36 @@ def _plan_of(
         return error
 
 
-def _hold(found: Plan, scene: Scene, arm: Arm, order_too: bool) -> None:
-    """Refuse a plan that its own check refutes."""
-    own = () if order_too else (BROKEN, UNFOUND)
-    failed = [each for each in found.verify(scene, arm).failed if each.name not in own]
-    if failed:
+def _held(attempt: Callable[[], Plan], planning: PlanBuilder, scene: Scene, own: Collection[str]) -> Plan:
+    """A plan that holds its check; from a step that the check refutes on it is planned anew.
+
+    Args:
+        attempt: Plans on from where the builder is.
+        planning: The builder.
+        scene: What is planned in.
+        own: Residuals that are the caller's own matter.
+
+    Raises:
+        NoSafePlan: There is no plan, or none that holds.
+    """
+    lines = tuple[str, ...]()
+    for _ in range(TRIES):
+        try:
+            found = attempt()
+        except NoSafePlan as error:
+            words = f"{error}; another way {REFUTED}: {lines[0]}" if lines else str(error)
+            raise NoSafePlan(words, (*error.certificate, *lines), error.failures) from error
+        if planning.progress is not None:
+            planning.progress(f"checking the plan by other means (steps: {len(found.steps)})")
+        failed = [each for each in found.verify(scene, planning.arm).failed if each.name not in own]
+        if not failed:
+            return found
         lines = tuple(f"{each.name}: {each.value:.3g} {each.unit}, {each.witness}" for each in failed)
-        raise NoSafePlan(f"the plan that was found does not hold its own check: {lines[0]}", lines)
+        steps = [step for each in failed for step in each.steps]
+        if not steps:
+            break
+        planning.undo(min(steps))
+    raise NoSafePlan(f"the plan that was found {REFUTED}: {lines[0]}", lines)
 
 
 def plan_as_done(

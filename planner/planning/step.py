@@ -12,6 +12,7 @@ from topple.planner.fallbacks import Fallback
 from topple.planner.grasp.given import GraspsByObject
 from topple.planner.grasp.grasp import Grasp
 from topple.planner.placement.away import Receiver
+from topple.planner.placement.placement import Placement
 from topple.planner.planning.order import check_masks, check_targets, ordered
 from topple.planner.transfer.transfer import Transfer
 from topple.robots.arm.arm import Arm
@@ -98,6 +99,7 @@ class Context:
             is then moved again. In a plan, what was put somewhere is there.
         given_up: Objects that are not to be tried again, with the reason.
         avoid: Grasps that failed, by object.
+        barred: Places that a check refuted: none of them is tried while there are others.
         placed: Grasps by which an object was put where it shall be, as it lies since.
         beliefs: What earlier looks made of the same things.
         upright: Objects that are kept upright, with what is in them.
@@ -118,6 +120,7 @@ class Context:
     observed: bool = False
     given_up: Mapping[str, str] = field(default_factory=dict[str, str])
     avoid: Mapping[str, Sequence[Grasp]] = field(default_factory=dict[str, Sequence[Grasp]])
+    barred: Sequence[Placement] = ()
     placed: Mapping[str, Sequence[Grasp]] = field(default_factory=dict[str, Sequence[Grasp]])
     beliefs: Beliefs | None = None
     upright: Collection[str] = ()

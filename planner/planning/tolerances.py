@@ -30,6 +30,10 @@ MORE_CHOICE = 192
 """Where no more room can be made: also the spots from higher up, each a drop in simulation."""
 
 
+MORE_PLACES = 96
+"""Free places to choose from where nothing that may go can be taken to one of the usual 24."""
+
+
 # -- next_view
 
 MEETING_GAP = 0.01
@@ -73,3 +77,6 @@ REMOVAL_RISK = 0.05
 
 MOST_STEPS = 3
 """For each object: a plan that handles one more often goes in circles."""
+
+TRIES = 4
+"""Plans that are held against their check: where one refutes three ways to take a step, more will be."""

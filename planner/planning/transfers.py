@@ -16,7 +16,7 @@ from topple.planner.placement.placement import Placement, placements
 from topple.planner.placement.proof import Proof
 from topple.planner.placement.shortage import shortage
 from topple.planner.planning.step import Context
-from topple.planner.planning.tolerances import BESIDE
+from topple.planner.planning.tolerances import BESIDE, MORE_PLACES
 from topple.planner.transfer.handling import Handling, Reached
 from topple.planner.transfer.limits import TRANSFER_LIMITS, TransferLimits
 from topple.planner.transfer.segments import SegmentKind
@@ -44,7 +44,11 @@ class Transfers:
         self.situation, self.context, self._held = situation, context, held
 
     def aside(
-        self, name: str, remaining: Collection[str], wanted: Sequence[FloatArray] = ()
+        self,
+        name: str,
+        remaining: Collection[str],
+        wanted: Sequence[FloatArray] = (),
+        longer: bool = False,
     ) -> Transfer | TransferFailure:
         """Move an object to a free place on a top, or say why it cannot be.
 
@@ -52,6 +56,7 @@ class Transfers:
             name: The object.
             remaining: What is still to be taken, and not to be put in the way of.
             wanted: (N, 3) points each [m]: places that other things shall have.
+            longer: Look at more places, and more hands.
         """
         if name in self.context.given_up:
             return self._refused(name)
@@ -67,10 +72,12 @@ class Transfers:
             self.situation.with_completed(name),
             pose_base_to_world=station.pose_base_to_world @ workplace_of(station.arm),
             remaining=remaining,
+            **({"limit": MORE_PLACES} if longer else {}),
             scale=scale_of(station.arm),
         )
         places = find(avoid=[own, *wanted]) or find(avoid=wanted) or (find() if wanted else [])
-        return self.to(name, standing(places, name, self.situation))
+        limits = MORE_HANDS if longer else TRANSFER_LIMITS
+        return self.to(name, standing(places, name, self.situation), limits)
 
     def to(
         self, name: str, places: Sequence[Placement], limits: TransferLimits = TRANSFER_LIMITS
@@ -85,6 +92,7 @@ class Transfers:
         if name in self.context.given_up:
             return self._refused(name)
         context, station = self.context, self.context.station
+        places = [place for place in places if not any(map(place.same, context.barred))] or places
         grasps, refused = self._own_grasps(name)
         if refused.reasons and not grasps:
             return no_grasp(name, refused, self.situation.scene)

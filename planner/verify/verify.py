@@ -102,6 +102,7 @@ def verify(
     for piece in put:
         rest.look(piece)
     residuals = [
+        *played.residuals(),  # first: what is not in the hand meets what it is carried past
         *fcl_check.residuals(),
         *bullet.residuals(),
         *check_motions(plan, arm),
@@ -109,7 +110,6 @@ def verify(
         *hands.residuals(),
         *handed.residuals(),
         *force.residuals(),
-        *played.residuals(),
         *check_claims(plan),
         *check_precedence(plan, played.taken, situation),
         *rest.residuals(),

@@ -1,6 +1,7 @@
 import hashlib
 import json
 import xml.etree.ElementTree as ElementTree
+from dataclasses import dataclass, replace
 from pathlib import Path
 
 import msgspec
@@ -9,16 +10,21 @@ import numpy as np
 import pytest
 from on_table import BASE, on_table
 
+from topple.planner.decide.goal import Goal
 from topple.planner.errors import NoSafePlan
 from topple.planner.export import EXPORTERS, export
 from topple.planner.export.pddl import domain_and_problem
 from topple.planner.formats.plan_format import Plan, plan_from_json, plan_schema, plan_to_json
+from topple.planner.planning.goal_task import GoalTask
+from topple.planner.planning.next_step import StepChooser
 from topple.planner.planning.plan import plan, plan_all
 from topple.planner.planning.start import check_upright
+from topple.planner.planning.step import Chooser, Context, NextStep
 from topple.robots.catalog import robot
 from topple.robots.shapes.boxes import box
 from topple.topology.errors import InvalidInput, UnknownObject
 from topple.topology.scene import Scene
+from topple.topology.situation import Situation
 from topple.topology.workers import WorkerPool
 
 ARM = robot("panda-suction")
@@ -44,6 +50,46 @@ def test_what_lies_on_top_is_removed_first(found: Plan) -> None:
     assert found.steps[1].after == [0]
     assert found.order == ["upper", "lower box"]
     assert any(edge.first == "upper" and edge.then == "lower box" for edge in found.dependencies)
+
+
+@dataclass(frozen=True)
+class Pinching(GoalTask):
+    """Says the lower box to be 20 mm wide, `times` over: the check refutes that, whatever takes it."""
+
+    times: int = 0
+
+    def chooser(self, situation: Situation, goal: Goal, context: Context) -> Chooser:
+        return PinchingChooser(situation, goal, context, self.times)
+
+
+class PinchingChooser(StepChooser):
+    def __init__(self, situation: Situation, goal: Goal, context: Context, times: int) -> None:
+        super().__init__(situation, goal, context)
+        self.times = times
+
+    def choose(self) -> NextStep | None:
+        step, refuted = super().choose(), self.context.avoid.get("lower box", ())
+        assert len(refuted) == len(self.context.barred)
+        if step is None or step.transfer.object == "upper" or len(refuted) == self.times:
+            return step
+        return replace(step, transfer=replace(step.transfer, grasp=replace(step.transfer.grasp, width=0.02)))
+
+
+def test_from_a_step_that_its_check_refutes_on_a_plan_is_made_anew(found: Plan) -> None:
+    lines = list[str]()
+    other = plan(stacked(), Pinching(["lower box"], 1), ARM, base=BASE, progress=lines.append)
+    assert other.verify(stacked()).ok
+    assert sum("upper" in line for line in lines) == 1  # what went before stays
+    first, second = found.steps[1], other.steps[1]
+    assert other.steps[0].segments == found.steps[0].segments
+    assert first.grasp.pose_tool_to_world != second.grasp.pose_tool_to_world
+    assert first.placement.pose_before_to_after != second.placement.pose_before_to_after
+
+
+@pytest.mark.slow
+def test_where_the_check_refutes_plan_after_plan_its_first_reason_is_told() -> None:
+    with pytest.raises(NoSafePlan, match="own check: grasps that hold nothing"):
+        plan(stacked(), Pinching(["lower box"], 9), ARM, base=BASE)
 
 
 @pytest.mark.slow
