@@ -132,7 +132,7 @@ def _meetings(
     scene: Scene, solids: Mapping[str, Polyhedron], touch: float, sink: float
 ) -> tuple[list[Contact], dict[tuple[str, str], float]]:
     """Contacts of polyhedra up to a gap and down to a depth [m], and what is deeper than that."""
-    lower, upper = np.array([solid.box for solid in solids.values()]).swapaxes(0, 1)
+    lower, upper = np.reshape([solid.box for solid in solids.values()], (-1, 2, 3)).swapaxes(0, 1)
     names = list(solids)
     contacts: list[Contact] = []
     depths: dict[tuple[str, str], float] = {}

@@ -252,6 +252,13 @@ def test_the_command_says_it_in_its_first_line_and_its_exit_code(
     assert_stands(topple.load_scene(tmp_path / "0.08", fixed="table", up=(0, 0, 1)))
 
 
+def test_clouds_of_which_none_is_a_convex_body_are_checked() -> None:
+    rng = np.random.default_rng(0)
+    clouds = {"table": np.column_stack([rng.uniform(-0.5, 0.5, (4000, 2)), np.zeros(4000)])}
+    clouds["foam"] = rng.uniform(-0.05, 0.05, (3000, 3)) + [0, 0, 0.05]  # points all through it
+    assert check(Scene(clouds, ["table"], (0, 0, 1))).sentence() == "1 of 1 stand"
+
+
 def test_what_cannot_be_checked_is_refused() -> None:
     with pytest.raises(InvalidInput, match="nothing in the scene can move"):
         check(scene({}))
