@@ -97,9 +97,10 @@ class Footing:
 
 
 def _polyhedron(name: str, scene: Scene, upright: Upright) -> Polyhedron | None:
-    """The mesh of an object, a wide board for a flat table without one; None for other clouds."""
+    """The mesh of an object, a wide board for a flat table without one; None where neither has an area."""
     if name in scene.meshes and name not in scene.models:
-        return Polyhedron.of(scene.meshes[name], upright.rotation, scene.clouds[name])
+        solid = Polyhedron.of(scene.meshes[name], upright.rotation, scene.clouds[name])
+        return solid if len(solid.faces) else None
     planes, rest = planes_and_rest(upright, name)
     if len(planes) != 1 or len(rest):
         return None

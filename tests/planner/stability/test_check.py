@@ -255,8 +255,15 @@ def test_the_command_says_it_in_its_first_line_and_its_exit_code(
 def test_clouds_of_which_none_is_a_convex_body_are_checked() -> None:
     rng = np.random.default_rng(0)
     clouds = {"table": np.column_stack([rng.uniform(-0.5, 0.5, (4000, 2)), np.zeros(4000)])}
-    clouds["foam"] = rng.uniform(-0.05, 0.05, (3000, 3)) + [0, 0, 0.05]  # points all through it
+    clouds["foam"] = rng.uniform((-0.05, -0.05, 0.0), (0.05, 0.05, 0.1), (3000, 3))  # points all through it
     assert check(Scene(clouds, ["table"], (0, 0, 1))).sentence() == "1 of 1 stand"
+
+
+def test_a_mesh_whose_faces_have_no_area_is_taken_as_its_points() -> None:
+    wire = Mesh(box((0.1, 0.1, 0.1), (0, 0, 0.05)).vertices, np.array([[0, 0, 1], [2, 3, 3]]))
+    clouds = {"table": TABLE.vertices, "wire": wire.vertices}
+    found = check(Scene(clouds, ["table"], (0, 0, 1), meshes={"table": TABLE, "wire": wire}))
+    assert not found.exact
 
 
 def test_what_cannot_be_checked_is_refused() -> None:
