@@ -4,7 +4,7 @@ from collections.abc import Mapping
 
 import numpy as np
 
-from topple.topology.arrays import FloatArray, lengths, middle_of
+from topple.topology.arrays import FloatArray, lengths, median_of, middle_of
 from topple.topology.kernels.cells import within_reach
 from topple.topology.kernels.neighbours import PointTree
 from topple.topology.kernels.planes import patch_planes
@@ -44,8 +44,8 @@ def noise_and_spacing(points: FloatArray) -> tuple[float, float]:
     distance, index = tree.query(probes, k=min(NEIGHBOURS, len(points)))
     least = patch_planes(points[index])[2][:, 0]
     # A plane through k points takes three degrees of freedom from their residuals.
-    noise = float(np.sqrt(np.median(least) / max(index.shape[1] - 3, 1)))
-    return noise, float(np.median(distance[:, 4]))
+    noise = float(np.sqrt(median_of(least) / max(index.shape[1] - 3, 1)))
+    return noise, median_of(distance[:, 4])
 
 
 def estimate_deviation(scene: Scene | Mapping[str, FloatArray]) -> float:
@@ -62,7 +62,9 @@ def estimate_deviation(scene: Scene | Mapping[str, FloatArray]) -> float:
     measured = np.array([noise_and_spacing(cloud) for cloud in clouds.values()]).reshape(-1, 2)
     noise, spacing = np.median(measured, axis=0) if len(measured) else (0.0, 0.0)
     estimate = float(np.hypot(TOLERANCES.noise_factor * noise, spacing))
-    greatest = TOLERANCES.greatest_deviation * max(unit_of(scene), 1.0)
+    greatest = TOLERANCES.greatest_deviation
+    if estimate > greatest:
+        greatest *= max(unit_of(scene), 1.0)
     return float(np.clip(estimate, TOLERANCES.least_deviation, greatest))
 
 

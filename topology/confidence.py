@@ -64,6 +64,12 @@ def bin_of(evidence: Evidence, measure: float) -> int:
     return bisect_right(EDGES.get(evidence, ()), measure)
 
 
+def is_best(evidence: Evidence, cameras: int, measure: float) -> bool:
+    """Whether evidence of a kind in `RISING` is believed no more for a greater measure: see `confidence`."""
+    shares = _counted()[view_of(cameras)][evidence]
+    return shares[bin_of(evidence, measure)] == shares[-1]
+
+
 def view_of(cameras: int) -> str:
     """Name of what was seen: whole surfaces, or by one camera or several."""
     return ("whole", "one")[cameras] if cameras < 2 else "several"

@@ -3,6 +3,7 @@
 from collections.abc import Callable
 from dataclasses import dataclass, field, replace
 from functools import cached_property, partial
+from math import inf
 from typing import Any
 
 from topple.topology.arrays import IntArray
@@ -27,6 +28,7 @@ class PairRelation(ByValue):
         kind: "one-sided contact" or "coincident" where the matrix shows one, else None.
         inferred: True where the relation was concluded from gravity and not from the clouds alone.
         reason: What decided, where it was anything else than Table 1 on the matrix; None where it was that.
+        least: What the gap is at least [m], known without measuring it.
     """
 
     a: str
@@ -40,6 +42,7 @@ class PairRelation(ByValue):
     kind: str | None = None
     inferred: bool = False
     reason: str | None = None
+    least: float = -inf
 
     @cached_property
     def matrix(self) -> IntArray:
@@ -50,6 +53,10 @@ class PairRelation(ByValue):
     def gap(self) -> float:
         """Smallest distance of the two surfaces [m], negative by the depth of overlap."""
         return self.distance() if callable(self.distance) else self.distance
+
+    def within(self, limit: float) -> bool:
+        """Tell whether the gap is at most so wide [m], measuring it only where its bound does not tell."""
+        return self.least <= limit and self.gap <= limit
 
     def _compared(self) -> list[Any]:
         """What is counted and measured, not how that comes about."""

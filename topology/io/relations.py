@@ -2,7 +2,7 @@
 
 from collections.abc import Mapping
 from dataclasses import replace
-from math import isfinite
+from math import inf, isfinite
 from types import NoneType
 from typing import Any
 
@@ -76,7 +76,7 @@ def _pair(entry: Mapping[str, Any], relations: RelationTable, where: str) -> Pai
         told["reason"] = entry.get("reason")
     if "gap" in entry:
         told["distance"] = _number(entry["gap"], f"{where}.gap")
-        told["gap_exact"] = bool(entry.get("gap_exact", True))
+        told |= {"gap_exact": bool(entry.get("gap_exact", True)), "least": -inf}
     if "confidence" in entry:
         told["confidence"] = _number(entry["confidence"], f"{where}.confidence")
         if not 0.0 <= told["confidence"] <= 1.0:

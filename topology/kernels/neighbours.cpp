@@ -75,6 +75,9 @@ void tree_around(const Leaf *leaves, const Group *groups, int64_t count, const d
     const Tree tree(leaves, groups, count);
     const double limit = radius * radius;
     std::vector<Found> near(count + LEAF), best(most);
+    std::vector<double> at[3], squares(count + LEAF);  // of the points around a leaf
+    std::vector<int32_t> which(count + LEAF);
+    for (auto &axis : at) axis.resize(count + LEAF);
     std::vector<int64_t> around;
     for (int64_t home = 0; home * LEAF < count; ++home) {
         double low[3], high[3];
@@ -83,19 +86,38 @@ void tree_around(const Leaf *leaves, const Group *groups, int64_t count, const d
             high[k] = groups[home / FAN].upper[k][home % FAN];
         }
         tree.leaves_within(low, high, limit, around);
+        std::swap(around[0], *std::find(around.begin(), around.end(), home));  // the nearest lie in it, mostly
+        int64_t held = 0;
+        for (const int64_t box : around)
+            for (int s = 0; s < LEAF; ++s) {
+                double square = 0.0;
+                for (int k = 0; k < 3; ++k) {
+                    const double place = at[k][held] = leaves[box].at[k][s];
+                    const double beside = std::max(std::max(low[k] - place, place - high[k]), 0.0);
+                    square += beside * beside;
+                }
+                which[held] = leaves[box].row[s];
+                held += square <= limit;  // what stands behind the last point is infinitely far
+            }
         for (int p = 0; p < LEAF && leaves[home].row[p] >= 0; ++p) {
             const int64_t q = leaves[home].row[p];
             const double *place = points + 3 * q;
             Found *end = near.data();
-            for (const int64_t box : around)
-                if (square_to(groups[box / FAN], box % FAN, place) <= limit)
-                    end = points_within(leaves[box], place, limit, end);
-            sums[q] = 0.0;
+            for (int64_t i = 0; i < held; ++i) {
+                const double x = at[0][i] - place[0], y = at[1][i] - place[1], z = at[2][i] - place[2];
+                squares[i] = x * x + y * y + z * z;
+            }
+            for (int64_t i = 0; i < held; ++i) {
+                *end = {squares[i], which[i]};
+                end += squares[i] <= limit;
+            }
+            double sum = 0.0;
             std::fill(best.begin(), best.end(), Found{FAR, -1});
             for (const Found *one = near.data(); one < end; ++one) {
-                sums[q] += weights[one->row];
+                sum += weights[one->row];
                 insert(*one, best);
             }
+            sums[q] = sum;
             if (end - near.data() < most) tree.nearest(place, best, FAR);
             write(best, count, distances + q * most, rows + q * most);
         }

@@ -46,8 +46,8 @@ struct Shape {  // of a tree: how many boxes each level has, and its first group
     int64_t groups() const { return first[levels]; }
 };
 
-struct Entry {
-    double at[3];
+struct Entry {  // of a point: where leaves part hangs on no last digit
+    float at[3];
     int32_t row;
 };
 
@@ -55,7 +55,8 @@ struct Entry {
 inline void halve(Entry *begin, Entry *end) {
     const int64_t leaves = (end - begin + LEAF - 1) / LEAF;
     if (leaves < 2) return;
-    double lower[3] = {FAR, FAR, FAR}, upper[3] = {-FAR, -FAR, -FAR};
+    constexpr float far = std::numeric_limits<float>::infinity();
+    float lower[3] = {far, far, far}, upper[3] = {-far, -far, -far};
     for (const Entry *e = begin; e < end; ++e)
         for (int k = 0; k < 3; ++k) {
             lower[k] = std::min(lower[k], e->at[k]);
@@ -125,20 +126,26 @@ inline Found *points_within(const Leaf &leaf, const double *place, double limit,
 
 // Keep a neighbour among the nearest, which stay sorted, if it is nearer than the last of them.
 inline void insert(const Found &one, std::vector<Found> &best) {
-    if (!(one < best.back())) return;
-    size_t p = best.size() - 1;
-    for (; p > 0 && one < best[p - 1]; --p) best[p] = best[p - 1];
-    best[p] = one;
+    Found *first = best.data(), *place = first + best.size() - 1;
+    if (one.square > place->square || !(one < *place)) return;
+    for (; place > first && one < place[-1]; --place) *place = place[-1];
+    *place = one;
 }
 
 class Tree {
   public:
-    Tree(const Leaf *leaves, const Group *groups, int64_t count) : leaves(leaves), groups(groups), shape(count) {}
+    Tree(const Leaf *leaves, const Group *groups, int64_t count) : leaves(leaves), groups(groups), shape(count) {
+        const Group &top = groups[shape.first[shape.levels - 1]];
+        for (int k = 0; k < 3; ++k) {
+            whole.lower[k][0] = *std::min_element(top.lower[k], top.lower[k] + FAN);
+            whole.upper[k][0] = *std::max_element(top.upper[k], top.upper[k] + FAN);
+        }
+    }
 
     // The nearest of a place whose squares are below a limit, or at it with a row before `last`, rising.
     void nearest(const double *place, std::vector<Found> &best, double limit, int32_t last = -1) const {
         std::fill(best.begin(), best.end(), Found{limit, last});
-        descend(shape.levels - 1, 0, place, best);
+        if (square_to(whole, 0, place) <= limit) descend(shape.levels - 1, 0, place, best);
     }
 
     // The leaves whose boxes' squares from a box are at most a limit.
@@ -151,6 +158,7 @@ class Tree {
     const Leaf *leaves;
     const Group *groups;
     Shape shape;
+    Group whole;  // its first box holds all points
 
     void descend(int level, int64_t number, const double *place, std::vector<Found> &best) const {
         double squares[FAN];
@@ -198,10 +206,12 @@ class Tree {
 };
 
 // Fill the leaves and groups of a tree over points (count, 3), count > 0.
-inline void grow(const double *points, int64_t count, Leaf *leaves, Group *groups) {
+inline Tree grow(const double *points, int64_t count, Leaf *leaves, Group *groups) {
     std::vector<Entry> entries(count);
     for (int64_t i = 0; i < count; ++i)
-        entries[i] = {{points[3 * i], points[3 * i + 1], points[3 * i + 2]}, static_cast<int32_t>(i)};
+        entries[i] = {{static_cast<float>(points[3 * i]), static_cast<float>(points[3 * i + 1]),
+                       static_cast<float>(points[3 * i + 2])},
+                      static_cast<int32_t>(i)};
     halve(entries.data(), entries.data() + count);
     const Shape shape(count);
     for (int64_t g = 0; g < shape.groups(); ++g)
@@ -209,14 +219,14 @@ inline void grow(const double *points, int64_t count, Leaf *leaves, Group *group
             std::fill_n(groups[g].lower[k], FAN, FAR);
             std::fill_n(groups[g].upper[k], FAN, -FAR);
         }
-    entries.resize(shape.boxes[0] * LEAF, {{FAR, FAR, FAR}, -1});
+    entries.resize(shape.boxes[0] * LEAF, {{}, -1});
     for (int64_t i = 0; i < shape.boxes[0] * LEAF; ++i) {
         Leaf &leaf = leaves[i / LEAF];
         Group &group = groups[i / LEAF / FAN];
         const int64_t s = i / LEAF % FAN;
         leaf.row[i % LEAF] = entries[i].row;
         for (int k = 0; k < 3; ++k) {
-            const double at = leaf.at[k][i % LEAF] = entries[i].at[k];
+            const double at = leaf.at[k][i % LEAF] = i < count ? points[3 * entries[i].row + k] : FAR;
             if (i >= count) continue;
             group.lower[k][s] = std::min(group.lower[k][s], at);
             group.upper[k][s] = std::max(group.upper[k][s], at);
@@ -231,6 +241,7 @@ inline void grow(const double *points, int64_t count, Leaf *leaves, Group *group
                 group.upper[k][b % FAN] = *std::max_element(below.upper[k], below.upper[k] + FAN);
             }
         }
+    return Tree(leaves, groups, count);
 }
 
 // A tree with its arrays.
@@ -242,9 +253,8 @@ class Grown {
     Tree tree;
 
     Grown(const double *points, int64_t count)
-        : leaves(Shape(count).boxes[0]), groups(Shape(count).groups()), tree(leaves.data(), groups.data(), count) {
-        grow(points, count, leaves.data(), groups.data());
-    }
+        : leaves(Shape(count).boxes[0]), groups(Shape(count).groups()),
+          tree(grow(points, count, leaves.data(), groups.data())) {}
     Grown(const Grown &) = delete;
 };
 

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from topple.topology.arrays import FloatArray, middle_of
+from topple.topology.arrays import FloatArray, median_of, middle_of
 from topple.topology.bodies.surfaces import carry_over, surfaces_of
 from topple.topology.confidence import Evidence, confidence
 from topple.topology.geometry.axes import level_axes
@@ -85,7 +85,7 @@ def _meeting_between_points(scene: Scene, relations: AnyTable) -> AnyTable:
     narrow = {
         frozenset((pair.a, pair.b)): pair
         for pair in relations.near.values()
-        if pair.relation is Relation.DISJOINT and pair.gap <= CONTACT.search
+        if pair.relation is Relation.DISJOINT and pair.within(CONTACT.search)
     }
     if not narrow:
         return relations
@@ -126,7 +126,7 @@ def _hanging_together(names: Collection[str], scene: Scene, relations: RelationT
     found = set(names)
     border = found - scene.fixed
     while border:
-        meeting = {pair.b for name in border for pair in relations.of(name) if pair.gap <= CLOSE}
+        meeting = {pair.b for name in border for pair in relations.of(name) if pair.within(CLOSE)}
         border = meeting - found - scene.fixed
         found |= border
     return frozenset(found)
@@ -175,12 +175,12 @@ def _holds(pair: PairRelation, height: Callable[[str], float], fixed: frozenset[
 
 def _height(points: FloatArray, up: FloatArray) -> float:
     """Middle height of points (N, 3) along `up` [m]: strays do not move it."""
-    return float(np.median(points[:: -(-len(points) // ENOUGH)] @ up))
+    return median_of(points[:: -(-len(points) // ENOUGH)] @ up)
 
 
 def _may_touch(pair: PairRelation) -> bool:
     """Whether two objects that seem apart are near enough to meet where no camera looks."""
-    return pair.relation is Relation.DISJOINT and pair.gap <= TOLERANCES.reach
+    return pair.relation is Relation.DISJOINT and pair.within(TOLERANCES.reach)
 
 
 def _touching(pair: PairRelation, sure: float, reason: str) -> PairRelation:

@@ -9,19 +9,20 @@ answer then differs from what Table 1 reads in the matrix, the pair says why.
 
 from collections.abc import Collection
 from dataclasses import dataclass, field, replace
+from functools import cache
 
 import numpy as np
 
-from topple.topology.arrays import BoolArray, FloatArray, IntArray, middle_of, within_corners
+from topple.topology.arrays import BoolArray, FloatArray, IntArray, median_of, middle_of, within_corners
 from topple.topology.cloud import estimate_deviation
-from topple.topology.confidence import Evidence, confidence
+from topple.topology.confidence import Evidence, confidence, is_best
 from topple.topology.kernels.neighbours import PointTree
 from topple.topology.pair import PairRelation
 from topple.topology.relation_table import AnyTable, box_distance
 from topple.topology.rule.cavity import roofed, surrounded
 from topple.topology.rule.facing import facing_seen
 from topple.topology.rule.inferred import infer_contacts
-from topple.topology.rule.surface import Reaching, SurfaceCloud, closest, distances
+from topple.topology.rule.surface import Closest, Reaching, SurfaceCloud, closest, distances
 from topple.topology.rule.tolerances import CONTENT, RAYS, WALL
 from topple.topology.scene import Scene
 from topple.topology.sixim.table import Relation, classify, kind_of
@@ -62,6 +63,12 @@ class RobustRule:
 
     def relate(self, a: SurfaceCloud, b: SurfaceCloud) -> PairRelation:
         """Relate two prepared clouds."""
+        least = box_distance(a, b)
+        if least > self._reach(a, b) + max(a.spacing, b.spacing):  # no patch of either reaches the other
+            nowhere = np.array([[0, 0, a.size], [0, 0, b.size]], dtype=np.int64)
+            out = cache(lambda: self._out(closest(a, b), least))
+            pair = PairRelation(a.name, b.name, Relation.DISJOINT, nowhere, out, least=least)
+            return self._weigh(pair, a, b)
         near = closest(a, b)
         touching = near.gap <= self.deviation
         one, other = self._counted(a, b, near.of_a), self._counted(b, a, near.of_b)
@@ -69,28 +76,38 @@ class RobustRule:
         relation = self._relation(one, other, touching)
         depth = max(one.depth(b), other.depth(a)) if relation is Relation.CROSS else 0.0
         reason = _reason(matrix, relation)
-        # A patch reaches half its spacing beyond the last sample; what is apart is not that close. Whether it
-        # is out of reach its samples say, in any frame: boxes along the axes hold only what they leave.
-        out = near.apart if near.apart > self.reach else max(near.gap, box_distance(a, b))
-        gap = near.gap if touching else out
-        distance = -depth if depth > 0 else gap
-        # What is in something, or on it, was seen there; what seems apart may meet where nobody looked.
-        observed = relation is not Relation.DISJOINT or self._seen_apart(a, b, gap)
-        return PairRelation(
+        gap = near.gap if touching else self._out(near, least)
+        pair = PairRelation(
             a=a.name,
             b=b.name,
             relation=relation,
             counts=matrix,
-            distance=distance,
-            confidence=self._confidence(relation, distance, matrix, observed),
-            observed=observed,
+            distance=-depth if depth > 0 else gap,
             kind=kind_of(matrix) if reason is None else None,
             reason=reason,
         )
+        return self._weigh(pair, a, b)
 
-    def _seen_apart(self, a: SurfaceCloud, b: SurfaceCloud, gap: float) -> bool:
+    def _out(self, near: Closest, least: float) -> float:
+        """The gap [m] of two that do not touch, whose boxes are at least so far apart [m].
+
+        A patch reaches half its spacing beyond the last sample; what is apart is not that close. Whether it
+        is out of reach its samples say, in any frame: boxes along the axes hold only what they leave.
+        """
+        return near.apart if near.apart > self.reach else max(near.gap, least)
+
+    def _reach(self, a: SurfaceCloud, b: SurfaceCloud) -> float:
+        """How far the mean points [m] of either are on the boundary of the other."""
+        return self.deviation + max(a.cell, b.cell)
+
+    def _weigh(self, pair: PairRelation, a: SurfaceCloud, b: SurfaceCloud) -> PairRelation:
+        """The pair with how sure it is. What is in something, or on it, was seen there."""
+        observed = pair.relation is not Relation.DISJOINT or self._seen_apart(pair, a, b)
+        return replace(pair, observed=observed, confidence=self._confidence(pair, observed))
+
+    def _seen_apart(self, pair: PairRelation, a: SurfaceCloud, b: SurfaceCloud) -> bool:
         """Whether two disjoint objects were seen not to meet, or are too far apart to meet unseen."""
-        return self.sight is None or gap > self.reach or facing_seen(a, b, self.sight)
+        return self.sight is None or facing_seen(a, b, self.sight) or not pair.within(self.reach)
 
     def after(self, scene: Scene, changed: Collection[str], looked_again: bool) -> "RobustRule":
         """The rule that knows what the cameras see now."""
@@ -104,9 +121,7 @@ class RobustRule:
         """Whether a gap between two that stayed is still in sight."""
         if pair.relation is not Relation.DISJOINT or self.sight is None:
             return pair
-        observed = self._seen_apart(a, b, pair.gap)
-        confidence = self._confidence(pair.relation, pair.gap, pair.matrix, observed)
-        return replace(pair, observed=observed, confidence=confidence)
+        return self._weigh(pair, a, b)
 
     def conclude(self, scene: Scene, relations: AnyTable) -> AnyTable:
         """Add the hidden contacts that gravity demands of the objects without their stray points."""
@@ -122,6 +137,8 @@ class RobustRule:
         """Which mean points of A lie in B's solid or hollow: in its hull, with B standing higher around."""
         inside = np.zeros(a.size, dtype=np.bool_)
         lower, upper = b.tree.box[0] + self.deviation, b.tree.box[1] - self.deviation
+        if np.any(a.tree.box[0] > upper) or np.any(a.tree.box[1] < lower):
+            return inside
         candidates = np.flatnonzero(within_corners(a.coarse, lower, upper))
         if len(candidates) > CONTENT:
             candidates = candidates[b.hull.facet_distance(a.coarse[candidates]) < -self.deviation]
@@ -162,7 +179,7 @@ class RobustRule:
         """Where the mean points of A lie in B; how far they are from B's is known as far as that reaches."""
         interior = self._interior(a, b)
         rest = np.flatnonzero(~interior)
-        reach = self.deviation + max(a.cell, b.cell)
+        reach = self._reach(a, b)
         if known is not None and known.limit >= reach:
             away = known.distances[rest]
         else:
@@ -186,15 +203,16 @@ class RobustRule:
             return Relation.PARTIAL_CONTAIN if other.stands_out else Relation.CONTAIN
         return Relation.TOUCH if touching else Relation.DISJOINT
 
-    def _confidence(self, relation: Relation, gap: float, matrix: IntArray, observed: bool) -> float:
+    def _confidence(self, pair: PairRelation, observed: bool) -> float:
         """How often relations with such evidence are true."""
         cameras = 0 if self.sight is None else len(self.sight.viewpoints)
-        if relation is Relation.DISJOINT:
-            kind = Evidence.APART if observed else Evidence.APART_UNSEEN
-            return confidence(kind, cameras, gap / self.deviation if observed else gap)
-        if relation is Relation.TOUCH:
-            return confidence(Evidence.TOUCH, cameras, gap / self.deviation)
-        return confidence(Evidence.INSIDE, cameras, inner_share(matrix))
+        if pair.relation is Relation.DISJOINT:
+            kind, unit = (Evidence.APART, self.deviation) if observed else (Evidence.APART_UNSEEN, 1.0)
+            gap = pair.least if is_best(kind, cameras, pair.least / unit) else pair.gap
+            return confidence(kind, cameras, gap / unit)
+        if pair.relation is Relation.TOUCH:
+            return confidence(Evidence.TOUCH, cameras, pair.gap / self.deviation)
+        return confidence(Evidence.INSIDE, cameras, inner_share(pair.matrix))
 
 
 def robust(scene: Scene, deviation: float | None = None) -> RobustRule:
@@ -231,7 +249,7 @@ class _Counted:
 
     def depth(self, surface: SurfaceCloud) -> float:
         """How deep those in the interior lie under the surface of what they lie in [m]."""
-        return float(np.median(surface.tree.query(self.inside)[0]))
+        return median_of(surface.tree.query(self.inside)[0])
 
 
 def _least(size: int) -> int:

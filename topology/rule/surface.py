@@ -5,7 +5,7 @@ from functools import cached_property
 
 import numpy as np
 
-from topple.topology.arrays import BoolArray, FloatArray, IntArray, middle_of
+from topple.topology.arrays import BoolArray, FloatArray, IntArray, median_of, middle_of
 from topple.topology.geometry.axes import own_axes
 from topple.topology.geometry.hull import Hull
 from topple.topology.geometry.tolerances import BEFORE
@@ -71,7 +71,7 @@ class SurfaceCloud:
         tree = PointTree(coarse)
         around, distance, index = tree.around(sizes.astype(np.float64), AROUND * cell, LINKS + 1)
         kept = _main_pieces(coarse, _well_connected(coarse, around, cell), distance, index)
-        spacing = float(np.median(distance[kept, 4])) if len(coarse) >= 5 else 0.0
+        spacing = median_of(distance[kept, 4]) if len(coarse) >= 5 else 0.0
         dropped = len(order) - int(sizes[kept].sum())
         if dropped:
             order, sizes, coarse = order[np.repeat(kept, sizes)], sizes[kept], coarse[kept]
@@ -146,7 +146,7 @@ def _well_connected(coarse: FloatArray, around: FloatArray, cell: float) -> Bool
     kept = np.ones(len(coarse), dtype=np.bool_)
     if cell == 0:
         return kept
-    core = around >= FILLED * np.median(around)
+    core = around >= FILLED * median_of(around)
     if core.any() and not core.all():
         kept[~core] = PointTree(coarse[core]).query(coarse[~core])[0] <= BESIDE * cell
     return kept
@@ -160,10 +160,10 @@ def _main_pieces(coarse: FloatArray, kept: BoolArray, distance: FloatArray, inde
     count = np.count_nonzero(kept)
     if count < 30:
         return kept
-    limit = BREAK * float(np.median(distance[kept, 4]))
-    own = np.arange(len(kept))[:, None]
-    linked = (distance[:, 1:] <= limit) & kept[index[:, 1:]] & kept[:, None]
-    links = np.stack(np.broadcast_arrays(own, np.where(linked, index[:, 1:], own)), axis=-1)
+    limit = BREAK * median_of(distance[kept, 4])
+    links = np.empty((*index.shape, 2), dtype=np.int64)
+    links[:] = np.arange(len(kept))[:, None, None]
+    np.copyto(links[:, :, 1], index, where=(distance <= limit) & kept.take(index) & kept[:, None])
     labels = pieces_of_links(links.reshape(-1, 2), len(kept))
     sizes = np.bincount(labels, weights=kept)
     stray = sizes < min(TOLERANCES.stray_share * count, sizes.max())
@@ -210,7 +210,7 @@ def closest(a: SurfaceCloud, b: SurfaceCloud) -> Closest:
         a: One surface.
         b: The other.
     """
-    slack = 2 * (a.cell + b.cell)
+    slack = a.cell + b.cell
     if a.cell == 0 or b.cell == 0:  # patches of single points reach as far as their neighbours do
         slack += 3 * max(a.spacing, b.spacing)
     more = 1 + 1e-9  # a distance there and one back differ by their rounding

@@ -61,10 +61,10 @@ COARSE = 1500
 LARGEST_CELL = 0.01
 """Edge of a cell [m] of a table or shelf: what stands before it leaves slivers of it two or three cm wide."""
 
-FINE = 3000
+FINE = 1500
 """Points per object that the closest region may have; contact patches beyond that are thinned."""
 
-FAR = 2.0
+FAR = 4.0
 """Widths of the cells around both surfaces, from which the mean points tell their distance: to 2 %."""
 
 FILLED = 0.2

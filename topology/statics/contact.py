@@ -67,6 +67,7 @@ class Contact:
             body must roll on the other until this is where they touch.
         inferred: True where no camera saw the contact and gravity says there must be one.
         friction: Coefficient of dry friction.
+        exact: Whether the normals are those of faces, not of points.
     """
 
     a: str
@@ -77,6 +78,7 @@ class Contact:
     turns: FloatArray
     inferred: bool = False
     friction: float = FRICTION
+    exact: bool = False
 
     def only(self, keep: BoolArray) -> "Contact | None":
         """The part of the patch chosen by a (k,) mask, itself where that is all; None where it is nothing."""

@@ -7,7 +7,7 @@ import numpy as np
 from scipy.optimize import linprog
 from scipy.sparse import coo_array, csr_array
 
-from topple.topology.arrays import FloatArray
+from topple.topology.arrays import BoolArray, FloatArray
 from topple.topology.statics.contact import Contact
 from topple.topology.statics.tolerances import CONE_EDGES, DENSITY
 
@@ -202,7 +202,8 @@ def force_columns(
         empty = np.zeros(0, dtype=np.int64)
         return empty, empty, np.zeros(0), 0
     friction = np.repeat([c.friction for c in contacts], [len(c.gaps) for c in contacts])
-    forces = cone_edges(np.concatenate([c.normals for c in contacts]), friction).reshape(-1, 3)
+    exact = np.repeat([c.exact for c in contacts], [len(c.gaps) for c in contacts])
+    forces = cone_edges(np.concatenate([c.normals for c in contacts]), friction, exact).reshape(-1, 3)
     points = np.repeat(np.concatenate([c.points for c in contacts]), CONE_EDGES, axis=0)
     each = [CONE_EDGES * len(c.gaps) for c in contacts]
     place = {name: i for i, name in enumerate(weights)}
@@ -225,20 +226,26 @@ def force_columns(
     return np.concatenate(rows), np.concatenate(cols), np.concatenate(values), len(points)
 
 
-def cone_edges(normals: FloatArray, friction: FloatArray) -> FloatArray:
-    """Edges of the friction pyramids, one of them up the slope, along which most friction is asked for.
+def cone_edges(normals: FloatArray, friction: FloatArray, exact: BoolArray) -> FloatArray:
+    """Find the edges of the friction pyramids.
+
+    Of an exact contact one is up the slope, along which most friction is asked for. Where normals are read
+    off points the level ones are: corners that noise turns would grip what lies on them.
 
     Args:
         normals: (k, 3) unit normals into the pushed object.
         friction: (k,) coefficients of friction.
+        exact: (k,) which normals are exact.
 
     Returns:
         (k, E, 3) forces with unit normal part.
     """
-    helper = np.where(np.abs(normals[:, [2]]) < 0.999, [[0.0, 0.0, 1.0]], [[1.0, 0.0, 0.0]])
-    level = np.cross(normals, helper)
+    steep = np.abs(normals[:, 2]) < np.where(exact, 0.999, 0.9)
+    level = np.cross(normals, np.where(steep[:, None], [[0.0, 0.0, 1.0]], [[1.0, 0.0, 0.0]]))
     level /= np.linalg.norm(level, axis=1, keepdims=True)
-    steepest = np.cross(level, normals)
+    across = np.cross(normals, level)
+    first = np.where(exact[:, None], across, level)
+    second = np.where(exact[:, None], level, across)
     angles = 2 * np.pi * np.arange(CONE_EDGES) / CONE_EDGES
-    sideways = steepest[:, None] * np.cos(angles)[:, None] + level[:, None] * np.sin(angles)[:, None]
+    sideways = first[:, None] * np.cos(angles)[:, None] + second[:, None] * np.sin(angles)[:, None]
     return normals[:, None] + friction[:, None, None] * sideways

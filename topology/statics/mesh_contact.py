@@ -173,7 +173,9 @@ def mesh_contact(
     size = min(float(np.ptp(solid.vertices, axis=0).max()) for solid in (a, b))
     found = found.only(_level(found, NEAREST_WITHIN * size))
     found = found.only(_outermost(found))
-    return Contact(*names, found.points, found.normals, found.gaps, found.turns, friction=friction)
+    return Contact(
+        *names, found.points, found.normals, found.gaps, found.turns, friction=friction, exact=True
+    )
 
 
 def _level(hits: _Hits, radius: float) -> BoolArray:

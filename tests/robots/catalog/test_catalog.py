@@ -21,7 +21,7 @@ def test_every_arm_is_complete(name: str) -> None:
 
 def test_an_unknown_name_lists_the_known_ones() -> None:
     with pytest.raises(
-        InvalidInput, match="unknown robot 'pander': expected panda, panda-suction, iiwa, xarm6"
+        InvalidInput, match=r"'pander': did you mean 'panda'\? expected panda, panda-suction, iiwa, xarm6"
     ):
         robot("pander")
 

@@ -1,4 +1,5 @@
 import json
+import pickle
 from pathlib import Path
 
 import numpy as np
@@ -112,6 +113,17 @@ def test_the_gap_is_the_distance_of_the_surfaces(gap):
     pair = between(first, second, deviation=0.003)
     assert pair.gap == pytest.approx(gap, abs=0.0025)
     assert pair.gap_exact
+
+
+def test_a_gap_is_measured_only_where_its_bound_does_not_tell():
+    first, second = box((0.05, 0.05, 0.05), [0, 0, 0]), box((0.05, 0.05, 0.05), [0.11, 0, 0], seed=7)
+    pair = relate(Scene({"a": first, "b": second}), deviation=0.003).between("a", "b")
+    assert pair.relation is Relation.DISJOINT
+    assert not pair.within(0.05)
+    assert "gap" not in vars(pair)
+    assert pair.within(0.07)
+    assert pair.least <= pair.gap == pair.converse.gap == pickle.loads(pickle.dumps(pair)).gap
+    assert pair.gap == pytest.approx(0.06, abs=0.0025)
 
 
 def test_sparse_samples_of_a_plane_are_a_plane():
