@@ -16,7 +16,7 @@ def packages_of(extra: str) -> list[str]:
     ]
 
 
-def near_miss(name: str, known: Iterable[str]) -> str:
+def suggestion(name: str, known: Iterable[str]) -> str:
     """Ask whether a known name was meant, as "did you mean 'plate'? "; empty where none is like it."""
     from difflib import get_close_matches
 
@@ -66,7 +66,7 @@ class UnknownObject(InvalidInput):
         self.known = tuple(sorted(known))
         self._role = role
         has = f"the scene has {', '.join(self.known) or 'no objects'}"
-        super().__init__(f"unknown {role} {name!r}: {near_miss(name, self.known)}{has}")
+        super().__init__(f"unknown {role} {name!r}: {suggestion(name, self.known)}{has}")
 
     def __reduce__(self) -> tuple[object, ...]:
         """Pickle by its parts, so that it can come back from another process."""

@@ -28,7 +28,7 @@ class PairRelation(ByValue):
         kind: "one-sided contact" or "coincident" where the matrix shows one, else None.
         inferred: True where the relation was concluded from gravity and not from the clouds alone.
         reason: What decided, where it was anything else than Table 1 on the matrix; None where it was that.
-        least: What the gap is at least [m], known without measuring it.
+        least_gap: What the gap is at least [m], known without measuring it.
     """
 
     a: str
@@ -42,7 +42,7 @@ class PairRelation(ByValue):
     kind: str | None = None
     inferred: bool = False
     reason: str | None = None
-    least: float = -inf
+    least_gap: float = -inf
 
     @cached_property
     def matrix(self) -> IntArray:
@@ -56,7 +56,7 @@ class PairRelation(ByValue):
 
     def within(self, limit: float) -> bool:
         """Tell whether the gap is at most so wide [m], measuring it only where its bound does not tell."""
-        return self.least <= limit and self.gap <= limit
+        return self.least_gap <= limit and self.gap <= limit
 
     def _compared(self) -> list[Any]:
         """What is counted and measured, not how that comes about."""

@@ -7,7 +7,7 @@ from functools import cached_property, partial
 from importlib.metadata import EntryPoint, entry_points
 from typing import Any, Generic, TypeVar, cast
 
-from topple.topology.errors import InvalidInput, ToppleError, near_miss
+from topple.topology.errors import InvalidInput, ToppleError, suggestion
 
 log = logging.getLogger(__name__)
 
@@ -74,7 +74,7 @@ class Table(Generic[Kind]):
             InvalidInput: There is nothing of that name, or it cannot be imported.
         """
         if name not in self:
-            meant = near_miss(name, self)
+            meant = suggestion(name, self)
             raise InvalidInput(f"there is no {self.role} {name!r}: {meant}expected {', '.join(self)}")
         if name in self._own:
             return self._own[name].load()

@@ -100,8 +100,9 @@ def _code(document: Any) -> int:
 def _show(as_json: bool, kept: Kept | None, path: str, document: dict[str, Any]) -> int:
     if not stored(as_json, kept, path, document):
         print_text(f"{path}: {document['verdict']}")
-        cells = [_cells(each) for each in document["objects"]]
-        headings = ["object", "verdict", "carried by", "centre mm", "tilt °", "push N", "falls with it"]
+        from topple.planner.report.words import CHECK_HEADINGS, check_cells
+
+        cells, headings = [check_cells(each) for each in document["objects"]], [*CHECK_HEADINGS]
         if "played" in document:
             _show_played(document["played"], path)
             headings.append(f"moved on {document['played']['engine']}")
@@ -109,21 +110,6 @@ def _show(as_json: bool, kept: Kept | None, path: str, document: dict[str, Any])
         print_table(headings, cells, right=(3, 4, 5))
         print_assumptions(document["assumptions"])
     return _code(document)
-
-
-def _cells(found: dict[str, Any]) -> tuple[str, ...]:
-    """The row of an object."""
-    margins = found.get("margins", {})
-    carried = ", ".join(f"{each['object']} {each['newton']:.3g} N" for each in found.get("carried_by", ()))
-    far = f" {found['mm']:.2g} mm" if "mm" in found else ""
-    others = f" ({', '.join(found['others'])})" if found.get("others") and not found["stands"] else ""
-    return (
-        found["object"],
-        found["verdict"] + far + others,
-        carried + (" by friction" if found.get("by_friction") else ""),
-        *(f"{margins[key]:.3g}" if key in margins else "" for key in _MARGINS),
-        ", ".join(found.get("falls_with", ())),
-    )
 
 
 def _show_played(played: dict[str, Any], path: str) -> None:
@@ -138,6 +124,3 @@ def _moved(played: dict[str, Any], name: str) -> str:
     moved = played["moved"][name]
     mark = " !" if name in played["disagreeing"] else ""
     return f"{moved['mm']:.3g} mm, {moved['degrees']:.2g}°{mark}"
-
-
-_MARGINS = ("centre_mm", "tilt_degrees", "push_newton")

@@ -92,20 +92,20 @@ class Parser(argparse.ArgumentParser):
 
     def error(self, message: str) -> NoReturn:
         """Print what is wrong, what was meant and where to read on, and leave with exit code 2."""
-        from topple.topology.errors import near_miss
+        from topple.topology.errors import suggestion
 
         wrong = re.search(r"invalid choice: '([^']*)' \(choose from (.*)\)", message)
         if wrong:
-            meant = near_miss(wrong[1], re.findall(r"[\w-]+", wrong[2])).strip()
+            meant = suggestion(wrong[1], re.findall(r"[\w-]+", wrong[2])).strip()
             message += f"; {meant}" if meant else ""
         self.exit(WRONG_USE, f"{self.prog}: {message} (see {self.prog} --help)\n")
 
     def refuse(self, unknown: Sequence[str]) -> NoReturn:
         """Leave because of arguments that it does not have."""
-        from topple.topology.errors import near_miss
+        from topple.topology.errors import suggestion
 
         options = [flag for action in self._actions for flag in action.option_strings]  # pyright: ignore[reportPrivateUsage]
-        meant = near_miss(unknown[0].partition("=")[0], options) if unknown[0].startswith("--") else ""
+        meant = suggestion(unknown[0].partition("=")[0], options) if unknown[0].startswith("--") else ""
         self.error("; ".join(filter(None, [f"unrecognized arguments: {' '.join(unknown)}", meant.strip()])))
 
 

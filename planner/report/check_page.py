@@ -12,6 +12,7 @@ from topple.planner.report.html import table, view_page
 from topple.planner.report.palette import Colour, css
 from topple.planner.report.photo import photo
 from topple.planner.report.tables import object_name, sentence_list
+from topple.planner.report.words import CHECK_HEADINGS, MARGINS, check_cells
 from topple.topology.arrays import FloatArray
 from topple.topology.scene import Scene
 
@@ -27,7 +28,6 @@ KEYS = {
     "its weight may be as far aside": ASIDE,
     "does not stand": FAILS,
 }
-MARGINS = ("centre_mm", "tilt_degrees", "push_newton")
 
 
 def check_page(scene: Scene, found: Document, title: str) -> str:
@@ -62,7 +62,7 @@ def _sentence(found: Document) -> str:
     margins = found.get("margins")
     if not margins:
         return found["sentence"]
-    push, tilt, aside = (margins[key] for key in ("push_newton", "tilt_degrees", "centre_mm"))
+    aside, tilt, push = (margins[key] for key in MARGINS)
     return f"{found['sentence']}; moves at {push:.2g} N, {tilt:.2g}° or with its weight {aside:.2g} mm aside"
 
 
@@ -104,20 +104,11 @@ def _arrows(drawing: Drawing, found: Document) -> list[tuple[FloatArray, FloatAr
 
 def _table(objects: Sequence[Mapping[str, Any]], index: Mapping[str, int]) -> str:
     """A row for each object, those that do not stand first."""
-    headings = ("object", "verdict", "carried by", "centre mm", "tilt °", "push N", "falls with it")
-    rows = ""
+    numbers, rows = CHECK_HEADINGS[3:6], ""
     for each in sorted(objects, key=lambda one: one["stands"]):
-        margins = each.get("margins", {})
-        carried = ", ".join(f"{c['object']} {c['newton']:.3g} N" for c in each.get("carried_by", ()))
-        carried += " by friction" if each.get("by_friction") else ""
-        said = each["verdict"] if each["stands"] else each["sentence"].removeprefix(each["object"] + " ")
-        cells = [said, carried]
-        cells += [f"{margins[key]:.3g}" if margins else "" for key in MARGINS]
-        cells.append(", ".join(each.get("falls_with", ())))
-        numbers = {2, 3, 4}
-        shown = "".join(
-            f"<td{' class=number' if k in numbers else ''}>{escape(cell)}</td>"
-            for k, cell in enumerate(cells)
+        named = list(zip(CHECK_HEADINGS, check_cells(each), strict=True))[1:]
+        cells = "".join(
+            f"<td{' class=number' if title in numbers else ''}>{escape(cell)}</td>" for title, cell in named
         )
-        rows += f"<tr><td>{object_name(each['object'], index)}</td>{shown}</tr>"
-    return "<h2>Objects</h2>" + table(headings, rows, numbers=headings[3:6])
+        rows += f"<tr><td>{object_name(each['object'], index)}</td>{cells}</tr>"
+    return "<h2>Objects</h2>" + table(CHECK_HEADINGS, rows, numbers=numbers)

@@ -17,6 +17,11 @@ UNTIED = "nothing depends on it, and it depends on nothing"
 
 TARGET = "this is a target"
 
+CHECK_HEADINGS = ("object", "verdict", "carried by", "centre mm", "tilt °", "push N", "falls with it")
+"""Of a table with a row of `check_cells` for each object."""
+
+MARGINS = ("centre_mm", "tilt_degrees", "push_newton")
+
 _BECAUSE = {
     "supported": ("rests on {it}", "rest on {it}"),
     "leaning": ("leans on {it}", "lean on {it}"),
@@ -148,3 +153,18 @@ def millimetres(metres: float) -> str:
     """A length in millimetres, to a tenth below 10 mm."""
     value = metres * 1000
     return f"{rounded(value, 1 if abs(value) < 10 else 0)} mm"
+
+
+def check_cells(found: Document) -> tuple[str, ...]:
+    """Say of an object of a `topple.check` document what becomes of it, what carries it and by how much."""
+    margins = found.get("margins", {})
+    carried = ", ".join(f"{each['object']} {each['newton']:.3g} N" for each in found.get("carried_by", ()))
+    far = f" {found['mm']:.2g} mm" if "mm" in found else ""
+    others = f" ({', '.join(found['others'])})" if found.get("others") and not found["stands"] else ""
+    return (
+        found["object"],
+        found["verdict"] + far + others,
+        carried + (" by friction" if found.get("by_friction") else ""),
+        *(f"{margins[key]:.3g}" if key in margins else "" for key in MARGINS),
+        ", ".join(found.get("falls_with", ())),
+    )

@@ -18,7 +18,7 @@ from topple.robots.hands.suction_hand import CUP_JOINT, CUP_LINK, PANDA_CUP, pan
 from topple.robots.hands.wsg50 import wsg50_fingers, wsg50_xml
 from topple.topology.arguments import checked_arguments
 from topple.topology.arrays import FloatArray
-from topple.topology.errors import InvalidInput, near_miss
+from topple.topology.errors import InvalidInput, suggestion
 from topple.topology.plugins import Table
 
 ROBOTS: Table[Callable[[], Arm]] = Table(
@@ -80,7 +80,7 @@ def robot(
     if path is not None:
         return arm_from_file(path, gripper, srdf=srdf, group=group)
     raise InvalidInput(
-        f"unknown robot {str(name)!r}: {near_miss(str(name), ROBOTS)}expected {', '.join(ROBOTS)}, the "
+        f"unknown robot {str(name)!r}: {suggestion(str(name), ROBOTS)}expected {', '.join(ROBOTS)}, the "
         f"path of a .urdf file, or the name of one that {' or '.join(DESCRIPTIONS)} ships (extra `arms`)"
     )
 

@@ -76,7 +76,7 @@ def _pair(entry: Mapping[str, Any], relations: RelationTable, where: str) -> Pai
         told["reason"] = entry.get("reason")
     if "gap" in entry:
         told["distance"] = _number(entry["gap"], f"{where}.gap")
-        told |= {"gap_exact": bool(entry.get("gap_exact", True)), "least": -inf}
+        told |= {"gap_exact": bool(entry.get("gap_exact", True)), "least_gap": -inf}
     if "confidence" in entry:
         told["confidence"] = _number(entry["confidence"], f"{where}.confidence")
         if not 0.0 <= told["confidence"] <= 1.0:

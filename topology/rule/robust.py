@@ -67,7 +67,7 @@ class RobustRule:
         if least > self._reach(a, b) + max(a.spacing, b.spacing):  # no patch of either reaches the other
             nowhere = np.array([[0, 0, a.size], [0, 0, b.size]], dtype=np.int64)
             out = cache(lambda: self._out(closest(a, b), least))
-            pair = PairRelation(a.name, b.name, Relation.DISJOINT, nowhere, out, least=least)
+            pair = PairRelation(a.name, b.name, Relation.DISJOINT, nowhere, out, least_gap=least)
             return self._weigh(pair, a, b)
         near = closest(a, b)
         touching = near.gap <= self.deviation
@@ -208,7 +208,7 @@ class RobustRule:
         cameras = 0 if self.sight is None else len(self.sight.viewpoints)
         if pair.relation is Relation.DISJOINT:
             kind, unit = (Evidence.APART, self.deviation) if observed else (Evidence.APART_UNSEEN, 1.0)
-            gap = pair.least if is_best(kind, cameras, pair.least / unit) else pair.gap
+            gap = pair.least_gap if is_best(kind, cameras, pair.least_gap / unit) else pair.gap
             return confidence(kind, cameras, gap / unit)
         if pair.relation is Relation.TOUCH:
             return confidence(Evidence.TOUCH, cameras, pair.gap / self.deviation)

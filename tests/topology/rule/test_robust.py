@@ -122,7 +122,7 @@ def test_a_gap_is_measured_only_where_its_bound_does_not_tell():
     assert not pair.within(0.05)
     assert "gap" not in vars(pair)
     assert pair.within(0.07)
-    assert pair.least <= pair.gap == pair.converse.gap == pickle.loads(pickle.dumps(pair)).gap
+    assert pair.least_gap <= pair.gap == pair.converse.gap == pickle.loads(pickle.dumps(pair)).gap
     assert pair.gap == pytest.approx(0.06, abs=0.0025)
 
 
