@@ -27,8 +27,8 @@ from topple.topology.geometry.thin import thinned
 from topple.topology.io.models import meant_by, model_files, read_model
 from topple.topology.mesh import Mesh
 from topple.topology.model_fit import ModelFit
-from topple.topology.rule.robust import seen_in
 from topple.topology.scene import Scene
+from topple.topology.sight import seen_in
 from topple.topology.views.free_space import FreeSpace
 
 

@@ -11,8 +11,8 @@ from topple.planner.verify.replay import SegmentReplay
 from topple.planner.verify.tolerances import EVERY, FILLED, NOISE, SHARE, STRAYS
 from topple.robots.arm.arm import Arm
 from topple.topology.arrays import FloatArray
-from topple.topology.bodies.plates import pieces_of, surface_spacing
 from topple.topology.bodies.tolerances import GRAIN
+from topple.topology.geometry.pieces import pieces_of, surface_spacing
 from topple.topology.geometry.rigid import transformed
 from topple.topology.geometry.sides import beyond, joggled_sides
 from topple.topology.geometry.thin import spacing_of, voxel_means

@@ -11,11 +11,11 @@ import pytest
 from topple.topology import Scene, relate
 from topple.topology.errors import InvalidInput, UnknownObject
 from topple.topology.io import load_scene
+from topple.topology.scene_tolerances import FRICTION
 from topple.topology.situation import Situation
 from topple.topology.statics.equilibrium import Weight, balance
 from topple.topology.statics.matter import friction_between
 from topple.topology.statics.rest import Statics, weigh
-from topple.topology.statics.tolerances import FRICTION
 
 CUBE = np.random.default_rng(0).random((200, 3)) * 0.1
 TABLE = np.random.default_rng(1).random((200, 3)) * [1, 1, 0]

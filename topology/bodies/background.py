@@ -6,13 +6,19 @@ import numpy as np
 from scipy import ndimage
 
 from topple.topology.arrays import BoolArray, FloatArray, bounds, within_corners
-from topple.topology.bodies.matter import surface_of
-from topple.topology.bodies.plates import pieces_of
-from topple.topology.bodies.tolerances import (
+from topple.topology.geometry.axes import level_axes, perpendiculars
+from topple.topology.geometry.pieces import pieces_of
+from topple.topology.geometry.plane import TABLE, fit_plane, table_by_name
+from topple.topology.geometry.sides import beyond, joggled_sides
+from topple.topology.geometry.thin import cell_keys, voxel_means
+from topple.topology.geometry.tolerances import LINKED, ON_PLANE
+from topple.topology.kernels.neighbours import PointTree
+from topple.topology.scene_tolerances import (
     BACKGROUND_FEWEST,
     BESIDE,
     IN_COMMON,
-    LINKED,
+    LEAST_PLATE,
+    MATTER_FEWEST,
     MATTER_SPACING,
     NEAR,
     OVER,
@@ -24,12 +30,6 @@ from topple.topology.bodies.tolerances import (
     STANDS,
     VOXEL,
 )
-from topple.topology.geometry.axes import level_axes, perpendiculars
-from topple.topology.geometry.plane import TABLE, fit_plane, table_by_name
-from topple.topology.geometry.sides import beyond, joggled_sides
-from topple.topology.geometry.thin import cell_keys, voxel_means
-from topple.topology.geometry.tolerances import ON_PLANE
-from topple.topology.kernels.neighbours import PointTree
 from topple.topology.values import free_name
 
 
@@ -186,6 +186,23 @@ def _above_lowest(
     planes = [plane * np.sign(plane[:3] @ up) for plane, _ in (fit_plane(each, up=up) for each in supports)]
     lowest = max(planes, key=lambda plane: float(plane[:3] @ middle + plane[3]))
     return np.asarray(points @ lowest[:3] + lowest[3] > RISES)
+
+
+def surface_of(points: FloatArray) -> FloatArray:
+    """Thin points to one for each cube that holds a surface: what flies between surfaces is left out.
+
+    Args:
+        points: (N, 3) points [m].
+
+    Returns:
+        (M, 3) means of the points in cubes with an edge of `MATTER_SPACING`.
+    """
+    means = voxel_means(points, MATTER_SPACING, fewest=2)
+    if len(means) == 0:
+        return means
+    keys = cell_keys(means, *bounds(means), LEAST_PLATE)
+    _, cell, count = np.unique(keys, return_inverse=True, return_counts=True)
+    return means[count[cell] >= MATTER_FEWEST]
 
 
 def _near(some: FloatArray, points: FloatArray, reach: float) -> BoolArray:

@@ -3,38 +3,12 @@
 import numpy as np
 from scipy.spatial import ConvexHull
 
-from topple.topology.arrays import BoolArray, FloatArray, bounds
-from topple.topology.bodies.tolerances import (
-    BRIDGED,
-    LEAST_PLATE,
-    MATTER_FEWEST,
-    MATTER_SPACING,
-    PLATE_BACK,
-    PLATE_FLAT,
-    PLATE_STRAYS,
-    PLATE_SUNK,
-)
-from topple.topology.geometry.thin import cell_keys, voxel_means
+from topple.topology.arrays import BoolArray, FloatArray
+from topple.topology.bodies.tolerances import BRIDGED, PLATE_BACK, PLATE_FLAT, PLATE_STRAYS, PLATE_SUNK
+from topple.topology.scene_tolerances import LEAST_PLATE, MATTER_SPACING
 
 MATTER = "something without a name"
 """What messages and plans call it: it is in the way, and no object."""
-
-
-def surface_of(points: FloatArray) -> FloatArray:
-    """Thin points to one for each cube that holds a surface: what flies between surfaces is left out.
-
-    Args:
-        points: (N, 3) points [m].
-
-    Returns:
-        (M, 3) means of the points in cubes with an edge of `MATTER_SPACING`.
-    """
-    means = voxel_means(points, MATTER_SPACING, fewest=2)
-    if len(means) == 0:
-        return means
-    keys = cell_keys(means, *bounds(means), LEAST_PLATE)
-    _, cell, count = np.unique(keys, return_inverse=True, return_counts=True)
-    return means[count[cell] >= MATTER_FEWEST]
 
 
 def plates_along(points: FloatArray, viewpoints: FloatArray) -> tuple[FloatArray, ...]:

@@ -8,21 +8,18 @@ from topple.topology.arrays import BoolArray, FloatArray
 from topple.topology.bodies.parts import convex_parts
 from topple.topology.bodies.tolerances import (
     AROUND,
-    LINKED,
     PATCH_FEWEST,
-    PLATES_FEWEST,
     PLATES_LEAST,
     RIM_FEWEST,
     SKIN,
     SKY,
-    SPARSE,
     THICK,
     TRIES,
 )
+from topple.topology.geometry.pieces import pieces_of, surface_spacing
 from topple.topology.geometry.sides import beyond, joggled_sides
-from topple.topology.geometry.thin import spacing_of
+from topple.topology.geometry.tolerances import LINKED, PLATES_FEWEST
 from topple.topology.kernels.neighbours import PointTree
-from topple.topology.kernels.pieces import pieces_of_links
 
 
 def plates_of(
@@ -91,39 +88,3 @@ def _beside(points: FloatArray, some: FloatArray) -> BoolArray:
     middle = some.mean(axis=0)
     normal = np.linalg.eigh((some - middle).T @ (some - middle))[1][:, 0]
     return np.abs((points - middle) @ normal) < THICK
-
-
-def surface_spacing(points: FloatArray, spacing: float) -> float:
-    """Typical distance of neighbours on surfaces that may have fewer points than the whole they are of [m].
-
-    Args:
-        points: (N, 3) points [m].
-        spacing: That of the whole [m].
-
-    Returns:
-        The larger of the two; that of points as sparse as strays counts for nothing.
-    """
-    own = spacing_of(points) if len(points) else 0.0
-    return max(spacing, own) if own <= SPARSE else spacing
-
-
-def pieces_of(points: FloatArray, spacing: float = 0.0, fewest: int = PLATES_FEWEST) -> list[FloatArray]:
-    """Points that hang together; what is too small to be a thing is left out.
-
-    Args:
-        points: (N, 3) points [m].
-        spacing: Typical distance of neighbours on a surface [m]; counts where that is sparse.
-        fewest: Points of a piece at least.
-
-    Returns:
-        (M, 3) points of each piece [m].
-    """
-    return [piece for piece in _connected(points, max(LINKED, 2.0 * spacing)) if len(piece) >= fewest]
-
-
-def _connected(points: FloatArray, reach: float) -> list[FloatArray]:
-    """(N, 3) points [m] as those that hang together, each within reach of another."""
-    if len(points) == 0:
-        return []
-    number = pieces_of_links(PointTree(points).query_pairs(reach), len(points))
-    return [points[number == k] for k in range(int(number.max()) + 1)]

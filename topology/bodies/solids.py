@@ -9,28 +9,20 @@ from scipy.spatial import ConvexHull, QhullError
 from topple.topology.arrays import BoolArray, FloatArray, rounded
 from topple.topology.bodies.matter import MATTER, plates_along
 from topple.topology.bodies.parts import convex_parts
-from topple.topology.bodies.plates import pieces_of, plates_of
-from topple.topology.bodies.tolerances import (
-    BOARD,
-    GRAIN,
-    HOLLOW,
-    LINKED,
-    MATTER_SPACING,
-    PLATES_FEWEST,
-    SKIN,
-    SKY,
-    SLAB,
-    SOLIDS_CELL,
-)
+from topple.topology.bodies.plates import plates_of
+from topple.topology.bodies.tolerances import BOARD, GRAIN, HOLLOW, SKIN, SKY, SLAB, SOLIDS_CELL
 from topple.topology.bodies.tops import Top, tops_of
 from topple.topology.errors import InvalidInput
 from topple.topology.geometry.axes import level_axes
+from topple.topology.geometry.pieces import pieces_of
 from topple.topology.geometry.rigid import transformed
 from topple.topology.geometry.samples import centre_of_mass
 from topple.topology.geometry.sides import beyond, sides_of
 from topple.topology.geometry.thin import spacing_of, voxel_means
+from topple.topology.geometry.tolerances import LINKED, PLATES_FEWEST
 from topple.topology.kernels.neighbours import PointTree
 from topple.topology.scene import Scene
+from topple.topology.scene_tolerances import MATTER_SPACING
 from topple.topology.tolerances import DEPTH_NOISE
 
 Solids = Mapping[str, Sequence[FloatArray]]

@@ -1,26 +1,5 @@
 """Thresholds of bodies, each with its unit and reason, by the module that asks them."""
 
-# -- background
-
-NEAR = 0.3
-"""Distance [m] from the objects within which their table is looked for: a tall jug seen from above."""
-
-PLANES = 6
-"""Planes looked at, the largest first: table, floor, walls, and the sides of what stands about."""
-
-BACKGROUND_FEWEST = 200
-"""Points of a plane that may be a table: less is the side of something small."""
-
-STANDS = 0.03
-"""Distance [m] from a plane to which what stands on it is seen to reach: noise and a mask's margin."""
-
-OVER = 0.8
-"""Share of the objects that must lie over the plane; one or two may stand past its edge, lower."""
-
-VOXEL = 0.05
-"""Edge [m] of the cells in which the table's extent hangs together: what is thin hides less of it."""
-
-
 # -- complete
 
 BARE = 0.01
@@ -183,18 +162,8 @@ AROUND = 0.02
 PLATES_LEAST = 0.04
 """Share of the points a plate has at least; what is left over is cut into convex parts."""
 
-LINKED = 0.015
-"""Points this close belong together [m]."""
-
-PLATES_FEWEST = 12
-"""Points of a piece that counts: fewer are noise."""
-
 PATCH_FEWEST = 4
 """Points of a part that closes a gap between two: fewer have no volume."""
-
-SPARSE = 0.04
-"""[m] between neighbours above which points are strays: a hundred in the room over a table are 10 cm apart,
-500 points of a wall of a third of a square metre 3 cm."""
 
 RIM_FEWEST = 6
 """Points of a part of it: 3 cm of a rim that is one averaged point wide."""
@@ -296,36 +265,7 @@ ROUNDS = 10
 """Rounds of fitting a plane to the points about it: it settles in half as many."""
 
 
-# -- unnamed
-
-BESIDE = 0.3
-"""Distance [m] beyond the objects to which things without a name are looked for: what reaches further is a
-wall or a screen."""
-
-RISES = 0.012
-"""Height [m] above what carries the objects from which points are of a thing: noise and ripple of a table."""
-
-SAME = 0.008
-"""Distance [m] to an object within which points are its own: pixels of a mask that another view has."""
-
-IN_COMMON = 0.15
-"""Share of its surface that a piece without a mask has in common with an object, from which it is of that one
-and has a mask in another picture: of 93 such pieces 95 % have 0.24 and more, of 90 things none above 0.09."""
-
-REACH = 1.0
-"""Distance [m] beyond the objects within which an arm at work on them may meet what stands there."""
-
-
 # -- matter
-
-MATTER_SPACING = 0.01
-"""Edge [m] of cubes whose points are averaged: a dozen pixels of a wall at 1.5 m, one of what flies."""
-
-MATTER_FEWEST = 4
-"""Cubes with points in one of `LEAST_PLATE`: a wall fills 16 of them, a line of sight that flies none."""
-
-LEAST_PLATE = 0.04
-"""Size [m] to which what is not flat is cut: hollows narrower than that no hand gets into."""
 
 BRIDGED = 0.02
 """Width [m] of a gap that no plate reaches over: two cubes, as one may be without points."""
@@ -342,6 +282,3 @@ PLATE_SUNK = 0.003
 
 PLATE_BACK = 0.004
 """Least thickness [m] of a plate: how thick a wall is cannot be seen, and thin screens end there."""
-
-ROBOT_NEAR = 0.03
-"""Distance [m] from a robot's bodies within which points are its own: covers, cables, calibration."""

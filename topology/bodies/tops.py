@@ -13,7 +13,6 @@ from scipy.ndimage import binary_closing, binary_dilation, distance_transform_ed
 from scipy.spatial import ConvexHull
 
 from topple.topology.arrays import BoolArray, FloatArray, IntArray, bounds, frozen, middle_of
-from topple.topology.bodies.plates import pieces_of, surface_spacing
 from topple.topology.bodies.tolerances import (
     FACES,
     FILLED,
@@ -24,9 +23,7 @@ from topple.topology.bodies.tolerances import (
     MOST_CELLS,
     MOST_LEVELS,
     OVERLAP,
-    PLATES_FEWEST,
     RAISED,
-    RISES,
     ROOM,
     ROUNDS,
     SECTORS,
@@ -42,10 +39,12 @@ from topple.topology.bodies.tolerances import (
     WIDEST_BAND,
 )
 from topple.topology.geometry.axes import perpendiculars
+from topple.topology.geometry.pieces import pieces_of, surface_spacing
 from topple.topology.geometry.plane import fit_plane, plane_through
 from topple.topology.geometry.thin import spacing_of, voxel_means
-from topple.topology.geometry.tolerances import ENOUGH
+from topple.topology.geometry.tolerances import ENOUGH, PLATES_FEWEST
 from topple.topology.remembered import remembered
+from topple.topology.scene_tolerances import RISES
 from topple.topology.tolerances import DEPTH_NOISE
 
 REMEMBERED = 64  # clouds whose tops are kept

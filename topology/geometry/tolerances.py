@@ -79,3 +79,13 @@ COARSE = 0.01
 BEFORE = 2e-5
 """How far before the first point cells begin [m]: files round to tenths of millimetres, and what is
 rounded shall not lie on the edge of a cell, where the last bit of a number decides."""
+
+LINKED = 0.015
+"""Points this close belong together [m]."""
+
+PLATES_FEWEST = 12
+"""Points of a piece that counts: fewer are noise."""
+
+SPARSE = 0.04
+"""[m] between neighbours above which points are strays: a hundred in the room over a table are 10 cm apart,
+500 points of a wall of a third of a square metre 3 cm."""

@@ -23,8 +23,9 @@ from topple.topology.rule.cavity import roofed, surrounded
 from topple.topology.rule.facing import facing_seen
 from topple.topology.rule.inferred import infer_contacts
 from topple.topology.rule.surface import Closest, Reaching, SurfaceCloud, closest, distances
-from topple.topology.rule.tolerances import CONTENT, RAYS, WALL
+from topple.topology.rule.tolerances import CONTENT, WALL
 from topple.topology.scene import Scene
+from topple.topology.sight import seen_in, seen_points
 from topple.topology.sixim.table import Relation, classify, kind_of
 from topple.topology.tolerances import TOLERANCES
 from topple.topology.views.free_space import FreeSpace
@@ -267,17 +268,3 @@ def _reason(matrix: IntArray, relation: Relation) -> str | None:
     if interior.any():
         return FEW
     return CLOSE if relation is Relation.TOUCH else APART
-
-
-def seen_in(scene: Scene) -> FreeSpace | None:
-    """What the cameras of a scene saw to be empty, None where no camera is known."""
-    if not scene.images and len(scene.viewpoints) == 0:
-        return None
-    clouds = {name: seen_points(scene, name) for name in scene.names}
-    return FreeSpace(clouds, scene.viewpoints, scene.images)
-
-
-def seen_points(scene: Scene, name: str) -> FloatArray:
-    """(N, 3) points of an object that end lines of sight [m]: a spread of them, of a dense cloud."""
-    cloud = scene.seen(name)
-    return cloud[:: -(-len(cloud) // RAYS)]

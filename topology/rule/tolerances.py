@@ -49,9 +49,6 @@ WALL = 600
 CONTENT = 400
 """Points of the content that are looked at: one in a hundred still shows."""
 
-RAYS = 10_000
-"""Points of a cloud that end lines of sight, as far as no image shows them already: a table's every 5 mm."""
-
 
 # -- surface
 

@@ -19,9 +19,10 @@ from topple.topology.geometry.broadphase import near_pairs
 from topple.topology.geometry.thin import cell_keys, voxel_means
 from topple.topology.kernels.neighbours import PointTree
 from topple.topology.remembered import remembered
+from topple.topology.scene_tolerances import FRICTION
 from topple.topology.statics.grounds import Plane, planes_and_rest
 from topple.topology.statics.matter import friction_between
-from topple.topology.statics.tolerances import BELOW, FRICTION, KEPT_PAIRS, SOLE
+from topple.topology.statics.tolerances import BELOW, KEPT_PAIRS, SOLE
 from topple.topology.tolerances import VOXEL
 from topple.topology.upright import Upright
 

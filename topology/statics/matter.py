@@ -3,7 +3,7 @@
 from collections.abc import Mapping
 from math import sqrt
 
-from topple.topology.statics.tolerances import FRICTION
+from topple.topology.scene_tolerances import FRICTION
 
 SURFACE = sqrt(FRICTION)
 """What a surface nobody tried contributes: two of them touch with `FRICTION`."""

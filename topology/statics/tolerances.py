@@ -109,10 +109,6 @@ DENSITY = 700.0
 DENSEST = 25_000.0
 """Density [kg/m³] beyond that of any matter on a table: osmium has 22,600."""
 
-FRICTION = 0.5
-"""Coefficient of dry friction between two things nobody tried: wood, card, glazed ware and tin lie between
-0.3 and 0.7."""
-
 
 # -- mesh_contact
 
