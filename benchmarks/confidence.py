@@ -1,8 +1,7 @@
 """Counts how often relations and supports are true: `python -m topple.benchmarks.confidence > FILE`.
 
 Seeded piles are settled, where the simulation knows which surfaces are within `NEAR` of each other and what
-carries what. What comes out is what `topple/topology/confidence.json` holds; no score is reported on these
-piles.
+carries what. The result is topology's `confidence.json`; no score is reported on these piles.
 """
 
 import argparse

@@ -156,7 +156,7 @@ class _Acting:
 def _scene(path: str) -> Any:
     """A scene; the table of frames is the label 1 where no table is named."""
     load_scene = _of("load_scene", "topple.topology.io.load")
-    from topple.topology.errors import UnknownObject
+    from topple.topology import UnknownObject
 
     if path.endswith("_scene.npz"):
         return load_scene(Path(path))
